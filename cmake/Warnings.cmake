@@ -1,0 +1,12 @@
+# Warnings and sanitizers for our own targets, never for those who link to us.
+option(PLUMBLINE_WERROR "Treat warnings as errors" OFF)
+set(PLUMBLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+
+function(plumbline_private_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra $<$<BOOL:${PLUMBLINE_WERROR}>:-Werror>)
+  if(PLUMBLINE_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${PLUMBLINE_SANITIZE}
+                           -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${PLUMBLINE_SANITIZE})
+  endif()
+endfunction()

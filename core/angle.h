@@ -1,0 +1,26 @@
+#ifndef PLUMBLINE_CORE_ANGLE_H_
+#define PLUMBLINE_CORE_ANGLE_H_
+
+#include <cmath>
+
+namespace plumbline {
+
+constexpr double kPi = 3.14159265358979323846;
+
+constexpr double DegToRad(double degrees) { return degrees * (kPi / 180.0); }
+constexpr double RadToDeg(double radians) { return radians * (180.0 / kPi); }
+
+/// Returns `angle` [rad] moved by a multiple of 2 pi into [-pi, pi).
+/// T is double or an automatic-differentiation scalar; the derivative is 1 everywhere but at the
+/// cut itself.
+template <typename T>
+T NormalizeAngle(const T& angle) {
+  using std::floor;
+  const T wrapped = angle - T(2.0 * kPi) * floor((angle + T(kPi)) / T(2.0 * kPi));
+  // Rounding can land a hair below pi on the wrong side, exactly at 2 pi above the lower bound.
+  return wrapped >= T(kPi) ? wrapped - T(2.0 * kPi) : wrapped;
+}
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_ANGLE_H_

@@ -1,0 +1,120 @@
+#include "plumbline/core/slam_graph.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <string>
+
+namespace plumbline {
+
+Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
+  std::string error;
+  if (!laser.Check(&error)) return Status::InvalidArgument("laser model: " + error);
+  *laser_id = static_cast<int>(lasers_.size());
+  lasers_.push_back(laser);
+  return Status::Ok();
+}
+
+Status SlamGraph::AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id) {
+  if (!IsFinite(world_from_robot) || !std::isfinite(timestamp_s)) {
+    return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
+                                   ": coordinates or time are not finite");
+  }
+  *pose_id = num_poses();
+  timestamps_s_.push_back(timestamp_s);
+  poses_.insert(poses_.end(), {world_from_robot.x, world_from_robot.y, world_from_robot.yaw});
+  return Status::Ok();
+}
+
+Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
+  const std::string name = "scan " + std::to_string(num_scans());
+  if (pose_id < 0 || pose_id >= num_poses()) {
+    return Status::InvalidArgument(name + ": no pose with id " + std::to_string(pose_id));
+  }
+  if (laser_id < 0 || laser_id >= static_cast<int>(lasers_.size())) {
+    return Status::InvalidArgument(name + ": no laser with id " + std::to_string(laser_id));
+  }
+  const LaserModel& laser = lasers_[laser_id];
+  if (static_cast<int>(ranges.size()) != laser.num_beams) {
+    return Status::InvalidArgument(name + ": " + std::to_string(ranges.size()) +
+                                   " ranges for a laser of " + std::to_string(laser.num_beams) +
+                                   " beams");
+  }
+  ScanEntry entry{pose_id, laser_id, returns_.size(), 0};
+  const Pose2 world_from_laser = WorldFromRobot(pose_id) * laser.robot_from_laser;
+  for (int beam = 0; beam < laser.num_beams; ++beam) {
+    if (!laser.IsReturn(ranges[beam])) continue;
+    returns_.range_m.push_back(ranges[beam]);
+    returns_.bearing_rad.push_back(laser.Bearing(beam));
+    returns_.beam.push_back(beam);
+    returns_.scan.push_back(num_scans());
+    const Eigen::Vector2d end = world_from_laser * BeamEnd(ranges[beam], laser.Bearing(beam));
+    points_.insert(points_.end(), {end.x(), end.y()});
+  }
+  entry.num_returns = returns_.size() - entry.first_return;
+  scans_.push_back(entry);
+  return Status::Ok();
+}
+
+Status SlamGraph::CheckEdge(const char* kind, int from, int to, const Pose2& motion) const {
+  const std::string name =
+      std::string(kind) + " " + std::to_string(from) + " -> " + std::to_string(to);
+  for (int id : {from, to}) {
+    if (id < 0 || id >= num_poses()) {
+      return Status::InvalidArgument(name + ": no pose with id " + std::to_string(id));
+    }
+  }
+  if (from == to) return Status::InvalidArgument(name + ": joins a pose with itself");
+  if (!IsFinite(motion)) return Status::InvalidArgument(name + ": relative pose is not finite");
+  return Status::Ok();
+}
+
+Status SlamGraph::AddOdometry(const OdometryConstraint& c) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckEdge("odometry", c.from, c.to, c.from_from_to));
+  odometry_.push_back(c);
+  return Status::Ok();
+}
+
+Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckEdge("relative pose", c.from, c.to, c.from_from_to));
+  const double asymmetry = (c.covariance - c.covariance.transpose()).cwiseAbs().maxCoeff();
+  const bool symmetric = asymmetry <= 1e-9 * c.covariance.cwiseAbs().maxCoeff();
+  if (!c.covariance.allFinite() || !symmetric ||
+      c.covariance.llt().info() != Eigen::Success) {
+    return Status::InvalidArgument("relative pose " + std::to_string(c.from) + " -> " +
+                                   std::to_string(c.to) +
+                                   ": covariance is not symmetric positive definite");
+  }
+  relative_poses_.push_back(c);
+  return Status::Ok();
+}
+
+void SlamGraph::SetPose(int pose_id, const Pose2& world_from_robot) {
+  double* block = &poses_[3 * pose_id];
+  block[0] = world_from_robot.x;
+  block[1] = world_from_robot.y;
+  block[2] = world_from_robot.yaw;
+}
+
+Pose2 SlamGraph::WorldFromLaser(int scan_id) const {
+  return WorldFromRobot(scans_[scan_id].pose) * LaserOfScan(scan_id).robot_from_laser;
+}
+
+Eigen::Vector2d SlamGraph::PointInRobot(std::size_t r) const {
+  return LaserOfScan(returns_.scan[r]).robot_from_laser *
+         BeamEnd(returns_.range_m[r], returns_.bearing_rad[r]);
+}
+
+void SlamGraph::ResetPointsFromPoses() {
+  for (int s = 0; s < num_scans(); ++s) {
+    const ScanEntry& entry = scans_[s];
+    const Pose2 world_from_laser = WorldFromLaser(s);
+    for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
+      const Eigen::Vector2d end =
+          world_from_laser * BeamEnd(returns_.range_m[r], returns_.bearing_rad[r]);
+      points_[2 * r] = end.x();
+      points_[2 * r + 1] = end.y();
+    }
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,115 @@
+#ifndef PLUMBLINE_CORE_SLAM_GRAPH_H_
+#define PLUMBLINE_CORE_SLAM_GRAPH_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/laser_scan.h"
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// What the odometry says of the motion between two poses; its noise comes from the motion model.
+struct OdometryConstraint {
+  int from = 0;
+  int to = 0;
+  Pose2 from_from_to;
+};
+
+/// A measured relative pose with its covariance (order x, y [m], yaw [rad], in the frame of
+/// `from`): a loop closure, or an edge of a host pipeline's pose graph.
+struct RelativePoseConstraint {
+  int from = 0;
+  int to = 0;
+  Pose2 from_from_to;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+};
+
+/// One sweep of a laser taken at a pose. Its returns lie side by side in the graph's arrays.
+struct ScanEntry {
+  int pose = 0;
+  int laser = 0;
+  std::size_t first_return = 0;
+  std::size_t num_returns = 0;
+};
+
+/// Every laser return of a graph, one array per quantity, ordered by scan and then by beam.
+struct LaserReturns {
+  std::vector<double> range_m;
+  std::vector<double> bearing_rad;
+  std::vector<int> beam;  ///< index of the beam within its sweep; gaps are beams without return
+  std::vector<int> scan;
+
+  std::size_t size() const { return range_m.size(); }
+};
+
+/// The unknowns and measurements of one mapping problem: robot poses, the map point of every laser
+/// return, odometry and relative-pose constraints. Ids count up from 0 in order of addition.
+///
+/// The state is kept in flat arrays, which solvers update in place: poses() holds (x, y [m],
+/// yaw [rad]) of world_from_robot per pose, points() holds (x, y) [m] in the world per return.
+/// The first pose fixes the gauge.
+class SlamGraph {
+ public:
+  /// Fails on a model that LaserModel::Check refuses.
+  Status AddLaser(const LaserModel& laser, int* laser_id);
+
+  /// Fails on a pose or time that is not finite.
+  Status AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id);
+
+  /// Takes every return of the sweep as a map point, placed by the current pose. Fails on unknown
+  /// ids or if ranges.size() differs from the laser's number of beams.
+  Status AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
+
+  /// Fails on unknown or equal ids and on motions that are not finite.
+  Status AddOdometry(const OdometryConstraint& constraint);
+
+  /// Fails like AddOdometry, and on a covariance that is not symmetric positive definite.
+  Status AddRelativePose(const RelativePoseConstraint& constraint);
+
+  int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
+  int num_scans() const { return static_cast<int>(scans_.size()); }
+  std::size_t num_returns() const { return returns_.size(); }
+
+  Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses_[3 * pose_id]); }
+  void SetPose(int pose_id, const Pose2& world_from_robot);
+  double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
+
+  const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
+  const LaserModel& laser(int laser_id) const { return lasers_[laser_id]; }
+  const LaserModel& LaserOfScan(int scan_id) const { return lasers_[scans_[scan_id].laser]; }
+  Pose2 WorldFromLaser(int scan_id) const;
+
+  const LaserReturns& returns() const { return returns_; }
+  /// Measured end of a beam [m] in the frame of the robot.
+  Eigen::Vector2d PointInRobot(std::size_t return_id) const;
+
+  const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
+  const std::vector<RelativePoseConstraint>& relative_poses() const { return relative_poses_; }
+
+  std::vector<double>& poses() { return poses_; }
+  const std::vector<double>& poses() const { return poses_; }
+  std::vector<double>& points() { return points_; }
+  const std::vector<double>& points() const { return points_; }
+
+  /// Puts every map point where its measurement and the current pose say.
+  void ResetPointsFromPoses();
+
+ private:
+  Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
+
+  std::vector<LaserModel> lasers_;
+  std::vector<double> timestamps_s_;
+  std::vector<ScanEntry> scans_;
+  LaserReturns returns_;
+  std::vector<OdometryConstraint> odometry_;
+  std::vector<RelativePoseConstraint> relative_poses_;
+  std::vector<double> poses_;
+  std::vector<double> points_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_SLAM_GRAPH_H_

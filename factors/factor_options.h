@@ -1,0 +1,69 @@
+#ifndef PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
+#define PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
+
+#include <string>
+
+namespace plumbline {
+
+/// Noise of the rotation-translation-rotation motion model (Thrun, Burgard, Fox: Probabilistic
+/// Robotics, ch. 5.4): standard deviations that grow with what was driven, plus a floor.
+/// Defaults suit wheel odometry of a few per cent in distance; rotation is loose on purpose, since
+/// a stiff heading bends corridors.
+struct MotionOptions {
+  double rotation_per_rotation = 0.5;          ///< alpha_1 [rad per rad]
+  double rotation_per_translation_rad_m = 0.6; ///< alpha_2 [rad per m]
+  double translation_per_translation = 0.2;    ///< alpha_3 [m per m]
+  double translation_per_rotation_m_rad = 0.1; ///< alpha_4 [m per rad]
+  double translation_floor_m = 0.01;           ///< at standstill [m]
+  double rotation_floor_rad = 0.005;           ///< at standstill [rad]
+
+  bool Check(std::string* error) const;
+};
+
+/// Noise of a single laser beam. Defaults: SICK LMS class.
+struct RangeBeamOptions {
+  double sigma_range_m = 0.012;      ///< along the beam [m]
+  double sigma_bearing_rad = 0.003;  ///< across the beam, its divergence included [rad]
+
+  bool Check(std::string* error) const;
+};
+
+/// Manifold potential: how far a point may lie from its tangent line.
+struct ManifoldOptions {
+  double sigma_m = 0.008;          ///< thickness of a surface [m]
+  double robust_gate_sigmas = 3.0; ///< Geman-McClure scale, in standard deviations
+
+  bool Check(std::string* error) const;
+};
+
+/// Shape potential: how exactly adjacent surfaces are parallel or orthogonal.
+struct ShapeOptions {
+  bool enabled = true;
+  double sigma_rad = 0.1;          ///< deviation of a normal from its category's direction [rad]
+  double robust_gate_sigmas = 3.0; ///< Geman-McClure scale, in standard deviations
+
+  bool Check(std::string* error) const;
+};
+
+/// Prior on the first pose, which fixes the gauge.
+struct PosePriorOptions {
+  double sigma_translation_m = 1e-4;   ///< [m]
+  double sigma_rotation_rad = 1e-4;    ///< [rad]
+
+  bool Check(std::string* error) const;
+};
+
+/// All sigmas and gates of the energy.
+struct FactorOptions {
+  PosePriorOptions prior;
+  MotionOptions motion;
+  RangeBeamOptions beam;
+  ManifoldOptions manifold;
+  ShapeOptions shape;
+
+  bool Check(std::string* error) const;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
