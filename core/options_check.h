@@ -23,20 +23,20 @@ bool FailOption(const char* name, const T& value, const char* requirement, std::
 
 /// Inside `bool Check(std::string* error) const`: fails with field, value and bound unless
 /// `field comparison bound` holds. A NaN fails every comparison.
-#define PLUMBLINE_CHECK_OPTION(field, comparison, bound)                                       \
-  do {                                                                                         \
-    if (!((field)comparison(bound))) {                                                         \
-      return ::plumbline::internal::FailOption(#field, field, #comparison " " #bound, error);  \
-    }                                                                                          \
+#define PLUMBLINE_CHECK_OPTION(field, comparison, bound)                                      \
+  do {                                                                                        \
+    if (!((field)comparison(bound))) {                                                        \
+      return ::plumbline::internal::FailOption(#field, field, #comparison " " #bound, error); \
+    }                                                                                         \
   } while (false)
 
 /// The same for a floating-point field that must also be finite.
-#define PLUMBLINE_CHECK_FINITE_OPTION(field, comparison, bound)                             \
-  do {                                                                                      \
-    PLUMBLINE_CHECK_OPTION(field, comparison, bound);                                       \
-    if (!std::isfinite(field)) {                                                            \
-      return ::plumbline::internal::FailOption(#field, field, "finite", error);             \
-    }                                                                                       \
+#define PLUMBLINE_CHECK_FINITE_OPTION(field, comparison, bound)                 \
+  do {                                                                          \
+    PLUMBLINE_CHECK_OPTION(field, comparison, bound);                           \
+    if (!std::isfinite(field)) {                                                \
+      return ::plumbline::internal::FailOption(#field, field, "finite", error); \
+    }                                                                           \
   } while (false)
 
 #endif  // PLUMBLINE_CORE_OPTIONS_CHECK_H_

@@ -36,7 +36,8 @@ struct SE2 {
     using std::cos;
     using std::sin;
     const T c = cos(yaw), s = sin(yaw);
-    return {x + c * point_in_b.x() - s * point_in_b.y(), y + s * point_in_b.x() + c * point_in_b.y()};
+    return {x + c * point_in_b.x() - s * point_in_b.y(),
+            y + s * point_in_b.x() + c * point_in_b.y()};
   }
 
   /// b_from_a.

@@ -87,6 +87,10 @@ class SlamGraph {
   Eigen::Vector2d PointInRobot(std::size_t return_id) const;
 
   const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
+  /// Corrects what constraint `index` of odometry() says of the motion.
+  void SetOdometryMotion(std::size_t index, const Pose2& from_from_to) {
+    odometry_[index].from_from_to = from_from_to;
+  }
   const std::vector<RelativePoseConstraint>& relative_poses() const { return relative_poses_; }
 
   std::vector<double>& poses() { return poses_; }

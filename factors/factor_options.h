@@ -10,12 +10,12 @@ namespace plumbline {
 /// Defaults suit wheel odometry of a few per cent in distance; rotation is loose on purpose, since
 /// a stiff heading bends corridors.
 struct MotionOptions {
-  double rotation_per_rotation = 0.5;          ///< alpha_1 [rad per rad]
-  double rotation_per_translation_rad_m = 0.6; ///< alpha_2 [rad per m]
-  double translation_per_translation = 0.2;    ///< alpha_3 [m per m]
-  double translation_per_rotation_m_rad = 0.1; ///< alpha_4 [m per rad]
-  double translation_floor_m = 0.01;           ///< at standstill [m]
-  double rotation_floor_rad = 0.005;           ///< at standstill [rad]
+  double rotation_per_rotation = 0.5;           ///< alpha_1 [rad per rad]
+  double rotation_per_translation_rad_m = 0.6;  ///< alpha_2 [rad per m]
+  double translation_per_translation = 0.2;     ///< alpha_3 [m per m]
+  double translation_per_rotation_m_rad = 0.1;  ///< alpha_4 [m per rad]
+  double translation_floor_m = 0.01;            ///< at standstill [m]
+  double rotation_floor_rad = 0.005;            ///< at standstill [rad]
 
   bool Check(std::string* error) const;
 };
@@ -30,8 +30,8 @@ struct RangeBeamOptions {
 
 /// Manifold potential: how far a point may lie from its tangent line.
 struct ManifoldOptions {
-  double sigma_m = 0.008;          ///< thickness of a surface [m]
-  double robust_gate_sigmas = 3.0; ///< Geman-McClure scale, in standard deviations
+  double sigma_m = 0.008;           ///< thickness of a surface [m]
+  double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
 
   bool Check(std::string* error) const;
 };
@@ -39,16 +39,16 @@ struct ManifoldOptions {
 /// Shape potential: how exactly adjacent surfaces are parallel or orthogonal.
 struct ShapeOptions {
   bool enabled = true;
-  double sigma_rad = 0.1;          ///< deviation of a normal from its category's direction [rad]
-  double robust_gate_sigmas = 3.0; ///< Geman-McClure scale, in standard deviations
+  double sigma_rad = 0.1;           ///< deviation of a normal from its category's direction [rad]
+  double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
 
   bool Check(std::string* error) const;
 };
 
 /// Prior on the first pose, which fixes the gauge.
 struct PosePriorOptions {
-  double sigma_translation_m = 1e-4;   ///< [m]
-  double sigma_rotation_rad = 1e-4;    ///< [rad]
+  double sigma_translation_m = 1e-4;  ///< [m]
+  double sigma_rotation_rad = 1e-4;   ///< [rad]
 
   bool Check(std::string* error) const;
 };

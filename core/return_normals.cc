@@ -1,0 +1,110 @@
+#include "plumbline/core/return_normals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/line_fit.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+// Two neighbouring returns belong to one surface if the surface meets the beam at no less than
+// about 10 degrees: then they lie within (range x step) / sin(10 deg) of each other.
+constexpr double kGrazingFactor = 5.8;
+
+// Returns joined across at most this many beams without return.
+constexpr int kMaxBeamGap = 2;
+
+class ScanNormalEstimator {
+ public:
+  ScanNormalEstimator(const SlamGraph& graph, const ReturnNormalOptions& options)
+      : graph_(graph), options_(options) {}
+
+  void EstimateScan(int scan_id, std::vector<Eigen::Vector2f>* normals) {
+    const ScanEntry& scan = graph_.scan(scan_id);
+    const LaserModel& laser = graph_.laser(scan.laser);
+    laser_in_robot_ = laser.robot_from_laser.translation();
+    first_ = scan.first_return;
+    points_.resize(scan.num_returns);
+    joined_.assign(scan.num_returns, false);
+    for (std::size_t k = 0; k < scan.num_returns; ++k) {
+      points_[k] = graph_.PointInRobot(first_ + k);
+      if (k > 0) joined_[k] = IsJoined(k, std::abs(laser.bearing_step_rad));
+    }
+    for (std::size_t k = 0; k < scan.num_returns; ++k) (*normals)[first_ + k] = NormalOf(k);
+  }
+
+ private:
+  bool IsJoined(std::size_t k, double bearing_step_rad) const {
+    const LaserReturns& returns = graph_.returns();
+    const std::size_t r = first_ + k;
+    const int gap = returns.beam[r] - returns.beam[r - 1];
+    if (gap > kMaxBeamGap) return false;
+    const double range = std::min(returns.range_m[r], returns.range_m[r - 1]);
+    const double limit =
+        std::max(options_.half_window_m, kGrazingFactor * gap * range * bearing_step_rad);
+    return (points_[k] - points_[k - 1]).squaredNorm() <= limit * limit;
+  }
+
+  Eigen::Vector2f NormalOf(std::size_t k) const {
+    const Eigen::Vector2d center = points_[k];
+    const double window_squared = options_.half_window_m * options_.half_window_m;
+    PointMoments moments;
+    moments.Add(0.0, 0.0);
+    int count = 1;
+    // Next neighbours count however far they are: beyond some range the window holds no others.
+    const auto add = [&](std::size_t j, bool next) {
+      const Eigen::Vector2d offset = points_[j] - center;
+      if (!next && offset.squaredNorm() > window_squared) return false;
+      moments.Add(offset.x(), offset.y());
+      ++count;
+      return true;
+    };
+    for (std::size_t j = k; j > 0 && joined_[j]; --j) {
+      if (!add(j - 1, j == k)) break;
+    }
+    for (std::size_t j = k + 1; j < points_.size() && joined_[j]; ++j) {
+      if (!add(j, j == k + 1)) break;
+    }
+    if (count < 3) return Eigen::Vector2f::Zero();
+    const LineFit fit = FitLine(moments);
+    if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Eigen::Vector2f::Zero();
+    const bool faces_laser = fit.normal.dot(laser_in_robot_ - center) >= 0.0;
+    return (faces_laser ? fit.normal : Eigen::Vector2d(-fit.normal)).cast<float>();
+  }
+
+  const SlamGraph& graph_;
+  const ReturnNormalOptions& options_;
+  Eigen::Vector2d laser_in_robot_;
+  std::size_t first_ = 0;
+  std::vector<Eigen::Vector2d> points_;  // of one scan, in the frame of the robot
+  std::vector<bool> joined_;             // to the return before it, by one surface
+};
+
+}  // namespace
+
+bool ReturnNormalOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(half_window_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);
+  return true;
+}
+
+std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
+                                                   const ReturnNormalOptions& options,
+                                                   ThreadPool* pool) {
+  std::vector<Eigen::Vector2f> normals(graph.num_returns(), Eigen::Vector2f::Zero());
+  constexpr std::size_t kScansPerChunk = 64;
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       ScanNormalEstimator estimator(graph, options);
+                       for (std::size_t s = begin; s < end; ++s) {
+                         estimator.EstimateScan(static_cast<int>(s), &normals);
+                       }
+                     });
+  return normals;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,58 @@
+#include "plumbline/factors/factor_options.h"
+
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+// Names the nested options in front of the field that failed.
+template <typename Options>
+bool CheckNested(const char* name, const Options& options, std::string* error) {
+  if (options.Check(error)) return true;
+  if (error != nullptr) error->insert(0, std::string(name) + ".");
+  return false;
+}
+
+}  // namespace
+
+bool MotionOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_translation_rad_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_translation, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_rotation_m_rad, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(translation_floor_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(rotation_floor_rad, >, 0.0);
+  return true;
+}
+
+bool RangeBeamOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_bearing_rad, >, 0.0);
+  return true;
+}
+
+bool ManifoldOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+  return true;
+}
+
+bool ShapeOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_rad, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+  return true;
+}
+
+bool PosePriorOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_translation_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_rotation_rad, >, 0.0);
+  return true;
+}
+
+bool FactorOptions::Check(std::string* error) const {
+  return CheckNested("prior", prior, error) && CheckNested("motion", motion, error) &&
+         CheckNested("beam", beam, error) && CheckNested("manifold", manifold, error) &&
+         CheckNested("shape", shape, error);
+}
+
+}  // namespace plumbline

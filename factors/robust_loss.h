@@ -1,0 +1,45 @@
+#ifndef PLUMBLINE_FACTORS_ROBUST_LOSS_H_
+#define PLUMBLINE_FACTORS_ROBUST_LOSS_H_
+
+#include <ceres/loss_function.h>
+
+namespace plumbline {
+
+/// Geman-McClure loss of the squared whitened residual s (both dimensionless):
+///   rho(s) = a s / (a + s),   a = gate^2,
+/// about s for small residuals and never more than a: an outlier far beyond the gate costs a
+/// constant and pulls at nothing. Ceres' convention: the cost is rho / 2.
+/// Source: Geman, McClure (1987); Zhang: Parameter estimation techniques (1997), table 1.
+struct GemanMcClure {
+  double scale_squared = 1.0;  ///< a
+
+  /// Gate in standard deviations, > 0.
+  static GemanMcClure FromGate(double gate_sigmas) { return {gate_sigmas * gate_sigmas}; }
+
+  double Rho(double s) const { return scale_squared * s / (scale_squared + s); }
+  /// rho'(s): the factor on the residual's information in iteratively re-weighted least squares.
+  double Weight(double s) const {
+    const double ratio = scale_squared / (scale_squared + s);
+    return ratio * ratio;
+  }
+  /// rho''(s), negative throughout.
+  double Curvature(double s) const { return -2.0 * Weight(s) / (scale_squared + s); }
+};
+
+class GemanMcClureLoss final : public ceres::LossFunction {
+ public:
+  explicit GemanMcClureLoss(const GemanMcClure& loss) : loss_(loss) {}
+
+  void Evaluate(double s, double rho[3]) const override {
+    rho[0] = loss_.Rho(s);
+    rho[1] = loss_.Weight(s);
+    rho[2] = loss_.Curvature(s);
+  }
+
+ private:
+  GemanMcClure loss_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_FACTORS_ROBUST_LOSS_H_

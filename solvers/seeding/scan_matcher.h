@@ -1,0 +1,53 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_SCAN_MATCHER_H_
+#define PLUMBLINE_SOLVERS_SEEDING_SCAN_MATCHER_H_
+
+#include <Eigen/Core>
+#include <string>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/seeding/local_map.h"
+#include "plumbline/solvers/seeding/surface_points.h"
+
+namespace plumbline {
+
+/// Point-to-line ICP of one scan against a local map.
+struct ScanMatchOptions {
+  /// Farthest correspondence [m] in the first iterations: what the prediction may be off by.
+  double coarse_gate_m = 0.5;
+  /// Farthest correspondence [m] in the last iterations, where only noise is left.
+  double fine_gate_m = 0.12;
+  int max_iterations = 15;
+  /// Standard deviation [m] of a point across its matched surface: range noise, and the errors
+  /// that neighbouring points share. It weighs the points against the prior.
+  double sigma_m = 0.03;
+  /// Iterations at the fine gate end when a step is shorter than this [m] and [rad].
+  double step_tolerance = 1e-4;
+
+  bool Check(std::string* error) const;
+};
+
+/// What is known of a pose before matching: Gaussian about `world_from_robot`, with the
+/// information matrix (x, y [m], yaw [rad]) given in the frame of that pose.
+struct PosePrediction {
+  Pose2 world_from_robot;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+struct ScanMatch {
+  Pose2 world_from_robot;
+  /// Mean robust cost per point of the scan in [0, 1]: 0 = all on their surface, 1 = none matched.
+  double mean_cost = 1.0;
+  /// Share of the scan's points within the fine gate of a map surface.
+  double inlier_ratio = 0.0;
+  /// Gauss-Newton information of the points alone, world axes about the robot's position.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+/// Finds the pose that maximises the posterior of prediction and point-to-line distances. The
+/// result is the prediction itself where the map says nothing.
+ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
+                    const PosePrediction& prediction, const ScanMatchOptions& options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_SCAN_MATCHER_H_

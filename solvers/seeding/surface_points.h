@@ -1,0 +1,33 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_SURFACE_POINTS_H_
+#define PLUMBLINE_SOLVERS_SEEDING_SURFACE_POINTS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+/// A point on a surface with the surface's unit normal, in one frame. [m]
+struct SurfacePoint {
+  Eigen::Vector2d position;
+  Eigen::Vector2d normal;
+};
+using SurfacePoints = std::vector<SurfacePoint>;
+
+inline SurfacePoint operator*(const Pose2& a_from_b, const SurfacePoint& in_b) {
+  return {a_from_b * in_b.position, Pose2(0.0, 0.0, a_from_b.yaw) * in_b.normal};
+}
+
+/// The surface points of every scan, each in the frame of its robot, thinned to one per
+/// `spacing_m` of surface: scan matching gains nothing from two beams a millimetre apart.
+/// normals: as EstimateReturnNormals gives them.
+std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
+                                                const std::vector<Eigen::Vector2f>& normals,
+                                                double spacing_m, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_SURFACE_POINTS_H_
