@@ -1,0 +1,235 @@
+#include "plumbline/apps/io/carmen_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/text_reader.h"
+#include "plumbline/core/angle.h"
+#include "plumbline/core/laser_scan.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kMaxIssuesKept = 10;
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+
+Pose2 ReadPose(FieldReader* fields, const char* x, const char* y, const char* theta) {
+  Pose2 pose;
+  pose.x = fields->FiniteNumber(x);
+  pose.y = fields->FiniteNumber(y);
+  pose.yaw = fields->FiniteNumber(theta);
+  return pose;
+}
+
+/// The three fields that close every message; returns ipc_timestamp.
+double ReadTrailer(FieldReader* fields) {
+  const double timestamp_s = fields->FiniteNumber("ipc_timestamp");
+  fields->Word("host");
+  fields->FiniteNumber("logger_timestamp");
+  fields->ExpectEnd();
+  return timestamp_s;
+}
+
+std::vector<double> ReadRanges(FieldReader* fields) {
+  const int num_beams = fields->Count("num_readings");
+  if (num_beams == 0) fields->Fail("num_readings", "a scan needs at least one beam");
+  return fields->Numbers("range", num_beams);
+}
+
+CarmenScan ReadFlaser(FieldReader* fields) {
+  CarmenScan scan;
+  scan.ranges = ReadRanges(fields);
+  const int num_beams = static_cast<int>(scan.ranges.size());
+  scan.first_bearing_rad = -0.5 * kPi;
+  scan.bearing_step_rad = kPi / std::max(1, num_beams % 2 == 0 ? num_beams : num_beams - 1);
+  scan.max_range_m = kUnknown;
+  scan.odom_from_laser = ReadPose(fields, "laser_x", "laser_y", "laser_theta");
+  scan.odom_from_robot = ReadPose(fields, "odom_x", "odom_y", "odom_theta");
+  scan.timestamp_s = ReadTrailer(fields);
+  return scan;
+}
+
+CarmenScan ReadRobotLaser(FieldReader* fields) {
+  CarmenScan scan;
+  fields->Number("laser_type");
+  scan.first_bearing_rad = fields->FiniteNumber("start_angle");
+  fields->Number("fov");
+  scan.bearing_step_rad = fields->PositiveNumber("angular_resolution");
+  scan.max_range_m = fields->PositiveNumber("max_range");
+  fields->Number("accuracy");
+  fields->Number("remission_mode");
+  scan.ranges = ReadRanges(fields);
+  fields->Numbers("remission", fields->Count("num_remissions"));
+  scan.odom_from_laser = ReadPose(fields, "laser_x", "laser_y", "laser_theta");
+  scan.odom_from_robot = ReadPose(fields, "robot_x", "robot_y", "robot_theta");
+  for (const char* field : {"laser_tv", "laser_rv", "forward_safety", "side_safety", "turn_axis"}) {
+    fields->Number(field);
+  }
+  scan.timestamp_s = ReadTrailer(fields);
+  return scan;
+}
+
+CarmenOdometry ReadOdometry(FieldReader* fields) {
+  CarmenOdometry odometry;
+  odometry.odom_from_robot = ReadPose(fields, "x", "y", "theta");
+  odometry.translational_velocity_m_s = fields->Number("tv");
+  odometry.rotational_velocity_rad_s = fields->Number("rv");
+  fields->Number("accel");
+  odometry.timestamp_s = ReadTrailer(fields);
+  return odometry;
+}
+
+void AddIssue(CarmenIssue issue, CarmenLog* log) {
+  ++log->num_issues;
+  if (log->issues.size() < kMaxIssuesKept) log->issues.push_back(std::move(issue));
+}
+
+/// Fills a log from the lines of one file.
+class LogParser {
+ public:
+  LogParser(std::string path, CarmenLog* log) : path_(std::move(path)), log_(log) {}
+
+  void ParseLine(std::string_view line, std::size_t line_number) {
+    FieldReader fields(line);
+    const std::string_view keyword = fields.Word("keyword");
+    if (keyword == "FLASER" || keyword == "ROBOTLASER1") {
+      CarmenScan scan = keyword == "FLASER" ? ReadFlaser(&fields) : ReadRobotLaser(&fields);
+      scan.line = line_number;
+      if (fields.ok()) log_->scans.push_back(std::move(scan));
+    } else if (keyword == "ODOM") {
+      const CarmenOdometry odometry = ReadOdometry(&fields);
+      if (fields.ok()) log_->odometry.push_back(odometry);
+    } else if (keyword == "PARAM") {
+      ReadParam(&fields);
+    } else {
+      return;
+    }
+    ++log_->num_records;
+    if (fields.ok()) return;
+    AddIssue({line_number, fields.field(),
+              path_ + ":" + std::to_string(line_number) + ": " + std::string(keyword) + " " +
+                  fields.error()},
+             log_);
+  }
+
+  /// Of FLASER records, as the log's parameters state it.
+  double flaser_max_range_m() const { return flaser_max_range_m_; }
+
+ private:
+  void ReadParam(FieldReader* fields) {
+    const std::string name(fields->Word("name"));
+    FieldReader number = *fields;
+    const std::string value(fields->Word("value"));
+    if (name == "robot_front_laser_max") {
+      const double max_range_m = number.PositiveNumber("value");
+      if (number.ok()) {
+        flaser_max_range_m_ = max_range_m;
+      } else {
+        *fields = number;
+      }
+    }
+    if (fields->ok()) log_->params[name] = value;
+  }
+
+  const std::string path_;
+  CarmenLog* const log_;
+  double flaser_max_range_m_ = kUnknown;
+};
+
+/// Sorts by time and returns how many records were older than their predecessor.
+template <typename Record>
+std::size_t SortByTime(std::vector<Record>* records) {
+  const auto older = [](const Record& a, const Record& b) { return a.timestamp_s < b.timestamp_s; };
+  std::size_t num_out_of_order = 0;
+  for (std::size_t i = 1; i < records->size(); ++i) {
+    if (older((*records)[i], (*records)[i - 1])) ++num_out_of_order;
+  }
+  if (num_out_of_order > 0) std::stable_sort(records->begin(), records->end(), older);
+  return num_out_of_order;
+}
+
+/// Lower edge [m] of the readings that stand for "no echo"; kUnknown if there are none. The rule
+/// is explained at ReadCarmenLog.
+double FindNoReturnLevel(const std::vector<CarmenScan>& scans) {
+  double largest_m = 0.0;
+  for (const CarmenScan& scan : scans) {
+    for (double range_m : scan.ranges) {
+      if (std::isfinite(range_m)) largest_m = std::max(largest_m, range_m);
+    }
+  }
+  const double level_m = 0.999 * largest_m;
+  const double next_m = 0.99 * largest_m;
+  std::size_t num_top = 0, num_next = 0, num_lower = 0;
+  for (const CarmenScan& scan : scans) {
+    for (double range_m : scan.ranges) {
+      if (!std::isfinite(range_m)) continue;
+      ++(range_m >= level_m ? num_top : range_m >= next_m ? num_next : num_lower);
+    }
+  }
+  const bool found = num_top >= 10 && num_top > 10 * num_next && num_next + num_lower > 0;
+  return found ? level_m : kUnknown;
+}
+
+void SetMaxRanges(double flaser_max_range_m, std::vector<CarmenScan>* scans) {
+  const double no_return_level_m = FindNoReturnLevel(*scans);
+  for (CarmenScan& scan : *scans) {
+    if (scan.max_range_m == kUnknown) scan.max_range_m = flaser_max_range_m;
+    scan.max_range_m = std::min(scan.max_range_m, no_return_level_m);
+    if (scan.max_range_m == kUnknown) scan.max_range_m = LaserModel().max_range_m;
+  }
+}
+
+std::string FirstIssue(const CarmenLog& log) {
+  return log.issues.empty() ? "" : "; first issue: " + log.issues.front().message;
+}
+
+}  // namespace
+
+bool CarmenReadOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_bad_share, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_bad_share, <=, 1.0);
+  PLUMBLINE_CHECK_OPTION(max_bad_records, >=, 0);
+  return true;
+}
+
+Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, CarmenLog* log) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument("CARMEN read options: " + error);
+  TextReader reader;
+  PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
+
+  CarmenLog result;
+  LogParser parser(path, &result);
+  std::string_view line;
+  while (reader.NextLine(&line)) parser.ParseLine(line, reader.line_number());
+  PLUMBLINE_RETURN_IF_ERROR(reader.status());
+
+  const double limit =
+      std::max<double>(options.max_bad_records, options.max_bad_share * result.num_records);
+  if (result.num_issues > limit) {
+    return Status::DataLoss(
+        path + ": " + std::to_string(result.num_issues) + " of " +
+        std::to_string(result.num_records) + " records are unreadable, more than the " +
+        std::to_string(static_cast<int>(limit)) + " allowed" + FirstIssue(result));
+  }
+  if (reader.truncated()) {
+    const std::string last_line = std::to_string(reader.line_number());
+    AddIssue({reader.line_number() + 1, "end of file",
+              path + ": the compressed file is truncated after line " + last_line},
+             &result);
+  }
+  if (result.scans.empty()) {
+    return Status::InvalidArgument(path + ": no FLASER or ROBOTLASER1 record" + FirstIssue(result));
+  }
+  SetMaxRanges(parser.flaser_max_range_m(), &result.scans);
+  result.num_out_of_order = SortByTime(&result.scans) + SortByTime(&result.odometry);
+  *log = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

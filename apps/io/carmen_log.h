@@ -1,0 +1,98 @@
+#ifndef PLUMBLINE_APPS_IO_CARMEN_LOG_H_
+#define PLUMBLINE_APPS_IO_CARMEN_LOG_H_
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// One FLASER or ROBOTLASER1 record.
+struct CarmenScan {
+  double timestamp_s = 0.0;    ///< ipc_timestamp
+  Pose2 odom_from_laser;       ///< first triple of the record
+  Pose2 odom_from_robot;       ///< second triple
+  std::vector<double> ranges;  ///< [m], one per beam; a NaN or infinity is "no return"
+  double first_bearing_rad = 0.0;
+  double bearing_step_rad = 0.0;
+  double max_range_m = 0.0;  ///< readings from here on are "no return", see ReadCarmenLog
+  std::size_t line = 0;      ///< in the file, from 1
+};
+
+/// One ODOM record.
+struct CarmenOdometry {
+  double timestamp_s = 0.0;  ///< ipc_timestamp
+  Pose2 odom_from_robot;
+  double translational_velocity_m_s = 0.0;
+  double rotational_velocity_rad_s = 0.0;
+};
+
+/// A record that could not be read.
+struct CarmenIssue {
+  std::size_t line = 0;
+  std::string field;
+  std::string message;  ///< e.g. "x.log:17: FLASER field 'odom_x': 'abc' is not a number"
+};
+
+struct CarmenLog {
+  std::vector<CarmenScan> scans;         ///< by time, records of equal time in the file's order
+  std::vector<CarmenOdometry> odometry;  ///< likewise
+  std::map<std::string, std::string> params;  ///< first word of the value; the last record wins
+
+  std::size_t num_records = 0;  ///< FLASER, ROBOTLASER1, ODOM and PARAM lines, unreadable ones too
+  std::size_t num_issues = 0;   ///< unreadable records, plus one if a compressed file lacks its end
+  std::vector<CarmenIssue> issues;  ///< the first 10 of them
+  /// Scans and ODOM records older than the one of their kind before them: where a clock jumped
+  /// back or the logger lagged. Sorting has put them in place.
+  std::size_t num_out_of_order = 0;
+};
+
+/// How many unreadable records a log may have: the larger of the two limits.
+struct CarmenReadOptions {
+  /// Share of the records. A gap of 1 % costs a map little; more points to a wrong format.
+  double max_bad_share = 0.01;
+  /// Number of records, so that a short log survives a torn end or a burst of noise.
+  int max_bad_records = 10;
+
+  bool Check(std::string* error) const;
+};
+
+/// Reads a log of the CARMEN toolkit, plain or gzip-compressed. Records (blank-separated):
+///
+///   FLASER n r1..rn  laser_x y theta  odom_x y theta  ipc_timestamp host logger_timestamp
+///   ROBOTLASER1 laser_type start_angle fov angular_resolution max_range accuracy remission_mode
+///     n r1..rn m rem1..remm  laser_x y theta  robot_x y theta  laser_tv laser_rv forward_safety
+///     side_safety turn_axis  ipc_timestamp host logger_timestamp
+///   ODOM x y theta tv rv accel  ipc_timestamp host logger_timestamp
+///   PARAM name value ...
+///
+/// Comments (#) and other keywords are skipped. Units: m, rad, s.
+///
+/// Bearings: ROBOTLASER1 states them. FLASER covers 180 deg from -90 deg on; an odd n (181, 361)
+/// has a beam at both ends, step 180/(n-1) deg, an even n (180, 360) leaves the last one out, step
+/// 180/n deg.
+///
+/// Maximum range: what ROBOTLASER1 states, or PARAM robot_front_laser_max for FLASER. On top of
+/// that, many sensors report "no echo" as one fixed reading above all true ones: SICK's telegram
+/// reserves 8183..8191 (81.83 to 81.91 m, or 8.183 to 8.191 m in mm mode), simulators clip at a
+/// round figure. If the top 0.1 % of the range (the width of SICK's codes) holds at least 10
+/// readings, more than 10 times as many as the next 0.9 %, and is not all there is, those readings
+/// are taken for "no return". A surface would spread over both; should one be caught all the same,
+/// only the farthest 0.1 % is lost. With none of the three sources it is 80 m.
+///
+/// An unreadable record (number of fields, text for a number, a pose or time that is not finite,
+/// no beams) is skipped and reported. A compressed file that is truncated yields its whole lines
+/// and one more issue.
+///
+/// NotFound or Unavailable if the file cannot be opened or read, DataLoss on a corrupt
+/// compressed file or more unreadable records than the options allow, InvalidArgument if no scan is
+/// left; `log` is then untouched.
+Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, CarmenLog* log);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_CARMEN_LOG_H_

@@ -1,0 +1,48 @@
+#ifndef PLUMBLINE_APPS_IO_FIELD_READER_H_
+#define PLUMBLINE_APPS_IO_FIELD_READER_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plumbline {
+
+/// Takes a line of a text format apart into fields separated by blanks. The first failure sticks:
+/// later reads return zero or nothing, so that a record is read in one go and checked once.
+class FieldReader {
+ public:
+  /// Keeps a view: the line must outlive the reader.
+  explicit FieldReader(std::string_view line) : rest_(line) {}
+
+  std::string_view Word(const char* field);
+  /// Any number; "nan" and "inf" are numbers, and so is one too large for a double (infinity).
+  double Number(const char* field);
+  double FiniteNumber(const char* field);
+  double PositiveNumber(const char* field);  ///< finite and > 0
+  int Count(const char* field);              ///< an integer >= 0
+  /// `count` fields, each as Number takes it.
+  std::vector<double> Numbers(const char* field, int count);
+  /// Fails if anything is left.
+  void ExpectEnd();
+
+  /// Marks `field` as unusable unless an earlier failure is on record.
+  void Fail(std::string field, const std::string& problem);
+
+  bool ok() const { return error_.empty(); }
+  /// The field that failed.
+  const std::string& field() const { return field_; }
+  /// E.g. "field 'odom_x': 'abc' is not a number"; empty while all is well.
+  const std::string& error() const { return error_; }
+
+ private:
+  std::string_view NextWord();
+  double NumberThat(bool (*accept)(double), const char* requirement, const char* field);
+
+  std::string_view rest_;
+  std::string field_;
+  std::string error_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_FIELD_READER_H_

@@ -1,0 +1,98 @@
+#include "plumbline/apps/io/log_to_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+LaserModel ModelOf(const CarmenScan& scan, const Pose2& robot_from_laser) {
+  LaserModel laser;
+  laser.num_beams = static_cast<int>(scan.ranges.size());
+  laser.first_bearing_rad = scan.first_bearing_rad;
+  laser.bearing_step_rad = scan.bearing_step_rad;
+  laser.max_range_m = scan.max_range_m;
+  laser.robot_from_laser = robot_from_laser;
+  return laser;
+}
+
+/// Id of an equal laser that the graph already has, or of a new one. `lasers` mirrors the graph's.
+Status FindOrAddLaser(const LaserModel& laser, std::vector<LaserModel>* lasers, SlamGraph* graph,
+                      int* laser_id) {
+  const auto known = std::find(lasers->begin(), lasers->end(), laser);
+  if (known != lasers->end()) {
+    *laser_id = static_cast<int>(known - lasers->begin());
+    return Status::Ok();
+  }
+  PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(laser, laser_id));
+  lasers->push_back(laser);
+  return Status::Ok();
+}
+
+}  // namespace
+
+LaserMounting EstimateLaserMounting(const CarmenLog& log) {
+  // The yaw through sine and cosine: a laser that looks backwards has readings at both +-pi.
+  std::vector<double> x, y, cosine, sine;
+  for (const CarmenScan& scan : log.scans) {
+    const Pose2 mounting = Between(scan.odom_from_robot, scan.odom_from_laser);
+    x.push_back(mounting.x);
+    y.push_back(mounting.y);
+    cosine.push_back(std::cos(mounting.yaw));
+    sine.push_back(std::sin(mounting.yaw));
+  }
+  LaserMounting result;
+  result.robot_from_laser = {Median(x), Median(y), std::atan2(Median(sine), Median(cosine))};
+  for (const CarmenScan& scan : log.scans) {
+    const Pose2 deviation =
+        Between(result.robot_from_laser, Between(scan.odom_from_robot, scan.odom_from_laser));
+    result.max_deviation_m = std::max(result.max_deviation_m, std::hypot(deviation.x, deviation.y));
+    result.max_deviation_rad = std::max(result.max_deviation_rad, std::abs(deviation.yaw));
+  }
+  return result;
+}
+
+Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
+  if (log.scans.empty()) return Status::InvalidArgument("the log has no scans");
+  if (max_scans < 0) {
+    return Status::InvalidArgument("max_scans = " + std::to_string(max_scans) +
+                                   ", but it must be >= 0");
+  }
+  std::size_t num_scans = log.scans.size();
+  if (max_scans > 0) num_scans = std::min<std::size_t>(num_scans, max_scans);
+
+  const Pose2 robot_from_laser = EstimateLaserMounting(log).robot_from_laser;
+  SlamGraph result;
+  std::vector<LaserModel> lasers;
+  for (std::size_t i = 0; i < num_scans; ++i) {
+    const CarmenScan& scan = log.scans[i];
+    int laser = 0, pose = 0;
+    const Status laser_status =
+        FindOrAddLaser(ModelOf(scan, robot_from_laser), &lasers, &result, &laser);
+    if (!laser_status.ok()) {
+      return Status::InvalidArgument("scan of line " + std::to_string(scan.line) + ": " +
+                                     laser_status.message());
+    }
+    PLUMBLINE_RETURN_IF_ERROR(result.AddPose(
+        Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
+    PLUMBLINE_RETURN_IF_ERROR(result.AddScan(pose, laser, scan.ranges));
+    if (i == 0) continue;
+    PLUMBLINE_RETURN_IF_ERROR(result.AddOdometry(
+        {pose - 1, pose, Between(log.scans[i - 1].odom_from_robot, scan.odom_from_robot)}));
+  }
+  *graph = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

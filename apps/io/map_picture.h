@@ -1,0 +1,36 @@
+#ifndef PLUMBLINE_APPS_IO_MAP_PICTURE_H_
+#define PLUMBLINE_APPS_IO_MAP_PICTURE_H_
+
+#include <string>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+struct MapPictureOptions {
+  std::string title;         ///< stands before the numbers of scans and returns
+  int max_side_px = 2400;    ///< the longer side of the map area
+  double crop_share = 1e-3;  ///< of the points that may fall outside, at each side
+
+  bool Check(std::string* error) const;
+};
+
+/// Draws the map points of a graph as a PNG picture: x to the right, y up, equal scale.
+///
+/// Points are a density image, the darker the more returns fall into a pixel, on an exposure taken
+/// from the picture itself. The trajectory of the robot is a red line that starts at a green dot.
+/// A pixel is 1, 2, 2.5 or 5 times a power of ten [cm], at least 1 cm, on a grid through the
+/// world's origin, so that pictures of one log can be laid over each other. The area holds the
+/// whole trajectory and all but the farthest points (crop_share). The same graph gives the same
+/// bytes.
+///
+/// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
+/// finite or a map larger than 1e9 m; points that are not finite are left out. NotFound or
+/// Unavailable if the file cannot be written.
+Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
+                       const MapPictureOptions& options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_MAP_PICTURE_H_

@@ -1,0 +1,78 @@
+#include "plumbline/apps/io/text_reader.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "plumbline/apps/io/file_status.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kBlockSize = std::size_t{1} << 18;
+
+}  // namespace
+
+TextReader::~TextReader() {
+  if (file_ != nullptr) gzclose_r(file_);
+}
+
+Status TextReader::Open(const std::string& path) {
+  path_ = path;
+  errno = 0;
+  file_ = gzopen(path.c_str(), "rb");
+  if (file_ == nullptr) return FileError("open", path, errno);
+  gzbuffer(file_, kBlockSize);
+  return Status::Ok();
+}
+
+bool TextReader::NextLine(std::string_view* line) {
+  std::size_t searched = 0;
+  while (true) {
+    const char* begin = buffer_.data() + begin_;
+    const std::size_t size = end_ - begin_;
+    const void* newline =
+        size > searched ? std::memchr(begin + searched, '\n', size - searched) : nullptr;
+    if (newline == nullptr && !at_end_) {
+      searched = size;
+      Refill();
+      continue;
+    }
+    if (newline == nullptr && (size == 0 || truncated_ || !status_.ok())) return false;
+    const std::size_t length =
+        newline == nullptr ? size
+                           : static_cast<std::size_t>(static_cast<const char*>(newline) - begin);
+    begin_ += std::min(length + 1, size);
+    ++line_number_;
+    *line = std::string_view(begin, length);
+    if (!line->empty() && line->back() == '\r') line->remove_suffix(1);
+    return true;
+  }
+}
+
+void TextReader::Refill() {
+  if (begin_ > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  if (buffer_.size() < end_ + kBlockSize) buffer_.resize(2 * end_ + kBlockSize);
+  errno = 0;
+  const int num_read = gzread(file_, buffer_.data() + end_, kBlockSize);
+  if (num_read > 0) end_ += num_read;
+  if (num_read == static_cast<int>(kBlockSize)) return;
+
+  at_end_ = true;
+  const int read_errno = errno;
+  int code = Z_OK;
+  const char* message = gzerror(file_, &code);
+  if (code == Z_ERRNO) {
+    status_ = FileError("read", path_, read_errno);
+  } else if (code == Z_BUF_ERROR) {
+    truncated_ = true;
+  } else if (code != Z_OK && code != Z_STREAM_END) {
+    status_ = Status::DataLoss(path_ + ": the compressed file is damaged: " + message);
+  }
+}
+
+}  // namespace plumbline

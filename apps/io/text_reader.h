@@ -1,0 +1,57 @@
+#ifndef PLUMBLINE_APPS_IO_TEXT_READER_H_
+#define PLUMBLINE_APPS_IO_TEXT_READER_H_
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plumbline/core/status.h"
+
+struct gzFile_s;
+
+namespace plumbline {
+
+/// Reads a text file line by line, gzip-compressed or plain (told by content, not by name).
+class TextReader {
+ public:
+  TextReader() = default;
+  ~TextReader();
+  TextReader(const TextReader&) = delete;
+  TextReader& operator=(const TextReader&) = delete;
+
+  /// NotFound if there is no such file, Unavailable if the system refuses. Call once.
+  Status Open(const std::string& path);
+
+  /// The next line without its line end (\n or \r\n), valid until the next call. False at the end
+  /// of the file, or where a damaged file breaks off: the unfinished line is then withheld.
+  bool NextLine(std::string_view* line);
+
+  /// Of the line last handed out, counted from 1.
+  std::size_t line_number() const { return line_number_; }
+
+  /// Once NextLine has returned false. DataLoss: the compressed stream is corrupt, and since its
+  /// checksum comes last, so may be lines handed out before. Unavailable: the system failed to
+  /// read.
+  const Status& status() const { return status_; }
+
+  /// Once NextLine has returned false: the compressed file lacks its end. Lines handed out are
+  /// sound.
+  bool truncated() const { return truncated_; }
+
+ private:
+  void Refill();
+
+  std::string path_;
+  gzFile_s* file_ = nullptr;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // unread part of the buffer
+  bool at_end_ = false;
+  bool truncated_ = false;
+  std::size_t line_number_ = 0;
+  Status status_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_TEXT_READER_H_
