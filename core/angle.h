@@ -17,8 +17,10 @@ template <typename T>
 T NormalizeAngle(const T& angle) {
   using std::floor;
   const T wrapped = angle - T(2.0 * kPi) * floor((angle + T(kPi)) / T(2.0 * kPi));
-  // Rounding can land a hair below pi on the wrong side, exactly at 2 pi above the lower bound.
-  return wrapped >= T(kPi) ? wrapped - T(2.0 * kPi) : wrapped;
+  // Rounding can choose the neighbouring turn for an angle at the cut.
+  if (wrapped >= T(kPi)) return wrapped - T(2.0 * kPi);
+  if (wrapped < T(-kPi)) return wrapped + T(2.0 * kPi);
+  return wrapped;
 }
 
 }  // namespace plumbline

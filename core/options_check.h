@@ -18,6 +18,13 @@ bool FailOption(const char* name, const T& value, const char* requirement, std::
   return false;
 }
 
+template <typename Options>
+bool CheckNestedOptions(const char* name, const Options& options, std::string* error) {
+  if (options.Check(error)) return true;
+  if (error != nullptr) error->insert(0, std::string(name) + ".");
+  return false;
+}
+
 }  // namespace internal
 }  // namespace plumbline
 
@@ -37,6 +44,13 @@ bool FailOption(const char* name, const T& value, const char* requirement, std::
     if (!std::isfinite(field)) {                                                \
       return ::plumbline::internal::FailOption(#field, field, "finite", error); \
     }                                                                           \
+  } while (false)
+
+/// The same for a field that has a Check of its own; the message then reads "field.its_field =
+/// ...".
+#define PLUMBLINE_CHECK_NESTED_OPTIONS(field)                                           \
+  do {                                                                                  \
+    if (!::plumbline::internal::CheckNestedOptions(#field, field, error)) return false; \
   } while (false)
 
 #endif  // PLUMBLINE_CORE_OPTIONS_CHECK_H_

@@ -1,21 +1,13 @@
 #include "plumbline/core/return_normals.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/joined_returns.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
 namespace {
-
-// Two neighbouring returns belong to one surface if the surface meets the beam at no less than
-// about 10 degrees: then they lie within (range x step) / sin(10 deg) of each other.
-constexpr double kGrazingFactor = 5.8;
-
-// Returns joined across at most this many beams without return.
-constexpr int kMaxBeamGap = 2;
 
 class ScanNormalEstimator {
  public:
@@ -24,30 +16,14 @@ class ScanNormalEstimator {
 
   void EstimateScan(int scan_id, std::vector<Eigen::Vector2f>* normals) {
     const ScanEntry& scan = graph_.scan(scan_id);
-    const LaserModel& laser = graph_.laser(scan.laser);
-    laser_in_robot_ = laser.robot_from_laser.translation();
+    laser_in_robot_ = graph_.laser(scan.laser).robot_from_laser.translation();
     first_ = scan.first_return;
-    points_.resize(scan.num_returns);
-    joined_.assign(scan.num_returns, false);
-    for (std::size_t k = 0; k < scan.num_returns; ++k) {
-      points_[k] = graph_.PointInRobot(first_ + k);
-      if (k > 0) joined_[k] = IsJoined(k, std::abs(laser.bearing_step_rad));
-    }
+    MeasuredPoints(graph_, scan_id, &points_);
+    FindJoinedReturns(graph_, scan_id, points_, options_.half_window_m, &joined_);
     for (std::size_t k = 0; k < scan.num_returns; ++k) (*normals)[first_ + k] = NormalOf(k);
   }
 
  private:
-  bool IsJoined(std::size_t k, double bearing_step_rad) const {
-    const LaserReturns& returns = graph_.returns();
-    const std::size_t r = first_ + k;
-    const int gap = returns.beam[r] - returns.beam[r - 1];
-    if (gap > kMaxBeamGap) return false;
-    const double range = std::min(returns.range_m[r], returns.range_m[r - 1]);
-    const double limit =
-        std::max(options_.half_window_m, kGrazingFactor * gap * range * bearing_step_rad);
-    return (points_[k] - points_[k - 1]).squaredNorm() <= limit * limit;
-  }
-
   Eigen::Vector2f NormalOf(std::size_t k) const {
     const Eigen::Vector2d center = points_[k];
     const double window_squared = options_.half_window_m * options_.half_window_m;

@@ -19,6 +19,7 @@ Status SlamGraph::AddPose(const Pose2& world_from_robot, double timestamp_s, int
     return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
                                    ": coordinates or time are not finite");
   }
+  if (num_poses() == 0) gauge_ = world_from_robot;
   *pose_id = num_poses();
   timestamps_s_.push_back(timestamp_s);
   poses_.insert(poses_.end(), {world_from_robot.x, world_from_robot.y, world_from_robot.yaw});

@@ -50,7 +50,7 @@ struct LaserReturns {
 ///
 /// The state is kept in flat arrays, which solvers update in place: poses() holds (x, y [m],
 /// yaw [rad]) of world_from_robot per pose, points() holds (x, y) [m] in the world per return.
-/// The first pose fixes the gauge.
+/// The first pose fixes the gauge: a solver holds it where it was added.
 class SlamGraph {
  public:
   /// Fails on a model that LaserModel::Check refuses.
@@ -75,6 +75,8 @@ class SlamGraph {
 
   Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses_[3 * pose_id]); }
   void SetPose(int pose_id, const Pose2& world_from_robot);
+  /// world_from_robot of the first pose as it was added; the identity for an empty graph.
+  const Pose2& gauge() const { return gauge_; }
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
 
   const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
@@ -104,6 +106,7 @@ class SlamGraph {
  private:
   Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
+  Pose2 gauge_;
   std::vector<LaserModel> lasers_;
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;

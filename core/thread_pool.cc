@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -54,8 +55,12 @@ struct ThreadPool::Impl {
 };
 
 ThreadPool::ThreadPool(int num_threads) : impl_(new Impl) {
-  for (int i = 1; i < num_threads; ++i) {
-    impl_->workers.emplace_back([this] { impl_->WorkerLoop(); });
+  try {
+    for (int i = 1; i < num_threads; ++i) {
+      impl_->workers.emplace_back([this] { impl_->WorkerLoop(); });
+    }
+  } catch (const std::system_error&) {
+    // The system gives no more threads. Those that run do the same work.
   }
 }
 

@@ -14,7 +14,7 @@ namespace plumbline {
 /// number of threads.
 class ThreadPool {
  public:
-  /// num_threads >= 1, the calling thread included.
+  /// num_threads >= 1, the calling thread included; fewer if the system refuses to give as many.
   explicit ThreadPool(int num_threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;

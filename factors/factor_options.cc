@@ -3,17 +3,6 @@
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
-namespace {
-
-// Names the nested options in front of the field that failed.
-template <typename Options>
-bool CheckNested(const char* name, const Options& options, std::string* error) {
-  if (options.Check(error)) return true;
-  if (error != nullptr) error->insert(0, std::string(name) + ".");
-  return false;
-}
-
-}  // namespace
 
 bool MotionOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
@@ -50,9 +39,12 @@ bool PosePriorOptions::Check(std::string* error) const {
 }
 
 bool FactorOptions::Check(std::string* error) const {
-  return CheckNested("prior", prior, error) && CheckNested("motion", motion, error) &&
-         CheckNested("beam", beam, error) && CheckNested("manifold", manifold, error) &&
-         CheckNested("shape", shape, error);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(prior);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(motion);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(shape);
+  return true;
 }
 
 }  // namespace plumbline

@@ -1,0 +1,86 @@
+#ifndef PLUMBLINE_SOLVERS_ASSOCIATION_ASSOCIATIONS_H_
+#define PLUMBLINE_SOLVERS_ASSOCIATION_ASSOCIATIONS_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/manifold_factor.h"
+#include "plumbline/factors/shape_factor.h"
+
+namespace plumbline {
+
+/// How the neighbourhood is chosen that a point's tangent line is fitted to.
+enum class NeighborhoodType {
+  kRadius,   ///< all points within a radius, which grows where the map is sparse
+  kNearest,  ///< the published form: 10 to 50 nearest points, their number by density
+};
+const char* ToString(NeighborhoodType type);
+bool FromString(const std::string& name, NeighborhoodType* type);
+
+struct AssociationOptions {
+  NeighborhoodType neighborhood = NeighborhoodType::kRadius;
+  /// Fewest points that make a tangent line; a radius grows until it holds as many.
+  int min_points = 10;
+  /// kNearest only: most points of a neighbourhood.
+  int max_points = 50;
+  /// A neighbourhood counts as line-like up to this ratio of its smaller to its larger variance.
+  double max_eigenvalue_ratio = 0.15;
+  /// Neighbours look at the surface from the same side: their normals differ by less than this
+  /// [rad], so that the two faces of a wall and the two sides of a corner stay apart. kRadius
+  /// applies it in steps of 45 degrees.
+  double max_normal_angle_rad = 1.0471975511965976;  // 60 degrees
+  /// Shape pairs: length [m] of the surface regions along a scan. Normals over less are noise.
+  double min_segment_length_m = 0.2;
+  /// Shape pairs: regions pair up if they are this close [rad] to parallel or orthogonal.
+  double shape_margin_rad = 0.17453292519943295;  // 10 degrees
+
+  bool Check(std::string* error) const;
+};
+
+/// One shape term: the segment from point `previous` to point `current` of one surface against the
+/// fixed normal of an adjacent region.
+struct ShapePair {
+  std::size_t previous = 0;                                   ///< return id
+  std::size_t current = 0;                                    ///< return id
+  Eigen::Vector2d adjacent_normal = Eigen::Vector2d::Zero();  ///< unit, world frame
+  ShapeCategory category = ShapeCategory::k0;
+};
+
+/// What the map prior is made of: rebuilt from the current map in the outer loop, fixed inside.
+struct Associations {
+  /// Per return; the zero normal marks a point that no tangent line draws.
+  std::vector<TangentLine> lines;
+  std::vector<ShapePair> shape_pairs;
+
+  static bool HasLine(const TangentLine& line) {
+    return line.normal_x != 0.0 || line.normal_y != 0.0;
+  }
+  std::size_t CountLines() const;
+};
+
+/// Builds the associations of the graph's current points.
+/// radius_m: smallest neighbourhood of kRadius. normals: as EstimateReturnNormals gives them.
+Associations BuildAssociations(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+                               const AssociationOptions& options, double radius_m,
+                               ThreadPool* pool);
+
+/// The parts of BuildAssociations, for tests and studies.
+std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph,
+                                         const std::vector<Eigen::Vector2f>& normals,
+                                         const AssociationOptions& options, double radius_m,
+                                         ThreadPool* pool);
+std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph,
+                                          const std::vector<Eigen::Vector2f>& normals,
+                                          const AssociationOptions& options, ThreadPool* pool);
+std::vector<ShapePair> FindShapePairs(const SlamGraph& graph,
+                                      const std::vector<Eigen::Vector2f>& normals,
+                                      const std::vector<TangentLine>& lines,
+                                      const AssociationOptions& options, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_ASSOCIATION_ASSOCIATIONS_H_

@@ -1,0 +1,168 @@
+// Which pieces of surface are expected to be parallel or orthogonal: neighbours along a scan.
+//
+// A scan falls into runs of consecutive returns that one surface joins and that have compatible
+// normals. Each run is cut into regions as short as min_segment_length_m allows; the last one takes
+// the rest. Regions are disjoint, so that a return takes part in one segment at most. Two regions
+// are adjacent if they follow each other in a run, or, around a corner, where returns have no
+// normal, if joined returns lead from one to the other over no more than min_segment_length_m.
+// Regions depend on the measurements alone and stay the same while the map moves; their normals are
+// those of the current map.
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumbline/core/joined_returns.h"
+#include "plumbline/core/line_fit.h"
+#include "plumbline/solvers/association/associations.h"
+
+namespace plumbline {
+namespace {
+
+// Consecutive returns [first, last] of one scan, counted from its first return.
+struct Region {
+  std::size_t first = 0, last = 0;
+  bool follows = false;  // adjacent to the region before it
+};
+
+class ScanShapePairs {
+ public:
+  ScanShapePairs(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+                 const std::vector<TangentLine>& lines, const AssociationOptions& options)
+      : graph_(graph),
+        normals_(normals),
+        lines_(lines),
+        options_(options),
+        min_normal_cosine_(std::cos(options.max_normal_angle_rad)) {}
+
+  /// Appends the pairs of one scan in order of its beams.
+  void Find(int scan_id, std::vector<ShapePair>* pairs) {
+    first_return_ = graph_.scan(scan_id).first_return;
+    MeasuredPoints(graph_, scan_id, &measured_);
+    // A step that is small beside a region does not part two regions.
+    FindJoinedReturns(graph_, scan_id, measured_, 0.5 * options_.min_segment_length_m, &joined_);
+    CutRegions();
+    for (std::size_t i = 1; i < regions_.size(); ++i) {
+      ShapePair pair;
+      if (regions_[i].follows && MakePair(regions_[i - 1], regions_[i], &pair)) {
+        pairs->push_back(pair);
+      }
+    }
+  }
+
+ private:
+  void CutRegions() {
+    regions_.clear();
+    linked_ = false;
+    for (std::size_t k = 0; k < measured_.size();) {
+      linked_ = linked_ && joined_[k];
+      const std::size_t end = EndOfRun(k);
+      if (end > k) CutRun(k, end);
+      k = std::max(end, k + 1);
+    }
+  }
+
+  // One past the last return of the run that begins at `first`; `first` itself if there is none.
+  std::size_t EndOfRun(std::size_t first) const {
+    std::size_t k = first;
+    while (k < measured_.size() && !NormalOf(k).isZero() &&
+           (k == first || (joined_[k] && NormalOf(k - 1).dot(NormalOf(k)) >= min_normal_cosine_))) {
+      ++k;
+    }
+    return k;
+  }
+
+  void CutRun(std::size_t begin, std::size_t end) {
+    const std::size_t regions_before = regions_.size();
+    const double length = options_.min_segment_length_m;
+    Region region;
+    region.first = begin;
+    region.follows = linked_ && Distance(regions_.back().last, begin) <= length;
+    for (std::size_t k = begin; k < end; ++k) {
+      if (Distance(region.first, k) < length) continue;
+      region.last = k;
+      regions_.push_back(region);
+      region.first = k + 1;
+      region.follows = true;
+    }
+    if (regions_.size() == regions_before) return;
+    regions_.back().last = end - 1;
+    linked_ = true;
+  }
+
+  // The segment of `region` against the normal of the region after it.
+  bool MakePair(const Region& region, const Region& next, ShapePair* pair) const {
+    pair->previous = first_return_ + region.first;
+    pair->current = first_return_ + region.last;
+    pair->adjacent_normal = MapNormal(next);
+    return ClassifyShape(MapSegmentNormal(region), pair->adjacent_normal, options_.shape_margin_rad,
+                         &pair->category);
+  }
+
+  // Normal of a region of the current map, on the side of its segment's normal: that way two
+  // regions of a straight wall look the same way whatever the direction of the beams.
+  Eigen::Vector2d MapNormal(const Region& region) const {
+    const TangentLine& line = lines_[first_return_ + (region.first + region.last) / 2];
+    const Eigen::Vector2d normal = Associations::HasLine(line)
+                                       ? Eigen::Vector2d(line.normal_x, line.normal_y)
+                                       : FittedNormal(region);
+    return normal.dot(MapSegmentNormal(region)) >= 0.0 ? normal : Eigen::Vector2d(-normal);
+  }
+
+  Eigen::Vector2d FittedNormal(const Region& region) const {
+    PointMoments moments;
+    const Eigen::Vector2d origin = MapPoint(region.first);
+    for (std::size_t k = region.first; k <= region.last; ++k) {
+      const Eigen::Vector2d offset = MapPoint(k) - origin;
+      moments.Add(offset.x(), offset.y());
+    }
+    return FitLine(moments).normal;
+  }
+
+  Eigen::Vector2d MapSegmentNormal(const Region& region) const {
+    return SegmentNormal(MapPoint(region.first), MapPoint(region.last));
+  }
+  Eigen::Vector2d MapPoint(std::size_t k) const {
+    return Eigen::Map<const Eigen::Vector2d>(&graph_.points()[2 * (first_return_ + k)]);
+  }
+  const Eigen::Vector2f& NormalOf(std::size_t k) const { return normals_[first_return_ + k]; }
+  double Distance(std::size_t a, std::size_t b) const {
+    return (measured_[a] - measured_[b]).norm();
+  }
+
+  const SlamGraph& graph_;
+  const std::vector<Eigen::Vector2f>& normals_;
+  const std::vector<TangentLine>& lines_;
+  const AssociationOptions& options_;
+  const double min_normal_cosine_;
+  // Of the current scan.
+  std::size_t first_return_ = 0;
+  std::vector<Eigen::Vector2d> measured_;  // ends of the beams, frame of the robot
+  std::vector<bool> joined_;
+  std::vector<Region> regions_;
+  bool linked_ = false;  // joined returns lead here from the last region
+};
+
+}  // namespace
+
+std::vector<ShapePair> FindShapePairs(const SlamGraph& graph,
+                                      const std::vector<Eigen::Vector2f>& normals,
+                                      const std::vector<TangentLine>& lines,
+                                      const AssociationOptions& options, ThreadPool* pool) {
+  constexpr std::size_t kScansPerChunk = 64;
+  const std::size_t num_scans = graph.num_scans();
+  std::vector<std::vector<ShapePair>> chunks(ThreadPool::NumChunks(num_scans, kScansPerChunk));
+  pool->ForEachChunk(num_scans, kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       ScanShapePairs finder(graph, normals, lines, options);
+                       for (std::size_t s = begin; s < end; ++s) {
+                         finder.Find(static_cast<int>(s), &chunks[chunk]);
+                       }
+                     });
+  std::vector<ShapePair> pairs;
+  for (const std::vector<ShapePair>& chunk : chunks) {
+    pairs.insert(pairs.end(), chunk.begin(), chunk.end());
+  }
+  return pairs;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,93 @@
+#include "plumbline/solvers/ceres_solver.h"
+
+#include <ceres/iteration_callback.h>
+#include <ceres/solver.h>
+
+#include <chrono>
+
+#include "plumbline/solvers/problem_builder.h"
+
+namespace plumbline {
+namespace {
+
+ceres::Solver::Options MakeOptions(const CeresOptions& options) {
+  ceres::Solver::Options result;
+  result.minimizer_type = options.minimizer;
+  result.trust_region_strategy_type = options.trust_region_strategy;
+  result.dogleg_type = options.dogleg;
+  result.line_search_direction_type = options.line_search_direction;
+  result.line_search_type = options.line_search;
+  result.nonlinear_conjugate_gradient_type = options.nonlinear_conjugate_gradient;
+  result.linear_solver_type = options.linear_solver;
+  result.preconditioner_type = options.preconditioner;
+  result.max_num_iterations = options.max_iterations;
+  result.function_tolerance = options.function_tolerance;
+  result.parameter_tolerance = 0.0;
+  result.logging_type = ceres::SILENT;
+  // Damping must not be stiffer than the bending modes of a long corridor.
+  result.initial_trust_region_radius = 1e8;
+  return result;
+}
+
+// Hands Ceres' iterations on in the common format.
+class ReportCallback final : public ceres::IterationCallback {
+ public:
+  explicit ReportCallback(const ProgressCallback& report) : report_(report) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& from) override {
+    IterationSummary to;
+    to.phase = "joint";
+    to.cost = from.cost;
+    to.cost_change = from.cost_change;
+    to.gradient_max_norm = from.gradient_max_norm;
+    to.step_norm = from.step_norm;
+    to.step_size = from.step_size;
+    to.trust_region_ratio = from.relative_decrease;
+    to.trust_region_radius = from.trust_region_radius;
+    to.evaluations = from.line_search_function_evaluations + from.linear_solver_iterations;
+    to.iteration_time_s = from.iteration_time_in_seconds;
+    const bool go_on = from.iteration == 0 || !report_ || report_(to);
+    return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const ProgressCallback& report_;
+};
+
+}  // namespace
+
+Status CheckCeresOptions(const CeresOptions& options) {
+  std::string error;
+  if (MakeOptions(options).IsValid(&error)) return Status::Ok();
+  return Status::InvalidArgument("Ceres refuses its options: " + error);
+}
+
+InnerResult SolveWithCeres(const Associations& associations, const FactorOptions& factors,
+                           const CeresOptions& options, int num_threads,
+                           const ProgressCallback& report, SlamGraph* graph) {
+  const auto start = std::chrono::steady_clock::now();
+  const JointProblem joint = BuildJointProblem(associations, factors, graph);
+  InnerResult result;
+  result.setup_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  ceres::Solver::Options ceres_options = MakeOptions(options);
+  ceres_options.num_threads = num_threads;
+  if (ceres::IsSchurType(options.linear_solver))
+    ceres_options.linear_solver_ordering = joint.ordering;
+  ReportCallback callback(report);
+  ceres_options.callbacks.push_back(&callback);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, joint.problem.get(), &summary);
+
+  result.usable = summary.IsSolutionUsable();
+  result.stopped = summary.termination_type == ceres::USER_SUCCESS;
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.initial_cost = summary.initial_cost;
+  result.final_cost = summary.final_cost;
+  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.stop_reason = summary.message;
+  return result;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,58 @@
+#include "plumbline/solvers/pose_terms.h"
+
+#include "plumbline/factors/motion_factor.h"
+#include "plumbline/factors/sqrt_information.h"
+
+namespace plumbline {
+
+PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options)
+    : prior(MakePosePriorResidual(graph.gauge(), options.prior)) {
+  for (const OdometryConstraint& c : graph.odometry()) {
+    motions.push_back({c.from, c.to, MakeMotionResidual(c.from_from_to, options.motion)});
+  }
+  for (const RelativePoseConstraint& c : graph.relative_poses()) {
+    PoseEdge edge{c.from, c.to, {}};
+    edge.residual.a_from_b = c.from_from_to;
+    // The graph takes no covariance that this could fail on.
+    SqrtInformation(c.covariance, &edge.residual.sqrt_information);
+    relative_poses.push_back(edge);
+  }
+}
+
+double PoseTerms::Cost(const std::vector<double>& poses) const {
+  double sum = 0.0;
+  Eigen::Vector3d r;
+  if (!poses.empty() && prior.Evaluate(poses.data(), r.data(), nullptr)) sum += r.squaredNorm();
+  for (const std::vector<PoseEdge>* edges : {&motions, &relative_poses}) {
+    for (const PoseEdge& edge : *edges) {
+      edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], r.data(), nullptr,
+                             nullptr);
+      sum += r.squaredNorm();
+    }
+  }
+  return 0.5 * sum;
+}
+
+void PoseTerms::AddBlocks(const std::vector<double>& poses, std::vector<double>* blocks) const {
+  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const auto add = [blocks](int pose, const RowMajor3d& jacobian) {
+    const Eigen::Matrix3d product = jacobian.transpose() * jacobian;
+    double* block = &(*blocks)[6 * pose];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) *block++ += product(i, j);
+    }
+  };
+  Eigen::Vector3d r;
+  RowMajor3d d_from, d_to;
+  if (!poses.empty() && prior.Evaluate(poses.data(), r.data(), d_from.data())) add(0, d_from);
+  for (const std::vector<PoseEdge>* edges : {&motions, &relative_poses}) {
+    for (const PoseEdge& edge : *edges) {
+      edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], r.data(), d_from.data(),
+                             d_to.data());
+      add(edge.from, d_from);
+      add(edge.to, d_to);
+    }
+  }
+}
+
+}  // namespace plumbline

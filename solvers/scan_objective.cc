@@ -1,0 +1,131 @@
+#include "plumbline/solvers/scan_objective.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/factors/robust_loss.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kScansPerChunk = 16;
+
+// Calls body(scan) for all scans of the graph, on all threads.
+template <typename Body>
+void ForEachScan(const SlamGraph& graph, ThreadPool* pool, const Body& body) {
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) body(static_cast<int>(s));
+                     });
+}
+
+}  // namespace
+
+void ScanObjective::AttachPoints() {
+  attached_.resize(graph_.points().size());
+  ForEachScan(graph_, energy_.pool(), [&](int s) {
+    const ScanEntry& scan = graph_.scan(s);
+    const double* pose = &graph_.poses()[3 * scan.pose];
+    const double c = std::cos(pose[2]), sn = std::sin(pose[2]);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const double dx = graph_.points()[2 * r] - pose[0];
+      const double dy = graph_.points()[2 * r + 1] - pose[1];
+      attached_[2 * r] = c * dx + sn * dy;
+      attached_[2 * r + 1] = -sn * dx + c * dy;
+    }
+  });
+}
+
+void ScanObjective::PlacePoints(const std::vector<double>& x, std::vector<double>* points) const {
+  points->resize(attached_.size());
+  ForEachScan(graph_, energy_.pool(), [&](int s) {
+    const ScanEntry& scan = graph_.scan(s);
+    const double* pose = &x[3 * scan.pose];
+    const double c = std::cos(pose[2]), sn = std::sin(pose[2]);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      (*points)[2 * r] = pose[0] + c * attached_[2 * r] - sn * attached_[2 * r + 1];
+      (*points)[2 * r + 1] = pose[1] + sn * attached_[2 * r] + c * attached_[2 * r + 1];
+    }
+  });
+}
+
+bool ScanObjective::Evaluate(const std::vector<double>& x, double* cost,
+                             std::vector<double>* gradient) {
+  PlacePoints(x, &points_);
+  TermCosts costs;
+  EnergyDerivatives derivatives;
+  derivatives.pose_gradient = gradient;
+  derivatives.point_gradient = &point_gradient_;
+  const bool ok = energy_.Evaluate(x, points_, &costs, derivatives);
+  *cost = costs.Total();
+  // Chain rule: a point turns about its robot, dm/dyaw = (-(m - t)_y, (m - t)_x).
+  for (int s = 0; s < graph_.num_scans(); ++s) {
+    const ScanEntry& scan = graph_.scan(s);
+    const double* pose = &x[3 * scan.pose];
+    double* g = &(*gradient)[3 * scan.pose];
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const double gx = point_gradient_[2 * r], gy = point_gradient_[2 * r + 1];
+      g[0] += gx;
+      g[1] += gy;
+      g[2] += -(points_[2 * r + 1] - pose[1]) * gx + (points_[2 * r] - pose[0]) * gy;
+    }
+  }
+  return ok;
+}
+
+bool ScanObjective::Start(const std::vector<double>& x, double* cost,
+                          std::vector<double>* gradient) {
+  if (!Evaluate(x, cost, gradient)) return false;
+  std::vector<double> blocks(2 * x.size(), 0.0);
+  energy_.pose_terms().AddBlocks(x, &blocks);
+  AddManifoldBlocks(x, &blocks);
+  preconditioner_.Set(blocks);
+  return true;
+}
+
+double ScanObjective::Curvature(const std::vector<double>& x,
+                                const std::vector<double>& direction) {
+  PlacePoints(x, &points_);
+  point_direction_.resize(points_.size());
+  ForEachScan(graph_, energy_.pool(), [&](int s) {
+    const ScanEntry& scan = graph_.scan(s);
+    const double* pose = &x[3 * scan.pose];
+    const double* d = &direction[3 * scan.pose];
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      point_direction_[2 * r] = d[0] - (points_[2 * r + 1] - pose[1]) * d[2];
+      point_direction_[2 * r + 1] = d[1] + (points_[2 * r] - pose[0]) * d[2];
+    }
+  });
+  return energy_.Curvature(x, points_, &direction, &point_direction_);
+}
+
+void ScanObjective::Precondition(const std::vector<double>& gradient, std::vector<double>* result) {
+  preconditioner_.Apply(gradient, result);
+}
+
+void ScanObjective::AddManifoldBlocks(const std::vector<double>& x,
+                                      std::vector<double>* blocks) const {
+  const ManifoldOptions& manifold = energy_.options().manifold;
+  const GemanMcClure loss = GemanMcClure::FromGate(manifold.robust_gate_sigmas);
+  const double inv_sigma = 1.0 / manifold.sigma_m;
+  for (int s = 0; s < graph_.num_scans(); ++s) {
+    const ScanEntry& scan = graph_.scan(s);
+    const double* pose = &x[3 * scan.pose];
+    double* block = &(*blocks)[6 * scan.pose];
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const TangentLine& line = energy_.associations().lines[r];
+      if (!Associations::HasLine(line)) continue;
+      double residual, n[2];
+      EvaluateManifold(line, &points_[2 * r], inv_sigma, &residual, n);
+      const double weight = loss.Weight(residual * residual);
+      const double j[3] = {
+          n[0], n[1], -(points_[2 * r + 1] - pose[1]) * n[0] + (points_[2 * r] - pose[0]) * n[1]};
+      int k = 0;
+      for (int a = 0; a < 3; ++a) {
+        for (int b = a; b < 3; ++b) block[k++] += weight * j[a] * j[b];
+      }
+    }
+  }
+}
+
+}  // namespace plumbline

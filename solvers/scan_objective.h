@@ -1,0 +1,46 @@
+#ifndef PLUMBLINE_SOLVERS_SCAN_OBJECTIVE_H_
+#define PLUMBLINE_SOLVERS_SCAN_OBJECTIVE_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/block_jacobi.h"
+#include "plumbline/solvers/energy.h"
+#include "plumbline/solvers/nonlinear_cg.h"
+
+namespace plumbline {
+
+/// The joint energy as a function of the poses when every scan carries its points along, as if
+/// they were glued to the robot.
+///
+/// The beam terms do not change then, and the poses feel the map priors and the odometry alone:
+/// the step that is long where alternating between poses and points is slow.
+class ScanObjective final : public CgObjective {
+ public:
+  ScanObjective(const Energy& energy, const SlamGraph* graph) : energy_(energy), graph_(*graph) {}
+
+  /// Glues the graph's current points to its current poses. To be called before a minimisation.
+  void AttachPoints();
+  /// The points that go with poses x.
+  void PlacePoints(const std::vector<double>& x, std::vector<double>* points) const;
+
+  bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override;
+  bool Evaluate(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override;
+  double Curvature(const std::vector<double>& x, const std::vector<double>& direction) override;
+  void Precondition(const std::vector<double>& gradient, std::vector<double>* result) override;
+
+ private:
+  /// Adds the Gauss-Newton blocks of the manifold terms to pose blocks (upper triangles).
+  void AddManifoldBlocks(const std::vector<double>& x, std::vector<double>* blocks) const;
+
+  const Energy& energy_;
+  const SlamGraph& graph_;
+  BlockJacobi<3> preconditioner_;
+  std::vector<double> attached_;  // points in the frame of their robot
+  // Kept between evaluations, which come by the dozen.
+  std::vector<double> points_, point_gradient_, point_direction_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SCAN_OBJECTIVE_H_

@@ -1,0 +1,28 @@
+#ifndef PLUMBLINE_SOLVERS_SOLVE_H_
+#define PLUMBLINE_SOLVERS_SOLVE_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/return_normals.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+/// The window for surface normals that suits a laser of this range noise [m].
+ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam);
+
+/// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
+/// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
+/// should be right to a few decimetres (SeedGraph brings it there).
+///
+/// On return the graph holds the best state seen by MarginalEnergy over the rounds; it is the
+/// given state, bit for bit, if nothing was better. Bad options or a state that is not finite:
+/// termination kFailure, the message names the culprit, and the graph is unchanged.
+SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SOLVE_H_

@@ -1,0 +1,54 @@
+#include "plumbline/solvers/solver_options.h"
+
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+
+const char* ToString(SolverType type) {
+  return type == SolverType::kAlternatingCg ? "alternating_cg" : "ceres";
+}
+
+bool FromString(const std::string& name, SolverType* type) {
+  for (const SolverType candidate : {SolverType::kAlternatingCg, SolverType::kCeres}) {
+    if (name == ToString(candidate)) {
+      *type = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool AlternatingCgOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_sweeps, >, 0);
+  PLUMBLINE_CHECK_OPTION(map_iterations_per_sweep, >, 0);
+  PLUMBLINE_CHECK_OPTION(pose_iterations_per_sweep, >, 0);
+  PLUMBLINE_CHECK_OPTION(scan_iterations_per_sweep, >=, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_cost_tolerance, >=, 0.0);
+  return true;
+}
+
+bool CeresOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(function_tolerance, >=, 0.0);
+  return true;
+}
+
+bool RoundOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_rounds, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(last_radius_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(first_radius_m, >=, last_radius_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(first_gate_factor, >=, 1.0);
+  return true;
+}
+
+bool SolverOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_threads, >, 0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(factors);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(association);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(rounds);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
+  return true;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,88 @@
+#ifndef PLUMBLINE_SOLVERS_SOLVER_OPTIONS_H_
+#define PLUMBLINE_SOLVERS_SOLVER_OPTIONS_H_
+
+#include <ceres/types.h>
+
+#include <functional>
+#include <string>
+
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+enum class SolverType {
+  kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
+  kCeres,          ///< one ceres::Problem over all poses and points
+};
+const char* ToString(SolverType type);
+bool FromString(const std::string& name, SolverType* type);
+
+/// Alternating conjugate gradients on one set of associations.
+struct AlternatingCgOptions {
+  /// A sweep moves the map with the poses fixed, then the poses with the map fixed, then the poses
+  /// with each scan carrying its points along.
+  int max_sweeps = 10;
+  int map_iterations_per_sweep = 1;
+  int pose_iterations_per_sweep = 1;
+  /// 0 gives the published alternation of map and poses only. It resolves a pose that its beams
+  /// hold to its points, but the map hardly holds (along a corridor), in hundreds of sweeps.
+  int scan_iterations_per_sweep = 4;
+  /// Ends when a sweep lowers the cost by less than this fraction.
+  double relative_cost_tolerance = 1e-3;
+
+  bool Check(std::string* error) const;
+};
+
+/// Ceres' own switches, under Ceres' own names. Its documentation says what combines with what; a
+/// combination that it refuses is reported as an error.
+struct CeresOptions {
+  ceres::MinimizerType minimizer = ceres::TRUST_REGION;
+  ceres::TrustRegionStrategyType trust_region_strategy = ceres::LEVENBERG_MARQUARDT;
+  ceres::DoglegType dogleg = ceres::TRADITIONAL_DOGLEG;
+  ceres::LineSearchDirectionType line_search_direction = ceres::LBFGS;
+  ceres::LineSearchType line_search = ceres::WOLFE;
+  ceres::NonlinearConjugateGradientType nonlinear_conjugate_gradient = ceres::FLETCHER_REEVES;
+  ceres::LinearSolverType linear_solver = ceres::SPARSE_SCHUR;
+  ceres::PreconditionerType preconditioner = ceres::JACOBI;
+  int max_iterations = 5;
+  /// Ends when an iteration lowers the cost by less than this fraction.
+  double function_tolerance = 1e-4;
+
+  bool Check(std::string* error) const;
+};
+
+/// The outer loop: associations are rebuilt `num_rounds` times, coarse to fine.
+struct RoundOptions {
+  int num_rounds = 8;
+  /// Smallest neighbourhood radius [m] in the first and in the last round, geometric in between:
+  /// wide enough to reach across a double wall at first, narrow enough not to blur at last.
+  double first_radius_m = 0.3;
+  double last_radius_m = 0.1;
+  /// Factor on the robust gates of the map terms in the first round; falls to 1 in the last.
+  double first_gate_factor = 2.0;
+
+  bool Check(std::string* error) const;
+};
+
+/// Called after each iteration; false asks the solver to stop with the best state so far.
+using ProgressCallback = std::function<bool(const IterationSummary&)>;
+
+struct SolverOptions {
+  SolverType type = SolverType::kAlternatingCg;
+  FactorOptions factors;
+  AssociationOptions association;
+  RoundOptions rounds;
+  AlternatingCgOptions alternating_cg;
+  CeresOptions ceres;
+  /// Threads, the calling one included. The result does not depend on it.
+  int num_threads = 2;
+  ProgressCallback callback;
+
+  bool Check(std::string* error) const;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SOLVER_OPTIONS_H_

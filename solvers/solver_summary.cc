@@ -1,0 +1,92 @@
+#include "plumbline/solvers/solver_summary.h"
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace plumbline {
+namespace {
+
+std::string Format(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string Format(const char* format, ...) {
+  char buffer[512];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer, sizeof(buffer), format, arguments);
+  va_end(arguments);
+  return buffer;
+}
+
+// Root mean square of the whitened residuals behind a cost of one half of their squared sum.
+double WhitenedRms(double cost, const TermSummary& term) {
+  const double num_residuals = static_cast<double>(term.count) * term.residuals_per_block;
+  return num_residuals > 0.0 ? std::sqrt(2.0 * cost / num_residuals) : 0.0;
+}
+
+std::string TermRow(Term term, const TermSummary& summary) {
+  const double rms = WhitenedRms(summary.final_cost, summary);
+  std::string row = Format("  %-14s %10zu %14.6e %14.6e %9.3f", ToString(term), summary.count,
+                           summary.initial_cost, summary.final_cost, rms);
+  if (summary.sigma > 0.0) row += Format(" %10.5f %s", rms * summary.sigma, summary.unit.c_str());
+  return row + "\n";
+}
+
+}  // namespace
+
+const char* ToString(TerminationType type) {
+  switch (type) {
+    case TerminationType::kFailure:
+      return "failure";
+    case TerminationType::kNoImprovement:
+      return "no improvement";
+    case TerminationType::kUserStopped:
+      return "stopped";
+    case TerminationType::kMaxIterations:
+      return "max iterations";
+    case TerminationType::kConverged:
+      return "converged";
+  }
+  return "";
+}
+
+std::string ProgressHeader() {
+  return "iter round phase         cost cost_change |gradient|   |step| step_size     beta  "
+         "tr_ratio tr_radius evals iter_time total_time";
+}
+
+std::string ProgressRow(const IterationSummary& it) {
+  return Format("%4d %5d %-5s %12.6e %11.3e %10.2e %8.2e %9.2e %8.2e %9.2e %9.2e %5d %9.3f %10.2f",
+                it.iteration, it.round, it.phase.c_str(), it.cost, it.cost_change,
+                it.gradient_max_norm, it.step_norm, it.step_size, it.beta, it.trust_region_ratio,
+                it.trust_region_radius, it.evaluations, it.iteration_time_s, it.total_time_s);
+}
+
+std::string SolverSummary::BriefReport() const {
+  return Format(
+      "%s: %s in %.2f s, %zu rounds, %zu iterations, %zu poses, %zu points, marginal energy %.6e "
+      "-> %.6e",
+      solver.c_str(), ToString(termination), total_time_s, rounds.size(), iterations.size(),
+      num_poses, num_points, seed_marginal_energy, final_marginal_energy);
+}
+
+std::string SolverSummary::FullReport() const {
+  std::string report = BriefReport() + "\n\nRounds (associations rebuilt in each)\n";
+  report +=
+      "  round radius_m  gate     lines  shape pairs   cost before    cost after  iter  marginal\n";
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    const RoundSummary& round = rounds[i];
+    report += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e\n", i + 1,
+                     round.radius_m, round.gate_sigmas, round.num_lines, round.num_shape_pairs,
+                     round.initial_cost, round.final_cost, round.iterations, round.marginal_energy);
+  }
+  report +=
+      "\nTerms of the last round\n"
+      "  term                count    cost before     cost after  RMS (whitened, in units)\n";
+  for (int t = 0; t < kNumTerms; ++t) report += TermRow(static_cast<Term>(t), terms[t]);
+  report += Format("\nTime [s]: association %.2f, setup %.2f, minimisation %.2f, total %.2f\n",
+                   association_time_s, setup_time_s, solve_time_s, total_time_s);
+  report += Format("Termination: %s. ", ToString(termination)) + message + "\n";
+  return report;
+}
+
+}  // namespace plumbline

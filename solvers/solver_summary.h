@@ -1,0 +1,100 @@
+#ifndef PLUMBLINE_SOLVERS_SOLVER_SUMMARY_H_
+#define PLUMBLINE_SOLVERS_SOLVER_SUMMARY_H_
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/energy.h"
+
+namespace plumbline {
+
+enum class TerminationType {
+  kFailure,        ///< The energy could not be evaluated; the graph is unchanged.
+  kNoImprovement,  ///< The seed was the best state seen; the graph is unchanged.
+  kUserStopped,    ///< The callback asked to stop; the graph holds the best state so far.
+  kMaxIterations,  ///< The graph is better than the seed, and could still improve.
+  kConverged,
+};
+const char* ToString(TerminationType type);
+
+/// One iteration of any solver, in one format for all.
+struct IterationSummary {
+  int iteration = 0;  ///< counts through all rounds
+  int round = 0;      ///< round of associations, from 1
+  std::string phase;  ///< what moved: "map", "poses" or "joint"
+  double cost = 0.0;
+  double cost_change = 0.0;  ///< positive: the cost fell
+  double gradient_max_norm = 0.0;
+  double step_norm = 0.0;
+  double step_size = 0.0;  ///< line searches: length along the direction
+  double beta = 0.0;       ///< conjugate gradients: share of the previous direction
+  double trust_region_ratio = 0.0;
+  double trust_region_radius = 0.0;
+  int evaluations = 0;  ///< of the cost, or iterations of the linear solver
+  double iteration_time_s = 0.0;
+  double total_time_s = 0.0;
+};
+
+/// The heading for ProgressRow().
+std::string ProgressHeader();
+std::string ProgressRow(const IterationSummary& iteration);
+
+/// One outer round: associations rebuilt, then an inner solve with them fixed.
+struct RoundSummary {
+  double radius_m = 0.0;     ///< smallest neighbourhood
+  double gate_sigmas = 0.0;  ///< robust gate of the map terms
+  std::size_t num_lines = 0;
+  std::size_t num_shape_pairs = 0;
+  double initial_cost = 0.0;
+  double final_cost = 0.0;       ///< of the same associations
+  double marginal_energy = 0.0;  ///< of the poses after this round, comparable between rounds
+  int iterations = 0;
+  std::string stop_reason;
+};
+
+/// Sizes, costs and residuals of one term.
+struct TermSummary {
+  std::size_t count = 0;  ///< residual blocks
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  int residuals_per_block = 0;
+  double sigma = 0.0;  ///< of one residual, in `unit`; 0 where the residuals have several units
+  std::string unit;
+};
+
+struct SolverSummary {
+  TerminationType termination = TerminationType::kFailure;
+  std::string message = "Solve was not called";
+  std::string solver;
+
+  std::size_t num_poses = 0;
+  std::size_t num_points = 0;
+  std::vector<RoundSummary> rounds;
+  std::vector<IterationSummary> iterations;
+
+  /// Terms of the last round's associations: at the state that the last round started from, and at
+  /// the end.
+  std::array<TermSummary, kNumTerms> terms;
+
+  /// How well the poses explain the map: energy with every point eliminated, each state under
+  /// associations of its own, which makes states of different rounds comparable. See
+  /// marginal_energy.h.
+  double seed_marginal_energy = 0.0;
+  double final_marginal_energy = 0.0;
+
+  double association_time_s = 0.0;
+  double setup_time_s = 0.0;  ///< building problems
+  double solve_time_s = 0.0;
+  double total_time_s = 0.0;
+
+  /// True if the graph holds a state at least as good as the one given.
+  bool IsSolutionUsable() const { return termination != TerminationType::kFailure; }
+  std::string BriefReport() const;
+  std::string FullReport() const;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SOLVER_SUMMARY_H_
