@@ -9,4 +9,9 @@ function(plumbline_private_options target)
                            -fno-omit-frame-pointer -fno-sanitize-recover=all)
     target_link_options(${target} PUBLIC -fsanitize=${PLUMBLINE_SANITIZE})
   endif()
+  if(PLUMBLINE_SANITIZE MATCHES "address")
+    # Under this sanitizer Eigen would allocate in another way than inside the system's libceres,
+    # and memory that one allocates and the other frees shows as a false heap error.
+    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  endif()
 endfunction()

@@ -1,0 +1,224 @@
+#include "plumbline/apps/flags.h"
+
+#include <gflags/gflags.h>
+
+#include <string>
+
+#include "plumbline/core/angle.h"
+
+namespace {
+
+// The library's defaults are those of the flags.
+const plumbline::SolverOptions& Defaults() {
+  static const plumbline::SolverOptions options;
+  return options;
+}
+const plumbline::SeedingOptions& SeedingDefaults() {
+  static const plumbline::SeedingOptions options;
+  return options;
+}
+
+}  // namespace
+
+DEFINE_string(solver, ToString(Defaults().type),
+              "Minimiser of the joint energy: alternating_cg or ceres");
+DEFINE_int32(threads, Defaults().num_threads, "Threads; the result does not depend on it");
+
+// Sensor and surfaces.
+DEFINE_double(sigma_range_m, Defaults().factors.beam.sigma_range_m,
+              "Standard deviation of a range reading [m]");
+DEFINE_double(sigma_bearing_rad, Defaults().factors.beam.sigma_bearing_rad,
+              "Standard deviation of a beam's direction, its divergence included [rad]");
+DEFINE_double(sigma_manifold_m, Defaults().factors.manifold.sigma_m,
+              "Thickness of a surface: standard deviation of a point off its tangent line [m]");
+DEFINE_double(manifold_gate, Defaults().factors.manifold.robust_gate_sigmas,
+              "Robust gate of the manifold terms [standard deviations]");
+DEFINE_bool(shape, Defaults().factors.shape.enabled,
+            "Draw adjacent surfaces to parallel or orthogonal");
+DEFINE_double(sigma_shape_rad, Defaults().factors.shape.sigma_rad,
+              "Standard deviation of a surface's direction from its neighbour's [rad]");
+DEFINE_double(shape_gate, Defaults().factors.shape.robust_gate_sigmas,
+              "Robust gate of the shape terms [standard deviations]");
+
+// Odometry.
+DEFINE_double(odom_rotation_per_rotation, Defaults().factors.motion.rotation_per_rotation,
+              "Odometry noise alpha_1 [rad per rad]");
+DEFINE_double(odom_rotation_per_translation_rad_m,
+              Defaults().factors.motion.rotation_per_translation_rad_m,
+              "Odometry noise alpha_2 [rad per m]");
+DEFINE_double(odom_translation_per_translation,
+              Defaults().factors.motion.translation_per_translation,
+              "Odometry noise alpha_3 [m per m]");
+DEFINE_double(odom_translation_per_rotation_m_rad,
+              Defaults().factors.motion.translation_per_rotation_m_rad,
+              "Odometry noise alpha_4 [m per rad]");
+DEFINE_double(odom_translation_floor_m, Defaults().factors.motion.translation_floor_m,
+              "Odometry noise of a step of no length [m]");
+DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_rad,
+              "Odometry noise of a step without turning [rad]");
+
+// Associations and rounds.
+DEFINE_string(neighborhood, ToString(Defaults().association.neighborhood),
+              "Neighbourhood of a tangent line: radius, or nearest (the published form)");
+DEFINE_int32(min_neighbors, Defaults().association.min_points, "Fewest points of a neighbourhood");
+DEFINE_int32(max_neighbors, Defaults().association.max_points,
+             "Most points of a neighbourhood with --neighborhood=nearest");
+DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
+              "Neighbourhoods rounder than this are no surface [smaller over larger variance]");
+DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
+              "Length of the surface regions of the shape terms [m]");
+DEFINE_double(shape_margin_deg, plumbline::RadToDeg(Defaults().association.shape_margin_rad),
+              "Regions this close to parallel or orthogonal get a shape term [deg]");
+DEFINE_int32(rounds, Defaults().rounds.num_rounds,
+             "Rounds: in each, associations are rebuilt and the energy is minimised");
+DEFINE_double(first_radius_m, Defaults().rounds.first_radius_m,
+              "Smallest neighbourhood radius in the first round [m]");
+DEFINE_double(last_radius_m, Defaults().rounds.last_radius_m,
+              "Smallest neighbourhood radius in the last round [m]");
+DEFINE_double(first_gate_factor, Defaults().rounds.first_gate_factor,
+              "Factor on the robust gates in the first round; it falls to 1 in the last");
+
+// --solver=alternating_cg
+DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
+             "alternating_cg: most sweeps over map, poses and scans per round");
+DEFINE_int32(cg_map_iterations, Defaults().alternating_cg.map_iterations_per_sweep,
+             "alternating_cg: iterations on the map per sweep");
+DEFINE_int32(cg_pose_iterations, Defaults().alternating_cg.pose_iterations_per_sweep,
+             "alternating_cg: iterations on the poses per sweep");
+DEFINE_int32(cg_scan_iterations, Defaults().alternating_cg.scan_iterations_per_sweep,
+             "alternating_cg: iterations on poses that carry their points; 0: as published");
+DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
+              "alternating_cg: ends a round when a sweep gains less [fraction of the cost]");
+
+// --solver=ceres
+DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres.minimizer),
+              "trust_region or line_search");
+DEFINE_string(ceres_trust_region_strategy,
+              ceres::TrustRegionStrategyTypeToString(Defaults().ceres.trust_region_strategy),
+              "levenberg_marquardt or dogleg");
+DEFINE_string(ceres_dogleg, ceres::DoglegTypeToString(Defaults().ceres.dogleg),
+              "traditional_dogleg or subspace_dogleg");
+DEFINE_string(ceres_line_search_direction,
+              ceres::LineSearchDirectionTypeToString(Defaults().ceres.line_search_direction),
+              "steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs");
+DEFINE_string(ceres_line_search, ceres::LineSearchTypeToString(Defaults().ceres.line_search),
+              "armijo or wolfe");
+DEFINE_string(
+    ceres_nonlinear_conjugate_gradient,
+    ceres::NonlinearConjugateGradientTypeToString(Defaults().ceres.nonlinear_conjugate_gradient),
+    "fletcher_reeves, polak_ribiere or hestenes_stiefel");
+DEFINE_string(ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ceres.linear_solver),
+              "sparse_schur, iterative_schur, dense_schur, sparse_normal_cholesky, cgnr, dense_qr "
+              "or dense_normal_cholesky");
+DEFINE_string(ceres_preconditioner,
+              ceres::PreconditionerTypeToString(Defaults().ceres.preconditioner),
+              "identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
+DEFINE_int32(ceres_max_iterations, Defaults().ceres.max_iterations,
+             "Most iterations of Ceres per round");
+DEFINE_double(ceres_function_tolerance, Defaults().ceres.function_tolerance,
+              "Ends a round when an iteration gains less [fraction of the cost]");
+
+// Seeding.
+DEFINE_double(key_scan_distance_m, SeedingDefaults().sequential.key_scan_distance_m,
+              "Seeding: travel from one key scan to the next [m]");
+DEFINE_double(key_scan_angle_deg,
+              plumbline::RadToDeg(SeedingDefaults().sequential.key_scan_angle_rad),
+              "Seeding: turning from one key scan to the next [deg]");
+
+namespace plumbline {
+namespace {
+
+// Sets *value from a flag by one of the FromString functions, which know all the names.
+template <typename Parse, typename Value>
+Status ParseName(const char* flag, const std::string& name, const Parse& parse, Value* value) {
+  if (parse(name, value)) return Status::Ok();
+  return Status::InvalidArgument(std::string("--") + flag + "=" + name +
+                                 ": no such name; see --help");
+}
+
+FactorOptions FactorOptionsFromFlags() {
+  FactorOptions factors;
+  factors.beam.sigma_range_m = FLAGS_sigma_range_m;
+  factors.beam.sigma_bearing_rad = FLAGS_sigma_bearing_rad;
+  factors.manifold.sigma_m = FLAGS_sigma_manifold_m;
+  factors.manifold.robust_gate_sigmas = FLAGS_manifold_gate;
+  factors.shape.enabled = FLAGS_shape;
+  factors.shape.sigma_rad = FLAGS_sigma_shape_rad;
+  factors.shape.robust_gate_sigmas = FLAGS_shape_gate;
+  factors.motion.rotation_per_rotation = FLAGS_odom_rotation_per_rotation;
+  factors.motion.rotation_per_translation_rad_m = FLAGS_odom_rotation_per_translation_rad_m;
+  factors.motion.translation_per_translation = FLAGS_odom_translation_per_translation;
+  factors.motion.translation_per_rotation_m_rad = FLAGS_odom_translation_per_rotation_m_rad;
+  factors.motion.translation_floor_m = FLAGS_odom_translation_floor_m;
+  factors.motion.rotation_floor_rad = FLAGS_odom_rotation_floor_rad;
+  return factors;
+}
+
+Status CeresOptionsFromFlags(CeresOptions* options) {
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_minimizer", FLAGS_ceres_minimizer,
+                                      ceres::StringToMinimizerType, &options->minimizer));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_trust_region_strategy", FLAGS_ceres_trust_region_strategy,
+                ceres::StringToTrustRegionStrategyType, &options->trust_region_strategy));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_dogleg", FLAGS_ceres_dogleg, ceres::StringToDoglegType, &options->dogleg));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_line_search_direction", FLAGS_ceres_line_search_direction,
+                ceres::StringToLineSearchDirectionType, &options->line_search_direction));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_line_search", FLAGS_ceres_line_search,
+                                      ceres::StringToLineSearchType, &options->line_search));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName(
+      "ceres_nonlinear_conjugate_gradient", FLAGS_ceres_nonlinear_conjugate_gradient,
+      ceres::StringToNonlinearConjugateGradientType, &options->nonlinear_conjugate_gradient));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_linear_solver", FLAGS_ceres_linear_solver,
+                                      ceres::StringToLinearSolverType, &options->linear_solver));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_preconditioner", FLAGS_ceres_preconditioner,
+                                      ceres::StringToPreconditionerType, &options->preconditioner));
+  options->max_iterations = FLAGS_ceres_max_iterations;
+  options->function_tolerance = FLAGS_ceres_function_tolerance;
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status SolverOptionsFromFlags(SolverOptions* options) {
+  const auto solver_from_string = [](const std::string& name, SolverType* type) {
+    return FromString(name, type);
+  };
+  const auto neighborhood_from_string = [](const std::string& name, NeighborhoodType* type) {
+    return FromString(name, type);
+  };
+  *options = SolverOptions();
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("solver", FLAGS_solver, solver_from_string, &options->type));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("neighborhood", FLAGS_neighborhood, neighborhood_from_string,
+                                      &options->association.neighborhood));
+  PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&options->ceres));
+  options->num_threads = FLAGS_threads;
+  options->factors = FactorOptionsFromFlags();
+  options->association.min_points = FLAGS_min_neighbors;
+  options->association.max_points = FLAGS_max_neighbors;
+  options->association.max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
+  options->association.min_segment_length_m = FLAGS_min_segment_length_m;
+  options->association.shape_margin_rad = DegToRad(FLAGS_shape_margin_deg);
+  options->rounds.num_rounds = FLAGS_rounds;
+  options->rounds.first_radius_m = FLAGS_first_radius_m;
+  options->rounds.last_radius_m = FLAGS_last_radius_m;
+  options->rounds.first_gate_factor = FLAGS_first_gate_factor;
+  options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;
+  options->alternating_cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
+  options->alternating_cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;
+  options->alternating_cg.scan_iterations_per_sweep = FLAGS_cg_scan_iterations;
+  options->alternating_cg.relative_cost_tolerance = FLAGS_cg_tolerance;
+  std::string error;
+  return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
+}
+
+Status SeedingOptionsFromFlags(SeedingOptions* options) {
+  *options = SeedingOptions();
+  options->sequential.key_scan_distance_m = FLAGS_key_scan_distance_m;
+  options->sequential.key_scan_angle_rad = DegToRad(FLAGS_key_scan_angle_deg);
+  std::string error;
+  return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,18 @@
+#ifndef PLUMBLINE_APPS_FLAGS_H_
+#define PLUMBLINE_APPS_FLAGS_H_
+
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solver_options.h"
+
+namespace plumbline {
+
+/// The solver options that the command line asks for; InvalidArgument names the flag.
+Status SolverOptionsFromFlags(SolverOptions* options);
+
+/// The seeding options that the command line asks for; InvalidArgument names the option.
+Status SeedingOptionsFromFlags(SeedingOptions* options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_FLAGS_H_

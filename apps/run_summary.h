@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_APPS_RUN_SUMMARY_H_
+#define PLUMBLINE_APPS_RUN_SUMMARY_H_
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/stage.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+/// Everything a run reports, for machines to read.
+struct RunSummary {
+  std::string log;
+  std::size_t num_scans = 0;
+  std::size_t num_returns = 0;
+  std::size_t num_skipped_records = 0;
+  double read_time_s = 0.0;
+  double seed_time_s = 0.0;  ///< normals included
+  SeedingReport seeding;
+  SolverSummary solver;
+  std::vector<Stage> stages;
+};
+
+/// Largest resident memory of this process so far [bytes].
+std::size_t PeakMemoryBytes();
+
+/// Writes the summary as JSON, with the flags in force. NotFound or Unavailable if the file cannot
+/// be written.
+Status WriteRunSummary(const std::string& path, const RunSummary& summary);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_SUMMARY_H_

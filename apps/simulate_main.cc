@@ -1,0 +1,159 @@
+// Simulates a robot with a laser scanner in a building: writes its log and the truth about it.
+
+#include <gflags/gflags.h>
+
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <string>
+#include <utility>
+
+#include "plumbline/apps/simulation/building_reader.h"
+#include "plumbline/apps/simulation/carmen_writer.h"
+#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/apps/simulation/truth_writer.h"
+
+DEFINE_string(world, "", "Building to drive through; datasets/README.md describes the format");
+DEFINE_string(log, "", "CARMEN log to write");
+DEFINE_string(truth, "", "True trajectory to write, TUM format (empty: none)");
+DEFINE_string(hits, "", "True point of every return to write, lines 't beam x y' (empty: none)");
+
+namespace {
+
+using plumbline::DegToRad;
+using plumbline::RadToDeg;
+
+// The library's defaults are those of the flags.
+const plumbline::SimulationOptions& Defaults() {
+  static const plumbline::SimulationOptions options;
+  return options;
+}
+
+}  // namespace
+
+DEFINE_uint64(seed, Defaults().seed, "Seed of all noise");
+
+DEFINE_int32(num_beams, Defaults().laser.num_beams, "Beams per scan");
+DEFINE_double(first_bearing_deg, RadToDeg(Defaults().laser.first_bearing_rad),
+              "Direction of the first beam [deg]");
+DEFINE_double(bearing_step_deg, RadToDeg(Defaults().laser.bearing_step_rad),
+              "From one beam to the next [deg]");
+DEFINE_double(min_range_m, Defaults().laser.min_range_m, "Shortest reading [m]");
+DEFINE_double(max_range_m, Defaults().laser.max_range_m, "Readings from here on are no return [m]");
+DEFINE_double(laser_x_m, Defaults().laser.robot_from_laser.x, "Laser on the robot: forward [m]");
+DEFINE_double(laser_y_m, Defaults().laser.robot_from_laser.y, "Laser on the robot: left [m]");
+DEFINE_double(laser_yaw_deg, RadToDeg(Defaults().laser.robot_from_laser.yaw),
+              "Laser on the robot: heading [deg]");
+DEFINE_double(scan_period_s, Defaults().scan_period_s, "From one scan to the next [s]");
+
+DEFINE_double(speed_m_s, Defaults().drive.speed_m_s, "Driving speed [m/s]");
+DEFINE_double(turn_rate_deg_s, RadToDeg(Defaults().drive.turn_rate_rad_s),
+              "Turn rate on the spot, and at most on curves [deg/s]");
+DEFINE_double(corner_radius_m, Defaults().drive.corner_radius_m, "Radius of curves [m]");
+DEFINE_double(sharp_corner_deg, RadToDeg(Defaults().drive.sharp_corner_rad),
+              "From this change of direction on, the robot turns on the spot [deg]");
+DEFINE_double(robot_radius_m, Defaults().drive.robot_radius_m,
+              "No surface may come closer to the robot's centre [m]");
+
+DEFINE_double(sigma_range_m, Defaults().laser_noise.sigma_range_m, "Range noise [m]");
+DEFINE_double(sigma_bearing_deg, RadToDeg(Defaults().laser_noise.sigma_bearing_rad),
+              "Noise of a beam's direction [deg]");
+DEFINE_double(no_return_probability, Defaults().laser_noise.no_return_probability,
+              "Share of beams that are lost, as on glass");
+DEFINE_double(short_reading_probability, Defaults().laser_noise.short_reading_probability,
+              "Share of beams that meet something in the way, as people");
+
+DEFINE_double(odom_rotation_per_rotation, Defaults().odometry_noise.rotation_per_rotation,
+              "Odometry noise alpha_1 [rad per rad]");
+DEFINE_double(odom_rotation_per_translation_rad_m,
+              Defaults().odometry_noise.rotation_per_translation_rad_m,
+              "Odometry noise alpha_2 [rad per m]");
+DEFINE_double(odom_translation_per_translation,
+              Defaults().odometry_noise.translation_per_translation,
+              "Odometry noise alpha_3 [m per m]");
+DEFINE_double(odom_translation_per_rotation_m_rad,
+              Defaults().odometry_noise.translation_per_rotation_m_rad,
+              "Odometry noise alpha_4 [m per rad]");
+DEFINE_double(odom_heading_drift_rad_m, Defaults().odometry_noise.heading_drift_rad_m,
+              "Odometry's systematic turn [rad per m]");
+DEFINE_double(odom_scale_error, Defaults().odometry_noise.scale_error,
+              "Odometry's systematic error in distance [m per m]");
+
+namespace plumbline {
+namespace {
+
+SimulationOptions OptionsFromFlags() {
+  SimulationOptions options;
+  options.laser.num_beams = FLAGS_num_beams;
+  options.laser.first_bearing_rad = DegToRad(FLAGS_first_bearing_deg);
+  options.laser.bearing_step_rad = DegToRad(FLAGS_bearing_step_deg);
+  options.laser.min_range_m = FLAGS_min_range_m;
+  options.laser.max_range_m = FLAGS_max_range_m;
+  options.laser.robot_from_laser = {FLAGS_laser_x_m, FLAGS_laser_y_m,
+                                    DegToRad(FLAGS_laser_yaw_deg)};
+  options.scan_period_s = FLAGS_scan_period_s;
+  options.drive.speed_m_s = FLAGS_speed_m_s;
+  options.drive.turn_rate_rad_s = DegToRad(FLAGS_turn_rate_deg_s);
+  options.drive.corner_radius_m = FLAGS_corner_radius_m;
+  options.drive.sharp_corner_rad = DegToRad(FLAGS_sharp_corner_deg);
+  options.drive.robot_radius_m = FLAGS_robot_radius_m;
+  options.laser_noise.sigma_range_m = FLAGS_sigma_range_m;
+  options.laser_noise.sigma_bearing_rad = DegToRad(FLAGS_sigma_bearing_deg);
+  options.laser_noise.no_return_probability = FLAGS_no_return_probability;
+  options.laser_noise.short_reading_probability = FLAGS_short_reading_probability;
+  OdometryNoise& odometry = options.odometry_noise;
+  odometry.rotation_per_rotation = FLAGS_odom_rotation_per_rotation;
+  odometry.rotation_per_translation_rad_m = FLAGS_odom_rotation_per_translation_rad_m;
+  odometry.translation_per_translation = FLAGS_odom_translation_per_translation;
+  odometry.translation_per_rotation_m_rad = FLAGS_odom_translation_per_rotation_m_rad;
+  odometry.heading_drift_rad_m = FLAGS_odom_heading_drift_rad_m;
+  odometry.scale_error = FLAGS_odom_scale_error;
+  options.seed = FLAGS_seed;
+  return options;
+}
+
+void PrintSummary(const SimulatedLog& log) {
+  std::size_t num_returns = 0;
+  for (const SimulatedScan& scan : log.scans) {
+    for (const double range : scan.scan.ranges) num_returns += log.laser.IsReturn(range) ? 1 : 0;
+  }
+  const SimulatedScan& last = log.scans.back();
+  const Pose2 error = Between(last.world_from_robot, last.odom_from_robot);
+  std::cout << std::fixed << std::setprecision(2) << log.scans.size() << " scans, " << num_returns
+            << " returns, " << log.path_length_m << " m driven in " << last.scan.timestamp_s
+            << " s; odometry ends " << std::hypot(error.x, error.y) << " m and "
+            << RadToDeg(std::abs(error.yaw)) << " deg off\n";
+}
+
+Status Run() {
+  if (FLAGS_world.empty()) return Status::InvalidArgument("--world is missing");
+  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing");
+  Building building;
+  PLUMBLINE_RETURN_IF_ERROR(ReadBuilding(FLAGS_world, &building));
+  SimulatedLog log;
+  PLUMBLINE_RETURN_IF_ERROR(Simulate(World(std::move(building)), OptionsFromFlags(), &log));
+  PLUMBLINE_RETURN_IF_ERROR(WriteCarmenLog(FLAGS_log, log));
+  if (!FLAGS_truth.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueTrajectory(FLAGS_truth, log));
+  if (!FLAGS_hits.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueHits(FLAGS_hits, log));
+  PrintSummary(log);
+  return Status::Ok();
+}
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) {
+  gflags::SetUsageMessage(
+      "Simulates a robot with a laser scanner in a building.\n\n"
+      "  plumbline_simulate --world=datasets/small_building.world --log=small_building.clf "
+      "--truth=small_building.tum --hits=small_building.hits");
+  gflags::ParseCommandLineFlags(&argc, &argv, /*remove_flags=*/true);
+  if (argc > 1) {
+    std::cerr << "plumbline_simulate: unexpected argument '" << argv[1] << "'; see --help\n";
+    return 1;
+  }
+  const plumbline::Status status = plumbline::Run();
+  if (status.ok()) return 0;
+  std::cerr << "plumbline_simulate: " << status.message() << '\n';
+  return 1;
+}

@@ -1,0 +1,140 @@
+#include "plumbline/apps/simulation/simulator.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "plumbline/apps/simulation/noise_source.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kReadingsPerMetre = 1000.0;
+// Streams of random numbers.
+constexpr std::uint32_t kLaserStream = 0, kOdometryStream = 1;
+
+struct Reading {
+  double range_m;
+  Eigen::Vector2d hit;
+};
+
+Reading TakeReading(const World& world, const Pose2& world_from_laser, double bearing_rad,
+                    const LaserModel& laser, const LaserNoise& noise, NoiseSource* source) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const Reading no_return{laser.max_range_m, {kNaN, kNaN}};
+  // Every beam draws the same numbers, whatever it meets.
+  const double bearing_error = noise.sigma_bearing_rad * source->Gaussian();
+  const double range_error = noise.sigma_range_m * source->Gaussian();
+  const double fate = source->Uniform(), shortening = source->Uniform();
+
+  const Eigen::Vector2d origin = world_from_laser.translation();
+  const double world_bearing = world_from_laser.yaw + bearing_rad + bearing_error;
+  const double distance = world.CastRay(origin, world_bearing);
+  if (!(distance < laser.max_range_m) || fate < noise.no_return_probability) return no_return;
+  const bool obstructed = fate < noise.no_return_probability + noise.short_reading_probability;
+  const double measured = (obstructed ? shortening * distance : distance) + range_error;
+  const double range = std::round(measured * kReadingsPerMetre) / kReadingsPerMetre;
+  if (!laser.IsReturn(range)) return no_return;
+  return {range, obstructed ? no_return.hit : origin + BeamEnd(distance, world_bearing)};
+}
+
+void TakeScan(const World& world, const SimulationOptions& options, NoiseSource* source,
+              SimulatedScan* scan) {
+  const Pose2 world_from_laser = scan->world_from_robot * options.laser.robot_from_laser;
+  for (int beam = 0; beam < options.laser.num_beams; ++beam) {
+    const Reading reading = TakeReading(world, world_from_laser, options.laser.Bearing(beam),
+                                        options.laser, options.laser_noise, source);
+    scan->scan.ranges.push_back(reading.range_m);
+    scan->hits.push_back(reading.hit);
+  }
+}
+
+// What the wheels report of a true step.
+Pose2 DisturbStep(const Pose2& step, const OdometryNoise& noise, NoiseSource* source) {
+  const double trans = std::hypot(step.x, step.y);
+  // A turn on the spot moves the robot by a rounding error, which has no direction.
+  const double rot1 = trans > 1e-9 ? std::atan2(step.y, step.x) : 0.0;
+  const double rot2 = NormalizeAngle(step.yaw - rot1);
+  const double sigma_rot1 =
+      noise.rotation_per_rotation * std::abs(rot1) + noise.rotation_per_translation_rad_m * trans;
+  const double sigma_trans =
+      noise.translation_per_translation * trans +
+      noise.translation_per_rotation_m_rad * (std::abs(rot1) + std::abs(rot2));
+  const double sigma_rot2 =
+      noise.rotation_per_rotation * std::abs(rot2) + noise.rotation_per_translation_rad_m * trans;
+  const double drift = noise.heading_drift_rad_m * trans;
+  const double noisy_rot1 = rot1 + 0.5 * drift + sigma_rot1 * source->Gaussian();
+  const double noisy_trans = (1.0 + noise.scale_error) * trans + sigma_trans * source->Gaussian();
+  const double noisy_rot2 = rot2 + 0.5 * drift + sigma_rot2 * source->Gaussian();
+  return Pose2(0.0, 0.0, noisy_rot1) * Pose2(noisy_trans, 0.0, noisy_rot2);
+}
+
+}  // namespace
+
+bool LaserNoise::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_bearing_rad, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(no_return_probability, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(no_return_probability, <=, 1.0);
+  PLUMBLINE_CHECK_OPTION(short_reading_probability, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(short_reading_probability, <=, 1.0 - no_return_probability);
+  return true;
+}
+
+bool OdometryNoise::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_translation_rad_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_translation, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_rotation_m_rad, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(heading_drift_rad_m), >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(scale_error, >, -1.0);
+  return true;
+}
+
+SimulationOptions::SimulationOptions() {
+  laser.num_beams = 360;
+  laser.first_bearing_rad = DegToRad(-90.0);
+  laser.bearing_step_rad = DegToRad(0.5);
+}
+
+bool SimulationOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(scan_period_s, >=, 1e-3);
+  return laser.Check(error) && drive.Check(error) && laser_noise.Check(error) &&
+         odometry_noise.Check(error);
+}
+
+Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument("simulation: " + error);
+  Drive drive;
+  PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &drive));
+
+  SimulatedLog result;
+  result.laser = options.laser;
+  result.path_length_m = drive.length_m();
+  NoiseSource laser_source(options.seed, kLaserStream);
+  NoiseSource odometry_source(options.seed, kOdometryStream);
+  const int num_scans = 1 + static_cast<int>(drive.duration_s() / options.scan_period_s);
+  for (int i = 0; i < num_scans; ++i) {
+    SimulatedScan scan;
+    scan.scan.timestamp_s = i * options.scan_period_s;
+    scan.world_from_robot = drive.WorldFromRobot(scan.scan.timestamp_s);
+    scan.world_from_robot.yaw = NormalizeAngle(scan.world_from_robot.yaw);
+    if (i == 0) {
+      scan.odom_from_robot = scan.world_from_robot;
+    } else {
+      const SimulatedScan& last = result.scans.back();
+      const Pose2 step = Between(last.world_from_robot, scan.world_from_robot);
+      scan.odom_from_robot =
+          last.odom_from_robot * DisturbStep(step, options.odometry_noise, &odometry_source);
+      scan.odom_from_robot.yaw = NormalizeAngle(scan.odom_from_robot.yaw);
+    }
+    TakeScan(world, options, &laser_source, &scan);
+    result.scans.push_back(std::move(scan));
+  }
+  *log = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

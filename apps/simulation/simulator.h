@@ -1,0 +1,79 @@
+#ifndef PLUMBLINE_APPS_SIMULATION_SIMULATOR_H_
+#define PLUMBLINE_APPS_SIMULATION_SIMULATOR_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/simulation/drive.h"
+#include "plumbline/apps/simulation/world.h"
+#include "plumbline/core/angle.h"
+#include "plumbline/core/laser_scan.h"
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// Noise of a laser reading. Defaults: SICK LMS class.
+struct LaserNoise {
+  double sigma_range_m = 0.012;              ///< along the beam [m]
+  double sigma_bearing_rad = DegToRad(0.1);  ///< of the direction in which a beam leaves [rad]
+  double no_return_probability = 0.002;      ///< of a beam that is lost (glass, black surface)
+  double short_reading_probability = 0.001;  ///< of something in the way (people), anywhere
+                                             ///< between the laser and the surface
+
+  bool Check(std::string* error) const;
+};
+
+/// Noise of the odometry step from one scan to the next, which reads: turn by rot1, drive trans,
+/// turn by rot2 (Thrun, Burgard, Fox: Probabilistic Robotics, ch. 5.4). Standard deviations grow
+/// with what was driven; on top come two errors that stay the same for the whole drive.
+struct OdometryNoise {
+  double rotation_per_rotation = 0.03;            ///< alpha_1 [rad per rad]
+  double rotation_per_translation_rad_m = 0.03;   ///< alpha_2 [rad per m]
+  double translation_per_translation = 0.03;      ///< alpha_3 [m per m]
+  double translation_per_rotation_m_rad = 0.005;  ///< alpha_4 [m per rad]
+  double heading_drift_rad_m = 0.003;             ///< wheels of unequal size [rad per m driven]
+  double scale_error = 0.01;                      ///< wheels of the wrong size [m per m driven]
+
+  bool Check(std::string* error) const;
+};
+
+struct SimulationOptions {
+  LaserModel laser;            ///< by default 360 beams over 180 deg, like CARMEN's front laser
+  double scan_period_s = 0.3;  ///< from one scan to the next [s], at least 1 ms
+  DriveOptions drive;
+  LaserNoise laser_noise;
+  OdometryNoise odometry_noise;
+  std::uint64_t seed = 1;
+
+  SimulationOptions();
+  bool Check(std::string* error) const;
+};
+
+/// A scan and the truth about it.
+struct SimulatedScan {
+  /// Ranges rounded to mm, as a log holds them; a beam without a return reads max_range_m.
+  LaserScan scan;
+  Pose2 world_from_robot;  ///< true pose; yaw in [-pi, pi)
+  Pose2 odom_from_robot;   ///< pose by odometry; equal to the true one at the first scan
+  /// Point [m, world frame] on the surface that each beam measured. NaN if it has no return, or one
+  /// from something that does not belong to the building.
+  std::vector<Eigen::Vector2d> hits;
+};
+
+struct SimulatedLog {
+  LaserModel laser;
+  std::vector<SimulatedScan> scans;  ///< in order of time, which starts at 0
+  double path_length_m = 0.0;        ///< driven from start to end
+};
+
+/// Drives a robot along the path of a building and records what its laser and wheels report. The
+/// same options give the same log; the odometry does not depend on the laser. InvalidArgument on
+/// options out of range and where Drive::Plan fails; `log` is then untouched.
+Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_SIMULATION_SIMULATOR_H_

@@ -1,0 +1,209 @@
+// A raw CARMEN log in; a trajectory, a map of every laser return, pictures and numbers out.
+
+#include <gflags/gflags.h>
+#include <glog/logging.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "plumbline/apps/flags.h"
+#include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/map_picture.h"
+#include "plumbline/apps/io/ply_writer.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/progress.h"
+#include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/stage.h"
+#include "plumbline/apps/truth.h"
+#include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solve.h"
+
+DEFINE_string(log, "", "CARMEN log to map, plain or .gz");
+DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
+DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
+DEFINE_string(truth, "", "True trajectory (TUM) of a simulated log, to measure errors against");
+DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// One run of the program, step by step.
+class SlamRun {
+ public:
+  Status Run() {
+    PLUMBLINE_RETURN_IF_ERROR(CheckFlags());
+    PLUMBLINE_RETURN_IF_ERROR(ReadLog());
+    PLUMBLINE_RETURN_IF_ERROR(Picture("map_odometry.png", "Odometry"));
+    AddStage("odometry");
+    PLUMBLINE_RETURN_IF_ERROR(Seed());
+    PLUMBLINE_RETURN_IF_ERROR(Picture("map_seed.png", "Seed"));
+    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
+    AddStage("seed");
+    PLUMBLINE_RETURN_IF_ERROR(Refine());
+    return WriteResults();
+  }
+
+ private:
+  Status CheckFlags() {
+    if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
+    if (FLAGS_output_dir.empty()) {
+      return Status::InvalidArgument("--output_dir is missing; see --help");
+    }
+    if (FLAGS_max_scans < 0) return Status::InvalidArgument("--max_scans must be >= 0");
+    if (FLAGS_truth.empty() && !FLAGS_hits.empty()) {
+      return Status::InvalidArgument("--hits needs --truth");
+    }
+    PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver_options_));
+    PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding_options_));
+    pool_.emplace(solver_options_.num_threads);
+    return Status::Ok();
+  }
+
+  Status ReadLog() {
+    const auto start = Clock::now();
+    CarmenLog log;
+    PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(FLAGS_log, CarmenReadOptions(), &log));
+    for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
+    PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, FLAGS_max_scans, &graph_));
+    if (!FLAGS_truth.empty()) {
+      truth_.emplace();
+      PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
+    }
+    std::error_code error;
+    std::filesystem::create_directories(FLAGS_output_dir, error);
+    if (error) {
+      return Status::Unavailable("cannot make folder " + FLAGS_output_dir + ": " + error.message());
+    }
+    summary_.log = FLAGS_log;
+    summary_.num_scans = graph_.num_scans();
+    summary_.num_returns = graph_.num_returns();
+    summary_.num_skipped_records = log.num_issues;
+    summary_.read_time_s = SecondsSince(start);
+    std::cout << "Read " << FLAGS_log << ": " << graph_.num_scans() << " scans, "
+              << graph_.num_returns() << " returns, " << log.num_issues << " records skipped, "
+              << log.num_out_of_order << " out of order (" << std::fixed << std::setprecision(2)
+              << summary_.read_time_s << " s)\n";
+    return Status::Ok();
+  }
+
+  Status Seed() {
+    const auto start = Clock::now();
+    const std::vector<Eigen::Vector2f> normals =
+        EstimateReturnNormals(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
+    ProgressBar bar("Seeding", on_terminal_, &std::cout);
+    const auto progress = [&bar](int num_done, int num_total) {
+      bar.Update(num_done, num_total);
+      return true;
+    };
+    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion, normals,
+                                        progress, &*pool_, &graph_, &summary_.seeding));
+    summary_.seed_time_s = SecondsSince(start);
+    std::ostringstream result;
+    result << std::fixed << std::setprecision(0) << graph_.num_scans() / summary_.seed_time_s
+           << " scans/s";
+    bar.Finish(result.str());
+    const SequentialSeedingReport& report = summary_.seeding.sequential;
+    if (report.odometry_sign.sign_lost) {
+      std::cout << "  The odometry has lost the sign of its translation: "
+                << report.num_reversed_steps << " steps were driven backwards.\n";
+    }
+    if (report.num_unmatched > 0) {
+      std::cout << "  " << report.num_unmatched
+                << " scans match nothing near by and follow the odometry.\n";
+    }
+    return Status::Ok();
+  }
+
+  Status Refine() {
+    std::cout << ProgressHeader() << '\n';
+    solver_options_.callback = [](const IterationSummary& iteration) {
+      std::cout << ProgressRow(iteration) << '\n' << std::flush;
+      return true;
+    };
+    summary_.solver = Solve(solver_options_, &graph_);
+    if (!summary_.solver.IsSolutionUsable()) {
+      return Status::InvalidArgument(summary_.solver.message);
+    }
+    std::cout << '\n' << summary_.solver.FullReport() << '\n';
+    return Status::Ok();
+  }
+
+  Status WriteResults() {
+    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory.tum"));
+    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(Path("points.ply"), graph_));
+    PLUMBLINE_RETURN_IF_ERROR(Picture("map_refined.png", "Refined"));
+    const std::vector<double> optimised = graph_.points();
+    graph_.ResetPointsFromPoses();
+    AddStage("refined, raw ranges");
+    graph_.points() = optimised;
+    AddStage("refined, optimised points");
+    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(Path("summary.json"), summary_));
+    std::cout << StageTable(summary_.stages) << "\nPeak memory " << PeakMemoryBytes() / 1000000
+              << " MB. Results in " << FLAGS_output_dir
+              << ":\n  map_odometry.png, map_seed.png, map_refined.png   pictures\n"
+                 "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
+                 "  points.ply                                        every return, optimised\n"
+                 "  summary.json                                      options and figures\n";
+    return Status::Ok();
+  }
+
+  std::string Path(const std::string& name) const {
+    return (std::filesystem::path(FLAGS_output_dir) / name).string();
+  }
+  Status Picture(const std::string& name, const std::string& title) const {
+    MapPictureOptions options;
+    options.title = title;
+    return WriteMapPicture(Path(name), graph_, options);
+  }
+  Status Trajectory(const std::string& name) const {
+    return WriteTumTrajectory(Path(name), TrajectoryOf(graph_));
+  }
+  void AddStage(const std::string& name) {
+    summary_.stages.push_back(MeasureStage(name, graph_, truth_ ? &*truth_ : nullptr, &*pool_));
+  }
+
+  const bool on_terminal_ = StandardOutputIsTerminal();
+  SolverOptions solver_options_;
+  SeedingOptions seeding_options_;
+  std::optional<ThreadPool> pool_;
+  SlamGraph graph_;
+  std::optional<Truth> truth_;
+  RunSummary summary_;
+};
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) {
+  google::InitGoogleLogging(argv[0]);
+  FLAGS_logtostderr = true;
+  gflags::SetUsageMessage(
+      "Maps a raw CARMEN log: joint estimation of all poses and all laser returns.\n\n"
+      "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
+      "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
+      "--ceres_linear_solver=sparse_schur");
+  gflags::ParseCommandLineFlags(&argc, &argv, /*remove_flags=*/true);
+  if (argc > 1) {
+    std::cerr << "plumbline_slam: unexpected argument '" << argv[1] << "'; see --help\n";
+    return 1;
+  }
+  const plumbline::Status status = plumbline::SlamRun().Run();
+  if (status.ok()) return 0;
+  std::cerr << "plumbline_slam: " << status.message() << '\n';
+  return 1;
+}

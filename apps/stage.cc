@@ -1,0 +1,45 @@
+#include "plumbline/apps/stage.h"
+
+#include <iomanip>
+#include <sstream>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+
+Stage MeasureStage(const std::string& name, const SlamGraph& graph, const Truth* truth,
+                   ThreadPool* pool) {
+  Stage stage;
+  stage.name = name;
+  stage.quality = MeasureMapQuality(graph.points(), MapQualityOptions(), pool);
+  if (truth != nullptr) stage.error = CompareWithTruth(graph, *truth);
+  return stage;
+}
+
+std::string StageTable(const std::vector<Stage>& stages) {
+  constexpr double kMmPerM = 1e3;
+  const bool with_truth = !stages.empty() && stages.front().error.has_value();
+  std::ostringstream table;
+  table << std::left << std::setw(26) << "" << std::right << std::setw(15) << "wall thickness"
+        << std::setw(13) << "map entropy";
+  if (with_truth) {
+    table << std::setw(13) << "pose error" << std::setw(14) << "heading error" << std::setw(12)
+          << "map error";
+  }
+  table << '\n' << std::fixed;
+  for (const Stage& stage : stages) {
+    table << std::left << std::setw(26) << stage.name << std::right << std::setprecision(1)
+          << std::setw(12) << kMmPerM * stage.quality.wall_thickness_m << " mm"
+          << std::setprecision(3) << std::setw(13) << stage.quality.mean_map_entropy;
+    if (stage.error) {
+      table << std::setprecision(1) << std::setw(10) << kMmPerM * stage.error->mean_pose_error_m
+            << " mm" << std::setprecision(3) << std::setw(10)
+            << RadToDeg(stage.error->mean_pose_error_rad) << " deg" << std::setprecision(1)
+            << std::setw(9) << kMmPerM * stage.error->mean_point_error_m << " mm";
+    }
+    table << '\n';
+  }
+  return table.str();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,122 @@
+#include "plumbline/apps/truth.h"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/text_reader.h"
+
+namespace plumbline {
+namespace {
+
+// Logs keep six decimals of a second, and no scanner is faster than one scan per millisecond.
+long long Milliseconds(double timestamp_s) { return std::llround(1e3 * timestamp_s); }
+
+Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* truth) {
+  std::vector<TimedPose> read;
+  PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(path, &read));
+  std::map<long long, Pose2> by_time;
+  for (const TimedPose& pose : read) {
+    by_time[Milliseconds(pose.timestamp_s)] = pose.world_from_robot;
+  }
+  for (int p = 0; p < graph.num_poses(); ++p) {
+    const auto found = by_time.find(Milliseconds(graph.timestamp_s(p)));
+    if (found == by_time.end()) {
+      return Status::InvalidArgument(path + ": no pose for the scan at time " +
+                                     std::to_string(graph.timestamp_s(p)));
+    }
+    truth->trajectory.push_back({graph.timestamp_s(p), found->second});
+  }
+  return Status::Ok();
+}
+
+Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
+  TextReader reader;
+  PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
+  std::map<std::pair<long long, int>, std::pair<double, double>> hits;
+  std::string_view line;
+  while (reader.NextLine(&line)) {
+    if (line.empty() || line.front() == '#') continue;
+    FieldReader fields(line);
+    const double t = fields.FiniteNumber("t");
+    const int beam = fields.Count("beam");
+    const double x = fields.FiniteNumber("x"), y = fields.FiniteNumber("y");
+    fields.ExpectEnd();
+    if (!fields.ok()) {
+      return Status::InvalidArgument(path + ":" + std::to_string(reader.line_number()) + ": " +
+                                     fields.error());
+    }
+    hits[{Milliseconds(t), beam}] = {x, y};
+  }
+  PLUMBLINE_RETURN_IF_ERROR(reader.status());
+  const LaserReturns& returns = graph.returns();
+  truth->points.assign(2 * returns.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t r = 0; r < returns.size(); ++r) {
+    const double t = graph.timestamp_s(graph.scan(returns.scan[r]).pose);
+    const auto found = hits.find({Milliseconds(t), returns.beam[r]});
+    if (found == hits.end()) continue;
+    truth->points[2 * r] = found->second.first;
+    truth->points[2 * r + 1] = found->second.second;
+  }
+  return Status::Ok();
+}
+
+// The motion truth_from_estimate that brings the trajectories closest, by least squares over the
+// positions. A robot that never moves leaves the heading open: it then comes from the first pose.
+Pose2 AlignTrajectories(const SlamGraph& graph, const Truth& truth) {
+  const int n = graph.num_poses();
+  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
+  for (int p = 0; p < n; ++p) {
+    from += graph.WorldFromRobot(p).translation() / n;
+    to += truth.trajectory[p].world_from_robot.translation() / n;
+  }
+  double cosine = 0.0, sine = 0.0;
+  for (int p = 0; p < n; ++p) {
+    const Eigen::Vector2d a = graph.WorldFromRobot(p).translation() - from;
+    const Eigen::Vector2d b = truth.trajectory[p].world_from_robot.translation() - to;
+    cosine += a.dot(b);
+    sine += a.x() * b.y() - a.y() * b.x();
+  }
+  const bool moved = std::hypot(cosine, sine) > 1e-9;
+  const double yaw = moved ? std::atan2(sine, cosine)
+                           : truth.trajectory[0].world_from_robot.yaw - graph.WorldFromRobot(0).yaw;
+  const Eigen::Vector2d shift = to - Pose2(0.0, 0.0, yaw) * from;
+  return {shift.x(), shift.y(), yaw};
+}
+
+}  // namespace
+
+Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
+                 const SlamGraph& graph, Truth* truth) {
+  *truth = Truth();
+  PLUMBLINE_RETURN_IF_ERROR(JoinTrajectory(trajectory_path, graph, truth));
+  return hits_path.empty() ? Status::Ok() : JoinHits(hits_path, graph, truth);
+}
+
+TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
+  TruthError error;
+  const int n = graph.num_poses();
+  if (n == 0) return error;
+  const Pose2 truth_from_estimate = AlignTrajectories(graph, truth);
+  for (int p = 0; p < n; ++p) {
+    const Pose2 pose = truth_from_estimate * graph.WorldFromRobot(p);
+    const Pose2& true_pose = truth.trajectory[p].world_from_robot;
+    error.mean_pose_error_m += std::hypot(pose.x - true_pose.x, pose.y - true_pose.y) / n;
+    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - true_pose.yaw)) / n;
+  }
+  std::size_t num_points = 0;
+  for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
+    const Eigen::Vector2d true_point(truth.points[2 * r], truth.points[2 * r + 1]);
+    if (!true_point.allFinite()) continue;
+    const Eigen::Vector2d point(graph.points()[2 * r], graph.points()[2 * r + 1]);
+    error.mean_point_error_m += (truth_from_estimate * point - true_point).norm();
+    ++num_points;
+  }
+  if (num_points > 0) error.mean_point_error_m /= static_cast<double>(num_points);
+  return error;
+}
+
+}  // namespace plumbline

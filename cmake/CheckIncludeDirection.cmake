@@ -1,0 +1,68 @@
+# Usage: cmake -D ROOT=<source tree> -P CheckIncludeDirection.cmake
+# Fails if an #include runs against core <- factors <- solvers <- apps <- test, if a library folder
+# includes what only programs may, if x.cc does not include its own x.h first (which proves that x.h
+# compiles alone), or if a file is too long.
+cmake_minimum_required(VERSION 3.18)
+
+set(FOLDERS core factors solvers apps test)  # Each may include itself and those before it.
+set(LIBRARY_FOLDERS core factors solvers)
+set(MAX_LINES_h 250)
+set(MAX_LINES_cc 600)
+
+function(complain message)
+  message(SEND_ERROR "${message}")
+endfunction()
+
+function(check_include file folder include)
+  if(include MATCHES "^\"plumbline/([^/]+)/")
+    set(target ${CMAKE_MATCH_1})
+    list(FIND FOLDERS ${folder} rank)
+    list(FIND FOLDERS ${target} target_rank)
+    if(target_rank LESS 0 OR target_rank GREATER rank)
+      complain("${file}: ${folder} may not include ${include}")
+    endif()
+  elseif(include MATCHES "^\"")
+    complain("${file}: write ${include} as \"plumbline/<folder>/<file>\"")
+  elseif(folder STREQUAL "core" AND include MATCHES "[/.]"
+         AND NOT include MATCHES "^<(Eigen/|nanoflann\\.hpp>)")
+    complain("${file}: core may not include ${include}, only the standard library and Eigen")
+  endif()
+  if(folder IN_LIST LIBRARY_FOLDERS AND include MATCHES "^<(gflags/|glog/|iostream|fstream)")
+    complain("${file}: the library may not include ${include}, it neither prints nor reads files")
+  elseif(folder IN_LIST LIBRARY_FOLDERS AND include MATCHES "nanoflann" AND file MATCHES "h$")
+    complain("${file}: a public header may not include ${include}, users need not have it")
+  endif()
+endfunction()
+
+function(check_file file)
+  string(REGEX MATCH "^[^/]+" folder ${file})
+  file(READ ${ROOT}/${file} text)
+
+  string(REGEX MATCHALL "\n" newlines "${text}")
+  list(LENGTH newlines lines)
+  string(REGEX MATCH "[^.]+$" extension ${file})
+  if(lines GREATER MAX_LINES_${extension})
+    complain("${file}: ${lines} lines, more than ${MAX_LINES_${extension}}")
+  endif()
+
+  string(REGEX MATCHALL "\n[ \t]*#[ \t]*include[ \t]*[<\"][^>\"\n]+[>\"]" includes "\n${text}")
+  list(TRANSFORM includes REPLACE "^[^<\"]+" "")
+  foreach(include IN LISTS includes)
+    check_include(${file} ${folder} ${include})
+  endforeach()
+
+  string(REGEX REPLACE "cc$" "h" header ${file})
+  if(extension STREQUAL "cc" AND EXISTS ${ROOT}/${header})
+    list(GET includes 0 first)
+    if(NOT first STREQUAL "\"plumbline/${header}\"")
+      complain("${file}: its first include must be \"plumbline/${header}\"")
+    endif()
+  endif()
+endfunction()
+
+foreach(folder IN LISTS FOLDERS)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${folder}/*.h ${ROOT}/${folder}/*.cc)
+  foreach(file IN LISTS files)
+    check_file(${file})
+  endforeach()
+endforeach()

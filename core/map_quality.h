@@ -1,0 +1,41 @@
+#ifndef PLUMBLINE_CORE_MAP_QUALITY_H_
+#define PLUMBLINE_CORE_MAP_QUALITY_H_
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+struct MapQualityOptions {
+  /// Neighbourhood [m]: wide enough to hold both sides of a doubled wall, narrow enough to hold
+  /// one wall only.
+  double radius_m = 0.15;
+  /// Neighbourhoods of fewer points are left out.
+  std::size_t min_points = 10;
+  /// Points to measure at, taken evenly from all.
+  std::size_t max_samples = 20000;
+
+  bool Check(std::string* error) const;
+};
+
+/// Sharpness of a point map, measured without ground truth, clutter included. Smaller is sharper.
+struct MapQuality {
+  /// Median over the samples of the square root of the smaller eigenvalue of the covariance of all
+  /// points within the radius [m].
+  double wall_thickness_m = 0.0;
+  /// Mean map entropy: mean of ln(det(2 pi e Sigma)) / 2 over the same neighbourhoods [nat].
+  /// Source: Droeschel, Stueckler, Behnke: Local multi-resolution surfel grids (2014).
+  double mean_map_entropy = 0.0;
+  std::size_t num_samples = 0;
+};
+
+/// points: x, y [m] of each point in turn. Zero everywhere if no neighbourhood has enough points.
+MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
+                             ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_MAP_QUALITY_H_

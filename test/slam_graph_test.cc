@@ -1,0 +1,155 @@
+#include "plumbline/core/slam_graph.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Beams to the right, ahead and to the left of a laser that sits 0.5 m ahead of its robot.
+LaserModel ThreeBeamLaser() {
+  LaserModel laser;
+  laser.num_beams = 3;
+  laser.first_bearing_rad = -0.5 * kPi;
+  laser.bearing_step_rad = 0.5 * kPi;
+  laser.max_range_m = 10.0;
+  laser.robot_from_laser = Pose2(0.5, 0.0, 0.0);
+  return laser;
+}
+
+// Two poses: the first looks along y, the second along -x.
+class SlamGraphTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(graph_.AddLaser(ThreeBeamLaser(), &laser_).ok());
+    ASSERT_TRUE(graph_.AddPose(Pose2(1.0, 2.0, 0.5 * kPi), 10.0, &first_).ok());
+    ASSERT_TRUE(graph_.AddPose(Pose2(1.0, 5.0, kPi), 11.0, &second_).ok());
+  }
+
+  void ExpectPoint(std::size_t r, double x, double y) const {
+    EXPECT_NEAR(graph_.points()[2 * r], x, 1e-12) << "return " << r;
+    EXPECT_NEAR(graph_.points()[2 * r + 1], y, 1e-12) << "return " << r;
+  }
+
+  static void ExpectInvalid(const Status& status, const std::string& message) {
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr(message));
+  }
+
+  SlamGraph graph_;
+  int laser_ = -1, first_ = -1, second_ = -1;
+};
+
+TEST_F(SlamGraphTest, IdsCountUpFromZero) {
+  EXPECT_EQ(laser_, 0);
+  EXPECT_EQ(first_, 0);
+  EXPECT_EQ(second_, 1);
+  EXPECT_EQ(graph_.num_poses(), 2);
+  EXPECT_EQ(graph_.timestamp_s(1), 11.0);
+  EXPECT_EQ(graph_.WorldFromRobot(0).y, 2.0);
+  EXPECT_THAT(graph_.poses(), ElementsAre(1.0, 2.0, 0.5 * kPi, 1.0, 5.0, kPi));
+}
+
+TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByThePose) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, kInfinity, 2.0}).ok());
+  ASSERT_TRUE(graph_.AddScan(second_, laser_, {std::nan(""), 3.0, 10.0}).ok());
+
+  EXPECT_EQ(graph_.num_scans(), 2);
+  EXPECT_EQ(graph_.num_returns(), 3u);
+  EXPECT_EQ(graph_.scan(1).pose, second_);
+  EXPECT_EQ(graph_.scan(1).first_return, 2u);
+  EXPECT_EQ(graph_.scan(1).num_returns, 1u);
+  EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_THAT(graph_.returns().bearing_rad, ElementsAre(-0.5 * kPi, 0.5 * kPi, 0.0));
+  EXPECT_THAT(graph_.returns().beam, ElementsAre(0, 2, 1));
+  EXPECT_THAT(graph_.returns().scan, ElementsAre(0, 0, 1));
+
+  ASSERT_EQ(graph_.points().size(), 6u);
+  ExpectPoint(0, 2.0, 2.5);   // Laser at (1, 2.5), its right is +x.
+  ExpectPoint(1, -1.0, 2.5);  // Its left is -x.
+  ExpectPoint(2, -2.5, 5.0);  // Laser at (0.5, 5), it looks along -x.
+  EXPECT_TRUE(graph_.PointInRobot(1).isApprox(Eigen::Vector2d(0.5, 2.0)));
+  EXPECT_NEAR(graph_.WorldFromLaser(0).y, 2.5, 1e-12);
+}
+
+TEST_F(SlamGraphTest, AScanWithoutReturnsIsAScan) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {0.0, 0.0, 0.0}).ok());
+  EXPECT_EQ(graph_.num_scans(), 1);
+  EXPECT_EQ(graph_.scan(0).num_returns, 0u);
+}
+
+TEST_F(SlamGraphTest, PointsFollowThePosesOnlyWhenAsked) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 4.0, kInfinity}).ok());
+  graph_.SetPose(first_, Pose2(0.0, 0.0, 0.0));
+  ExpectPoint(0, 2.0, 2.5);
+  graph_.ResetPointsFromPoses();
+  ExpectPoint(0, 0.5, -1.0);
+  ExpectPoint(1, 4.5, 0.0);
+}
+
+TEST_F(SlamGraphTest, BadInputIsNamedAndChangesNothing) {
+  int id = 99;
+  LaserModel broken = ThreeBeamLaser();
+  broken.num_beams = -3;
+  ExpectInvalid(graph_.AddLaser(broken, &id), "laser model: num_beams = -3");
+  ExpectInvalid(graph_.AddPose(Pose2(0.0, kInfinity, 0.0), 12.0, &id), "pose 2");
+  ExpectInvalid(graph_.AddPose(Pose2(), std::nan(""), &id), "pose 2");
+  ExpectInvalid(graph_.AddScan(2, laser_, {1.0, 1.0, 1.0}), "scan 0: no pose with id 2");
+  ExpectInvalid(graph_.AddScan(-1, laser_, {1.0, 1.0, 1.0}), "scan 0: no pose with id -1");
+  ExpectInvalid(graph_.AddScan(0, 1, {1.0, 1.0, 1.0}), "scan 0: no laser with id 1");
+  ExpectInvalid(graph_.AddScan(0, laser_, {1.0}), "1 ranges for a laser of 3 beams");
+  ExpectInvalid(graph_.AddOdometry({0, 7, Pose2()}), "odometry 0 -> 7: no pose with id 7");
+  ExpectInvalid(graph_.AddOdometry({1, 1, Pose2()}), "odometry 1 -> 1");
+  ExpectInvalid(graph_.AddOdometry({0, 1, Pose2(0, 0, kInfinity)}), "odometry 0 -> 1");
+  ExpectInvalid(graph_.AddRelativePose({-2, 1, Pose2(), Eigen::Matrix3d::Identity()}),
+                "relative pose -2 -> 1: no pose with id -2");
+
+  EXPECT_EQ(id, 99);
+  EXPECT_EQ(graph_.num_poses(), 2);
+  EXPECT_EQ(graph_.num_scans(), 0);
+  EXPECT_EQ(graph_.num_returns(), 0u);
+  EXPECT_TRUE(graph_.points().empty());
+  EXPECT_TRUE(graph_.odometry().empty());
+  EXPECT_TRUE(graph_.relative_poses().empty());
+}
+
+TEST_F(SlamGraphTest, RefusesWhatIsNoCovariance) {
+  const auto add = [&](const Eigen::Matrix3d& covariance) {
+    return graph_.AddRelativePose({0, 1, Pose2(), covariance});
+  };
+  Eigen::Matrix3d skew = Eigen::Matrix3d::Identity();
+  skew(0, 1) = 0.1;
+  Eigen::Matrix3d with_nan = Eigen::Matrix3d::Identity();
+  with_nan(2, 2) = std::nan("");
+  Eigen::Matrix3d indefinite = Eigen::Matrix3d::Identity();
+  indefinite(0, 1) = indefinite(1, 0) = 2.0;
+  for (const Eigen::Matrix3d& bad :
+       {skew, with_nan, indefinite, Eigen::Matrix3d(Eigen::Matrix3d::Zero())}) {
+    ExpectInvalid(add(bad), "relative pose 0 -> 1: covariance");
+  }
+  EXPECT_TRUE(graph_.relative_poses().empty());
+
+  Eigen::Matrix3d rounded = Eigen::Matrix3d::Identity();  // Symmetric up to rounding is fine.
+  rounded(0, 1) = 0.1;
+  rounded(1, 0) = std::nextafter(0.1, 1.0);
+  EXPECT_TRUE(add(rounded).ok());
+  EXPECT_EQ(graph_.relative_poses().size(), 1u);
+}
+
+TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
+  ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
+  graph_.SetOdometryMotion(0, Pose2(-1.0, 0.0, 0.0));
+  EXPECT_EQ(graph_.odometry()[0].from_from_to.x, -1.0);
+  EXPECT_EQ(graph_.odometry()[0].to, 1);
+}
+
+}  // namespace
+}  // namespace plumbline
