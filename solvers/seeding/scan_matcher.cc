@@ -6,14 +6,24 @@
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/seeding/match_covariance.h"
 
 namespace plumbline {
 namespace {
 
+// A gate's correspondences have settled when a step moves the points by less than this share of it.
+constexpr double kSettledGateShare = 0.1;
+
+double RootMeanSquareRange(const SurfacePoints& scan) {
+  double sum = 0.0;
+  for (const SurfacePoint& point : scan) sum += point.position.squaredNorm();
+  return std::sqrt(sum / static_cast<double>(scan.size()));
+}
+
 struct NormalEquations {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double robust_cost = 0.0;  // sum over the points, each in [0, 1]
+  double robust_cost = 0.0;  // sum of squared whitened distances under the loss
   int num_matched = 0;
 };
 
@@ -32,13 +42,13 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
     const SurfacePoint in_world{arm + world_from_robot.translation(), rotation * point.normal};
     const SurfacePoint* match = map.Nearest(in_world, gate_m);
     if (match == nullptr) {
-      equations.robust_cost += 1.0;
+      equations.robust_cost += scale_squared * inverse_variance;
       continue;
     }
     ++equations.num_matched;
     const Eigen::Vector2d& normal = match->normal;
     const double distance = normal.dot(in_world.position - match->position);
-    equations.robust_cost += loss.Rho(distance * distance) / scale_squared;
+    equations.robust_cost += loss.Rho(distance * distance) * inverse_variance;
     const Eigen::Vector3d jacobian(normal.x(), normal.y(),
                                    -normal.x() * arm.y() + normal.y() * arm.x());
     const double weight = loss.Weight(distance * distance) * inverse_variance;
@@ -48,16 +58,17 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
   return equations;
 }
 
-void AddPrediction(const PosePrediction& prediction, const Pose2& world_from_robot,
-                   Eigen::Matrix3d* information, Eigen::Vector3d* gradient) {
+// Returns the squared Mahalanobis distance from the prediction.
+double AddPrediction(const PosePrediction& prediction, const Pose2& world_from_robot,
+                     Eigen::Matrix3d* information, Eigen::Vector3d* gradient) {
   const Pose2 error = Between(prediction.world_from_robot, world_from_robot);
-  const double c = std::cos(prediction.world_from_robot.yaw);
-  const double s = std::sin(prediction.world_from_robot.yaw);
-  Eigen::Matrix3d predicted_from_world;
-  predicted_from_world << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
-  const Eigen::Matrix3d weighted = predicted_from_world.transpose() * prediction.information;
-  *information += weighted * predicted_from_world;
-  *gradient += weighted * Eigen::Vector3d(error.x, error.y, error.yaw);
+  const double yaw = prediction.world_from_robot.yaw;
+  const Eigen::Vector3d in_predicted(error.x, error.y, error.yaw);
+  const Eigen::Vector3d pull = prediction.information * in_predicted;
+  *information += RotateAxes(prediction.information, yaw);
+  gradient->head<2>() += Pose2(0.0, 0.0, yaw) * Eigen::Vector2d(pull.head<2>());
+  gradient->z() += pull.z();
+  return in_predicted.dot(pull);
 }
 
 }  // namespace
@@ -67,7 +78,7 @@ bool ScanMatchOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(coarse_gate_m, >=, fine_gate_m);
   PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
   PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(step_tolerance, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(step_tolerance_m, >, 0.0);
   return true;
 }
 
@@ -76,6 +87,7 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   ScanMatch match;
   match.world_from_robot = prediction.world_from_robot;
   if (scan.empty() || map.points().empty()) return match;
+  const double lever_m = RootMeanSquareRange(scan);
   double gate_m = options.coarse_gate_m;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     Pose2& pose = match.world_from_robot;
@@ -88,15 +100,19 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
     pose.x += step.x();
     pose.y += step.y();
     pose.yaw += step.z();
+    // How far the step moves a typical point. A gate narrows only once its own correspondences
+    // have settled: narrowed earlier, it would cut off the ones that still pull the right way.
+    const double moved_m = std::hypot(step.x(), step.y()) + lever_m * std::abs(step.z());
     const bool at_fine_gate = gate_m <= options.fine_gate_m;
-    if (at_fine_gate && step.cwiseAbs().maxCoeff() < options.step_tolerance) break;
-    gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
+    if (at_fine_gate && moved_m < options.step_tolerance_m) break;
+    if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
   }
-  const NormalEquations last =
+  NormalEquations last =
       Linearize(map, scan, match.world_from_robot, options.fine_gate_m, options.sigma_m);
-  match.mean_cost = last.robust_cost / static_cast<double>(scan.size());
   match.inlier_ratio = static_cast<double>(last.num_matched) / static_cast<double>(scan.size());
   match.information = last.information;
+  match.chi2 = last.robust_cost +
+               AddPrediction(prediction, match.world_from_robot, &last.information, &last.gradient);
   return match;
 }
 

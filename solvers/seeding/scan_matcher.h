@@ -16,12 +16,12 @@ struct ScanMatchOptions {
   double coarse_gate_m = 0.5;
   /// Farthest correspondence [m] in the last iterations, where only noise is left.
   double fine_gate_m = 0.12;
-  int max_iterations = 15;
+  int max_iterations = 30;
   /// Standard deviation [m] of a point across its matched surface: range noise, and the errors
   /// that neighbouring points share. It weighs the points against the prior.
   double sigma_m = 0.03;
-  /// Iterations at the fine gate end when a step is shorter than this [m] and [rad].
-  double step_tolerance = 1e-4;
+  /// Iterations end when a step at the fine gate moves the points by less than this [m].
+  double step_tolerance_m = 5e-4;
 
   bool Check(std::string* error) const;
 };
@@ -35,8 +35,10 @@ struct PosePrediction {
 
 struct ScanMatch {
   Pose2 world_from_robot;
-  /// Mean robust cost per point of the scan in [0, 1]: 0 = all on their surface, 1 = none matched.
-  double mean_cost = 1.0;
+  /// Twice the negative log posterior: squared whitened distances of the points under the robust
+  /// loss of the fine gate, plus the squared Mahalanobis distance from the prediction. Compares
+  /// predictions of one scan.
+  double chi2 = 0.0;
   /// Share of the scan's points within the fine gate of a map surface.
   double inlier_ratio = 0.0;
   /// Gauss-Newton information of the points alone, world axes about the robot's position.

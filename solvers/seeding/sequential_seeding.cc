@@ -1,22 +1,33 @@
 #include "plumbline/solvers/seeding/sequential_seeding.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/seeding/local_map.h"
+#include "plumbline/solvers/seeding/match_covariance.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 
 namespace plumbline {
 namespace {
 
-// The motion is taken as reversed (or as forward again) only if that explains the scan this much
-// better than keeping the direction: where the scan cannot tell, the robot has not turned back.
-constexpr double kReversalCostRatio = 0.9;
+// A step is taken as reversed (or as forward again) only if that explains scan and odometry better
+// by three standard deviations: where the scan cannot tell, the robot has not turned back.
+constexpr double kReversalChi2 = 9.0;
+// Below this share of matched points the prediction is suspect, and other starts are tried.
+constexpr double kSuspectInlierRatio = 0.6;
+// Another start must match this much more of the scan to be believed against the odometry.
+constexpr double kRecoveryInlierGain = 0.1;
 // Below this share of matched points a match is not trusted and the odometry stands.
 constexpr double kMinInlierRatio = 0.25;
+
+// Size of a map cell, within which the points of all scans are averaged: a surface's points are
+// then about as dense as a thinned scan's.
+constexpr double kMapCellM = 0.03;
 
 Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, motion.yaw}; }
 
@@ -40,69 +51,117 @@ Status CollectSteps(const SlamGraph& graph, std::vector<int>* step_to_pose) {
 class SequentialMatcher {
  public:
   SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    bool sign_lost)
-      : options_(options), motion_(motion), sign_lost_(sign_lost), map_(options.point_spacing_m) {}
+                    const std::vector<SurfacePoints>& surfaces, bool sign_lost)
+      : options_(options), motion_(motion), surfaces_(surfaces), sign_lost_(sign_lost) {}
 
-  // Pose of the next scan, one odometry step after `previous`. Sets *motion to the step as driven.
-  Pose2 Match(const Pose2& previous, const SurfacePoints& scan, Pose2* motion,
-              SequentialSeedingReport* report) {
-    if (sign_lost_ && reversing_) *motion = ReversedTranslation(*motion);
-    ScanMatch match = MatchStep(previous, *motion, scan);
-    if (sign_lost_ && motion->x != 0.0) {
-      const Pose2 other_motion = ReversedTranslation(*motion);
-      const ScanMatch other = MatchStep(previous, other_motion, scan);
-      if (other.mean_cost < kReversalCostRatio * match.mean_cost) {
+  // Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven.
+  ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
+                  SequentialSeedingReport* report) {
+    if (sign_lost_ && reversing_) *step = ReversedTranslation(*step);
+    ScanMatch match = MatchStep(previous, *step, scan);
+    if (sign_lost_ && step->x != 0.0) {
+      const Pose2 other_step = ReversedTranslation(*step);
+      const ScanMatch other = MatchStep(previous, other_step, scan);
+      if (other.chi2 < match.chi2 - kReversalChi2) {
         match = other;
-        *motion = other_motion;
+        *step = other_step;
         reversing_ = !reversing_;
       }
     }
-    if (reversing_) ++report->num_reversed_steps;
-    if (match.inlier_ratio >= kMinInlierRatio) return match.world_from_robot;
-    ++report->num_unmatched;
-    return previous * *motion;
+    if (reversing_ && step->x != 0.0) ++report->num_reversed_steps;
+    if (match.inlier_ratio < kSuspectInlierRatio && Recover(previous, *step, scan, &match)) {
+      ++report->num_recovered;
+    }
+    if (match.inlier_ratio < kMinInlierRatio) {
+      ++report->num_unmatched;
+      match.world_from_robot = previous * *step;
+      match.information.setZero();
+    }
+    return match;
   }
 
-  // Adds the scan to the local map if the robot has moved on far enough. Returns whether it did.
-  bool MaybeAddKeyScan(const Pose2& pose, const SurfacePoints& scan) {
-    if (scan.empty()) return false;
-    if (!key_poses_.empty()) {
-      const Pose2 moved = Between(key_poses_.back(), pose);
-      if (std::hypot(moved.x, moved.y) < options_.key_scan_distance_m &&
-          std::abs(moved.yaw) < options_.key_scan_angle_rad) {
-        return false;
-      }
+  // Makes the scan a key scan if the local map has none near its pose. `path_m`: driven so far.
+  void MaybeAddKeyScan(int pose, int scan, double path_m, const ScanMatch& match) {
+    if (surfaces_[scan].empty() || IsCovered(match.world_from_robot)) return;
+    key_scans_.push_back(
+        {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw)});
+    key_poses_.push_back(match.world_from_robot);
+    RebuildMap();
+  }
+
+  std::vector<KeyScan> TakeKeyScans() { return std::move(key_scans_); }
+
+ private:
+  PosePrediction Predict(const Pose2& previous, const Pose2& step) const {
+    // The motion's noise is given in the frame it starts from; the prediction wants its own.
+    return {previous * step, RotateAxes(MotionCovariance(step, motion_).inverse(), -step.yaw)};
+  }
+
+  ScanMatch MatchStep(const Pose2& previous, const Pose2& step, const SurfacePoints& scan) const {
+    return MatchScan(map_, scan, Predict(previous, step), options_.matching);
+  }
+
+  // Starts all round the predicted heading, without weight on the odometry. Replaces the match if
+  // one of them fits clearly more of the scan.
+  bool Recover(const Pose2& previous, const Pose2& step, const SurfacePoints& scan,
+               ScanMatch* match) const {
+    constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
+    constexpr int kTurns = 4;          // to either side
+    ScanMatchOptions wide = options_.matching;
+    wide.coarse_gate_m *= 2.0;
+    ScanMatch best = *match;
+    for (int turn = -kTurns; turn <= kTurns; ++turn) {
+      PosePrediction start;
+      start.world_from_robot = previous * step * Pose2(0.0, 0.0, turn * kTurnRad);
+      const ScanMatch other = MatchScan(map_, scan, start, wide);
+      if (other.inlier_ratio > best.inlier_ratio) best = other;
     }
-    key_poses_.push_back(pose);
-    key_scans_.push_back(&scan);
-    if (static_cast<int>(key_poses_.size()) > options_.num_key_scans) {
-      key_poses_.erase(key_poses_.begin());
-      key_scans_.erase(key_scans_.begin());
-    }
-    map_.Rebuild(key_scans_, key_poses_);
+    if (best.inlier_ratio < match->inlier_ratio + kRecoveryInlierGain) return false;
+    *match = best;
     return true;
   }
 
- private:
-  ScanMatch MatchStep(const Pose2& previous, const Pose2& motion, const SurfacePoints& scan) const {
-    PosePrediction prediction;
-    prediction.world_from_robot = previous * motion;
-    // The motion's noise is given in the frame it starts from; the prediction wants its own.
-    const double c = std::cos(motion.yaw), s = std::sin(motion.yaw);
-    Eigen::Matrix3d from_from_to;
-    from_from_to << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
-    prediction.information =
-        from_from_to.transpose() * MotionCovariance(motion, motion_).inverse() * from_from_to;
-    return MatchScan(map_, scan, prediction, options_.matching);
+  bool IsCovered(const Pose2& pose) const {
+    return std::any_of(in_map_.begin(), in_map_.end(), [&](int k) {
+      const Pose2 moved = Between(key_poses_[k], pose);
+      return std::hypot(moved.x, moved.y) < options_.key_scan_distance_m &&
+             std::abs(moved.yaw) < options_.key_scan_angle_rad;
+    });
+  }
+
+  // Of the recent key scans the nearest to the last one, which is among them.
+  void RebuildMap() {
+    std::vector<std::pair<double, int>> by_distance;
+    const int last = static_cast<int>(key_scans_.size()) - 1;
+    for (int k = last; k >= 0; --k) {
+      if (key_scans_[last].path_m - key_scans_[k].path_m > options_.map_path_m) break;
+      const Pose2 moved = Between(key_poses_[last], key_poses_[k]);
+      by_distance.emplace_back(std::hypot(moved.x, moved.y), last - k);
+    }
+    std::sort(by_distance.begin(), by_distance.end());
+    if (static_cast<int>(by_distance.size()) > options_.num_key_scans) {
+      by_distance.resize(options_.num_key_scans);
+    }
+    std::vector<const SurfacePoints*> scans;
+    std::vector<Pose2> poses;
+    in_map_.clear();
+    for (const auto& [distance, age] : by_distance) {
+      in_map_.push_back(last - age);
+      scans.push_back(&surfaces_[key_scans_[last - age].scan]);
+      poses.push_back(key_poses_[last - age]);
+    }
+    map_.Rebuild(scans, poses);
   }
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
+  const std::vector<SurfacePoints>& surfaces_;
   const bool sign_lost_;
   bool reversing_ = false;
-  LocalMap map_;
+  std::vector<KeyScan> key_scans_;
   std::vector<Pose2> key_poses_;
-  std::vector<const SurfacePoints*> key_scans_;
+  std::vector<int> in_map_;  // indices of the key scans in the local map
+  LocalMap map_{kMapCellM};
 };
 
 }  // namespace
@@ -116,46 +175,46 @@ bool SequentialSeedingOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(key_scan_distance_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(key_scan_angle_rad, >, 0.0);
   PLUMBLINE_CHECK_OPTION(num_key_scans, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(map_path_m, >, 0.0);
   return true;
 }
 
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const std::vector<Eigen::Vector2f>& normals,
-                        const SeedingProgress& progress, ThreadPool* pool, SlamGraph* graph,
-                        SequentialSeedingReport* report) {
+                        const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                        const SeedingProgress& progress, ThreadPool* pool,
+                        SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
   std::vector<int> step_to_pose;
-  PLUMBLINE_RETURN_IF_ERROR(CollectSteps(*graph, &step_to_pose));
-  const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(*graph, normals, options.point_spacing_m, pool);
+  PLUMBLINE_RETURN_IF_ERROR(CollectSteps(graph, &step_to_pose));
   *report = SequentialSeedingReport();
-  report->odometry_sign = CheckOdometrySign(*graph, surfaces, pool);
+  report->odometry_sign = CheckOdometrySign(graph, surfaces, pool);
 
-  SequentialMatcher matcher(options, motion, report->odometry_sign.sign_lost);
-  std::vector<Pose2> seeded(graph->num_poses());
-  std::vector<Pose2> motions(graph->num_poses());
-  std::vector<int> scan_of_pose(graph->num_poses(), -1);
-  for (int s = graph->num_scans() - 1; s >= 0; --s) scan_of_pose[graph->scan(s).pose] = s;
+  const int num_poses = graph.num_poses();
+  std::vector<int> scan_of_pose(num_poses, -1);
+  for (int s = graph.num_scans() - 1; s >= 0; --s) scan_of_pose[graph.scan(s).pose] = s;
+  SequentialMatcher matcher(options, motion, surfaces, report->odometry_sign.sign_lost);
+  std::vector<Pose2> poses(num_poses), odometry(num_poses);
+  double path_m = 0.0;
   static const SurfacePoints kNoSurface;
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    const SurfacePoints& scan = scan_of_pose[pose] >= 0 ? surfaces[scan_of_pose[pose]] : kNoSurface;
-    if (pose == 0) {
-      seeded[0] = graph->WorldFromRobot(0);
-    } else {
-      motions[pose] = graph->odometry()[step_to_pose[pose]].from_from_to;
-      seeded[pose] = matcher.Match(seeded[pose - 1], scan, &motions[pose], report);
+  for (int pose = 0; pose < num_poses; ++pose) {
+    const int scan = scan_of_pose[pose];
+    ScanMatch match;
+    match.world_from_robot = graph.WorldFromRobot(0);
+    if (pose > 0) {
+      odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
+      match = matcher.Match(poses[pose - 1], scan >= 0 ? surfaces[scan] : kNoSurface,
+                            &odometry[pose], report);
+      const Pose2 moved = Between(poses[pose - 1], match.world_from_robot);
+      path_m += std::hypot(moved.x, moved.y);
     }
-    if (matcher.MaybeAddKeyScan(seeded[pose], scan)) ++report->num_key_scans;
+    poses[pose] = match.world_from_robot;
+    if (scan >= 0) matcher.MaybeAddKeyScan(pose, scan, path_m, match);
     constexpr int kPosesPerReport = 100;
-    if (pose % kPosesPerReport == 0 && progress && !progress(pose, graph->num_poses())) {
+    if (pose % kPosesPerReport == 0 && progress && !progress(pose, num_poses)) {
       return Status::Unavailable("seeding was stopped by its caller");
     }
   }
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    graph->SetPose(pose, seeded[pose]);
-    if (pose > 0) graph->SetOdometryMotion(step_to_pose[pose], motions[pose]);
-  }
-  graph->ResetPointsFromPoses();
+  *trajectory = {std::move(poses), std::move(odometry), matcher.TakeKeyScans()};
+  report->num_key_scans = static_cast<int>(trajectory->key_scans.size());
   return Status::Ok();
 }
 

@@ -15,38 +15,56 @@
 
 namespace plumbline {
 
-/// Sequential point-to-line ICP: each scan is matched against a local map of recent key scans.
+/// Sequential point-to-line ICP: each scan is matched against a local map of key scans.
 struct SequentialSeedingOptions {
   ScanMatchOptions matching;
-  /// A scan becomes a key scan after this much travel [m] or turning [rad] since the last one.
+  /// A scan becomes a key scan when no key scan of the local map is within this distance [m] and
+  /// this turn [rad] of it: a robot that turns on the spot does not flush its map.
   double key_scan_distance_m = 0.25;
   double key_scan_angle_rad = 0.35;
-  /// Number of key scans that make up the local map.
-  int num_key_scans = 25;
-  /// Points are thinned to one per this length of surface [m], in the scan and in the map.
-  double point_spacing_m = 0.03;
+  /// The local map is made of the nearest key scans, at most this many, ...
+  int num_key_scans = 40;
+  /// ... of the last stretch of this length [m] of the path: what is older may have drifted away.
+  double map_path_m = 12.0;
 
   bool Check(std::string* error) const;
+};
+
+/// A scan that stands for its surroundings in the local map and in the pose graph.
+struct KeyScan {
+  int pose = 0;
+  int scan = 0;
+  double path_m = 0.0;  ///< driven from the first pose to here
+  /// What the match knows of its pose: as ScanMatch::information, but in axes of the robot.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+/// What the sequential matching found. Vectors without another remark have one entry per pose.
+struct SequentialTrajectory {
+  std::vector<Pose2> world_from_robot;
+  /// Odometry from the pose before, with the translation's sign corrected; entry 0 is unused.
+  std::vector<Pose2> odometry;
+  std::vector<KeyScan> key_scans;  ///< in order of time
 };
 
 struct SequentialSeedingReport {
   OdometrySignReport odometry_sign;
   int num_key_scans = 0;
   int num_reversed_steps = 0;  ///< steps driven against the odometry's sign
+  int num_recovered = 0;       ///< scans that were matched only from a start off the odometry
   int num_unmatched = 0;       ///< scans that follow the odometry: their map neighbours are gone
 };
 
 /// Called now and then with the number of scans done; false stops the seeding with an error.
 using SeedingProgress = std::function<bool(int num_done, int num_total)>;
 
-/// Moves every pose of the graph to where scan matching puts it, starting from the first pose, and
-/// the points with them. Expects poses in order of time, joined by odometry from each pose to the
-/// next. Where the odometry is recognised to have lost its sign, its motions are corrected too.
-/// normals: as EstimateReturnNormals gives them.
+/// Finds the pose of every scan from the ones before it, starting at the graph's first pose.
+/// Expects poses in order of time, joined by odometry from each pose to the next.
+/// surfaces: per scan, in the frame of the robot.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const std::vector<Eigen::Vector2f>& normals,
-                        const SeedingProgress& progress, ThreadPool* pool, SlamGraph* graph,
-                        SequentialSeedingReport* report);
+                        const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                        const SeedingProgress& progress, ThreadPool* pool,
+                        SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
 }  // namespace plumbline
 

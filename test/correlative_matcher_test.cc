@@ -1,0 +1,67 @@
+#include "plumbline/solvers/seeding/correlative_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+TEST(CorrelativeMatcher, FindsTheBestPoseOfAWideWindow) {
+  SyntheticScene scene = Room();
+  const Pose2 truth(1.3, -0.9, 0.5);
+  scene.poses = {Pose2(), truth};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  const CorrelativeMatch match = matcher.Search(surfaces[1], {Pose2(), 2.0, 0.6}, 0.3);
+  ASSERT_TRUE(match.found);
+  EXPECT_LT(DistanceM(match.map_from_scan, truth), 0.15);
+  EXPECT_NEAR(match.map_from_scan.yaw, truth.yaw, 0.05);
+  EXPECT_GT(match.score, 0.6);
+}
+
+// Branch and bound must lose nothing: compare with a search whose windows are single poses.
+TEST(CorrelativeMatcher, AgreesWithExhaustiveSearch) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.4, 0.3, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  double best = 0.0;
+  for (int y = -9; y <= 9; ++y) {
+    for (int x = -9; x <= 9; ++x) {
+      const SearchWindow pose{{0.1 * x, 0.1 * y, 0.0}, 0.0, 0.0};
+      best = std::max(best, matcher.Search(surfaces[1], pose, 0.0).score);
+    }
+  }
+  const CorrelativeMatch match = matcher.Search(surfaces[1], {Pose2(), 0.9, 0.0}, 0.0);
+  // A pose on the edge of two cells may round either way.
+  EXPECT_NEAR(match.score, best, 0.02);
+}
+
+TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.2, 0.1, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  SurfacePoints twins = surfaces[0];
+  for (const SurfacePoint& point : surfaces[0]) twins.push_back(Pose2(5.0, 0.0, 0.0) * point);
+  const SearchWindow window{Pose2(), 6.0, 0.3};
+  for (const bool twin : {false, true}) {
+    const CorrelativeMatcher matcher(twin ? twins : surfaces[0], 0.1);
+    const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
+    ASSERT_TRUE(best.found);
+    const CorrelativeMatch second = matcher.SearchElsewhere(surfaces[1], window, 0.9 * best.score,
+                                                            best.map_from_scan, 0.7, 0.3);
+    EXPECT_EQ(second.found, twin);
+    if (!twin) continue;
+    EXPECT_NEAR(DistanceM(second.map_from_scan, best.map_from_scan), 5.0, 0.2);
+  }
+}
+
+TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
+  const SurfacePoints point{{{1.0, 0.0}, {-1.0, 0.0}}};
+  EXPECT_FALSE(CorrelativeMatcher({}, 0.1).Search(point, {Pose2(), 1.0, 0.1}, 0.1).found);
+  EXPECT_FALSE(CorrelativeMatcher(point, 0.1).Search({}, {Pose2(), 1.0, 0.1}, 0.1).found);
+}
+
+}  // namespace
+}  // namespace plumbline

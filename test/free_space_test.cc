@@ -1,0 +1,44 @@
+#include "plumbline/solvers/seeding/free_space.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+TEST(FreeSpace, TwoViewsOfOneRoomAgree) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+  const SlamGraph graph = MakeGraph(scene);
+  const FreeSpaceConflict conflict = CompareFreeSpace(graph, 0, 1, scene.poses[1]);
+  EXPECT_GT(conflict.num_compared, 250);
+  EXPECT_LT(conflict.Share(), 0.01);
+}
+
+TEST(FreeSpace, AWallInTheMiddleOfARoomConflicts) {
+  // The viewer sees a room of 6 m x 6 m; the scan one of 3 m x 3 m. Every return of the small room
+  // is 1.5 m in front of the large one's walls.
+  SyntheticScene large, small;
+  large.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
+  small.faces = Rectangle({98.5, -1.5}, {101.5, 1.5});
+  large.faces.insert(large.faces.end(), small.faces.begin(), small.faces.end());
+  large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  const SlamGraph graph = MakeGraph(large);
+  const FreeSpaceConflict seen_through = CompareFreeSpace(graph, 0, 1, Pose2());
+  EXPECT_GT(seen_through.num_compared, 300);
+  EXPECT_EQ(seen_through.num_conflicting, seen_through.num_compared);
+  // The other way round the large room is hidden behind the small one's walls.
+  EXPECT_EQ(CompareFreeSpace(graph, 1, 0, Pose2()).num_compared, 0);
+}
+
+TEST(FreeSpace, ShareOfSums) {
+  FreeSpaceConflict sum{10, 1};
+  sum += {30, 9};
+  EXPECT_EQ(sum.Share(), 0.25);
+  EXPECT_EQ(FreeSpaceConflict().Share(), 0.0);
+}
+
+}  // namespace
+}  // namespace plumbline

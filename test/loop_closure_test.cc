@@ -1,0 +1,75 @@
+#include "plumbline/solvers/seeding/loop_closure.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+// A first visit from all poses of the scene but the last one, 1 m of path apart, and 50 m later a
+// second one from there, which is believed to be `error` off. Closes the last of the first visit
+// with the second.
+std::vector<RelativePoseConstraint> Close(const SyntheticScene& scene, const Pose2& error,
+                                          double drift_m) {
+  const SlamGraph graph = MakeGraph(scene);
+  const int second = graph.num_poses() - 1;
+  std::vector<KeyScan> key_scans(second + 1);
+  for (int k = 0; k <= second; ++k) {
+    key_scans[k].pose = key_scans[k].scan = k;
+    key_scans[k].path_m = k < second ? k : 50.0 + k;
+  }
+  std::vector<Pose2> poses = scene.poses;
+  poses[second] = error * poses[second];
+  ThreadPool pool(2);
+  return CloseLoops(LoopClosureOptions(), graph, SurfacesOf(graph), key_scans, poses,
+                    {{second - 1, second, drift_m, 0.25}}, &pool);
+}
+
+TEST(LoopClosure, MeasuresARevisit) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  scene.poses = {Pose2(), Pose2(0.6, 0.4, 0.3)};
+  const auto closures = Close(scene, Pose2(1.1, -0.8, 0.1), 1.65);
+  ASSERT_EQ(closures.size(), 1u);
+  EXPECT_EQ(closures[0].from, 0);
+  EXPECT_EQ(closures[0].to, 1);
+  EXPECT_LT(DistanceM(closures[0].from_from_to, scene.poses[1]), 0.01);
+  EXPECT_NEAR(closures[0].from_from_to.yaw, 0.3, 3e-3);
+}
+
+TEST(LoopClosure, RejectsARoomOfAnotherShape) {
+  SyntheticScene scene = Room();
+  const std::vector<Face> other = Rectangle({97.5, -1.2}, {105.0, 1.2});
+  scene.faces.insert(scene.faces.end(), other.begin(), other.end());
+  scene.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  EXPECT_TRUE(Close(scene, Pose2(-100.0, 0.0, 0.0), 1.65).empty());
+}
+
+TEST(LoopClosure, RejectsARoomThatLacksAWall) {
+  // The same outer walls, but where one visit met a wall across the room the other looked through.
+  SyntheticScene scene;
+  scene.faces = Rectangle({-3.0, -2.5}, {3.0, 2.5});
+  const std::vector<Face> other = Rectangle({97.0, -2.5}, {103.0, 2.5});
+  scene.faces.insert(scene.faces.end(), other.begin(), other.end());
+  scene.faces.push_back({{101.0, -2.5}, {101.0, 2.0}});
+  scene.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  EXPECT_TRUE(Close(scene, Pose2(-100.0, 0.0, 0.0), 0.5).empty());
+}
+
+TEST(LoopClosure, RejectsOneOfTwoTwinsInAWideWindow) {
+  // The map shows equal bays of a comb, 2 m apart: a wide window cannot tell which is which.
+  SyntheticScene scene;
+  for (int i = -6; i <= 6; ++i) {
+    scene.faces.push_back({{2.0 * i, 3.0}, {2.0 * i, 1.0}});
+    scene.faces.push_back({{2.0 * i, 3.0}, {2.0 * i + 2.0, 3.0}});
+  }
+  scene.faces.push_back({{-30.0, -1.0}, {30.0, -1.0}});
+  scene.laser.max_range_m = 4.0;
+  scene.poses = {Pose2(-2.0, 0.0, 0.0), Pose2(2.0, 0.0, 0.0), Pose2(), Pose2(0.2, 0.0, 0.0)};
+  EXPECT_TRUE(Close(scene, Pose2(), 1.65).empty());
+  EXPECT_EQ(Close(scene, Pose2(), 0.5).size(), 1u);  // a narrow one can
+}
+
+}  // namespace
+}  // namespace plumbline

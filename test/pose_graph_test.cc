@@ -1,0 +1,52 @@
+#include "plumbline/solvers/seeding/pose_graph.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+RelativePoseConstraint Edge(int from, int to, const Pose2& motion, double sigma) {
+  return {from, to, motion, sigma * sigma * Eigen::Matrix3d::Identity()};
+}
+
+TEST(PoseGraph, SpreadsTheErrorOfALoopOverItsEdges) {
+  const std::vector<RelativePoseConstraint> chain{Edge(0, 1, {1.0, 0.0, 0.0}, 1.0),
+                                                  Edge(1, 2, {1.0, 0.0, 0.0}, 1.0)};
+  std::vector<Pose2> poses{{5.0, 7.0, 0.0}, {6.0, 7.0, 0.0}, {7.0, 7.0, 0.0}};
+  // Three equal edges share 0.03 sigma of error, where the Cauchy loss is still quadratic.
+  OptimizePoseGraph(chain, {Edge(0, 2, {2.03, 0.0, 0.0}, 1.0)}, &poses);
+  EXPECT_EQ(poses[0].x, 5.0);
+  EXPECT_NEAR(poses[1].x, 6.01, 1e-5);
+  EXPECT_NEAR(poses[2].x, 7.02, 1e-5);
+  EXPECT_NEAR(poses[2].y, 7.0, 1e-9);
+}
+
+TEST(PoseGraph, AWrongClosureIsOutvoted) {
+  std::vector<RelativePoseConstraint> chain;
+  std::vector<Pose2> poses{Pose2()};
+  for (int i = 0; i < 20; ++i) {
+    chain.push_back(Edge(i, i + 1, {1.0, 0.0, 0.0}, 0.01));
+    poses.emplace_back(i + 1.0, 0.0, 0.0);
+  }
+  const RelativePoseConstraint wrong = Edge(0, 20, {15.0, 0.0, 0.0}, 0.01);
+  OptimizePoseGraph(chain, {Edge(0, 20, {20.0, 0.0, 0.0}, 0.01), wrong}, &poses);
+  EXPECT_NEAR(poses[20].x, 20.0, 0.02);
+  EXPECT_GT(EdgeChi2(wrong, poses), 1e4);
+}
+
+TEST(PoseGraph, Chi2IsTheSquaredMahalanobisLength) {
+  RelativePoseConstraint edge = Edge(0, 1, {1.0, 0.0, kPi}, 1.0);
+  edge.covariance = Eigen::Vector3d(0.04, 0.25, 0.01).asDiagonal();
+  // Frame 0 looks along y: the error is (0.2, -1.0, 0.1) there, across the wrap of the angle.
+  const std::vector<Pose2> poses{{0.0, 0.0, kPi / 2.0}, {1.0, 1.2, -kPi / 2.0 + 0.1}};
+  EXPECT_NEAR(EdgeChi2(edge, poses), 1.0 + 4.0 + 1.0, 1e-9);
+}
+
+TEST(PoseGraph, LeavesAChainWithoutClosuresAsItIs) {
+  std::vector<Pose2> poses{Pose2(), {1.0, 0.1, 0.2}};
+  OptimizePoseGraph({Edge(0, 1, {1.0, 0.0, 0.0}, 1.0)}, {}, &poses);
+  EXPECT_EQ(poses[1].y, 0.1);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,78 @@
+#include "plumbline/solvers/seeding/scan_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+TEST(ScanMatcher, FindsThePoseInARoomFromAfar) {
+  SyntheticScene scene = Room();
+  const Pose2 truth(0.3, -0.2, 0.1);
+  scene.poses = {Pose2(), truth};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  LocalMap map(0.03);
+  map.Rebuild({&surfaces[0]}, {Pose2()});
+  const ScanMatch match = MatchScan(map, surfaces[1], PosePrediction(), ScanMatchOptions());
+  EXPECT_LT(DistanceM(match.world_from_robot, truth), 2e-3);
+  EXPECT_NEAR(match.world_from_robot.yaw, truth.yaw, 1e-3);
+  EXPECT_GT(match.inlier_ratio, 0.9);
+}
+
+TEST(ScanMatcher, HasNoInformationAlongACorridor) {
+  SyntheticScene scene;
+  scene.faces = {{{-200.0, 1.0}, {200.0, 1.0}}, {{-200.0, -1.0}, {200.0, -1.0}}};
+  scene.poses = {Pose2(), Pose2(0.5, 0.1, 0.05)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  LocalMap map(0.03);
+  map.Rebuild({&surfaces[0]}, {Pose2()});
+  PosePrediction prediction;
+  prediction.world_from_robot = {0.4, 0.0, 0.0};
+  prediction.information = Eigen::Vector3d(100.0, 100.0, 100.0).asDiagonal();
+  const ScanMatch match = MatchScan(map, surfaces[1], prediction, ScanMatchOptions());
+  EXPECT_LT(match.information(0, 0), 1e-3 * match.information(1, 1));
+  // Across: the walls decide. Along: the prediction stands.
+  EXPECT_NEAR(match.world_from_robot.y, 0.1, 2e-3);
+  EXPECT_NEAR(match.world_from_robot.yaw, 0.05, 1e-3);
+  EXPECT_NEAR(match.world_from_robot.x, 0.4, 0.02);
+}
+
+TEST(ScanMatcher, ReturnsThePredictionWithoutAMap) {
+  const SurfacePoints scan{{{1.0, 0.0}, {-1.0, 0.0}}};
+  PosePrediction prediction;
+  prediction.world_from_robot = {1.0, 2.0, 3.0};
+  const ScanMatch match = MatchScan(LocalMap(0.03), scan, prediction, ScanMatchOptions());
+  EXPECT_EQ(match.world_from_robot.x, 1.0);
+  EXPECT_EQ(match.world_from_robot.yaw, 3.0);
+  EXPECT_EQ(match.inlier_ratio, 0.0);
+  EXPECT_TRUE(match.information.isZero());
+}
+
+TEST(ScanMatcher, Chi2ComparesPredictions) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.2, 0.0, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  LocalMap map(0.03);
+  map.Rebuild({&surfaces[0]}, {Pose2()});
+  PosePrediction forward, backward;
+  forward.world_from_robot.x = 0.2;
+  backward.world_from_robot.x = -0.2;
+  forward.information = backward.information = 100.0 * Eigen::Matrix3d::Identity();
+  const ScanMatch right = MatchScan(map, surfaces[1], forward, ScanMatchOptions());
+  const ScanMatch wrong = MatchScan(map, surfaces[1], backward, ScanMatchOptions());
+  // Both find the true pose; the wrong prediction is 0.4 m = 4 standard deviations off.
+  EXPECT_NEAR(wrong.chi2 - right.chi2, 16.0, 1.0);
+}
+
+TEST(ScanMatcher, ChecksOptions) {
+  ScanMatchOptions options;
+  std::string error;
+  EXPECT_TRUE(options.Check(&error));
+  options.coarse_gate_m = 0.01;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_NE(error.find("coarse_gate_m = 0.01"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,124 @@
+#include "plumbline/solvers/seeding/seed.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+// A lap and a quarter through a corridor round a block of 12 m x 8 m, 2 m wide, with a laser of 5 m
+// range: half way along a side nothing tells how far the robot has come. Niches make corners
+// differ.
+SlamGraph LapRoundABlock() {
+  SyntheticScene scene;
+  scene.faces = Rectangle({-2.0, -2.0}, {14.0, 10.0});
+  const std::vector<Face> block = Rectangle({0.0, 0.0}, {12.0, 8.0});
+  scene.faces.insert(scene.faces.end(), block.begin(), block.end());
+  scene.discs = {{{-1.7, -1.7}, 0.3}, {{13.6, -1.0}, 0.4}, {{12.6, 9.8}, 0.25}};
+  scene.laser = PanoramicLaser(360);
+  scene.laser.max_range_m = 5.0;
+  scene.range_sigma_m = 0.01;
+  const double side_m[] = {14.0, 10.0, 14.0, 10.0, 10.0};
+  Pose2 pose(-1.0, -1.0, 0.0);
+  for (int side = 0; side < 5; ++side) {
+    for (double driven_m = 0.0; driven_m < side_m[side] - 0.1; driven_m += 0.2) {
+      scene.poses.push_back(pose);
+      pose = pose * Pose2(0.2, 0.0, 0.0);
+    }
+    for (int i = 0; i < 5; ++i) {
+      scene.poses.push_back(pose);
+      pose.yaw += kPi / 10.0;
+    }
+  }
+  return MakeGraph(scene);
+}
+
+// Odometry that is a tenth too long on the first side of the block, and right from there on.
+void AddDriftingOdometry(SlamGraph* graph) {
+  constexpr int kLastOfFirstSide = 70;
+  int num_steps = 0;
+  AddOdometry(
+      [&](const Pose2& step) {
+        return Pose2(++num_steps <= kLastOfFirstSide ? 1.1 * step.x : step.x, step.y, step.yaw);
+      },
+      graph);
+}
+
+SlamGraph Seeded(SlamGraph graph, int num_threads, SeedingReport* report) {
+  ThreadPool pool(num_threads);
+  SeedingOptions options;
+  EXPECT_TRUE(
+      SeedGraph(options, MotionOptions(), NormalsOf(graph), nullptr, &pool, &graph, report).ok());
+  return graph;
+}
+
+TEST(Seed, ClosesALoopThatDriftedOpen) {
+  const SlamGraph truth = LapRoundABlock();
+  SlamGraph odometry = truth;
+  AddDriftingOdometry(&odometry);
+  // Back at the start, the sequential matching alone is off by what it could not see.
+  const int back = 260;
+  ASSERT_LT(DistanceM(truth.WorldFromRobot(back), truth.WorldFromRobot(0)), 0.5);
+  ThreadPool pool(1);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport sequential;
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), odometry,
+                               SurfacesOf(odometry), nullptr, &pool, &trajectory, &sequential)
+                  .ok());
+  EXPECT_GT(DistanceM(truth.WorldFromRobot(back), trajectory.world_from_robot[back]), 0.2);
+
+  SeedingReport report;
+  const SlamGraph seeded = Seeded(odometry, 2, &report);
+  EXPECT_GT(report.num_closures, 5);
+  EXPECT_LT(DistanceM(truth.WorldFromRobot(back), seeded.WorldFromRobot(back)), 0.02);
+}
+
+TEST(Seed, IsTheSameForAnyNumberOfThreads) {
+  SlamGraph odometry = LapRoundABlock();
+  AddDriftingOdometry(&odometry);
+  SeedingReport report;
+  const SlamGraph one = Seeded(odometry, 1, &report);
+  const SlamGraph three = Seeded(odometry, 3, &report);
+  EXPECT_EQ(one.poses(), three.poses());
+  EXPECT_EQ(one.points(), three.points());
+}
+
+TEST(Seed, PutsPointsWhereThePosesSay) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2&) { return Pose2(); }, &graph);
+  SeedingReport report;
+  const SlamGraph seeded = Seeded(graph, 1, &report);
+  const std::size_t last = seeded.num_returns() - 1;
+  const Eigen::Vector2d expected = seeded.WorldFromRobot(1) * seeded.PointInRobot(last);
+  EXPECT_NEAR((MapPoint(seeded, last) - expected).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(seeded.WorldFromRobot(1).x, 0.1, 0.01);
+}
+
+TEST(Seed, FailsWithoutOdometryAndLeavesTheGraphAsItWas) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  const std::vector<double> before = graph.poses();
+  ThreadPool pool(1);
+  SeedingReport report;
+  EXPECT_EQ(SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(graph), nullptr, &pool, &graph,
+                      &report)
+                .code(),
+            StatusCode::kInvalidArgument);
+  EXPECT_EQ(graph.poses(), before);
+}
+
+TEST(Seed, ChecksOptionsAllTheWayDown) {
+  SeedingOptions options;
+  std::string error;
+  EXPECT_TRUE(options.Check(&error));
+  options.loops.candidates.drift_floor_m = 0.0;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_NE(error.find("loops.candidates.drift_floor_m = 0"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace plumbline
