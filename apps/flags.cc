@@ -5,6 +5,7 @@
 #include <string>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/solvers/ceres_solver.h"
 
 namespace {
 
@@ -69,14 +70,18 @@ DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
               "Length of the surface regions of the shape terms [m]");
 DEFINE_double(shape_margin_deg, plumbline::RadToDeg(Defaults().association.shape_margin_rad),
               "Regions this close to parallel or orthogonal get a shape term [deg]");
-DEFINE_int32(rounds, Defaults().rounds.num_rounds,
-             "Rounds: in each, associations are rebuilt and the energy is minimised");
-DEFINE_double(first_radius_m, Defaults().rounds.first_radius_m,
-              "Smallest neighbourhood radius in the first round [m]");
-DEFINE_double(last_radius_m, Defaults().rounds.last_radius_m,
-              "Smallest neighbourhood radius in the last round [m]");
-DEFINE_double(first_gate_factor, Defaults().rounds.first_gate_factor,
-              "Factor on the robust gates in the first round; it falls to 1 in the last");
+DEFINE_int32(coarse_rounds, Defaults().rounds.max_coarse_rounds,
+             "Most rounds with wide neighbourhoods, which pull double walls together");
+DEFINE_int32(fine_rounds, Defaults().rounds.max_fine_rounds,
+             "Most rounds with narrow neighbourhoods; each rebuilds the associations");
+DEFINE_double(coarse_radius_m, Defaults().rounds.coarse_radius_m,
+              "Smallest neighbourhood radius in the first coarse round [m]");
+DEFINE_double(fine_radius_m, Defaults().rounds.fine_radius_m,
+              "Smallest neighbourhood radius in the fine rounds [m]");
+DEFINE_double(coarse_gate_factor, Defaults().rounds.coarse_gate_factor,
+              "Factor on the robust gates in the first coarse round");
+DEFINE_double(round_tolerance, Defaults().rounds.relative_tolerance,
+              "Fine rounds end when one gains less [fraction of the marginal energy]");
 
 // --solver=alternating_cg
 DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
@@ -134,6 +139,14 @@ Status ParseName(const char* flag, const std::string& name, const Parse& parse, 
   if (parse(name, value)) return Status::Ok();
   return Status::InvalidArgument(std::string("--") + flag + "=" + name +
                                  ": no such name; see --help");
+}
+
+// The option's name is that of the field; the flag's name is close to it.
+template <typename Options>
+Status CheckValues(const Options& options) {
+  std::string error;
+  if (options.Check(&error)) return Status::Ok();
+  return Status::InvalidArgument("the flags set " + error);
 }
 
 FactorOptions FactorOptionsFromFlags() {
@@ -200,25 +213,26 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->association.max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
   options->association.min_segment_length_m = FLAGS_min_segment_length_m;
   options->association.shape_margin_rad = DegToRad(FLAGS_shape_margin_deg);
-  options->rounds.num_rounds = FLAGS_rounds;
-  options->rounds.first_radius_m = FLAGS_first_radius_m;
-  options->rounds.last_radius_m = FLAGS_last_radius_m;
-  options->rounds.first_gate_factor = FLAGS_first_gate_factor;
+  options->rounds.max_coarse_rounds = FLAGS_coarse_rounds;
+  options->rounds.max_fine_rounds = FLAGS_fine_rounds;
+  options->rounds.coarse_radius_m = FLAGS_coarse_radius_m;
+  options->rounds.fine_radius_m = FLAGS_fine_radius_m;
+  options->rounds.coarse_gate_factor = FLAGS_coarse_gate_factor;
+  options->rounds.relative_tolerance = FLAGS_round_tolerance;
   options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;
   options->alternating_cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
   options->alternating_cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;
   options->alternating_cg.scan_iterations_per_sweep = FLAGS_cg_scan_iterations;
   options->alternating_cg.relative_cost_tolerance = FLAGS_cg_tolerance;
-  std::string error;
-  return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
+  PLUMBLINE_RETURN_IF_ERROR(CheckValues(*options));
+  return options->type == SolverType::kCeres ? CheckCeresOptions(options->ceres) : Status::Ok();
 }
 
 Status SeedingOptionsFromFlags(SeedingOptions* options) {
   *options = SeedingOptions();
   options->sequential.key_scan_distance_m = FLAGS_key_scan_distance_m;
   options->sequential.key_scan_angle_rad = DegToRad(FLAGS_key_scan_angle_deg);
-  std::string error;
-  return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
+  return CheckValues(*options);
 }
 
 }  // namespace plumbline

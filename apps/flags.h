@@ -7,10 +7,11 @@
 
 namespace plumbline {
 
-/// The solver options that the command line asks for; InvalidArgument names the flag.
+/// The solver options that the command line asks for. InvalidArgument on an unknown name (naming
+/// the flag), a value out of range (naming the option) or switches that Ceres refuses together.
 Status SolverOptionsFromFlags(SolverOptions* options);
 
-/// The seeding options that the command line asks for; InvalidArgument names the option.
+/// The seeding options that the command line asks for. InvalidArgument names the option.
 Status SeedingOptionsFromFlags(SeedingOptions* options);
 
 }  // namespace plumbline

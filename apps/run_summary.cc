@@ -1,10 +1,10 @@
 #include "plumbline/apps/run_summary.h"
 
-#include <gflags/gflags.h>
 #include <sys/resource.h>
 
 #include <nlohmann/json.hpp>
 
+#include "plumbline/apps/command_line.h"
 #include "plumbline/apps/io/atomic_file.h"
 
 namespace plumbline {
@@ -13,15 +13,9 @@ namespace {
 // Insertion order is easier on the reader than the alphabet.
 using Json = nlohmann::ordered_json;
 
-// The flags that the programs define; gflags' own and the logger's say nothing about the result.
 Json FlagsInForce() {
   Json json = Json::object();
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    const bool ours = flag.filename.find("flags.cc") != std::string::npos ||
-                      flag.filename.find("_main.cc") != std::string::npos;
-    if (!ours || flag.filename.find("gflags") != std::string::npos) continue;
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
     if (flag.type == "double") {
       json[flag.name] = std::stod(flag.current_value);
     } else if (flag.type == "int32") {
@@ -38,9 +32,13 @@ Json FlagsInForce() {
 Json SeedingJson(const RunSummary& summary) {
   const SequentialSeedingReport& sequential = summary.seeding.sequential;
   return {{"key_scans", sequential.num_key_scans},
+          {"recovered_scans", sequential.num_recovered},
           {"unmatched_scans", sequential.num_unmatched},
           {"odometry_sign_lost", sequential.odometry_sign.sign_lost},
           {"reversed_steps", sequential.num_reversed_steps},
+          {"loop_candidates", summary.seeding.num_loop_candidates},
+          {"loop_closures", summary.seeding.num_closures},
+          {"dropped_loop_closures", summary.seeding.num_dropped_closures},
           {"time_s", summary.seed_time_s}};
 }
 

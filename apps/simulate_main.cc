@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/apps/command_line.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
 #include "plumbline/apps/simulation/simulator.h"
@@ -126,8 +127,8 @@ void PrintSummary(const SimulatedLog& log) {
 }
 
 Status Run() {
-  if (FLAGS_world.empty()) return Status::InvalidArgument("--world is missing");
-  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing");
+  if (FLAGS_world.empty()) return Status::InvalidArgument("--world is missing; see --help");
+  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   Building building;
   PLUMBLINE_RETURN_IF_ERROR(ReadBuilding(FLAGS_world, &building));
   SimulatedLog log;
@@ -143,15 +144,11 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  gflags::SetUsageMessage(
+  plumbline::ParseCommandLine(
       "Simulates a robot with a laser scanner in a building.\n\n"
       "  plumbline_simulate --world=datasets/small_building.world --log=small_building.clf "
-      "--truth=small_building.tum --hits=small_building.hits");
-  gflags::ParseCommandLineFlags(&argc, &argv, /*remove_flags=*/true);
-  if (argc > 1) {
-    std::cerr << "plumbline_simulate: unexpected argument '" << argv[1] << "'; see --help\n";
-    return 1;
-  }
+      "--truth=small_building.tum --hits=small_building.hits",
+      argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;
   std::cerr << "plumbline_simulate: " << status.message() << '\n';

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
@@ -80,15 +81,14 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(FLAGS_log, CarmenReadOptions(), &log));
     for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
     PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, FLAGS_max_scans, &graph_));
+    if (graph_.num_returns() == 0) {
+      return Status::InvalidArgument(FLAGS_log + ": no scan has a return within the laser's range");
+    }
     if (!FLAGS_truth.empty()) {
       truth_.emplace();
       PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
     }
-    std::error_code error;
-    std::filesystem::create_directories(FLAGS_output_dir, error);
-    if (error) {
-      return Status::Unavailable("cannot make folder " + FLAGS_output_dir + ": " + error.message());
-    }
+    PLUMBLINE_RETURN_IF_ERROR(MakeOutputFolder());
     summary_.log = FLAGS_log;
     summary_.num_scans = graph_.num_scans();
     summary_.num_returns = graph_.num_returns();
@@ -99,6 +99,14 @@ class SlamRun {
               << log.num_out_of_order << " out of order (" << std::fixed << std::setprecision(2)
               << summary_.read_time_s << " s)\n";
     return Status::Ok();
+  }
+
+  static Status MakeOutputFolder() {
+    std::error_code error;
+    std::filesystem::create_directories(FLAGS_output_dir, error);
+    if (!error) return Status::Ok();
+    return Status::Unavailable("cannot make the folder '" + FLAGS_output_dir +
+                               "': " + error.message());
   }
 
   Status Seed() {
@@ -121,6 +129,10 @@ class SlamRun {
     if (report.odometry_sign.sign_lost) {
       std::cout << "  The odometry has lost the sign of its translation: "
                 << report.num_reversed_steps << " steps were driven backwards.\n";
+    }
+    if (summary_.seeding.num_closures > 0) {
+      std::cout << "  " << summary_.seeding.num_closures << " loop closures among "
+                << summary_.seeding.num_loop_candidates << " pairs of places tried.\n";
     }
     if (report.num_unmatched > 0) {
       std::cout << "  " << report.num_unmatched
@@ -192,16 +204,12 @@ class SlamRun {
 int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
-  gflags::SetUsageMessage(
+  plumbline::ParseCommandLine(
       "Maps a raw CARMEN log: joint estimation of all poses and all laser returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
-      "--ceres_linear_solver=sparse_schur");
-  gflags::ParseCommandLineFlags(&argc, &argv, /*remove_flags=*/true);
-  if (argc > 1) {
-    std::cerr << "plumbline_slam: unexpected argument '" << argv[1] << "'; see --help\n";
-    return 1;
-  }
+      "--ceres_linear_solver=sparse_schur",
+      argc, argv);
   const plumbline::Status status = plumbline::SlamRun().Run();
   if (status.ok()) return 0;
   std::cerr << "plumbline_slam: " << status.message() << '\n';

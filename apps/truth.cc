@@ -52,6 +52,7 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
     hits[{Milliseconds(t), beam}] = {x, y};
   }
   PLUMBLINE_RETURN_IF_ERROR(reader.status());
+  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
   const LaserReturns& returns = graph.returns();
   truth->points.assign(2 * returns.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t r = 0; r < returns.size(); ++r) {
@@ -91,9 +92,11 @@ Pose2 AlignTrajectories(const SlamGraph& graph, const Truth& truth) {
 
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
                  const SlamGraph& graph, Truth* truth) {
-  *truth = Truth();
-  PLUMBLINE_RETURN_IF_ERROR(JoinTrajectory(trajectory_path, graph, truth));
-  return hits_path.empty() ? Status::Ok() : JoinHits(hits_path, graph, truth);
+  Truth result;
+  PLUMBLINE_RETURN_IF_ERROR(JoinTrajectory(trajectory_path, graph, &result));
+  if (!hits_path.empty()) PLUMBLINE_RETURN_IF_ERROR(JoinHits(hits_path, graph, &result));
+  *truth = std::move(result);
+  return Status::Ok();
 }
 
 TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {

@@ -27,8 +27,10 @@ struct TruthError {
 };
 
 /// Reads a TUM trajectory and, if hits_path is not empty, a table of lines `t beam x y`, and joins
-/// them to the graph's poses by time (to 1 ms). Errors name file and line; InvalidArgument if a
-/// pose of the graph has no truth.
+/// them to the graph's poses by time (to 1 ms). Files may be compressed. NotFound or Unavailable if
+/// a file cannot be read, DataLoss if it is truncated or corrupt; InvalidArgument, naming file,
+/// line and field, on a line that is none of these, and if a pose of the graph has no truth.
+/// Replaces *truth on success only.
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
                  const SlamGraph& graph, Truth* truth);
 

@@ -21,18 +21,21 @@ struct MapQualityOptions {
   bool Check(std::string* error) const;
 };
 
-/// Sharpness of a point map, measured without ground truth, clutter included. Smaller is sharper.
+/// Sharpness of a point map, measured without ground truth, clutter included. Smaller is sharper,
+/// but not always right: a map can be sharp and bent. Compares maps of the same returns.
 struct MapQuality {
   /// Median over the samples of the square root of the smaller eigenvalue of the covariance of all
   /// points within the radius [m].
   double wall_thickness_m = 0.0;
-  /// Mean map entropy: mean of ln(det(2 pi e Sigma)) / 2 over the same neighbourhoods [nat].
-  /// Source: Droeschel, Stueckler, Behnke: Local multi-resolution surfel grids (2014).
+  /// Mean map entropy: mean of ln(det(2 pi e Sigma)) / 2 over the same neighbourhoods [nat], as in
+  /// Razlaw, Droeschel, Holz, Behnke: Evaluation of registration methods for sparse 3D laser scans
+  /// (2015). Thinner than 0.1 mm counts as 0.1 mm.
   double mean_map_entropy = 0.0;
   std::size_t num_samples = 0;
 };
 
-/// points: x, y [m] of each point in turn. Zero everywhere if no neighbourhood has enough points.
+/// points: x, y [m] of each point in turn, finite. The result does not depend on the number of
+/// threads. Zero everywhere if no neighbourhood has enough points.
 MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
                              ThreadPool* pool);
 

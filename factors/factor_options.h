@@ -30,8 +30,10 @@ struct RangeBeamOptions {
 
 /// Manifold potential: how far a point may lie from its tangent line.
 struct ManifoldOptions {
-  double sigma_m = 0.008;           ///< thickness of a surface [m]
-  double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
+  double sigma_m = 0.008;  ///< thickness of a surface [m]
+  /// Geman-McClure scale, in standard deviations. Real surfaces have long tails (frames, handles,
+  /// cables): a tighter gate throws away what they know.
+  double robust_gate_sigmas = 4.0;
 
   bool Check(std::string* error) const;
 };

@@ -11,16 +11,21 @@
 namespace plumbline {
 namespace {
 
-// The energy as a function of the points, at fixed poses.
-class MapObjective final : public CgObjective {
+// The energy as a function of the points (N = 2) at fixed poses, or of the poses (N = 3) at fixed
+// points.
+template <int N>
+class PartialObjective final : public CgObjective {
  public:
-  MapObjective(const Energy& energy, const std::vector<double>& poses)
-      : energy_(energy), poses_(poses) {}
+  PartialObjective(const Energy& energy, const std::vector<double>& fixed)
+      : energy_(energy), fixed_(fixed) {}
 
   bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override {
+    TermCosts costs;
     std::vector<double> blocks;
+    if (!energy_.Evaluate(Poses(x), Points(x), &costs, {}, Moving().Others())) return false;
+    fixed_cost_ = costs.Total();
     if (!Evaluate(x, cost, gradient, &blocks)) return false;
-    preconditioner_.Set(blocks);
+    preconditioner_.Set(blocks, energy_.pool());
     return true;
   }
   bool Evaluate(const std::vector<double>& x, double* cost,
@@ -28,74 +33,51 @@ class MapObjective final : public CgObjective {
     return Evaluate(x, cost, gradient, nullptr);
   }
   double Curvature(const std::vector<double>& x, const std::vector<double>& d) override {
-    return energy_.Curvature(poses_, x, nullptr, &d);
+    return energy_.Curvature(Poses(x), Points(x), kPoints ? nullptr : &d, kPoints ? &d : nullptr,
+                             Moving());
   }
   void Precondition(const std::vector<double>& gradient, std::vector<double>* result) override {
-    preconditioner_.Apply(gradient, result);
+    preconditioner_.Apply(gradient, energy_.pool(), result);
   }
 
  private:
+  static constexpr bool kPoints = N == 2;
+
+  // The terms that depend on what moves.
+  static TermSet Moving() {
+    return kPoints
+               ? TermSet{Term::kRangeBeam, Term::kManifold, Term::kShape}
+               : TermSet{Term::kPosePrior, Term::kMotion, Term::kRelativePose, Term::kRangeBeam};
+  }
+  const std::vector<double>& Poses(const std::vector<double>& x) const {
+    return kPoints ? fixed_ : x;
+  }
+  const std::vector<double>& Points(const std::vector<double>& x) const {
+    return kPoints ? x : fixed_;
+  }
   bool Evaluate(const std::vector<double>& x, double* cost, std::vector<double>* gradient,
                 std::vector<double>* blocks) const {
     TermCosts costs;
     EnergyDerivatives derivatives;
-    derivatives.point_gradient = gradient;
-    derivatives.point_blocks = blocks;
-    const bool ok = energy_.Evaluate(poses_, x, &costs, derivatives);
-    *cost = costs.Total();
+    (kPoints ? derivatives.point_gradient : derivatives.pose_gradient) = gradient;
+    (kPoints ? derivatives.point_blocks : derivatives.pose_blocks) = blocks;
+    const bool ok = energy_.Evaluate(Poses(x), Points(x), &costs, derivatives, Moving());
+    *cost = fixed_cost_ + costs.Total();
     return ok;
   }
 
   const Energy& energy_;
-  const std::vector<double>& poses_;
-  BlockJacobi<2> preconditioner_;
-};
-
-// The energy as a function of the poses, at fixed points.
-class PoseObjective final : public CgObjective {
- public:
-  PoseObjective(const Energy& energy, const std::vector<double>& points)
-      : energy_(energy), points_(points) {}
-
-  bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override {
-    std::vector<double> blocks;
-    if (!Evaluate(x, cost, gradient, &blocks)) return false;
-    preconditioner_.Set(blocks);
-    return true;
-  }
-  bool Evaluate(const std::vector<double>& x, double* cost,
-                std::vector<double>* gradient) override {
-    return Evaluate(x, cost, gradient, nullptr);
-  }
-  double Curvature(const std::vector<double>& x, const std::vector<double>& d) override {
-    return energy_.Curvature(x, points_, &d, nullptr);
-  }
-  void Precondition(const std::vector<double>& gradient, std::vector<double>* result) override {
-    preconditioner_.Apply(gradient, result);
-  }
-
- private:
-  bool Evaluate(const std::vector<double>& x, double* cost, std::vector<double>* gradient,
-                std::vector<double>* blocks) const {
-    TermCosts costs;
-    EnergyDerivatives derivatives;
-    derivatives.pose_gradient = gradient;
-    derivatives.pose_blocks = blocks;
-    const bool ok = energy_.Evaluate(x, points_, &costs, derivatives);
-    *cost = costs.Total();
-    return ok;
-  }
-
-  const Energy& energy_;
-  const std::vector<double>& points_;
-  BlockJacobi<3> preconditioner_;
+  const std::vector<double>& fixed_;
+  double fixed_cost_ = 0.0;
+  BlockJacobi<N> preconditioner_;
 };
 
 class Alternation {
  public:
   Alternation(const Energy& energy, const AlternatingCgOptions& options,
               const ProgressCallback& report, SlamGraph* graph)
-      : options_(options),
+      : energy_(energy),
+        options_(options),
         report_(report),
         graph_(graph),
         map_(energy, graph->poses()),
@@ -142,6 +124,7 @@ class Alternation {
              std::vector<double>* state) {
     NonlinearCgOptions cg_options;
     cg_options.max_iterations = max_iterations;
+    cg_options.relative_cost_tolerance = options_.relative_cost_tolerance;
     auto start = std::chrono::steady_clock::now();
     const auto on_iteration = [&](const CgIteration& cg) {
       IterationSummary iteration;
@@ -159,17 +142,18 @@ class Alternation {
       result_.stopped = report_ && !report_(iteration);
       return !result_.stopped;
     };
-    const CgResult cg = MinimizeByCg(cg_options, objective, on_iteration, state);
+    const CgResult cg = MinimizeByCg(cg_options, objective, on_iteration, energy_.pool(), state);
     if (cg.termination == CgTermination::kFailure) return;
     result_.final_cost = cg.cost;
     result_.iterations += cg.iterations;
   }
 
+  const Energy& energy_;
   const AlternatingCgOptions& options_;
   const ProgressCallback& report_;
   SlamGraph* graph_;
-  MapObjective map_;
-  PoseObjective poses_;
+  PartialObjective<2> map_;
+  PartialObjective<3> poses_;
   ScanObjective scans_;
   InnerResult result_;
 };

@@ -3,6 +3,7 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "plumbline/solvers/problem_builder.h"
@@ -27,6 +28,15 @@ ceres::Solver::Options MakeOptions(const CeresOptions& options) {
   // Damping must not be stiffer than the bending modes of a long corridor.
   result.initial_trust_region_radius = 1e8;
   return result;
+}
+
+// Combinations that Ceres' own check lets pass, and that abort the program in the solve.
+bool AbortsInCeres(const CeresOptions& options) {
+  const ceres::PreconditionerType preconditioner = options.preconditioner;
+  if (options.linear_solver == ceres::CGNR) {
+    return preconditioner != ceres::IDENTITY && preconditioner != ceres::JACOBI;
+  }
+  return options.linear_solver == ceres::ITERATIVE_SCHUR && preconditioner == ceres::SUBSET;
 }
 
 // Hands Ceres' iterations on in the common format.
@@ -57,6 +67,12 @@ class ReportCallback final : public ceres::IterationCallback {
 }  // namespace
 
 Status CheckCeresOptions(const CeresOptions& options) {
+  if (AbortsInCeres(options)) {
+    return Status::InvalidArgument(std::string("ceres.preconditioner = ") +
+                                   ceres::PreconditionerTypeToString(options.preconditioner) +
+                                   ", but that does not work with ceres.linear_solver = " +
+                                   ceres::LinearSolverTypeToString(options.linear_solver));
+  }
   std::string error;
   if (MakeOptions(options).IsValid(&error)) return Status::Ok();
   return Status::InvalidArgument("Ceres refuses its options: " + error);
@@ -85,7 +101,8 @@ InnerResult SolveWithCeres(const Associations& associations, const FactorOptions
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
-  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  // The first entry is the starting point; there is none if that could not be evaluated.
+  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
   result.stop_reason = summary.message;
   return result;
 }

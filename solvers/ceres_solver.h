@@ -10,7 +10,8 @@
 
 namespace plumbline {
 
-/// Fails on a combination of switches that the installed Ceres refuses, with its own words.
+/// Fails on a combination of switches that the installed Ceres refuses, with its own words, or that
+/// would abort in it.
 Status CheckCeresOptions(const CeresOptions& options);
 
 /// Minimises the joint energy over all poses and points with Ceres. The graph holds the best state

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/energy.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "plumbline/factors/range_beam_factor.h"
@@ -46,21 +47,26 @@ const double* At(const std::vector<double>* values, std::size_t index) {
 }
 
 // Gathers costs and derivatives. Poses may be shared by scans of different chunks, so scans write
-// to arrays of their own (pose_slot), which are added up in order afterwards.
+// to arrays of their own, which are added up in order afterwards.
 struct Linearizer {
   TermCosts costs;
   EnergyDerivatives out;
   double* scan_gradient = nullptr;
   double* scan_block = nullptr;
 
-  template <int M>
-  void AddCost(Term term, double rho) {
-    costs[term] += 0.5 * rho;
+  // Zeroes what the terms of a scan will add to: no other scan touches its points.
+  void ClearPointsOf(const ScanEntry& scan) {
+    const auto clear = [&scan](int size, std::vector<double>* values) {
+      if (values == nullptr) return;
+      std::fill_n(values->begin() + size * scan.first_return, size * scan.num_returns, 0.0);
+    };
+    clear(2, out.point_gradient);
+    clear(3, out.point_blocks);
   }
   template <int M>
   void PoseAndPoint(Term term, double rho, double weight, const double* residuals, int /*pose*/,
                     const double* d_pose, std::size_t point, const double* d_point) {
-    AddCost<M>(term, rho);
+    costs[term] += 0.5 * rho;
     Accumulate<M, 3>(weight, residuals, d_pose, scan_gradient, scan_block);
     Accumulate<M, 2>(weight, residuals, d_point, At(out.point_gradient, 2 * point),
                      At(out.point_blocks, 3 * point));
@@ -68,7 +74,7 @@ struct Linearizer {
   template <int M>
   void Points(Term term, double rho, double weight, const double* residuals, std::size_t a,
               const double* d_a) {
-    AddCost<M>(term, rho);
+    costs[term] += 0.5 * rho;
     Accumulate<M, 2>(weight, residuals, d_a, At(out.point_gradient, 2 * a),
                      At(out.point_blocks, 3 * a));
   }
@@ -136,7 +142,22 @@ struct CurvatureSum {
 };
 
 void Resize(std::vector<double>* values, std::size_t size) {
+  if (values != nullptr) values->resize(size);
+}
+
+void SetZero(std::vector<double>* values, std::size_t size) {
   if (values != nullptr) values->assign(size, 0.0);
+}
+
+// Adds the N values of each scan to those of its pose.
+template <int N>
+void AddToPoses(const SlamGraph& graph, const std::vector<double>& of_scans,
+                std::vector<double>* of_poses) {
+  if (of_poses == nullptr) return;
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    double* const sum = &(*of_poses)[N * graph.scan(s).pose];
+    for (int i = 0; i < N; ++i) sum[i] += of_scans[N * s + i];
+  }
 }
 
 }  // namespace
@@ -185,59 +206,89 @@ Energy::Energy(const SlamGraph& graph, const Associations& associations,
 }
 
 template <typename Visitor>
-bool Energy::VisitScan(int scan_id, const std::vector<double>& poses,
-                       const std::vector<double>& points, bool with_jacobians,
-                       Visitor* visitor) const {
-  const ScanEntry& scan = graph_.scan(scan_id);
+bool Energy::VisitBeams(const ScanEntry& scan, const std::vector<double>& poses,
+                        const std::vector<double>& points, bool with_jacobians,
+                        Visitor* visitor) const {
   const LaserReturns& returns = graph_.returns();
   const BeamFrame frame =
       MakeBeamFrame(&poses[3 * scan.pose], graph_.laser(scan.laser).robot_from_laser);
   const double inv_range = 1.0 / options_.beam.sigma_range_m;
   const double inv_bearing = 1.0 / options_.beam.sigma_bearing_rad;
-  const double inv_manifold = 1.0 / options_.manifold.sigma_m;
-  const GemanMcClure manifold_loss = GemanMcClure::FromGate(options_.manifold.robust_gate_sigmas);
-  double r[2] = {}, d_pose[6] = {}, d_a[4] = {}, d_b[4] = {};
-  double* const maybe_d_pose = with_jacobians ? d_pose : nullptr;
-  double* const maybe_d_a = with_jacobians ? d_a : nullptr;
+  double r[2] = {}, d_pose[6] = {}, d_point[4] = {};
   for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
     if (!EvaluateRangeBeam(frame, &points[2 * i], returns.range_m[i], returns.bearing_rad[i],
-                           inv_range, inv_bearing, r, maybe_d_pose, maybe_d_a)) {
+                           inv_range, inv_bearing, r, with_jacobians ? d_pose : nullptr,
+                           with_jacobians ? d_point : nullptr)) {
       return false;
     }
     visitor->template PoseAndPoint<2>(Term::kRangeBeam, r[0] * r[0] + r[1] * r[1], 1.0, r,
-                                      scan.pose, d_pose, i, d_a);
-    const TangentLine& line = associations_.lines[i];
-    if (!Associations::HasLine(line)) continue;
-    if (!EvaluateManifold(line, &points[2 * i], inv_manifold, r, maybe_d_a)) return false;
-    const double s = r[0] * r[0];
-    visitor->template Points<1>(Term::kManifold, manifold_loss.Rho(s), manifold_loss.Weight(s), r,
-                                i, d_a);
-  }
-  if (!options_.shape.enabled) return true;
-  const double inv_shape = 1.0 / options_.shape.sigma_rad;
-  const GemanMcClure shape_loss = GemanMcClure::FromGate(options_.shape.robust_gate_sigmas);
-  for (std::size_t p = first_shape_pair_[scan_id]; p < first_shape_pair_[scan_id + 1]; ++p) {
-    const ShapePair& pair = associations_.shape_pairs[p];
-    if (!EvaluateShape(&points[2 * pair.previous], &points[2 * pair.current],
-                       TurnBack(pair.category, pair.adjacent_normal), inv_shape, r, maybe_d_a,
-                       with_jacobians ? d_b : nullptr)) {
-      return false;
-    }
-    const double s = r[0] * r[0] + r[1] * r[1];
-    visitor->template Points<2>(Term::kShape, shape_loss.Rho(s), shape_loss.Weight(s), r,
-                                pair.previous, d_a, pair.current, d_b);
+                                      scan.pose, d_pose, i, d_point);
   }
   return true;
 }
 
 template <typename Visitor>
-bool Energy::VisitPoseTerms(const std::vector<double>& poses, Visitor* visitor) const {
+bool Energy::VisitLines(const ScanEntry& scan, const std::vector<double>& points,
+                        bool with_jacobians, Visitor* visitor) const {
+  const double inv_sigma = 1.0 / options_.manifold.sigma_m;
+  const GemanMcClure loss = GemanMcClure::FromGate(options_.manifold.robust_gate_sigmas);
+  double r = 0.0, d_point[2] = {};
+  for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
+    const TangentLine& line = associations_.lines[i];
+    if (!Associations::HasLine(line)) continue;
+    if (!EvaluateManifold(line, &points[2 * i], inv_sigma, &r,
+                          with_jacobians ? d_point : nullptr)) {
+      return false;
+    }
+    const double s = r * r;
+    visitor->template Points<1>(Term::kManifold, loss.Rho(s), loss.Weight(s), &r, i, d_point);
+  }
+  return true;
+}
+
+template <typename Visitor>
+bool Energy::VisitShapePairs(int scan_id, const std::vector<double>& points, bool with_jacobians,
+                             Visitor* visitor) const {
+  if (!options_.shape.enabled) return true;
+  const double inv_sigma = 1.0 / options_.shape.sigma_rad;
+  const GemanMcClure loss = GemanMcClure::FromGate(options_.shape.robust_gate_sigmas);
+  double r[2] = {}, d_previous[4] = {}, d_current[4] = {};
+  for (std::size_t p = first_shape_pair_[scan_id]; p < first_shape_pair_[scan_id + 1]; ++p) {
+    const ShapePair& pair = associations_.shape_pairs[p];
+    if (!EvaluateShape(&points[2 * pair.previous], &points[2 * pair.current],
+                       TurnBack(pair.category, pair.adjacent_normal), inv_sigma, r,
+                       with_jacobians ? d_previous : nullptr,
+                       with_jacobians ? d_current : nullptr)) {
+      return false;
+    }
+    const double s = r[0] * r[0] + r[1] * r[1];
+    visitor->template Points<2>(Term::kShape, loss.Rho(s), loss.Weight(s), r, pair.previous,
+                                d_previous, pair.current, d_current);
+  }
+  return true;
+}
+
+template <typename Visitor>
+bool Energy::VisitScan(int scan_id, const std::vector<double>& poses,
+                       const std::vector<double>& points, TermSet terms, bool with_jacobians,
+                       Visitor* visitor) const {
+  const ScanEntry& scan = graph_.scan(scan_id);
+  return (!terms.Has(Term::kRangeBeam) ||
+          VisitBeams(scan, poses, points, with_jacobians, visitor)) &&
+         (!terms.Has(Term::kManifold) || VisitLines(scan, points, with_jacobians, visitor)) &&
+         (!terms.Has(Term::kShape) || VisitShapePairs(scan_id, points, with_jacobians, visitor));
+}
+
+template <typename Visitor>
+bool Energy::VisitPoseTerms(const std::vector<double>& poses, TermSet terms,
+                            Visitor* visitor) const {
   double r[3], d_a[9], d_b[9];
-  if (graph_.num_poses() > 0) {
+  if (terms.Has(Term::kPosePrior) && graph_.num_poses() > 0) {
     if (!pose_terms_.prior.Evaluate(&poses[0], r, d_a)) return false;
     visitor->Pose(Term::kPosePrior, r, 0, d_a);
   }
   const auto visit_edges = [&](Term term, const std::vector<PoseEdge>& edges) {
+    if (!terms.Has(term)) return true;
     for (const PoseEdge& edge : edges) {
       if (!edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], r, d_a, d_b)) {
         return false;
@@ -251,9 +302,9 @@ bool Energy::VisitPoseTerms(const std::vector<double>& poses, Visitor* visitor) 
 }
 
 bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double>& points,
-                      TermCosts* costs, const EnergyDerivatives& derivatives) const {
-  Resize(derivatives.pose_gradient, poses.size());
-  Resize(derivatives.pose_blocks, 2 * poses.size());
+                      TermCosts* costs, const EnergyDerivatives& derivatives, TermSet terms) const {
+  SetZero(derivatives.pose_gradient, poses.size());
+  SetZero(derivatives.pose_blocks, 2 * poses.size());
   Resize(derivatives.point_gradient, points.size());
   Resize(derivatives.point_blocks, points.size() / 2 * 3);
   const bool with_jacobians =
@@ -274,7 +325,8 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
                           if (!scan_gradients.empty())
                             linearizer.scan_gradient = &scan_gradients[3 * s];
                           if (!scan_blocks.empty()) linearizer.scan_block = &scan_blocks[6 * s];
-                          ok = VisitScan(static_cast<int>(s), poses, points, with_jacobians,
+                          linearizer.ClearPointsOf(graph_.scan(s));
+                          ok = VisitScan(static_cast<int>(s), poses, points, terms, with_jacobians,
                                          &linearizer);
                         }
                         chunk_costs[chunk] = linearizer.costs;
@@ -283,39 +335,32 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
 
   Linearizer linearizer;
   linearizer.out = derivatives;
-  bool ok = VisitPoseTerms(poses, &linearizer);
+  bool ok = VisitPoseTerms(poses, terms, &linearizer);
   *costs = linearizer.costs;
   for (std::size_t chunk = 0; chunk < num_chunks; ++chunk) {
     *costs += chunk_costs[chunk];
     ok = ok && chunk_ok[chunk];
   }
-  for (int s = 0; s < graph_.num_scans(); ++s) {
-    const int pose = graph_.scan(s).pose;
-    for (int i = 0; i < 3 && !scan_gradients.empty(); ++i) {
-      (*derivatives.pose_gradient)[3 * pose + i] += scan_gradients[3 * s + i];
-    }
-    for (int i = 0; i < 6 && !scan_blocks.empty(); ++i) {
-      (*derivatives.pose_blocks)[6 * pose + i] += scan_blocks[6 * s + i];
-    }
-  }
+  AddToPoses<3>(graph_, scan_gradients, derivatives.pose_gradient);
+  AddToPoses<6>(graph_, scan_blocks, derivatives.pose_blocks);
   return ok && std::isfinite(costs->Total());
 }
 
 double Energy::Curvature(const std::vector<double>& poses, const std::vector<double>& points,
                          const std::vector<double>* pose_direction,
-                         const std::vector<double>* point_direction) const {
+                         const std::vector<double>* point_direction, TermSet terms) const {
   const std::size_t num_chunks = ThreadPool::NumChunks(graph_.num_scans(), kScansPerChunk);
   std::vector<double> sums(num_chunks, 0.0);
   pool_->ForEachChunk(graph_.num_scans(), kScansPerChunk,
                       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                         CurvatureSum curvature{pose_direction, point_direction};
                         for (std::size_t s = begin; s < end; ++s) {
-                          VisitScan(static_cast<int>(s), poses, points, true, &curvature);
+                          VisitScan(static_cast<int>(s), poses, points, terms, true, &curvature);
                         }
                         sums[chunk] = curvature.sum;
                       });
   CurvatureSum curvature{pose_direction, point_direction};
-  if (pose_direction != nullptr) VisitPoseTerms(poses, &curvature);
+  if (pose_direction != nullptr) VisitPoseTerms(poses, terms, &curvature);
   double total = curvature.sum;
   for (const double sum : sums) total += sum;
   return total;

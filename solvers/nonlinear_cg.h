@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/thread_pool.h"
+
 namespace plumbline {
 
 /// A smooth function of many variables, as nonlinear conjugate gradients needs it.
@@ -24,7 +26,7 @@ class CgObjective {
 
 struct NonlinearCgOptions {
   int max_iterations = 100;
-  /// Stops when the cost falls by less than this fraction of itself in one iteration.
+  /// Stops when the cost falls by no more than this fraction of itself in one iteration.
   double relative_cost_tolerance = 1e-9;
   /// Stops when no component of the gradient is larger than this [cost per unit].
   double gradient_tolerance = 1e-10;
@@ -48,9 +50,9 @@ enum class CgTermination {
   kCostConverged,
   kGradientConverged,
   kMaxIterations,
-  kNoDescent,
-  kStopped,
-  kFailure
+  kNoDescent,  ///< no step along the preconditioned gradient lowers the cost
+  kStopped,    ///< by the callback
+  kFailure     ///< the function is undefined at the start; x is unchanged
 };
 
 struct CgResult {
@@ -65,11 +67,12 @@ using CgCallback = std::function<bool(const CgIteration&)>;
 
 /// Preconditioned nonlinear conjugate gradients after Fletcher and Reeves (1964), with the step
 /// length by Newton-Raphson along the line (one curvature product) and a guard: a step that does
-/// not lower the cost is halved until it does, so the cost never rises. beta is clamped to 1; the
-/// direction restarts along the preconditioned gradient when it is no descent or has lost
-/// conjugacy (Powell's test). x is changed in place and always the best point seen.
+/// not lower the cost is halved until it does, so the cost never rises. The direction restarts
+/// along the preconditioned gradient when it is no descent or has lost conjugacy (Powell's test). x
+/// is changed in place and always the best point seen. The result does not depend on the number of
+/// threads of the pool.
 CgResult MinimizeByCg(const NonlinearCgOptions& options, CgObjective* objective,
-                      const CgCallback& callback, std::vector<double>* x);
+                      const CgCallback& callback, ThreadPool* pool, std::vector<double>* x);
 
 }  // namespace plumbline
 

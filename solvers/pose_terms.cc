@@ -33,26 +33,4 @@ double PoseTerms::Cost(const std::vector<double>& poses) const {
   return 0.5 * sum;
 }
 
-void PoseTerms::AddBlocks(const std::vector<double>& poses, std::vector<double>* blocks) const {
-  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const auto add = [blocks](int pose, const RowMajor3d& jacobian) {
-    const Eigen::Matrix3d product = jacobian.transpose() * jacobian;
-    double* block = &(*blocks)[6 * pose];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j) *block++ += product(i, j);
-    }
-  };
-  Eigen::Vector3d r;
-  RowMajor3d d_from, d_to;
-  if (!poses.empty() && prior.Evaluate(poses.data(), r.data(), d_from.data())) add(0, d_from);
-  for (const std::vector<PoseEdge>* edges : {&motions, &relative_poses}) {
-    for (const PoseEdge& edge : *edges) {
-      edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], r.data(), d_from.data(),
-                             d_to.data());
-      add(edge.from, d_from);
-      add(edge.to, d_to);
-    }
-  }
-}
-
 }  // namespace plumbline

@@ -24,9 +24,6 @@ struct PoseTerms {
   /// One half of the sum of squared residuals at `poses`, (x, y, yaw) each.
   double Cost(const std::vector<double>& poses) const;
 
-  /// Adds the diagonal Gauss-Newton blocks to `blocks`: upper triangles row by row, 6 per pose.
-  void AddBlocks(const std::vector<double>& poses, std::vector<double>* blocks) const;
-
   PosePriorResidual prior;  ///< on the first pose
   std::vector<PoseEdge> motions;
   std::vector<PoseEdge> relative_poses;

@@ -19,6 +19,22 @@ void ForEachScan(const SlamGraph& graph, ThreadPool* pool, const Body& body) {
                      });
 }
 
+// Adds the N values that body(scan, values) finds for each scan to those of the scan's pose: on all
+// threads, but in the order of scans.
+template <int N, typename Body>
+void AddForEachScan(const SlamGraph& graph, ThreadPool* pool, const Body& body,
+                    std::vector<double>* of_poses) {
+  std::vector<double> of_scans(N * graph.num_scans(), 0.0);
+  ForEachScan(graph, pool, [&](int s) { body(graph.scan(s), &of_scans[N * s]); });
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    double* const sum = &(*of_poses)[N * graph.scan(s).pose];
+    for (int i = 0; i < N; ++i) sum[i] += of_scans[N * s + i];
+  }
+}
+
+// What changes when scans move with their points.
+TermSet Moving() { return TermSet{Term::kRangeBeam}.Others(); }
+
 }  // namespace
 
 void ScanObjective::AttachPoints() {
@@ -56,31 +72,38 @@ bool ScanObjective::Evaluate(const std::vector<double>& x, double* cost,
   EnergyDerivatives derivatives;
   derivatives.pose_gradient = gradient;
   derivatives.point_gradient = &point_gradient_;
-  const bool ok = energy_.Evaluate(x, points_, &costs, derivatives);
-  *cost = costs.Total();
+  const bool ok = energy_.Evaluate(x, points_, &costs, derivatives, Moving());
+  *cost = beam_cost_ + costs.Total();
   // Chain rule: a point turns about its robot, dm/dyaw = (-(m - t)_y, (m - t)_x).
-  for (int s = 0; s < graph_.num_scans(); ++s) {
-    const ScanEntry& scan = graph_.scan(s);
+  const auto add_points = [&](const ScanEntry& scan, double* g) {
     const double* pose = &x[3 * scan.pose];
-    double* g = &(*gradient)[3 * scan.pose];
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const double gx = point_gradient_[2 * r], gy = point_gradient_[2 * r + 1];
       g[0] += gx;
       g[1] += gy;
       g[2] += -(points_[2 * r + 1] - pose[1]) * gx + (points_[2 * r] - pose[0]) * gy;
     }
-  }
+  };
+  AddForEachScan<3>(graph_, energy_.pool(), add_points, gradient);
   return ok;
 }
 
 bool ScanObjective::Start(const std::vector<double>& x, double* cost,
                           std::vector<double>* gradient) {
-  if (!Evaluate(x, cost, gradient)) return false;
-  std::vector<double> blocks(2 * x.size(), 0.0);
-  energy_.pose_terms().AddBlocks(x, &blocks);
+  PlacePoints(x, &points_);
+  TermCosts costs;
+  if (!energy_.Evaluate(x, points_, &costs, {}, {Term::kRangeBeam})) return false;
+  beam_cost_ = costs.Total();
+  std::vector<double> blocks;
+  EnergyDerivatives derivatives;
+  derivatives.pose_blocks = &blocks;
+  if (!energy_.Evaluate(x, points_, &costs, derivatives,
+                        {Term::kPosePrior, Term::kMotion, Term::kRelativePose})) {
+    return false;
+  }
   AddManifoldBlocks(x, &blocks);
-  preconditioner_.Set(blocks);
-  return true;
+  preconditioner_.Set(blocks, energy_.pool());
+  return Evaluate(x, cost, gradient);
 }
 
 double ScanObjective::Curvature(const std::vector<double>& x,
@@ -96,11 +119,11 @@ double ScanObjective::Curvature(const std::vector<double>& x,
       point_direction_[2 * r + 1] = d[1] + (points_[2 * r] - pose[0]) * d[2];
     }
   });
-  return energy_.Curvature(x, points_, &direction, &point_direction_);
+  return energy_.Curvature(x, points_, &direction, &point_direction_, Moving());
 }
 
 void ScanObjective::Precondition(const std::vector<double>& gradient, std::vector<double>* result) {
-  preconditioner_.Apply(gradient, result);
+  preconditioner_.Apply(gradient, energy_.pool(), result);
 }
 
 void ScanObjective::AddManifoldBlocks(const std::vector<double>& x,
@@ -108,10 +131,8 @@ void ScanObjective::AddManifoldBlocks(const std::vector<double>& x,
   const ManifoldOptions& manifold = energy_.options().manifold;
   const GemanMcClure loss = GemanMcClure::FromGate(manifold.robust_gate_sigmas);
   const double inv_sigma = 1.0 / manifold.sigma_m;
-  for (int s = 0; s < graph_.num_scans(); ++s) {
-    const ScanEntry& scan = graph_.scan(s);
+  const auto add_lines = [&](const ScanEntry& scan, double* block) {
     const double* pose = &x[3 * scan.pose];
-    double* block = &(*blocks)[6 * scan.pose];
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const TangentLine& line = energy_.associations().lines[r];
       if (!Associations::HasLine(line)) continue;
@@ -125,7 +146,8 @@ void ScanObjective::AddManifoldBlocks(const std::vector<double>& x,
         for (int b = a; b < 3; ++b) block[k++] += weight * j[a] * j[b];
       }
     }
-  }
+  };
+  AddForEachScan<6>(graph_, energy_.pool(), add_lines, blocks);
 }
 
 }  // namespace plumbline

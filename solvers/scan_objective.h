@@ -37,6 +37,7 @@ class ScanObjective final : public CgObjective {
   const SlamGraph& graph_;
   BlockJacobi<3> preconditioner_;
   std::vector<double> attached_;  // points in the frame of their robot
+  double beam_cost_ = 0.0;        // the same wherever the scans go
   // Kept between evaluations, which come by the dozen.
   std::vector<double> points_, point_gradient_, point_direction_;
 };

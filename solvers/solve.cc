@@ -20,13 +20,39 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-bool AllFinite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+// Names the first block of `size` entries that is not finite.
+Status CheckFinite(const char* name, const std::vector<double>& values, std::size_t size) {
+  const auto bad =
+      std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == values.end()) return Status::Ok();
+  return Status::InvalidArgument(std::string(name) + " " +
+                                 std::to_string((bad - values.begin()) / size) +
+                                 " of the graph is not finite");
 }
 
-// Position of a round between first (0) and last (1).
-double Progress(const RoundOptions& rounds, int round) {
-  return rounds.num_rounds > 1 ? static_cast<double>(round) / (rounds.num_rounds - 1) : 1.0;
+Status CheckInput(const SolverOptions& options, const SlamGraph& graph) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  if (options.type == SolverType::kCeres) {
+    PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
+  }
+  PLUMBLINE_RETURN_IF_ERROR(CheckFinite("pose", graph.poses(), 3));
+  PLUMBLINE_RETURN_IF_ERROR(CheckFinite("point", graph.points(), 2));
+  if (graph.num_returns() > 0) return Status::Ok();
+  return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
+}
+
+// What a round works with: neighbourhood radius [m] and factor on the robust gates.
+struct RoundScale {
+  double radius_m;
+  double gate_factor;
+};
+
+RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, int round) {
+  const double progress = static_cast<double>(round) / rounds.max_coarse_rounds;
+  return {
+      rounds.coarse_radius_m * std::pow(rounds.fine_radius_m / rounds.coarse_radius_m, progress),
+      std::pow(rounds.coarse_gate_factor, 1.0 - progress)};
 }
 
 class JointSolver {
@@ -44,52 +70,38 @@ class JointSolver {
     best_poses_ = graph_->poses();
     best_points_ = graph_->points();
     summary_.seed_marginal_energy = best_energy_ = CurrentMarginalEnergy();
-    InnerResult inner;
-    for (int round = 0; round < options_.rounds.num_rounds && !inner.stopped; ++round) {
-      inner = RunRound(round);
-      if (!inner.usable) {
-        summary_.message = "round " + std::to_string(round + 1) + ": " + inner.stop_reason;
-        break;
-      }
-      KeepIfBest();
+    for (int round = 0; round < options_.rounds.max_coarse_rounds && !ended_; ++round) {
+      if (!RunRound(ScaleOfCoarseRound(options_.rounds, round))) break;
     }
-    graph_->poses() = best_poses_;
-    graph_->points() = best_points_;
-    Conclude(inner);
+    const RoundScale fine{options_.rounds.fine_radius_m, 1.0};
+    for (int round = 0; round < options_.rounds.max_fine_rounds && !ended_; ++round) {
+      const double before = best_energy_;
+      const bool kept = RunRound(fine);
+      converged_ = !ended_ &&
+                   (!kept || before - best_energy_ <= options_.rounds.relative_tolerance * before);
+      if (converged_) break;
+    }
+    Conclude();
     return std::move(summary_);
   }
 
  private:
   double CurrentMarginalEnergy() {
     return MarginalEnergy(graph_->poses(), normals_, options_.factors, options_.association,
-                          options_.rounds.last_radius_m, &pool_, graph_);
+                          options_.rounds.fine_radius_m, &pool_, graph_);
   }
 
-  void KeepIfBest() {
-    const double energy = CurrentMarginalEnergy();
-    summary_.rounds.back().marginal_energy = energy;
-    if (!(energy < best_energy_)) return;
-    best_energy_ = energy;
-    best_round_ = static_cast<int>(summary_.rounds.size());
-    best_poses_ = graph_->poses();
-    best_points_ = graph_->points();
-  }
-
-  InnerResult RunRound(int round) {
-    const double progress = Progress(options_.rounds, round);
-    RoundSummary row;
-    row.radius_m =
-        options_.rounds.first_radius_m *
-        std::pow(options_.rounds.last_radius_m / options_.rounds.first_radius_m, progress);
+  // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
+  // graph is back at the best state.
+  bool RunRound(const RoundScale& scale) {
     FactorOptions factors = options_.factors;
-    const double gate_factor = std::pow(options_.rounds.first_gate_factor, 1.0 - progress);
-    factors.manifold.robust_gate_sigmas *= gate_factor;
-    factors.shape.robust_gate_sigmas *= gate_factor;
+    factors.manifold.robust_gate_sigmas *= scale.gate_factor;
+    factors.shape.robust_gate_sigmas *= scale.gate_factor;
+    RoundSummary row;
+    row.radius_m = scale.radius_m;
     row.gate_sigmas = factors.manifold.robust_gate_sigmas;
-
     auto start = Clock::now();
-    const Associations associations =
-        BuildAssociations(*graph_, normals_, options_.association, row.radius_m, &pool_);
+    const Associations associations = Associate(scale.radius_m);
     summary_.association_time_s += SecondsSince(start);
     row.num_lines = associations.CountLines();
     row.num_shape_pairs = associations.shape_pairs.size();
@@ -97,24 +109,51 @@ class JointSolver {
     start = Clock::now();
     const Energy energy(*graph_, associations, factors, &pool_);
     RecordTerms(energy, &TermSummary::initial_cost);
-    const InnerResult inner = SolveInner(energy, associations, factors, round);
+    last_inner_ = SolveInner(energy, associations, factors);
     RecordTerms(energy, &TermSummary::final_cost);
-    summary_.setup_time_s += inner.setup_time_s;
-    summary_.solve_time_s += SecondsSince(start) - inner.setup_time_s;
-    row.initial_cost = inner.initial_cost;
-    row.final_cost = inner.final_cost;
-    row.iterations = inner.iterations;
-    row.stop_reason = inner.stop_reason;
+    summary_.setup_time_s += last_inner_.setup_time_s;
+    summary_.solve_time_s += SecondsSince(start) - last_inner_.setup_time_s;
+    row.initial_cost = last_inner_.initial_cost;
+    row.final_cost = last_inner_.final_cost;
+    row.iterations = last_inner_.iterations;
+    row.stop_reason = last_inner_.stop_reason;
+    row.marginal_energy = CurrentMarginalEnergy();
+    row.kept = last_inner_.usable && row.marginal_energy < best_energy_;
+    ended_ = last_inner_.stopped || !last_inner_.usable;
     summary_.rounds.push_back(row);
-    return inner;
+    if (row.kept) {
+      Keep(row.marginal_energy);
+    } else {
+      graph_->poses() = best_poses_;
+      graph_->points() = best_points_;
+    }
+    return row.kept;
+  }
+
+  // Lines are fitted to the measured ends of the beams at the current poses, not to the points:
+  // these have been drawn to the last lines and would hold the next ones in place.
+  Associations Associate(double radius_m) {
+    const std::vector<double> points = graph_->points();
+    graph_->ResetPointsFromPoses();
+    Associations associations =
+        BuildAssociations(*graph_, normals_, options_.association, radius_m, &pool_);
+    graph_->points() = points;
+    return associations;
+  }
+
+  void Keep(double energy) {
+    best_energy_ = energy;
+    best_round_ = static_cast<int>(summary_.rounds.size());
+    best_poses_ = graph_->poses();
+    best_points_ = graph_->points();
   }
 
   InnerResult SolveInner(const Energy& energy, const Associations& associations,
-                         const FactorOptions& factors, int round) {
-    const ProgressCallback report = [this, round](const IterationSummary& from) {
+                         const FactorOptions& factors) {
+    const ProgressCallback report = [this](const IterationSummary& from) {
       IterationSummary iteration = from;
       iteration.iteration = static_cast<int>(summary_.iterations.size()) + 1;
-      iteration.round = round + 1;
+      iteration.round = static_cast<int>(summary_.rounds.size()) + 1;
       iteration.total_time_s = SecondsSince(start_);
       summary_.iterations.push_back(iteration);
       return !options_.callback || options_.callback(iteration);
@@ -152,23 +191,27 @@ class JointSolver {
     describe(Term::kShape, options_.factors.shape.sigma_rad, "rad (robust)");
   }
 
-  void Conclude(const InnerResult& last) {
+  void Conclude() {
     summary_.final_marginal_energy = best_energy_;
     summary_.total_time_s = SecondsSince(start_);
+    summary_.termination = Termination();
     std::ostringstream message;
     message << "marginal energy " << summary_.seed_marginal_energy << " -> " << best_energy_;
-    if (!last.usable) return;
     if (best_round_ == 0) {
-      summary_.termination = TerminationType::kNoImprovement;
       message << ": no round improved on the seed, which is returned as it was";
     } else {
-      summary_.termination = last.stopped     ? TerminationType::kUserStopped
-                             : last.converged ? TerminationType::kConverged
-                                              : TerminationType::kMaxIterations;
-      message << ", best in round " << best_round_ << " of " << summary_.rounds.size()
-              << "; last round: " << last.stop_reason;
+      message << ", best in round " << best_round_ << " of " << summary_.rounds.size();
     }
+    message << "; last round: " << last_inner_.stop_reason;
     summary_.message = message.str();
+  }
+
+  TerminationType Termination() const {
+    if (best_round_ == 0) {
+      return last_inner_.usable ? TerminationType::kNoImprovement : TerminationType::kFailure;
+    }
+    if (last_inner_.stopped) return TerminationType::kUserStopped;
+    return converged_ ? TerminationType::kConverged : TerminationType::kMaxIterations;
   }
 
   const SolverOptions& options_;
@@ -177,6 +220,9 @@ class JointSolver {
   const Clock::time_point start_ = Clock::now();
   std::vector<Eigen::Vector2f> normals_;
   SolverSummary summary_;
+  InnerResult last_inner_;
+  bool ended_ = false;      // by the callback, or because the energy cannot be evaluated
+  bool converged_ = false;  // the last fine round gained next to nothing
   double best_energy_ = 0.0;
   int best_round_ = 0;  // 0: the seed
   std::vector<double> best_poses_;
@@ -192,22 +238,11 @@ ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam) {
 }
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
-  SolverSummary failure;
-  failure.solver = ToString(options.type);
-  if (!options.Check(&failure.message)) return failure;
-  if (options.type == SolverType::kCeres) {
-    const Status status = CheckCeresOptions(options.ceres);
-    if (!status.ok()) {
-      failure.message = status.message();
-      return failure;
-    }
-  }
-  if (!AllFinite(graph->poses()) || !AllFinite(graph->points())) {
-    failure.message = "the graph's poses or points are not all finite";
-    return failure;
-  }
-  if (graph->num_returns() == 0) {
-    failure.message = "the graph has no laser returns: nothing to build a map of";
+  const Status status = CheckInput(options, *graph);
+  if (!status.ok()) {
+    SolverSummary failure;
+    failure.solver = ToString(options.type);
+    failure.message = status.message();
     return failure;
   }
   return JointSolver(options, graph).Run();

@@ -34,10 +34,12 @@ bool CeresOptions::Check(std::string* error) const {
 }
 
 bool RoundOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(num_rounds, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(last_radius_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(first_radius_m, >=, last_radius_m);
-  PLUMBLINE_CHECK_FINITE_OPTION(first_gate_factor, >=, 1.0);
+  PLUMBLINE_CHECK_OPTION(max_coarse_rounds, >=, 0);
+  PLUMBLINE_CHECK_OPTION(max_fine_rounds, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fine_radius_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(coarse_radius_m, >=, fine_radius_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(coarse_gate_factor, >=, 1.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
   return true;
 }
 

@@ -53,15 +53,21 @@ struct CeresOptions {
   bool Check(std::string* error) const;
 };
 
-/// The outer loop: associations are rebuilt `num_rounds` times, coarse to fine.
+/// The outer loop. Each round rebuilds the associations and minimises the energy; a round that does
+/// not lower the marginal energy is undone. Coarse rounds, with wide neighbourhoods and gates, pull
+/// double walls together and end at the first one that does not help; fine rounds follow.
 struct RoundOptions {
-  int num_rounds = 8;
-  /// Smallest neighbourhood radius [m] in the first and in the last round, geometric in between:
-  /// wide enough to reach across a double wall at first, narrow enough not to blur at last.
-  double first_radius_m = 0.3;
-  double last_radius_m = 0.1;
-  /// Factor on the robust gates of the map terms in the first round; falls to 1 in the last.
-  double first_gate_factor = 2.0;
+  int max_coarse_rounds = 4;
+  int max_fine_rounds = 8;
+  /// Smallest neighbourhood radius [m] of the first coarse round: wide enough to reach across a
+  /// double wall. Later coarse rounds go down to the fine radius in geometric steps.
+  double coarse_radius_m = 0.3;
+  /// Smallest neighbourhood radius [m] of the fine rounds: narrow enough not to blur a surface.
+  double fine_radius_m = 0.1;
+  /// Factor on the robust gates of the map terms in the first coarse round; falls to 1.
+  double coarse_gate_factor = 2.0;
+  /// Fine rounds end when one lowers the marginal energy by less than this fraction.
+  double relative_tolerance = 2e-4;
 
   bool Check(std::string* error) const;
 };

@@ -75,9 +75,10 @@ std::string SolverSummary::FullReport() const {
       "  round radius_m  gate     lines  shape pairs   cost before    cost after  iter  marginal\n";
   for (std::size_t i = 0; i < rounds.size(); ++i) {
     const RoundSummary& round = rounds[i];
-    report += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e\n", i + 1,
+    report += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e%s\n", i + 1,
                      round.radius_m, round.gate_sigmas, round.num_lines, round.num_shape_pairs,
-                     round.initial_cost, round.final_cost, round.iterations, round.marginal_energy);
+                     round.initial_cost, round.final_cost, round.iterations, round.marginal_energy,
+                     round.kept ? "" : " undone");
   }
   report +=
       "\nTerms of the last round\n"

@@ -50,6 +50,7 @@ struct RoundSummary {
   double initial_cost = 0.0;
   double final_cost = 0.0;       ///< of the same associations
   double marginal_energy = 0.0;  ///< of the poses after this round, comparable between rounds
+  bool kept = false;             ///< false: it did not lower the marginal energy and was undone
   int iterations = 0;
   std::string stop_reason;
 };

@@ -29,9 +29,10 @@ struct AssociationOptions {
   int max_points = 50;
   /// A neighbourhood counts as line-like up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;
-  /// Neighbours look at the surface from the same side: their normals differ by less than this
-  /// [rad], so that the two faces of a wall and the two sides of a corner stay apart. kRadius
-  /// applies it in steps of 45 degrees.
+  /// Largest angle [rad] between normals of one surface: kNearest takes no neighbour beyond it, so
+  /// that the two faces of a wall and the two sides of a corner stay apart, and the surface regions
+  /// of the shape pairs end there. kRadius keeps faces and sides apart by octants of the normals'
+  /// directions instead: it takes those of a point's own octant and of the two next to it.
   double max_normal_angle_rad = 1.0471975511965976;  // 60 degrees
   /// Shape pairs: length [m] of the surface regions along a scan. Normals over less are noise.
   double min_segment_length_m = 0.2;

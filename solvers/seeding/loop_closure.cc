@@ -131,11 +131,7 @@ class CandidateTester {
 }  // namespace
 
 bool LoopClosureOptions::Check(std::string* error) const {
-  std::string detail;
-  if (!candidates.Check(&detail)) {
-    if (error != nullptr) *error = "candidates." + detail;
-    return false;
-  }
+  PLUMBLINE_CHECK_NESTED_OPTIONS(candidates);
   PLUMBLINE_CHECK_FINITE_OPTION(scan_path_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(map_path_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(search_cell_m, >, 0.0);

@@ -113,15 +113,8 @@ void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
 
 bool SeedingOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
-  std::string detail;
-  if (!sequential.Check(&detail)) {
-    if (error != nullptr) *error = "sequential." + detail;
-    return false;
-  }
-  if (!loops.Check(&detail)) {
-    if (error != nullptr) *error = "loops." + detail;
-    return false;
-  }
+  PLUMBLINE_CHECK_NESTED_OPTIONS(sequential);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(loops);
   return true;
 }
 

@@ -167,11 +167,7 @@ class SequentialMatcher {
 }  // namespace
 
 bool SequentialSeedingOptions::Check(std::string* error) const {
-  std::string detail;
-  if (!matching.Check(&detail)) {
-    if (error != nullptr) *error = "matching." + detail;
-    return false;
-  }
+  PLUMBLINE_CHECK_NESTED_OPTIONS(matching);
   PLUMBLINE_CHECK_FINITE_OPTION(key_scan_distance_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(key_scan_angle_rad, >, 0.0);
   PLUMBLINE_CHECK_OPTION(num_key_scans, >, 0);

@@ -1,0 +1,225 @@
+#include "plumbline/apps/flags.h"
+
+#include <gflags/gflags.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/command_line.h"
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+struct AllOptions {
+  SolverOptions solver;
+  SeedingOptions seeding;
+};
+
+AllOptions FromFlags() {
+  AllOptions options;
+  EXPECT_TRUE(SolverOptionsFromFlags(&options.solver).ok());
+  EXPECT_TRUE(SeedingOptionsFromFlags(&options.seeding).ok());
+  return options;
+}
+
+// Where the number of a flag ends up, in the flag's unit.
+struct NumberFlag {
+  const char* name;
+  double (*read)(const AllOptions&);
+};
+
+const std::vector<NumberFlag>& NumberFlags() {
+  using O = const AllOptions&;
+  static const std::vector<NumberFlag> flags = {
+      {"threads", [](O o) { return double(o.solver.num_threads); }},
+      {"sigma_range_m", [](O o) { return o.solver.factors.beam.sigma_range_m; }},
+      {"sigma_bearing_rad", [](O o) { return o.solver.factors.beam.sigma_bearing_rad; }},
+      {"sigma_manifold_m", [](O o) { return o.solver.factors.manifold.sigma_m; }},
+      {"manifold_gate", [](O o) { return o.solver.factors.manifold.robust_gate_sigmas; }},
+      {"sigma_shape_rad", [](O o) { return o.solver.factors.shape.sigma_rad; }},
+      {"shape_gate", [](O o) { return o.solver.factors.shape.robust_gate_sigmas; }},
+      {"odom_rotation_per_rotation",
+       [](O o) { return o.solver.factors.motion.rotation_per_rotation; }},
+      {"odom_rotation_per_translation_rad_m",
+       [](O o) { return o.solver.factors.motion.rotation_per_translation_rad_m; }},
+      {"odom_translation_per_translation",
+       [](O o) { return o.solver.factors.motion.translation_per_translation; }},
+      {"odom_translation_per_rotation_m_rad",
+       [](O o) { return o.solver.factors.motion.translation_per_rotation_m_rad; }},
+      {"odom_translation_floor_m", [](O o) { return o.solver.factors.motion.translation_floor_m; }},
+      {"odom_rotation_floor_rad", [](O o) { return o.solver.factors.motion.rotation_floor_rad; }},
+      {"min_neighbors", [](O o) { return double(o.solver.association.min_points); }},
+      {"max_neighbors", [](O o) { return double(o.solver.association.max_points); }},
+      {"max_eigenvalue_ratio", [](O o) { return o.solver.association.max_eigenvalue_ratio; }},
+      {"min_segment_length_m", [](O o) { return o.solver.association.min_segment_length_m; }},
+      {"shape_margin_deg", [](O o) { return RadToDeg(o.solver.association.shape_margin_rad); }},
+      {"coarse_rounds", [](O o) { return double(o.solver.rounds.max_coarse_rounds); }},
+      {"fine_rounds", [](O o) { return double(o.solver.rounds.max_fine_rounds); }},
+      {"coarse_radius_m", [](O o) { return o.solver.rounds.coarse_radius_m; }},
+      {"fine_radius_m", [](O o) { return o.solver.rounds.fine_radius_m; }},
+      {"coarse_gate_factor", [](O o) { return o.solver.rounds.coarse_gate_factor; }},
+      {"round_tolerance", [](O o) { return o.solver.rounds.relative_tolerance; }},
+      {"cg_max_sweeps", [](O o) { return double(o.solver.alternating_cg.max_sweeps); }},
+      {"cg_map_iterations",
+       [](O o) { return double(o.solver.alternating_cg.map_iterations_per_sweep); }},
+      {"cg_pose_iterations",
+       [](O o) { return double(o.solver.alternating_cg.pose_iterations_per_sweep); }},
+      {"cg_scan_iterations",
+       [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
+      {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
+      {"ceres_max_iterations", [](O o) { return double(o.solver.ceres.max_iterations); }},
+      {"ceres_function_tolerance", [](O o) { return o.solver.ceres.function_tolerance; }},
+      {"key_scan_distance_m", [](O o) { return o.seeding.sequential.key_scan_distance_m; }},
+      {"key_scan_angle_deg", [](O o) { return RadToDeg(o.seeding.sequential.key_scan_angle_rad); }},
+  };
+  return flags;
+}
+
+// A choice by name: its flag, a name that is not the default in odd spelling, and the number of the
+// choice that the options then hold.
+struct NameFlag {
+  const char* name;
+  const char* value;
+  int choice;
+  int (*read)(const SolverOptions&);
+};
+
+const std::vector<NameFlag>& CeresNameFlags() {
+  using O = const SolverOptions&;
+  static const std::vector<NameFlag> flags = {
+      {"ceres_minimizer", "Line_Search", ceres::LINE_SEARCH,
+       [](O o) { return int(o.ceres.minimizer); }},
+      {"ceres_trust_region_strategy", "dogleg", ceres::DOGLEG,
+       [](O o) { return int(o.ceres.trust_region_strategy); }},
+      {"ceres_dogleg", "SUBSPACE_dogleg", ceres::SUBSPACE_DOGLEG,
+       [](O o) { return int(o.ceres.dogleg); }},
+      {"ceres_line_search_direction", "nonlinear_Conjugate_gradient",
+       ceres::NONLINEAR_CONJUGATE_GRADIENT, [](O o) { return int(o.ceres.line_search_direction); }},
+      {"ceres_line_search", "armijo", ceres::ARMIJO, [](O o) { return int(o.ceres.line_search); }},
+      {"ceres_nonlinear_conjugate_gradient", "Polak_Ribiere", ceres::POLAK_RIBIERE,
+       [](O o) { return int(o.ceres.nonlinear_conjugate_gradient); }},
+      {"ceres_linear_solver", "iterative_schur", ceres::ITERATIVE_SCHUR,
+       [](O o) { return int(o.ceres.linear_solver); }},
+      {"ceres_preconditioner", "SCHUR_jacobi", ceres::SCHUR_JACOBI,
+       [](O o) { return int(o.ceres.preconditioner); }},
+  };
+  return flags;
+}
+
+void SetFlag(const std::string& name, const std::string& value) {
+  ASSERT_FALSE(gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) << name;
+}
+
+class FlagsTest : public testing::Test {
+ private:
+  gflags::FlagSaver saver_;
+};
+
+TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
+  const AllOptions library, flags = FromFlags();
+  for (const NumberFlag& flag : NumberFlags()) {
+    EXPECT_DOUBLE_EQ(flag.read(flags), flag.read(library)) << flag.name;
+  }
+  for (const NameFlag& flag : CeresNameFlags()) {
+    EXPECT_EQ(flag.read(flags.solver), flag.read(library.solver)) << flag.name;
+  }
+  EXPECT_EQ(flags.solver.type, library.solver.type);
+  EXPECT_EQ(flags.solver.association.neighborhood, library.solver.association.neighborhood);
+  EXPECT_EQ(flags.solver.factors.shape.enabled, library.solver.factors.shape.enabled);
+}
+
+TEST_F(FlagsTest, EachNumberReachesItsOption) {
+  for (const NumberFlag& flag : NumberFlags()) {
+    const gflags::FlagSaver saver;
+    const bool whole = gflags::GetCommandLineFlagInfoOrDie(flag.name).type == "int32";
+    const double before = flag.read(AllOptions()), after = whole ? before + 1 : 1.25 * before;
+    SetFlag(flag.name, std::to_string(after).substr(
+                           0, whole ? std::to_string(after).find('.') : std::string::npos));
+    EXPECT_NEAR(flag.read(FromFlags()), after, 1e-6) << flag.name;
+    EXPECT_NE(flag.read(FromFlags()), before) << flag.name;
+  }
+}
+
+TEST_F(FlagsTest, NamesOfCeresAreTakenInAnyCase) {
+  for (const NameFlag& flag : CeresNameFlags()) {
+    EXPECT_NE(flag.read(SolverOptions()), flag.choice) << flag.name;
+    SetFlag(flag.name, flag.value);
+    EXPECT_EQ(flag.read(FromFlags().solver), flag.choice) << flag.name;
+  }
+}
+
+TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
+  SetFlag("solver", "ceres");
+  SetFlag("neighborhood", "nearest");
+  SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
+  const SolverOptions options = FromFlags().solver;
+  EXPECT_EQ(options.type, SolverType::kCeres);
+  EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
+  EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
+}
+
+// A flag that these tests do not know may be one that nothing reads.
+TEST_F(FlagsTest, EveryFlagIsTestedHere) {
+  std::vector<std::string> known = {"solver", "neighborhood", "shape"};
+  for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
+  for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
+    EXPECT_TRUE(std::find(known.begin(), known.end(), flag.name) != known.end()) << flag.name;
+  }
+  EXPECT_EQ(ProgramFlags().size(), known.size());
+}
+
+TEST_F(FlagsTest, AWrongNameIsReportedWithItsFlag) {
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
+    if (flag.type != "string") continue;
+    const gflags::FlagSaver saver;
+    SetFlag(flag.name, "nonsense");
+    SolverOptions options;
+    const Status status = SolverOptionsFromFlags(&options);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("--" + flag.name + "=nonsense"));
+  }
+}
+
+TEST_F(FlagsTest, AValueOutOfRangeIsReportedWithItsOption) {
+  SolverOptions options;
+  SetFlag("threads", "0");
+  EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr("num_threads = 0"));
+  SetFlag("threads", "1");
+  SetFlag("sigma_range_m", "nan");
+  EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr("sigma_range_m = nan"));
+  SeedingOptions seeding;
+  SetFlag("key_scan_distance_m", "-1");
+  EXPECT_THAT(SeedingOptionsFromFlags(&seeding).message(), HasSubstr("key_scan_distance_m = -1"));
+}
+
+// Ceres' BFGS wants Wolfe's conditions.
+TEST_F(FlagsTest, SwitchesThatCeresRefusesTogetherAreReported) {
+  SetFlag("ceres_minimizer", "line_search");
+  SetFlag("ceres_line_search_direction", "bfgs");
+  SetFlag("ceres_line_search", "armijo");
+  SolverOptions options;
+  EXPECT_TRUE(SolverOptionsFromFlags(&options).ok());  // they do not matter to the other solver
+  SetFlag("solver", "ceres");
+  const Status status = SolverOptionsFromFlags(&options);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("WOLFE"));
+}
+
+TEST_F(FlagsTest, HelpListsOurFlagsOnly) {
+  const std::string help = HelpText("Does this and that.");
+  EXPECT_THAT(help, testing::StartsWith("Does this and that.\n"));
+  EXPECT_THAT(help, HasSubstr("\n  --threads=2\n      Threads;"));
+  EXPECT_THAT(help, HasSubstr("\n  --shape_margin_deg=10\n"));
+  EXPECT_THAT(help, testing::Not(HasSubstr("logtostderr")));
+  EXPECT_THAT(help, testing::Not(HasSubstr("helpxml")));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,123 @@
+#include "plumbline/solvers/marginal_energy.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "plumbline/factors/manifold_factor.h"
+#include "plumbline/factors/range_beam_factor.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kRadius_m = 0.2;
+
+double MarginalEnergyOf(SlamGraph* graph, const FactorOptions& factors, int num_threads = 2) {
+  ThreadPool pool(num_threads);
+  return MarginalEnergy(graph->poses(), NormalsOf(*graph), factors, AssociationOptions(), kRadius_m,
+                        &pool, graph);
+}
+
+TEST(MarginalEnergyTest, LeavesTheGraphAsItWas) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoints(0.01, &room.graph);
+  const std::vector<double> poses = room.graph.poses(), points = room.graph.points();
+  std::vector<double> elsewhere = poses;
+  for (double& entry : elsewhere) entry += 0.01;
+  ThreadPool pool(2);
+  MarginalEnergy(elsewhere, NormalsOf(room.graph), FactorOptions(), AssociationOptions(), kRadius_m,
+                 &pool, &room.graph);
+  EXPECT_EQ(room.graph.poses(), poses);
+  EXPECT_EQ(room.graph.points(), points);
+}
+
+TEST(MarginalEnergyTest, DependsOnThePosesAlone) {
+  NoisyRoom room = MakeNoisyRoom();
+  const double before = MarginalEnergyOf(&room.graph, FactorOptions());
+  DisturbPoints(0.1, &room.graph);
+  EXPECT_EQ(MarginalEnergyOf(&room.graph, FactorOptions()), before);
+}
+
+TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
+  // The minimum over m of beam and manifold term by a search of its own: a Gauss-Newton step from
+  // the beam's end solves the linearised problem, which these small residuals are close to. A gate
+  // of 1000 sigmas makes the loss quadratic.
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.003, &room.graph);
+  SlamGraph& graph = room.graph;
+  FactorOptions factors;
+  factors.manifold.robust_gate_sigmas = 1000.0;
+  ThreadPool pool(1);
+  const std::vector<TangentLine> lines =
+      LinesFromRadius(graph, NormalsOf(graph), AssociationOptions(), kRadius_m, &pool);
+  double expected = PoseTerms(graph, factors).Cost(graph.poses());
+  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+    if (!Associations::HasLine(lines[r])) {
+      expected += 0.5 * 1000.0 * 1000.0;
+      continue;
+    }
+    const Pose2 laser = graph.WorldFromLaser(graph.returns().scan[r]);
+    const BeamFrame frame =
+        MakeBeamFrame(&graph.poses()[3 * graph.scan(graph.returns().scan[r]).pose],
+                      graph.LaserOfScan(graph.returns().scan[r]).robot_from_laser);
+    EXPECT_NEAR(frame.x, laser.x, 1e-12);
+    Eigen::Vector2d point = MapPoint(graph, r);
+    double cost = 0.0;
+    for (int iteration = 0; iteration < 5; ++iteration) {
+      Eigen::Vector3d residuals;
+      Eigen::Matrix<double, 3, 2, Eigen::RowMajor> jacobian;
+      EvaluateRangeBeam(frame, point.data(), graph.returns().range_m[r],
+                        graph.returns().bearing_rad[r], 1.0 / factors.beam.sigma_range_m,
+                        1.0 / factors.beam.sigma_bearing_rad, residuals.data(), nullptr,
+                        jacobian.data());
+      EvaluateManifold(lines[r], point.data(), 1.0 / factors.manifold.sigma_m, &residuals[2],
+                       jacobian.data() + 4);
+      cost = 0.5 * residuals.squaredNorm();
+      point -= (jacobian.transpose() * jacobian).ldlt().solve(jacobian.transpose() * residuals);
+    }
+    expected += cost;
+  }
+  EXPECT_NEAR(MarginalEnergyOf(&graph, factors), expected, 1e-3 * expected);
+}
+
+TEST(MarginalEnergyTest, AReturnWithoutALineCostsWhatAnOutlierCosts) {
+  // Two scans from one place of nothing but 3 returns each make no line.
+  SyntheticScene scene;
+  scene.faces = {{{1, -3}, {1, 3}}, {{1, 3}, {-3, 3}}, {{-3, 3}, {-3, -3}}, {{-3, -3}, {1, -3}}};
+  scene.laser = PanoramicLaser(3);
+  scene.poses = {{0, 0, 0.2}, {0, 0, 0.2}};
+  SlamGraph graph = MakeGraph(scene);
+  ASSERT_EQ(graph.num_returns(), 6u);
+  FactorOptions factors;
+  factors.manifold.robust_gate_sigmas = 2.0;
+  EXPECT_DOUBLE_EQ(MarginalEnergyOf(&graph, factors), 6 * 0.5 * 4.0);
+}
+
+TEST(MarginalEnergyTest, TellsGoodPosesFromBad) {
+  NoisyRoom room = MakeNoisyRoom();
+  double previous = MarginalEnergyOf(&room.graph, FactorOptions());
+  for (const double sigma : {0.02, 0.05}) {
+    NoisyRoom worse = MakeNoisyRoom();
+    DisturbPoses(sigma, &worse.graph);
+    const double energy = MarginalEnergyOf(&worse.graph, FactorOptions());
+    EXPECT_GT(energy, previous);
+    previous = energy;
+  }
+}
+
+TEST(MarginalEnergyTest, AnyNumberOfThreadsGivesTheSameBits) {
+  NoisyRoomOptions options;
+  options.num_poses = 60;
+  options.num_beams = 60;
+  NoisyRoom room = MakeNoisyRoom(options);
+  const double one = MarginalEnergyOf(&room.graph, FactorOptions(), 1);
+  for (const int num_threads : {2, 3, 8}) {
+    EXPECT_EQ(MarginalEnergyOf(&room.graph, FactorOptions(), num_threads), one);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

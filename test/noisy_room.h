@@ -1,0 +1,93 @@
+#ifndef PLUMBLINE_TEST_NOISY_ROOM_H_
+#define PLUMBLINE_TEST_NOISY_ROOM_H_
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/associations.h"
+#include "plumbline/test/factor_testing.h"
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+
+/// A robot's drive through a room of 6 x 4 m with a partition, by a laser that sits off the robot's
+/// centre and turned. Every kind of term occurs. World frame.
+struct NoisyRoom {
+  SlamGraph graph;  ///< starts at the truth
+  std::vector<Pose2> truth;
+};
+
+struct NoisyRoomOptions {
+  int num_poses = 12;
+  int num_beams = 180;
+  double range_sigma_m = 0.01;
+  double odometry_sigma = 0.01;  ///< [m] and [rad] per step
+};
+
+inline NoisyRoom MakeNoisyRoom(const NoisyRoomOptions& options = NoisyRoomOptions()) {
+  SyntheticScene scene;
+  static const Face kFaces[] = {{{-3, -2}, {3, -2}}, {{3, -2}, {3, 2}},
+                                {{3, 2}, {-3, 2}},   {{-3, 2}, {-3, -2}},
+                                {{0, 0.8}, {0, 2}},  {{-1.5, -1.2}, {-0.7, -1.2}}};
+  scene.faces.assign(std::begin(kFaces), std::end(kFaces));
+  scene.laser = PanoramicLaser(options.num_beams);
+  scene.laser.robot_from_laser = {0.1, -0.05, 0.3};
+  scene.range_sigma_m = options.range_sigma_m;
+  for (int i = 0; i < options.num_poses; ++i) {
+    const double turn = 2.0 * kPi * i / options.num_poses;
+    scene.poses.push_back({1.8 * std::cos(turn), 0.5 * std::sin(turn), turn + 0.5 * kPi});
+  }
+  NoisyRoom room{MakeGraph(scene, 7), scene.poses};
+  RandomStates random(11);
+  const auto motion = [&](int from, int to) {
+    const Pose2 exact = Between(room.truth[from], room.truth[to]);
+    const double sigma = options.odometry_sigma;
+    return exact * Pose2(random.Gaussian(sigma), random.Gaussian(sigma), random.Gaussian(sigma));
+  };
+  for (int i = 0; i + 1 < options.num_poses; ++i) {
+    EXPECT_TRUE(room.graph.AddOdometry({i, i + 1, motion(i, i + 1)}).ok());
+  }
+  const Eigen::Matrix3d covariance = 0.01 * CorrelatedCovariance();
+  const int last = options.num_poses - 1;
+  EXPECT_TRUE(room.graph.AddRelativePose({last, 0, motion(last, 0), covariance}).ok());
+  EXPECT_TRUE(room.graph.AddRelativePose({1, last / 2, motion(1, last / 2), covariance}).ok());
+  return room;
+}
+
+/// Moves all poses but the first by some noise [m] and [rad], and the points with them.
+inline void DisturbPoses(double sigma, SlamGraph* graph) {
+  RandomStates random(5);
+  for (std::size_t i = 3; i < graph->poses().size(); ++i) {
+    graph->poses()[i] += random.Gaussian(sigma);
+  }
+  graph->ResetPointsFromPoses();
+}
+
+/// Moves every point by some noise [m].
+inline void DisturbPoints(double sigma, SlamGraph* graph) {
+  RandomStates random(6);
+  for (double& coordinate : graph->points()) coordinate += random.Gaussian(sigma);
+}
+
+inline Associations AssociationsOf(const SlamGraph& graph, double radius_m = 0.2) {
+  ThreadPool pool(1);
+  return BuildAssociations(graph, NormalsOf(graph), AssociationOptions(), radius_m, &pool);
+}
+
+/// Mean distance [m] of the graph's poses from the truth. The gauge is the first pose of both.
+inline double MeanPoseError(const NoisyRoom& room) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < room.truth.size(); ++i) {
+    const Pose2 pose = room.graph.WorldFromRobot(static_cast<int>(i));
+    sum += (pose.translation() - room.truth[i].translation()).norm();
+  }
+  return sum / room.truth.size();
+}
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_TEST_NOISY_ROOM_H_

@@ -1,0 +1,118 @@
+#include "plumbline/solvers/problem_builder.h"
+
+#include <ceres/solver.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kEliminated = 0;
+
+void ExpectValidOrdering(const JointProblem& joint, const SlamGraph& graph) {
+  std::vector<double*> blocks;
+  joint.problem->GetParameterBlocks(&blocks);
+  EXPECT_EQ(joint.ordering->NumElements(), static_cast<int>(blocks.size()));
+  int num_eliminated = 0;
+  for (double* block : blocks) {
+    ASSERT_TRUE(joint.ordering->IsMember(block));
+    const bool eliminated = joint.ordering->GroupId(block) == kEliminated;
+    num_eliminated += eliminated;
+    if (eliminated) {
+      EXPECT_EQ(joint.problem->ParameterBlockSize(block), 2);
+    }
+  }
+  // Of the points that a pair joins, half can go; of the others, all.
+  EXPECT_GE(num_eliminated, static_cast<int>(graph.num_returns()) / 2);
+
+  std::vector<ceres::ResidualBlockId> residuals;
+  joint.problem->GetResidualBlocks(&residuals);
+  for (const ceres::ResidualBlockId residual : residuals) {
+    joint.problem->GetParameterBlocksForResidualBlock(residual, &blocks);
+    int num_eliminated_here = 0;
+    for (double* block : blocks) {
+      num_eliminated_here += joint.ordering->GroupId(block) == kEliminated;
+    }
+    EXPECT_LE(num_eliminated_here, 1);
+  }
+}
+
+void ExpectSparseSchurLowersTheCost(const JointProblem& joint) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_SCHUR;
+  options.linear_solver_ordering = joint.ordering;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, joint.problem.get(), &summary);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_EQ(summary.linear_solver_type_used, ceres::SPARSE_SCHUR);
+  EXPECT_LT(summary.final_cost, 0.9 * summary.initial_cost);
+}
+
+TEST(ProblemBuilderTest, EliminatedPointsShareNoResidual) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.01, &room.graph);
+  const Associations associations = AssociationsOf(room.graph);
+  ASSERT_GT(associations.shape_pairs.size(), 0u);
+  const JointProblem joint = BuildJointProblem(associations, FactorOptions(), &room.graph);
+  ExpectValidOrdering(joint, room.graph);
+  ExpectSparseSchurLowersTheCost(joint);
+}
+
+TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.01, &room.graph);
+  Associations associations = AssociationsOf(room.graph);
+  associations.shape_pairs.clear();
+  const auto join = [&](std::size_t previous, std::size_t current) {
+    const Eigen::Vector2d normal =
+        SegmentNormal(MapPoint(room.graph, previous), MapPoint(room.graph, current));
+    associations.shape_pairs.push_back({previous, current, normal, ShapeCategory::k0});
+  };
+  for (std::size_t r = 0; r < 20; ++r) join(r, r + 1);   // a chain
+  for (std::size_t r = 60; r > 40; --r) join(r, r - 1);  // one that runs back
+  join(70, 75), join(75, 80), join(80, 70);              // a ring
+  for (std::size_t r = 100; r < 110; ++r) join(90, r);   // a star
+  const JointProblem joint = BuildJointProblem(associations, FactorOptions(), &room.graph);
+  ExpectValidOrdering(joint, room.graph);
+  ExpectSparseSchurLowersTheCost(joint);
+}
+
+TEST(ProblemBuilderTest, AllPointsAreEliminatedWithoutShapeTerms) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.01, &room.graph);
+  FactorOptions factors;
+  factors.shape.enabled = false;
+  const JointProblem joint = BuildJointProblem(AssociationsOf(room.graph), factors, &room.graph);
+  ExpectValidOrdering(joint, room.graph);
+  EXPECT_EQ(joint.ordering->GroupSize(kEliminated), static_cast<int>(room.graph.num_returns()));
+  EXPECT_TRUE(joint.residual_blocks[static_cast<int>(Term::kShape)].empty());
+}
+
+TEST(ProblemBuilderTest, APoseWithoutTermsStaysOut) {
+  NoisyRoom room = MakeNoisyRoom();
+  int pose_id = 0;
+  ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &pose_id).ok());
+  DisturbPoses(0.01, &room.graph);
+  const JointProblem joint =
+      BuildJointProblem(AssociationsOf(room.graph), FactorOptions(), &room.graph);
+  EXPECT_FALSE(joint.problem->HasParameterBlock(&room.graph.poses()[3 * pose_id]));
+  ExpectValidOrdering(joint, room.graph);
+  ExpectSparseSchurLowersTheCost(joint);
+}
+
+TEST(ProblemBuilderTest, OptimisesTheArraysOfTheGraph) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.01, &room.graph);
+  const std::vector<double> poses = room.graph.poses(), points = room.graph.points();
+  ExpectSparseSchurLowersTheCost(
+      BuildJointProblem(AssociationsOf(room.graph), FactorOptions(), &room.graph));
+  EXPECT_NE(room.graph.poses(), poses);
+  EXPECT_NE(room.graph.points(), points);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,242 @@
+#include "plumbline/solvers/solve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+NoisyRoom DisturbedRoom() {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.03, &room.graph);
+  return room;
+}
+
+SolverOptions OptionsFor(SolverType type) {
+  SolverOptions options;
+  options.type = type;
+  options.rounds.max_coarse_rounds = 2;
+  options.rounds.max_fine_rounds = 2;
+  return options;
+}
+
+/// Fails with a message that holds `culprit` and touches nothing.
+void ExpectFailure(const SolverOptions& options, SlamGraph* graph, const std::string& culprit) {
+  const std::vector<double> poses = graph->poses(), points = graph->points();
+  const SolverSummary summary = Solve(options, graph);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_FALSE(summary.IsSolutionUsable());
+  EXPECT_THAT(summary.message, HasSubstr(culprit));
+  EXPECT_THAT(summary.FullReport(), HasSubstr(culprit));
+  const auto same_bits = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+  };
+  EXPECT_TRUE(same_bits(graph->poses(), poses));
+  EXPECT_TRUE(same_bits(graph->points(), points));
+}
+
+class SolveWith : public testing::TestWithParam<SolverType> {};
+
+INSTANTIATE_TEST_SUITE_P(EverySolver, SolveWith,
+                         testing::Values(SolverType::kAlternatingCg, SolverType::kCeres),
+                         [](const testing::TestParamInfo<SolverType>& info) {
+                           return ToString(info.param);
+                         });
+
+TEST_P(SolveWith, BringsThePosesCloserToTheTruth) {
+  NoisyRoom room = DisturbedRoom();
+  const double before_m = MeanPoseError(room);
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), &room.graph);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_LT(summary.final_marginal_energy, summary.seed_marginal_energy);
+  EXPECT_GT(before_m, 0.02);
+  // What is left is common to all poses but the first, which the gauge holds: the lines, and with
+  // them the other poses, follow it by and by.
+  EXPECT_LT(MeanPoseError(room), 0.5 * before_m);
+  EXPECT_EQ(summary.rounds.size(), 4u);
+  EXPECT_EQ(summary.num_poses, 12u);
+  EXPECT_EQ(summary.num_points, room.graph.num_returns());
+  int iterations = 0;
+  double best = summary.seed_marginal_energy;
+  for (const RoundSummary& round : summary.rounds) {
+    EXPECT_EQ(round.kept, round.marginal_energy < best);
+    best = std::min(best, round.marginal_energy);
+    EXPECT_LE(round.final_cost, round.initial_cost);
+    EXPECT_GT(round.num_lines, 0u);
+    EXPECT_GT(round.num_shape_pairs, 0u);
+    iterations += round.iterations;
+  }
+  EXPECT_EQ(summary.final_marginal_energy, best);
+  EXPECT_EQ(static_cast<int>(summary.iterations.size()), iterations);
+  EXPECT_DOUBLE_EQ(summary.rounds.front().radius_m, 0.3);
+  EXPECT_DOUBLE_EQ(summary.rounds.back().radius_m, 0.1);
+  const double gate = SolverOptions().factors.manifold.robust_gate_sigmas;
+  EXPECT_DOUBLE_EQ(summary.rounds.front().gate_sigmas, 2.0 * gate);
+  EXPECT_DOUBLE_EQ(summary.rounds.back().gate_sigmas, gate);
+}
+
+TEST_P(SolveWith, ReturnsAPerfectSeedBitForBit) {
+  // Walls that do not meet, seen without noise: at the truth, every line passes exactly through its
+  // points and every residual is zero but for rounding.
+  SyntheticScene scene;
+  scene.faces = {{{2, -1}, {2, 1}}, {{-1, 2}, {1, 2}}, {{-2, -1}, {-2, 1}}, {{-1, -2}, {1, -2}}};
+  scene.laser = PanoramicLaser(360);
+  scene.poses = {{0, 0, 0.1}, {0.1, 0.1, 0.2}, {0.2, 0, 0.3}, {0.1, -0.1, 0.4}};
+  SlamGraph graph = MakeGraph(scene);
+  for (int i = 0; i + 1 < graph.num_poses(); ++i) {
+    ASSERT_TRUE(graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])}).ok());
+  }
+  const std::vector<double> poses = graph.poses(), points = graph.points();
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), &graph);
+  EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
+  EXPECT_TRUE(summary.IsSolutionUsable());
+  EXPECT_THAT(summary.message, HasSubstr("no round improved on the seed"));
+  EXPECT_EQ(summary.final_marginal_energy, summary.seed_marginal_energy);
+  EXPECT_GT(summary.rounds.front().num_lines, 500u);
+  EXPECT_EQ(graph.poses(), poses);
+  EXPECT_EQ(graph.points(), points);
+}
+
+TEST_P(SolveWith, StopsWithTheBestStateSoFarWhenAskedTo) {
+  NoisyRoom room = DisturbedRoom();
+  const double before_m = MeanPoseError(room);
+  SolverOptions options = OptionsFor(GetParam());
+  std::vector<IterationSummary> rows;
+  options.callback = [&](const IterationSummary& it) {
+    rows.push_back(it);
+    return it.round < 2;
+  };
+  const SolverSummary summary = Solve(options, &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
+  EXPECT_EQ(summary.rounds.size(), 2u);
+  ASSERT_EQ(summary.iterations.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].iteration, static_cast<int>(i) + 1);
+    EXPECT_EQ(rows[i].round, i + 1 < rows.size() ? 1 : 2);
+  }
+  EXPECT_LT(summary.final_marginal_energy, summary.seed_marginal_energy);
+  EXPECT_LT(MeanPoseError(room), before_m);
+}
+
+TEST_P(SolveWith, TakesPosesThatNothingTiesTogether) {
+  SyntheticScene scene;
+  // Two islands out of sight of each other, one of them a single wall, and a pose without a scan.
+  scene.faces = {{{2, -1}, {2, 1}}, {{-1, 2}, {1, 2}}, {{50, -1}, {50, 1}}};
+  scene.laser = PanoramicLaser(360);
+  scene.laser.max_range_m = 5.0;
+  scene.range_sigma_m = 0.01;
+  scene.poses = {{0, 0, 0}, {0.1, 0, 0}, {48, 0, 0}, {48.1, 0.1, 0}};
+  SlamGraph graph = MakeGraph(scene);
+  int pose_id = 0;
+  ASSERT_TRUE(graph.AddPose({-9, -9, 1}, 9.0, &pose_id).ok());
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), &graph);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  for (const double value : graph.poses()) EXPECT_TRUE(std::isfinite(value));
+  for (const double value : graph.points()) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_EQ(graph.WorldFromRobot(pose_id).x, -9.0);
+  // The wall of the second island says nothing of the way along it.
+  EXPECT_NEAR(graph.WorldFromRobot(2).x, 48.0, 0.05);
+  EXPECT_NEAR(graph.WorldFromRobot(2).y, 0.0, 0.2);
+}
+
+TEST_P(SolveWith, FailsOnAStateWithoutAnEnergy) {
+  NoisyRoom room = DisturbedRoom();
+  const Pose2 laser = room.graph.WorldFromLaser(0);
+  room.graph.points()[0] = laser.x;
+  room.graph.points()[1] = laser.y;
+  ExpectFailure(OptionsFor(GetParam()), &room.graph, "returned as it was");
+}
+
+TEST(SolveTest, AnyNumberOfThreadsGivesTheSameBits) {
+  NoisyRoom one = DisturbedRoom();
+  SolverOptions options = OptionsFor(SolverType::kAlternatingCg);
+  options.num_threads = 1;
+  Solve(options, &one.graph);
+  for (const int num_threads : {2, 3}) {
+    NoisyRoom many = DisturbedRoom();
+    options.num_threads = num_threads;
+    Solve(options, &many.graph);
+    EXPECT_EQ(many.graph.poses(), one.graph.poses()) << num_threads;
+    EXPECT_EQ(many.graph.points(), one.graph.points()) << num_threads;
+  }
+}
+
+TEST(SolveTest, SummarisesTheTermsOfTheLastRound) {
+  NoisyRoom room = DisturbedRoom();
+  const SolverSummary summary = Solve(OptionsFor(SolverType::kAlternatingCg), &room.graph);
+  const auto term = [&](Term t) { return summary.terms[static_cast<int>(t)]; };
+  EXPECT_EQ(term(Term::kPosePrior).count, 1u);
+  EXPECT_EQ(term(Term::kMotion).count, 11u);
+  EXPECT_EQ(term(Term::kRelativePose).count, 2u);
+  EXPECT_EQ(term(Term::kRangeBeam).count, room.graph.num_returns());
+  EXPECT_EQ(term(Term::kManifold).count, summary.rounds.back().num_lines);
+  EXPECT_EQ(term(Term::kShape).count, summary.rounds.back().num_shape_pairs);
+  double initial = 0.0, final = 0.0;
+  for (const TermSummary& t : summary.terms) {
+    initial += t.initial_cost;
+    final += t.final_cost;
+  }
+  EXPECT_NEAR(initial, summary.rounds.back().initial_cost, 1e-9 * initial);
+  EXPECT_NEAR(final, summary.rounds.back().final_cost, 1e-9 * initial);
+}
+
+TEST(SolveTest, NamesWhatIsWrongWithTheState) {
+  for (const double bad : {kNaN, kInfinity}) {
+    NoisyRoom room = DisturbedRoom();
+    room.graph.poses()[3 * 5 + 2] = bad;
+    ExpectFailure(SolverOptions(), &room.graph, "pose 5");
+    room = DisturbedRoom();
+    room.graph.points()[2 * 123] = bad;
+    ExpectFailure(SolverOptions(), &room.graph, "point 123");
+  }
+}
+
+TEST(SolveTest, FailsOnAGraphWithoutReturns) {
+  SlamGraph graph;
+  ExpectFailure(SolverOptions(), &graph, "no laser returns");
+  int id = 0;
+  ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
+  ExpectFailure(SolverOptions(), &graph, "no laser returns");
+}
+
+TEST(SolveTest, NamesTheOptionThatIsWrong) {
+  NoisyRoom room = DisturbedRoom();
+  SolverOptions options;
+  options.factors.beam.sigma_range_m = 0.0;
+  ExpectFailure(options, &room.graph, "factors.beam.sigma_range_m");
+  options = SolverOptions();
+  options.rounds.fine_radius_m = kNaN;
+  ExpectFailure(options, &room.graph, "rounds.fine_radius_m");
+  options = SolverOptions();
+  options.num_threads = 0;
+  ExpectFailure(options, &room.graph, "num_threads");
+}
+
+TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
+  NoisyRoom room = DisturbedRoom();
+  SolverOptions options = OptionsFor(SolverType::kCeres);
+  options.ceres.trust_region_strategy = ceres::DOGLEG;
+  options.ceres.linear_solver = ceres::CGNR;
+  ExpectFailure(options, &room.graph, "DOGLEG");
+}
+
+TEST(SolveTest, NormalsSpanSixTimesTheRangeNoise) {
+  RangeBeamOptions beam;
+  beam.sigma_range_m = 0.001;
+  EXPECT_DOUBLE_EQ(NormalOptionsFor(beam).half_window_m, 0.06);
+  beam.sigma_range_m = 0.05;
+  EXPECT_DOUBLE_EQ(NormalOptionsFor(beam).half_window_m, 0.3);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,63 @@
+#include "plumbline/apps/stage.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+Stage MakeStage(const std::string& name, double thickness_m, double entropy) {
+  Stage stage;
+  stage.name = name;
+  stage.quality.wall_thickness_m = thickness_m;
+  stage.quality.mean_map_entropy = entropy;
+  return stage;
+}
+
+TEST(StageTableTest, WithoutTruth) {
+  EXPECT_EQ(StageTable({MakeStage("odometry", 0.0503, -3.537),
+                        MakeStage("refined, optimised points", 0.00237, -4.39849)}),
+            "                           wall thickness  map entropy\n"
+            "odometry                          50.3 mm       -3.537\n"
+            "refined, optimised points          2.4 mm       -4.398\n");
+}
+
+TEST(StageTableTest, WithTruth) {
+  Stage stage = MakeStage("seed", 0.0118, -3.7444);
+  stage.error = TruthError{0.5011, DegToRad(3.98), 1.0};
+  EXPECT_EQ(StageTable({stage}),
+            "                           wall thickness  map entropy   pose error heading error   "
+            "map error\n"
+            "seed                              11.8 mm       -3.744     501.1 mm     3.980 deg   "
+            "1000.0 mm\n");
+}
+
+TEST(MeasureStageTest, MeasuresTheGraphAsItStands) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, -2}, {3, -2}}, {{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}};
+  scene.poses = {{0, 0, 0}, {0.5, 0, 0.1}, {0.5, 0.4, 0.2}};
+  SlamGraph graph = MakeGraph(scene);
+  Truth truth;
+  for (const Pose2& pose : scene.poses) truth.trajectory.push_back({0.0, pose});
+  truth.points = graph.points();
+  ThreadPool pool(1);
+
+  const Stage exact = MeasureStage("exact", graph, &truth, &pool);
+  EXPECT_EQ(exact.name, "exact");
+  EXPECT_LT(exact.quality.wall_thickness_m, 1e-6);
+  ASSERT_TRUE(exact.error.has_value());
+  EXPECT_LT(exact.error->mean_point_error_m, 1e-9);
+
+  graph.points()[1] += 0.3;
+  const Stage moved = MeasureStage("moved", graph, &truth, &pool);
+  EXPECT_NEAR(moved.error->mean_point_error_m, 0.3 / graph.num_returns(), 1e-9);
+  EXPECT_FALSE(MeasureStage("no truth", graph, nullptr, &pool).error.has_value());
+}
+
+}  // namespace
+}  // namespace plumbline
