@@ -31,6 +31,8 @@
 DEFINE_string(log, "", "CARMEN log to map, plain or .gz");
 DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
+DEFINE_int32(picture_side_px, plumbline::MapPictureOptions().max_side_px,
+             "Longer side of the pictures, at most [px]");
 DEFINE_string(truth, "", "True trajectory (TUM) of a simulated log, to measure errors against");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
 
@@ -180,6 +182,7 @@ class SlamRun {
   Status Picture(const std::string& name, const std::string& title) const {
     MapPictureOptions options;
     options.title = title;
+    options.max_side_px = FLAGS_picture_side_px;
     return WriteMapPicture(Path(name), graph_, options);
   }
   Status Trajectory(const std::string& name) const {
