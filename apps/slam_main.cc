@@ -24,6 +24,7 @@
 #include "plumbline/apps/run_summary.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
+#include "plumbline/core/angle.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
@@ -43,6 +44,18 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The graph mounts all scans alike, which makes nonsense of a second laser on the robot.
+void WarnOfOtherMountings(const LaserMounting& mounting) {
+  constexpr double kToleranceM = 0.05, kToleranceRad = 0.05;  // above the rounding of any logger
+  if (mounting.max_deviation_m <= kToleranceM && mounting.max_deviation_rad <= kToleranceRad) {
+    return;
+  }
+  std::cerr << "warning: " << FLAGS_log << ": the place of the laser on the robot differs by up to "
+            << mounting.max_deviation_m << " m and " << RadToDeg(mounting.max_deviation_rad)
+            << " deg between scans; all are mounted at the median. Are there two lasers, or the "
+               "poses of another mapper?\n";
 }
 
 // One run of the program, step by step.
@@ -82,6 +95,7 @@ class SlamRun {
     CarmenLog log;
     PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(FLAGS_log, CarmenReadOptions(), &log));
     for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
+    WarnOfOtherMountings(EstimateLaserMounting(log));
     PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, FLAGS_max_scans, &graph_));
     if (graph_.num_returns() == 0) {
       return Status::InvalidArgument(FLAGS_log + ": no scan has a return within the laser's range");

@@ -1,5 +1,6 @@
 #include "plumbline/apps/stage.h"
 
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -34,8 +35,13 @@ std::string StageTable(const std::vector<Stage>& stages) {
     if (stage.error) {
       table << std::setprecision(1) << std::setw(10) << kMmPerM * stage.error->mean_pose_error_m
             << " mm" << std::setprecision(3) << std::setw(10)
-            << RadToDeg(stage.error->mean_pose_error_rad) << " deg" << std::setprecision(1)
-            << std::setw(9) << kMmPerM * stage.error->mean_point_error_m << " mm";
+            << RadToDeg(stage.error->mean_pose_error_rad) << " deg";
+      if (std::isnan(stage.error->mean_point_error_m)) {
+        table << std::setw(12) << "-";
+      } else {
+        table << std::setprecision(1) << std::setw(9) << kMmPerM * stage.error->mean_point_error_m
+              << " mm";
+      }
     }
     table << '\n';
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
 
@@ -65,29 +66,6 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
   return Status::Ok();
 }
 
-// The motion truth_from_estimate that brings the trajectories closest, by least squares over the
-// positions. A robot that never moves leaves the heading open: it then comes from the first pose.
-Pose2 AlignTrajectories(const SlamGraph& graph, const Truth& truth) {
-  const int n = graph.num_poses();
-  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
-  for (int p = 0; p < n; ++p) {
-    from += graph.WorldFromRobot(p).translation() / n;
-    to += truth.trajectory[p].world_from_robot.translation() / n;
-  }
-  double cosine = 0.0, sine = 0.0;
-  for (int p = 0; p < n; ++p) {
-    const Eigen::Vector2d a = graph.WorldFromRobot(p).translation() - from;
-    const Eigen::Vector2d b = truth.trajectory[p].world_from_robot.translation() - to;
-    cosine += a.dot(b);
-    sine += a.x() * b.y() - a.y() * b.x();
-  }
-  const bool moved = std::hypot(cosine, sine) > 1e-9;
-  const double yaw = moved ? std::atan2(sine, cosine)
-                           : truth.trajectory[0].world_from_robot.yaw - graph.WorldFromRobot(0).yaw;
-  const Eigen::Vector2d shift = to - Pose2(0.0, 0.0, yaw) * from;
-  return {shift.x(), shift.y(), yaw};
-}
-
 }  // namespace
 
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
@@ -103,12 +81,16 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
   TruthError error;
   const int n = graph.num_poses();
   if (n == 0) return error;
-  const Pose2 truth_from_estimate = AlignTrajectories(graph, truth);
+  std::vector<Pose2> estimated, exact;
   for (int p = 0; p < n; ++p) {
-    const Pose2 pose = truth_from_estimate * graph.WorldFromRobot(p);
-    const Pose2& true_pose = truth.trajectory[p].world_from_robot;
-    error.mean_pose_error_m += std::hypot(pose.x - true_pose.x, pose.y - true_pose.y) / n;
-    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - true_pose.yaw)) / n;
+    estimated.push_back(graph.WorldFromRobot(p));
+    exact.push_back(truth.trajectory[p].world_from_robot);
+  }
+  const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
+  for (int p = 0; p < n; ++p) {
+    const Pose2 pose = truth_from_estimate * estimated[p];
+    error.mean_pose_error_m += std::hypot(pose.x - exact[p].x, pose.y - exact[p].y) / n;
+    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
   }
   std::size_t num_points = 0;
   for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
@@ -118,7 +100,7 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
     error.mean_point_error_m += (truth_from_estimate * point - true_point).norm();
     ++num_points;
   }
-  if (num_points > 0) error.mean_point_error_m /= static_cast<double>(num_points);
+  error.mean_point_error_m /= static_cast<double>(num_points);  // 0 / 0 is NaN, as documented.
   return error;
 }
 

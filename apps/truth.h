@@ -23,7 +23,7 @@ struct Truth {
 struct TruthError {
   double mean_pose_error_m = 0.0;
   double mean_pose_error_rad = 0.0;
-  double mean_point_error_m = 0.0;  ///< over the returns with a true point; 0 if there are none
+  double mean_point_error_m = 0.0;  ///< over the returns with a true point; NaN if there are none
 };
 
 /// Reads a TUM trajectory and, if hits_path is not empty, a table of lines `t beam x y`, and joins

@@ -79,7 +79,9 @@ Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   PLUMBLINE_RETURN_IF_ERROR(CheckEdge("relative pose", c.from, c.to, c.from_from_to));
   const double asymmetry = (c.covariance - c.covariance.transpose()).cwiseAbs().maxCoeff();
   const bool symmetric = asymmetry <= 1e-9 * c.covariance.cwiseAbs().maxCoeff();
-  if (!c.covariance.allFinite() || !symmetric || c.covariance.llt().info() != Eigen::Success) {
+  // Factored from the last row up, as the residual will do: close to singular, the order decides.
+  const bool positive = Eigen::Matrix3d(c.covariance.reverse()).llt().info() == Eigen::Success;
+  if (!c.covariance.allFinite() || !symmetric || !positive) {
     return Status::InvalidArgument("relative pose " + std::to_string(c.from) + " -> " +
                                    std::to_string(c.to) +
                                    ": covariance is not symmetric positive definite");

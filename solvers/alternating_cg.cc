@@ -97,8 +97,8 @@ class Alternation {
       }
       const double change = before - result_.final_cost;
       if (change <= options_.relative_cost_tolerance * before) {
-        reason << "a sweep lowered the cost by a fraction of " << change / before
-               << " <= " << options_.relative_cost_tolerance;
+        reason << "a sweep lowered the cost of " << before << " by " << change
+               << ", a fraction <= " << options_.relative_cost_tolerance;
         result_.converged = true;
         result_.stop_reason = reason.str();
         return result_;

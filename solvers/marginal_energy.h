@@ -18,7 +18,8 @@ namespace plumbline {
 /// A return at signed distance d from its line costs rho(d^2 / s^2) / 2 with
 /// s^2 = sigma_M^2 + n^T C n, C the world-frame covariance of its beam; the point that minimises
 /// beam and manifold term together reaches this value (quadratic case). A return without a line
-/// costs what an outlier costs, so losing lines never pays. Pose terms are added.
+/// costs what an outlier costs, so losing lines never pays. Pose terms are added; shape terms,
+/// which tie points to each other, are left out.
 ///
 /// poses: (x, y, yaw) per pose. radius_m as for LinesFromRadius. The graph is as before on return.
 double MarginalEnergy(const std::vector<double>& poses, const std::vector<Eigen::Vector2f>& normals,

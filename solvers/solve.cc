@@ -207,10 +207,9 @@ class JointSolver {
   }
 
   TerminationType Termination() const {
-    if (best_round_ == 0) {
-      return last_inner_.usable ? TerminationType::kNoImprovement : TerminationType::kFailure;
-    }
+    if (best_round_ == 0 && !last_inner_.usable) return TerminationType::kFailure;
     if (last_inner_.stopped) return TerminationType::kUserStopped;
+    if (best_round_ == 0) return TerminationType::kNoImprovement;
     return converged_ ? TerminationType::kConverged : TerminationType::kMaxIterations;
   }
 

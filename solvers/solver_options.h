@@ -82,7 +82,8 @@ struct SolverOptions {
   RoundOptions rounds;
   AlternatingCgOptions alternating_cg;
   CeresOptions ceres;
-  /// Threads, the calling one included. The result does not depend on it.
+  /// Threads, the calling one included. The result of kAlternatingCg does not depend on it; that of
+  /// kCeres does in its last digits, since Ceres adds up as threads finish.
   int num_threads = 2;
   ProgressCallback callback;
 

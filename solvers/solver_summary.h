@@ -23,7 +23,7 @@ const char* ToString(TerminationType type);
 struct IterationSummary {
   int iteration = 0;  ///< counts through all rounds
   int round = 0;      ///< round of associations, from 1
-  std::string phase;  ///< what moved: "map", "poses" or "joint"
+  std::string phase;  ///< what moved: "map", "poses", "scans" or "joint"
   double cost = 0.0;
   double cost_change = 0.0;  ///< positive: the cost fell
   double gradient_max_norm = 0.0;

@@ -280,7 +280,7 @@ TEST_F(CarmenLogTest, ReadsGzipAndKeepsTheWholeLinesOfATruncatedFile) {
 TEST_F(CarmenLogTest, FilesWithoutScansAreRefused) {
   const Status empty = Read("# nothing\n");
   EXPECT_EQ(empty.code(), StatusCode::kInvalidArgument);
-  EXPECT_EQ(empty.message(), path_ + ": no FLASER or ROBOTLASER1 record");
+  EXPECT_EQ(empty.message(), path_ + ": no FLASER or ROBOTLASER1 record, as a CARMEN log has");
   const Status bad = Read("FLASER 1 1 0 0 0 0 0 0 x host 0\n");
   EXPECT_EQ(bad.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(bad.message(), HasSubstr("first issue: " + path_ + ":1: FLASER field"));

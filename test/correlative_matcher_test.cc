@@ -57,6 +57,20 @@ TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
   }
 }
 
+TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.2, 0.1, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  const SearchWindow window{Pose2(0.0, 0.0, 3.0), 200.0, 8.0};
+  const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
+  ASSERT_TRUE(best.found);
+  EXPECT_LT(DistanceM(best.map_from_scan, scene.poses[1]), 0.15);
+  EXPECT_FALSE(
+      matcher.SearchElsewhere(surfaces[1], window, 0.9 * best.score, best.map_from_scan, 0.7, 0.3)
+          .found);
+}
+
 TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
   const SurfacePoints point{{{1.0, 0.0}, {-1.0, 0.0}}};
   EXPECT_FALSE(CorrelativeMatcher({}, 0.1).Search(point, {Pose2(), 1.0, 0.1}, 0.1).found);

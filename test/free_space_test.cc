@@ -33,6 +33,28 @@ TEST(FreeSpace, AWallInTheMiddleOfARoomConflicts) {
   EXPECT_EQ(CompareFreeSpace(graph, 1, 0, Pose2()).num_compared, 0);
 }
 
+TEST(FreeSpace, TheSweepMayBeginAnywhereAndTurnEitherWay) {
+  for (const double first_bearing_rad : {0.0, 0.5 * kPi, -2.0 * kPi, 2.0 * kPi}) {
+    for (const double direction : {1.0, -1.0}) {
+      SyntheticScene scene = Room();
+      scene.laser.first_bearing_rad = first_bearing_rad;
+      scene.laser.bearing_step_rad *= direction;
+      scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+      const SlamGraph graph = MakeGraph(scene);
+      EXPECT_GT(CompareFreeSpace(graph, 0, 1, scene.poses[1]).num_compared, 250)
+          << first_bearing_rad << " " << direction;
+    }
+  }
+}
+
+TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
+  SyntheticScene scene = Room();
+  scene.laser.num_beams = 1;
+  scene.laser.bearing_step_rad = 0.0;
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  EXPECT_EQ(CompareFreeSpace(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
+}
+
 TEST(FreeSpace, ShareOfSums) {
   FreeSpaceConflict sum{10, 1};
   sum += {30, 9};

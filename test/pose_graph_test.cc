@@ -42,10 +42,23 @@ TEST(PoseGraph, Chi2IsTheSquaredMahalanobisLength) {
   EXPECT_NEAR(EdgeChi2(edge, poses), 1.0 + 4.0 + 1.0, 1e-9);
 }
 
-TEST(PoseGraph, LeavesAChainWithoutClosuresAsItIs) {
-  std::vector<Pose2> poses{Pose2(), {1.0, 0.1, 0.2}};
-  OptimizePoseGraph({Edge(0, 1, {1.0, 0.0, 0.0}, 1.0)}, {}, &poses);
-  EXPECT_EQ(poses[1].y, 0.1);
+// What a closure that was dropped since has bent.
+TEST(PoseGraph, StraightensAChainWithoutClosures) {
+  std::vector<Pose2> poses{Pose2(), {1.1, 0.1, 0.2}, {2.0, 0.3, 0.1}};
+  OptimizePoseGraph({Edge(0, 1, {1.0, 0.0, 0.0}, 0.01), Edge(1, 2, {1.0, 0.0, 0.0}, 0.01)}, {},
+                    &poses);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(poses[i].x, i, 1e-6);
+    EXPECT_NEAR(poses[i].y, 0.0, 1e-6);
+    EXPECT_NEAR(poses[i].yaw, 0.0, 1e-6);
+  }
+}
+
+TEST(PoseGraph, LeavesPosesWithoutEdgesAsTheyAre) {
+  std::vector<Pose2> none, poses{{1.0, 2.0, 3.0}};
+  OptimizePoseGraph({}, {}, &none);
+  OptimizePoseGraph({}, {}, &poses);
+  EXPECT_EQ(poses[0].y, 2.0);
 }
 
 }  // namespace

@@ -219,6 +219,22 @@ TEST_F(ProgramsTest, LogsThatCannotBeMapped) {
   ExpectError(Slam("a.clf"), folder_ + "a.clf: no FLASER");
 }
 
+TEST_F(ProgramsTest, WarnsOfASecondLaser) {
+  SimulateLog(10);
+  std::string& scan = log_lines_[5];
+  std::vector<std::string> fields;
+  std::istringstream stream(scan);
+  for (std::string field; stream >> field;) fields.push_back(field);
+  fields[362] = std::to_string(std::stod(fields[362]) + 0.5);  // laser_x
+  scan.clear();
+  for (const std::string& field : fields) scan += (scan.empty() ? "" : " ") + field;
+  WriteLog();
+  const Outcome run = Slam("a.clf");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(Lines(run.err).size(), 1u) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("differs by up to 0.5 m and 0 deg between scans"));
+}
+
 TEST_F(ProgramsTest, ALogWithoutAnyReturnIsAnError) {
   WriteStandingLog(10, "3 81.91 81.91 nan");
   ExpectError(Slam("a.clf"), folder_ + "a.clf: no scan has a return");

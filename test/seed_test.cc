@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
@@ -109,6 +111,29 @@ TEST(Seed, FailsWithoutOdometryAndLeavesTheGraphAsItWas) {
                 .code(),
             StatusCode::kInvalidArgument);
   EXPECT_EQ(graph.poses(), before);
+}
+
+TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2& step) { return step; }, &graph);
+  ThreadPool pool(1);
+  SeedingReport report;
+  SeedingOptions options;
+  MotionOptions motion;
+  std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
+  const auto expect_failure = [&](const std::string& culprit) {
+    const Status status = SeedGraph(options, motion, normals, nullptr, &pool, &graph, &report);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_NE(status.message().find(culprit), std::string::npos) << status.message();
+  };
+  normals.pop_back();
+  expect_failure("one normal per return");
+  motion.rotation_floor_rad = 0.0;
+  expect_failure("rotation_floor_rad");
+  options.sequential.num_key_scans = 0;
+  expect_failure("sequential.num_key_scans");
 }
 
 TEST(Seed, ChecksOptionsAllTheWayDown) {

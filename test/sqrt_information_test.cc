@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <random>
 
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/test/factor_testing.h"
 
 namespace plumbline {
@@ -61,6 +63,26 @@ TEST(SqrtInformation, RefusesWhatIsNoCovariance) {
     EXPECT_FALSE(SqrtInformation(bad, &u)) << bad;
     EXPECT_EQ(u, untouched);
   }
+}
+
+TEST(SqrtInformation, TakesWhateverCovarianceTheGraphTakes) {
+  std::mt19937 engine(3);
+  std::normal_distribution<double> gaussian;
+  SlamGraph graph;
+  int id = 0, num_taken = 0;
+  for (int pose = 0; pose < 2; ++pose) ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
+  for (int i = 0; i < 1000; ++i) {
+    // Singular but for rounding: some of these factor in one order of the rows only.
+    Eigen::Matrix<double, 3, 2> root;
+    for (int k = 0; k < 6; ++k) root.data()[k] = gaussian(engine);
+    const Eigen::Matrix3d covariance = root * root.transpose();
+    if (!graph.AddRelativePose({0, 1, Pose2(), covariance}).ok()) continue;
+    ++num_taken;
+    Eigen::Matrix3d unused;
+    EXPECT_TRUE(SqrtInformation(covariance, &unused)) << covariance;
+  }
+  EXPECT_GT(num_taken, 100);
+  EXPECT_LT(num_taken, 900);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "plumbline/apps/stage.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,8 @@ TEST(StageTableTest, WithTruth) {
             "map error\n"
             "seed                              11.8 mm       -3.744     501.1 mm     3.980 deg   "
             "1000.0 mm\n");
+  stage.error->mean_point_error_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(StageTable({stage}), testing::EndsWith("     3.980 deg           -\n"));
 }
 
 TEST(MeasureStageTest, MeasuresTheGraphAsItStands) {

@@ -39,6 +39,23 @@ TEST(SurfacePoints, LeaveOutReturnsWithoutSurface) {
   EXPECT_NEAR(surfaces[0][0].position.x(), 1.3, 1e-6);
 }
 
+TEST(SurfacePoints, ThePosesFirstScanThatShowsASurfaceIsMatched) {
+  SlamGraph graph = RowOfReturns();
+  int id = 0;
+  const std::vector<double> ranges(5, 1.0);
+  for (const int pose : {0, 1, 1, 1, 2}) {
+    if (pose == graph.num_poses()) {
+      ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
+    }
+    ASSERT_TRUE(graph.AddScan(pose, 0, ranges).ok());
+  }
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
+  // Scans 0, 1 at pose 0, scans 2, 3, 4 at pose 1, scan 5 at pose 2, none at pose 3.
+  const SurfacePoints none, some{{{1.0, 0.0}, {-1.0, 0.0}}};
+  EXPECT_EQ(MatchedScanOfPoses(graph, {some, some, none, some, some, none}),
+            (std::vector<int>{0, 3, -1, -1}));
+}
+
 TEST(SurfacePoints, MoveWithAFrame) {
   const SurfacePoint in_b{{1.0, 0.0}, {1.0, 0.0}};
   const SurfacePoint in_a = Pose2(2.0, 3.0, kPi / 2.0) * in_b;

@@ -224,7 +224,8 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
              &result);
   }
   if (result.scans.empty()) {
-    return Status::InvalidArgument(path + ": no FLASER or ROBOTLASER1 record" + FirstIssue(result));
+    return Status::InvalidArgument(path + ": no FLASER or ROBOTLASER1 record, as a CARMEN log has" +
+                                   FirstIssue(result));
   }
   SetMaxRanges(parser.flaser_max_range_m(), &result.scans);
   result.num_out_of_order = SortByTime(&result.scans) + SortByTime(&result.odometry);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+
+#include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
@@ -44,7 +47,7 @@ class BranchAndBound {
     for (const Eigen::Vector2d& point : points_) sum += point.squaredNorm();
     const double lever_m = std::sqrt(sum / static_cast<double>(points_.size()));
     const double step_rad = matcher_.cell_m_ / std::max(lever_m, matcher_.cell_m_);
-    const int steps = static_cast<int>(std::ceil(window_.half_angle_rad / step_rad));
+    const int steps = static_cast<int>(std::ceil(std::min(window_.half_angle_rad, kPi) / step_rad));
     // From the middle outwards: the prediction is more often right than wrong.
     for (int k = 0; k <= 2 * steps; ++k) {
       SearchHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad);
@@ -55,21 +58,30 @@ class BranchAndBound {
  private:
   void SearchHeading(double yaw_rad) {
     yaw_rad_ = yaw_rad;
-    heading_excluded_ =
-        excluded_radius_m_ > 0.0 && std::abs(yaw_rad - excluded_.yaw) <= excluded_angle_rad_;
+    heading_excluded_ = excluded_radius_m_ > 0.0 &&
+                        std::abs(NormalizeAngle(yaw_rad - excluded_.yaw)) <= excluded_angle_rad_;
     const Pose2 pose(window_.center.x, window_.center.y, yaw_rad);
     cells_.clear();
+    Eigen::Vector2i low(std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
+    Eigen::Vector2i high = -low;
     for (const Eigen::Vector2d& point : points_) {
       const Eigen::Vector2d at = (pose * point - matcher_.origin_) / matcher_.cell_m_;
       cells_.emplace_back(static_cast<int>(std::floor(at.x())),
                           static_cast<int>(std::floor(at.y())));
+      low = low.cwiseMin(cells_.back());
+      high = high.cwiseMax(cells_.back());
     }
+    // Shifts that leave the scan outside the grid score nothing, however wide the window.
+    const int x_low = std::max(-half_cells_, -high.x());
+    const int y_low = std::max(-half_cells_, -high.y());
+    const int x_high = std::min(half_cells_, matcher_.width_ - 1 - low.x());
+    const int y_high = std::min(half_cells_, matcher_.height_ - 1 - low.y());
     int level = 0;
     while (level < kTopLevel && (1 << level) <= half_cells_) ++level;
     const int size = 1 << level;
     std::vector<Candidate> top;
-    for (int y = -half_cells_; y <= half_cells_; y += size) {
-      for (int x = -half_cells_; x <= half_cells_; x += size) top.push_back({x, y, 0.0});
+    for (int y = y_low; y <= y_high; y += size) {
+      for (int x = x_low; x <= x_high; x += size) top.push_back({x, y, 0.0});
     }
     Descend(level, &top);
   }

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "plumbline/core/angle.h"
+
 namespace plumbline {
 namespace {
 
@@ -15,9 +17,15 @@ constexpr double kMarginPerRange = 0.02;
 constexpr std::size_t kReturnStride = 2;
 
 // The shortest of the four beams next to a bearing, 0 if one of them has no return.
-double ShortestRange(const std::vector<double>& range_of_beam, double beam) {
+double ShortestRange(const LaserModel& laser, const std::vector<double>& range_of_beam,
+                     double bearing_rad) {
+  if (laser.num_beams < 4) return 0.0;
+  // In beams from the first one, on the turn that the sweep is on.
+  const double turn = 2.0 * kPi / std::abs(laser.bearing_step_rad);
+  double beam = (bearing_rad - laser.first_bearing_rad) / laser.bearing_step_rad;
+  beam -= turn * std::floor(beam / turn);
   const int first = static_cast<int>(std::floor(beam)) - 1;
-  if (first < 0 || first + 3 >= static_cast<int>(range_of_beam.size())) return 0.0;
+  if (first < 0 || first + 3 >= laser.num_beams) return 0.0;
   return *std::min_element(range_of_beam.begin() + first, range_of_beam.begin() + first + 4);
 }
 
@@ -38,8 +46,7 @@ FreeSpaceConflict CompareFreeSpace(const SlamGraph& graph, int viewer, int scan,
     const Eigen::Vector2d point = laser_from_scan * graph.PointInRobot(entry.first_return + k);
     const double range = point.norm();
     const double bearing = std::atan2(point.y(), point.x());
-    const double shortest =
-        ShortestRange(range_of_beam, (bearing - laser.first_bearing_rad) / laser.bearing_step_rad);
+    const double shortest = ShortestRange(laser, range_of_beam, bearing);
     const double margin = kMarginM + kMarginPerRange * range;
     if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
     ++conflict.num_compared;

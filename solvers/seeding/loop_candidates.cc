@@ -105,14 +105,16 @@ std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& option
     };
     for (int first = 0; first < second; ++first) {
       if (key_scans[second].path_m - key_scans[first].path_m < options.min_path_m) break;
-      const Pose2 apart = Between(world_from_key[first], world_from_key[second]);
-      const double distance_m = std::hypot(apart.x, apart.y);
+      const double distance_m =
+          (world_from_key[first].translation() - world_from_key[second].translation()).norm();
       const double drift_m = options.drift_floor_m + options.drift_per_path * way_m[first];
       if (distance_m > options.reach_m + drift_m) {
         finish_visit();
         continue;
       }
-      const double cost = distance_m + kHeadingCostM * std::abs(apart.yaw);
+      const double turn_rad =
+          NormalizeAngle(world_from_key[second].yaw - world_from_key[first].yaw);
+      const double cost = distance_m + kHeadingCostM * std::abs(turn_rad);
       if (cost >= best_cost) continue;
       best_cost = cost;
       best = {first, second, drift_m,

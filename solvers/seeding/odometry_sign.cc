@@ -57,8 +57,7 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
   }
   if (report.num_backward_steps > 0) return report;
 
-  std::vector<int> scan_of_pose(graph.num_poses(), -1);
-  for (int s = graph.num_scans() - 1; s >= 0; --s) scan_of_pose[graph.scan(s).pose] = s;
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   const std::vector<OdometryConstraint>& steps = graph.odometry();
   std::vector<Verdict> verdicts(steps.size(), Verdict::kUndecided);
   const auto judge = [&](std::size_t i) {

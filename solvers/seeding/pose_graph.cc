@@ -39,7 +39,6 @@ void AddEdges(const std::vector<RelativePoseConstraint>& edges, ceres::LossFunct
 void OptimizePoseGraph(const std::vector<RelativePoseConstraint>& sequential,
                        const std::vector<RelativePoseConstraint>& closures,
                        std::vector<Pose2>* world_from_pose) {
-  if (closures.empty()) return;  // a chain is at its optimum
   std::vector<Block> blocks;
   for (const Pose2& pose : *world_from_pose) blocks.push_back({pose.x, pose.y, pose.yaw});
   ceres::CauchyLoss loss(kCauchyScale);
@@ -48,7 +47,7 @@ void OptimizePoseGraph(const std::vector<RelativePoseConstraint>& sequential,
   ceres::Problem problem(ownership);
   AddEdges(sequential, nullptr, &blocks, &problem);
   AddEdges(closures, &loss, &blocks, &problem);
-  if (!problem.HasParameterBlock(blocks.front().data())) return;
+  if (blocks.empty() || !problem.HasParameterBlock(blocks.front().data())) return;
   problem.SetParameterBlockConstant(blocks.front().data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cstddef>
+#include <string>
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/factors/motion_factor.h"
@@ -121,6 +122,13 @@ bool SeedingOptions::Check(std::string* error) const {
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                  ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+  std::string error;
+  if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
+  if (normals.size() != graph->num_returns()) {
+    return Status::InvalidArgument("seeding needs one normal per return, " +
+                                   std::to_string(graph->num_returns()) + ", but got " +
+                                   std::to_string(normals.size()));
+  }
   const std::vector<SurfacePoints> surfaces =
       ThinnedSurfacePoints(*graph, normals, options.point_spacing_m, pool);
   SequentialTrajectory trajectory;

@@ -36,8 +36,8 @@ struct SeedingReport {
 /// by odometry from each pose to the next. Where the odometry is recognised to have lost its sign,
 /// its motions are corrected too. The result does not depend on the number of threads.
 /// normals: as EstimateReturnNormals gives them. progress may be empty.
-/// InvalidArgument on missing odometry, Unavailable if progress stopped it; the graph is then as
-/// it was.
+/// InvalidArgument on bad options, missing odometry or a wrong number of normals, Unavailable if
+/// progress stopped it; the graph is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                  ThreadPool* pool, SlamGraph* graph, SeedingReport* report);

@@ -82,7 +82,7 @@ class SequentialMatcher {
 
   // Makes the scan a key scan if the local map has none near its pose. `path_m`: driven so far.
   void MaybeAddKeyScan(int pose, int scan, double path_m, const ScanMatch& match) {
-    if (surfaces_[scan].empty() || IsCovered(match.world_from_robot)) return;
+    if (IsCovered(match.world_from_robot)) return;
     key_scans_.push_back(
         {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw)});
     key_poses_.push_back(match.world_from_robot);
@@ -185,8 +185,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   report->odometry_sign = CheckOdometrySign(graph, surfaces, pool);
 
   const int num_poses = graph.num_poses();
-  std::vector<int> scan_of_pose(num_poses, -1);
-  for (int s = graph.num_scans() - 1; s >= 0; --s) scan_of_pose[graph.scan(s).pose] = s;
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   SequentialMatcher matcher(options, motion, surfaces, report->odometry_sign.sign_lost);
   std::vector<Pose2> poses(num_poses), odometry(num_poses);
   double path_m = 0.0;

@@ -30,4 +30,13 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
   return surfaces;
 }
 
+std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
+                                    const std::vector<SurfacePoints>& surfaces) {
+  std::vector<int> scan_of_pose(graph.num_poses(), -1);
+  for (int s = graph.num_scans() - 1; s >= 0; --s) {
+    if (!surfaces[s].empty()) scan_of_pose[graph.scan(s).pose] = s;
+  }
+  return scan_of_pose;
+}
+
 }  // namespace plumbline

@@ -28,6 +28,11 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const std::vector<Eigen::Vector2f>& normals,
                                                 double spacing_m, ThreadPool* pool);
 
+/// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
+/// others show is left to the joint estimation. surfaces: per scan.
+std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
+                                    const std::vector<SurfacePoints>& surfaces);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_SEEDING_SURFACE_POINTS_H_

@@ -1,0 +1,86 @@
+// A trajectory or a map in; how accurate and how sharp it is out.
+
+#include <gflags/gflags.h>
+
+#include <iostream>
+#include <string>
+
+#include "plumbline/apps/command_line.h"
+#include "plumbline/apps/evaluation/evaluation.h"
+#include "plumbline/apps/evaluation/report.h"
+
+namespace {
+
+// The library's defaults are those of the flags.
+const plumbline::EvaluationInputs& Defaults() {
+  static const plumbline::EvaluationInputs inputs;
+  return inputs;
+}
+
+}  // namespace
+
+DEFINE_string(trajectory, "", "Trajectory to measure (TUM: 't x y z qx qy qz qw')");
+DEFINE_string(relations, "",
+              "True relative poses ('t1 t2 x y z roll pitch yaw'): relations metric");
+DEFINE_string(truth, "", "True trajectory (TUM): absolute and relative error, as evo has them");
+DEFINE_string(log, "",
+              "CARMEN log, plain or .gz: sharpness of its ranges at the trajectory's poses");
+DEFINE_string(points, "", "Map points (PLY of plumbline_slam): their sharpness");
+DEFINE_string(json, "", "Write the figures to this file as JSON");
+DEFINE_string(csv, "", "Write the figures to this file as lines 'figure,value'");
+
+DEFINE_double(relations_tolerance_s, Defaults().relations_options.tolerance_s,
+              "A pose stands for a relation's time within this time [s]");
+DEFINE_double(local_span_s, Defaults().relations_options.local_span_s,
+              "Relations that span no more time are local, the others revisits [s]");
+DEFINE_double(max_time_difference_s, Defaults().trajectory_options.max_time_difference_s,
+              "Poses of trajectory and truth are a pair up to this difference in time [s]");
+DEFINE_int32(rpe_delta_frames, Defaults().trajectory_options.delta_frames,
+             "Step of the relative error [pairs of poses]");
+DEFINE_double(rpe_delta_m, Defaults().trajectory_options.delta_m,
+              "Step of the relative error by length of path [m]");
+
+namespace plumbline {
+namespace {
+
+EvaluationInputs InputsFromFlags() {
+  EvaluationInputs inputs;
+  inputs.trajectory = FLAGS_trajectory;
+  inputs.relations = FLAGS_relations;
+  inputs.truth = FLAGS_truth;
+  inputs.log = FLAGS_log;
+  inputs.points = FLAGS_points;
+  inputs.relations_options.tolerance_s = FLAGS_relations_tolerance_s;
+  inputs.relations_options.local_span_s = FLAGS_local_span_s;
+  inputs.trajectory_options.max_time_difference_s = FLAGS_max_time_difference_s;
+  inputs.trajectory_options.delta_frames = FLAGS_rpe_delta_frames;
+  inputs.trajectory_options.delta_m = FLAGS_rpe_delta_m;
+  return inputs;
+}
+
+Status Run() {
+  Evaluation evaluation;
+  PLUMBLINE_RETURN_IF_ERROR(Evaluate(InputsFromFlags(), &evaluation));
+  if (!FLAGS_json.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteEvaluationJson(FLAGS_json, evaluation));
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteEvaluationCsv(FLAGS_csv, evaluation));
+  std::cout << EvaluationTables(evaluation);
+  return Status::Ok();
+}
+
+}  // namespace
+}  // namespace plumbline
+
+int main(int argc, char** argv) {
+  plumbline::ParseCommandLine(
+      "Measures a trajectory against true relative poses or a true trajectory, and the sharpness "
+      "of "
+      "maps.\n\n"
+      "  plumbline_evaluate --trajectory=out/trajectory.tum --relations=fr079.relations\n"
+      "  plumbline_evaluate --trajectory=out/trajectory.tum --truth=small_building.tum "
+      "--log=small_building.clf --points=out/points.ply --json=figures.json",
+      argc, argv);
+  const plumbline::Status status = plumbline::Run();
+  if (status.ok()) return 0;
+  std::cerr << "plumbline_evaluate: " << status.message() << '\n';
+  return 1;
+}

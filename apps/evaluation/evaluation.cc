@@ -1,0 +1,76 @@
+#include "plumbline/apps/evaluation/evaluation.h"
+
+#include <utility>
+#include <vector>
+
+#include "plumbline/apps/io/ply_reader.h"
+#include "plumbline/apps/io/trajectory_io.h"
+
+namespace plumbline {
+namespace {
+
+Status CheckInputs(const EvaluationInputs& inputs) {
+  const bool needs_trajectory =
+      !inputs.relations.empty() || !inputs.truth.empty() || !inputs.log.empty();
+  if (!needs_trajectory && inputs.points.empty()) {
+    return Status::InvalidArgument(
+        "nothing to measure: give --relations, --truth, --log or --points; see --help");
+  }
+  if (needs_trajectory && inputs.trajectory.empty()) {
+    return Status::InvalidArgument("--trajectory is missing; see --help");
+  }
+  std::string error;
+  if (!inputs.relations_options.Check(&error) || !inputs.trajectory_options.Check(&error)) {
+    return Status::InvalidArgument(error);
+  }
+  return Status::Ok();
+}
+
+Status EvaluateRelations(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
+                         Evaluation* evaluation) {
+  std::vector<Relation> relations;
+  PLUMBLINE_RETURN_IF_ERROR(ReadRelations(inputs.relations, &relations));
+  evaluation->relations = MeasureRelations(relations, trajectory, inputs.relations_options);
+  if (evaluation->relations->all.num_matched > 0) return Status::Ok();
+  return Status::InvalidArgument(inputs.relations + ": no relation's times are those of " +
+                                 inputs.trajectory);
+}
+
+Status EvaluateTrajectory(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
+                          Evaluation* evaluation) {
+  std::vector<TimedPose> truth;
+  PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(inputs.truth, &truth));
+  evaluation->trajectory = MeasureTrajectory(trajectory, truth, inputs.trajectory_options);
+  if (evaluation->trajectory->absolute.num_matched > 0) return Status::Ok();
+  return Status::InvalidArgument(inputs.truth + ": no pose's time is one of " + inputs.trajectory);
+}
+
+}  // namespace
+
+Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckInputs(inputs));
+  Evaluation result;
+  std::vector<TimedPose> trajectory;
+  if (!inputs.trajectory.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(inputs.trajectory, &trajectory));
+  }
+  if (!inputs.relations.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(EvaluateRelations(inputs, trajectory, &result));
+  }
+  if (!inputs.truth.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(EvaluateTrajectory(inputs, trajectory, &result));
+  }
+  if (!inputs.log.empty()) {
+    result.raw_ranges.emplace();
+    PLUMBLINE_RETURN_IF_ERROR(MeasureSharpnessOfLog(inputs.log, trajectory, &*result.raw_ranges));
+  }
+  if (!inputs.points.empty()) {
+    std::vector<double> points;
+    PLUMBLINE_RETURN_IF_ERROR(ReadPointsPly(inputs.points, &points));
+    result.points = MeasureSharpness(points);
+  }
+  *evaluation = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,40 @@
+#ifndef PLUMBLINE_APPS_EVALUATION_EVALUATION_H_
+#define PLUMBLINE_APPS_EVALUATION_EVALUATION_H_
+
+#include <optional>
+#include <string>
+
+#include "plumbline/apps/evaluation/map_sharpness.h"
+#include "plumbline/apps/evaluation/relations_metric.h"
+#include "plumbline/apps/evaluation/trajectory_metrics.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// What to measure: a trajectory against what is known of it, and maps by themselves. An empty path
+/// leaves out what it would give.
+struct EvaluationInputs {
+  std::string trajectory;  ///< TUM file
+  std::string relations;   ///< file of true relative poses, see ReadRelations
+  std::string truth;       ///< TUM file
+  std::string log;         ///< CARMEN log, its ranges mapped at the poses of the trajectory
+  std::string points;      ///< PLY file of map points, see ReadPointsPly
+  RelationsOptions relations_options;
+  TrajectoryMetricsOptions trajectory_options;
+};
+
+struct Evaluation {
+  std::optional<RelationsMetric> relations;
+  std::optional<TrajectoryMetrics> trajectory;
+  std::optional<MapSharpness> raw_ranges;
+  std::optional<MapSharpness> points;
+};
+
+/// Reads and measures everything that the inputs name. InvalidArgument if they name nothing to
+/// measure, if an option is out of range, and if a trajectory shares no time with what it is
+/// measured against; else what the readers say of a file.
+Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_EVALUATION_EVALUATION_H_

@@ -1,0 +1,94 @@
+#include "plumbline/apps/evaluation/trajectory_metrics.h"
+
+#include <cstddef>
+
+#include "plumbline/apps/evaluation/alignment.h"
+#include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+// Poses of the same times, paired by index.
+struct PosePairs {
+  std::vector<Pose2> estimate, truth;
+  std::size_t num_unmatched = 0;
+};
+
+PosePairs Pair(const PoseTimeline& estimate, const PoseTimeline& truth,
+               double max_time_difference_s) {
+  const bool from_truth = estimate.poses().size() > truth.poses().size();
+  PosePairs pairs;
+  for (const TimedPose& pose : (from_truth ? truth : estimate).poses()) {
+    const TimedPose* nearest =
+        (from_truth ? estimate : truth).Nearest(pose.timestamp_s, max_time_difference_s);
+    if (nearest == nullptr) {
+      ++pairs.num_unmatched;
+      continue;
+    }
+    pairs.estimate.push_back((from_truth ? *nearest : pose).world_from_robot);
+    pairs.truth.push_back((from_truth ? pose : *nearest).world_from_robot);
+  }
+  return pairs;
+}
+
+PoseErrorStatistics AbsoluteErrors(const PosePairs& pairs) {
+  PoseErrors errors(StatisticsConvention::kEvo);
+  for (std::size_t i = 0; i < pairs.num_unmatched; ++i) errors.AddUnmatched();
+  if (pairs.estimate.empty()) return errors.Statistics();
+  const Pose2 truth_from_world = AlignTrajectories(pairs.estimate, pairs.truth);
+  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
+    errors.Add(pairs.truth[i], truth_from_world * pairs.estimate[i]);
+  }
+  return errors.Statistics();
+}
+
+// From each of these places to the next.
+PoseErrorStatistics RelativeErrors(const PosePairs& pairs, const std::vector<std::size_t>& places) {
+  PoseErrors errors(StatisticsConvention::kEvo);
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    const std::size_t from = places[k - 1], to = places[k];
+    errors.Add(Between(pairs.truth[from], pairs.truth[to]),
+               Between(pairs.estimate[from], pairs.estimate[to]));
+  }
+  return errors.Statistics();
+}
+
+std::vector<std::size_t> PlacesByFrames(std::size_t num_pairs, int delta_frames) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < num_pairs; i += delta_frames) places.push_back(i);
+  return places;
+}
+
+std::vector<std::size_t> PlacesByPath(const std::vector<Pose2>& poses, double delta_m) {
+  std::vector<std::size_t> places;
+  double path_m = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    path_m += (poses[i].translation() - poses[i - 1].translation()).norm();
+    if (path_m < delta_m) continue;
+    places.push_back(i);
+    path_m = 0.0;
+  }
+  return places;
+}
+
+}  // namespace
+
+bool TrajectoryMetricsOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(max_time_difference_s, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(delta_frames, >=, 1);
+  PLUMBLINE_CHECK_FINITE_OPTION(delta_m, >, 0.0);
+  return true;
+}
+
+TrajectoryMetrics MeasureTrajectory(const std::vector<TimedPose>& estimate,
+                                    const std::vector<TimedPose>& truth,
+                                    const TrajectoryMetricsOptions& options) {
+  const PosePairs pairs =
+      Pair(PoseTimeline(estimate), PoseTimeline(truth), options.max_time_difference_s);
+  return {AbsoluteErrors(pairs),
+          RelativeErrors(pairs, PlacesByFrames(pairs.estimate.size(), options.delta_frames)),
+          RelativeErrors(pairs, PlacesByPath(pairs.estimate, options.delta_m))};
+}
+
+}  // namespace plumbline
