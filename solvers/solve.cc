@@ -48,17 +48,28 @@ struct RoundScale {
   double gate_factor;
 };
 
-RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, int round) {
+// A stretch of surface of half length r, seen with standard deviation s across it, has variances
+// r^2 / 3 and s^2: below 4.5 s even a perfect wall fails the default eigenvalue ratio of 0.15.
+double SmallestUsefulRadius(const FactorOptions& factors) {
+  return 5.0 * std::hypot(factors.beam.sigma_range_m, factors.manifold.sigma_m);
+}
+
+RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius_m, int round) {
   const double progress = static_cast<double>(round) / rounds.max_coarse_rounds;
-  return {
-      rounds.coarse_radius_m * std::pow(rounds.fine_radius_m / rounds.coarse_radius_m, progress),
-      std::pow(rounds.coarse_gate_factor, 1.0 - progress)};
+  const double radius_m =
+      rounds.coarse_radius_m * std::pow(rounds.fine_radius_m / rounds.coarse_radius_m, progress);
+  return {std::max(radius_m, smallest_radius_m),
+          std::pow(rounds.coarse_gate_factor, 1.0 - progress)};
 }
 
 class JointSolver {
  public:
   JointSolver(const SolverOptions& options, SlamGraph* graph)
-      : options_(options), graph_(graph), pool_(options.num_threads) {
+      : options_(options),
+        graph_(graph),
+        fine_radius_m_(
+            std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors))),
+        pool_(options.num_threads) {
     summary_.solver = ToString(options.type);
     summary_.num_poses = graph->num_poses();
     summary_.num_points = graph->num_returns();
@@ -71,9 +82,9 @@ class JointSolver {
     best_points_ = graph_->points();
     summary_.seed_marginal_energy = best_energy_ = CurrentMarginalEnergy();
     for (int round = 0; round < options_.rounds.max_coarse_rounds && !ended_; ++round) {
-      if (!RunRound(ScaleOfCoarseRound(options_.rounds, round))) break;
+      if (!RunRound(ScaleOfCoarseRound(options_.rounds, fine_radius_m_, round))) break;
     }
-    const RoundScale fine{options_.rounds.fine_radius_m, 1.0};
+    const RoundScale fine{fine_radius_m_, 1.0};
     for (int round = 0; round < options_.rounds.max_fine_rounds && !ended_; ++round) {
       const double before = best_energy_;
       const bool kept = RunRound(fine);
@@ -88,7 +99,7 @@ class JointSolver {
  private:
   double CurrentMarginalEnergy() {
     return MarginalEnergy(graph_->poses(), normals_, options_.factors, options_.association,
-                          options_.rounds.fine_radius_m, &pool_, graph_);
+                          fine_radius_m_, &pool_, graph_);
   }
 
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
@@ -215,6 +226,7 @@ class JointSolver {
 
   const SolverOptions& options_;
   SlamGraph* graph_;
+  const double fine_radius_m_;
   ThreadPool pool_;
   const Clock::time_point start_ = Clock::now();
   std::vector<Eigen::Vector2f> normals_;

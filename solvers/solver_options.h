@@ -55,7 +55,9 @@ struct CeresOptions {
 
 /// The outer loop. Each round rebuilds the associations and minimises the energy; a round that does
 /// not lower the marginal energy is undone. Coarse rounds, with wide neighbourhoods and gates, pull
-/// double walls together and end at the first one that does not help; fine rounds follow.
+/// double walls together and end at the first one that does not help; fine rounds follow. With a
+/// noisy scanner all radii are at least five standard deviations of a return off its surface: over
+/// less, noise looks like clutter.
 struct RoundOptions {
   int max_coarse_rounds = 4;
   int max_fine_rounds = 8;

@@ -86,6 +86,17 @@ TEST_P(SolveWith, BringsThePosesCloserToTheTruth) {
   EXPECT_DOUBLE_EQ(summary.rounds.back().gate_sigmas, gate);
 }
 
+TEST_P(SolveWith, ANoisyScannerGetsWiderNeighborhoods) {
+  NoisyRoom room = DisturbedRoom();
+  SolverOptions options = OptionsFor(GetParam());
+  options.factors.beam.sigma_range_m = 0.04;
+  options.factors.manifold.sigma_m = 0.03;
+  const SolverSummary summary = Solve(options, &room.graph);
+  ASSERT_FALSE(summary.rounds.empty());
+  EXPECT_DOUBLE_EQ(summary.rounds.front().radius_m, 0.3);
+  EXPECT_DOUBLE_EQ(summary.rounds.back().radius_m, 0.25);  // five times 0.05 m
+}
+
 TEST_P(SolveWith, ReturnsAPerfectSeedBitForBit) {
   // Walls that do not meet, seen without noise: at the truth, every line passes exactly through its
   // points and every residual is zero but for rounding.
