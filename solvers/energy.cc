@@ -5,6 +5,7 @@
 
 #include "plumbline/factors/range_beam_factor.h"
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/pose_sums.h"
 
 namespace plumbline {
 namespace {
@@ -147,17 +148,6 @@ void Resize(std::vector<double>* values, std::size_t size) {
 
 void SetZero(std::vector<double>* values, std::size_t size) {
   if (values != nullptr) values->assign(size, 0.0);
-}
-
-// Adds the N values of each scan to those of its pose.
-template <int N>
-void AddToPoses(const SlamGraph& graph, const std::vector<double>& of_scans,
-                std::vector<double>* of_poses) {
-  if (of_poses == nullptr) return;
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    double* const sum = &(*of_poses)[N * graph.scan(s).pose];
-    for (int i = 0; i < N; ++i) sum[i] += of_scans[N * s + i];
-  }
 }
 
 }  // namespace
@@ -341,8 +331,10 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
     *costs += chunk_costs[chunk];
     ok = ok && chunk_ok[chunk];
   }
-  AddToPoses<3>(graph_, scan_gradients, derivatives.pose_gradient);
-  AddToPoses<6>(graph_, scan_blocks, derivatives.pose_blocks);
+  if (derivatives.pose_gradient) {
+    AddToPoses<3>(graph_, scan_gradients, derivatives.pose_gradient);
+  }
+  if (derivatives.pose_blocks) AddToPoses<6>(graph_, scan_blocks, derivatives.pose_blocks);
   return ok && std::isfinite(costs->Total());
 }
 

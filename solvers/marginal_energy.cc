@@ -41,12 +41,10 @@ double ScanCost(const SlamGraph& graph, int scan_id, const std::vector<TangentLi
 
 }  // namespace
 
-double MarginalEnergy(const std::vector<double>& poses, const std::vector<Eigen::Vector2f>& normals,
-                      const FactorOptions& factors, const AssociationOptions& association,
-                      double radius_m, ThreadPool* pool, SlamGraph* graph) {
-  const std::vector<double> kept_poses = graph->poses();
+double MarginalEnergy(const std::vector<Eigen::Vector2f>& normals, const FactorOptions& factors,
+                      const AssociationOptions& association, double radius_m, ThreadPool* pool,
+                      SlamGraph* graph) {
   const std::vector<double> kept_points = graph->points();
-  graph->poses() = poses;
   graph->ResetPointsFromPoses();
   const std::vector<TangentLine> lines =
       LinesFromRadius(*graph, normals, association, radius_m, pool);
@@ -57,9 +55,8 @@ double MarginalEnergy(const std::vector<double>& poses, const std::vector<Eigen:
                          costs[chunk] += ScanCost(*graph, static_cast<int>(s), lines, factors);
                        }
                      });
-  double total = PoseTerms(*graph, factors).Cost(poses);
+  double total = PoseTerms(*graph, factors).Cost(graph->poses());
   for (const double cost : costs) total += cost;
-  graph->poses() = kept_poses;
   graph->points() = kept_points;
   return total;
 }

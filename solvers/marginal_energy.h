@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// How well a set of poses explains the scans: the energy with every point at its optimum, under
+/// How well the graph's poses explain the scans: the energy with every point at its optimum, under
 /// the tangent lines that these poses themselves give. It compares states whose associations
 /// differ, where the joint energy cannot.
 ///
@@ -21,10 +21,11 @@ namespace plumbline {
 /// costs what an outlier costs, so losing lines never pays. Pose terms are added; shape terms,
 /// which tie points to each other, are left out.
 ///
-/// poses: (x, y, yaw) per pose. radius_m as for LinesFromRadius. The graph is as before on return.
-double MarginalEnergy(const std::vector<double>& poses, const std::vector<Eigen::Vector2f>& normals,
-                      const FactorOptions& factors, const AssociationOptions& association,
-                      double radius_m, ThreadPool* pool, SlamGraph* graph);
+/// normals: as EstimateReturnNormals gives them. radius_m as for LinesFromRadius. The graph is as
+/// before on return.
+double MarginalEnergy(const std::vector<Eigen::Vector2f>& normals, const FactorOptions& factors,
+                      const AssociationOptions& association, double radius_m, ThreadPool* pool,
+                      SlamGraph* graph);
 
 }  // namespace plumbline
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/pose_sums.h"
 
 namespace plumbline {
 namespace {
@@ -26,10 +27,7 @@ void AddForEachScan(const SlamGraph& graph, ThreadPool* pool, const Body& body,
                     std::vector<double>* of_poses) {
   std::vector<double> of_scans(N * graph.num_scans(), 0.0);
   ForEachScan(graph, pool, [&](int s) { body(graph.scan(s), &of_scans[N * s]); });
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    double* const sum = &(*of_poses)[N * graph.scan(s).pose];
-    for (int i = 0; i < N; ++i) sum[i] += of_scans[N * s + i];
-  }
+  AddToPoses<N>(graph, of_scans, of_poses);
 }
 
 // What changes when scans move with their points.

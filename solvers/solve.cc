@@ -98,8 +98,8 @@ class JointSolver {
 
  private:
   double CurrentMarginalEnergy() {
-    return MarginalEnergy(graph_->poses(), normals_, options_.factors, options_.association,
-                          fine_radius_m_, &pool_, graph_);
+    return MarginalEnergy(normals_, options_.factors, options_.association, fine_radius_m_, &pool_,
+                          graph_);
   }
 
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
