@@ -9,12 +9,15 @@
 #include <utility>
 
 #include "plumbline/apps/command_line.h"
+#include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/apps/simulation/truth_writer.h"
 
 DEFINE_string(world, "", "Building to drive through; datasets/README.md describes the format");
+DEFINE_string(building, "",
+              "Makes up a building instead, out of --seed: random, repetitive or long_corridor");
 DEFINE_string(log, "", "CARMEN log to write");
 DEFINE_string(truth, "", "True trajectory to write, TUM format (empty: none)");
 DEFINE_string(hits, "", "True point of every return to write, lines 't beam x y' (empty: none)");
@@ -32,7 +35,7 @@ const plumbline::SimulationOptions& Defaults() {
 
 }  // namespace
 
-DEFINE_uint64(seed, Defaults().seed, "Seed of all noise");
+DEFINE_uint64(seed, Defaults().seed, "Seed of all noise, and of a building that is made up");
 
 DEFINE_int32(num_beams, Defaults().laser.num_beams, "Beams per scan");
 DEFINE_double(first_bearing_deg, RadToDeg(Defaults().laser.first_bearing_rad),
@@ -80,6 +83,15 @@ DEFINE_double(odom_heading_drift_rad_m, Defaults().odometry_noise.heading_drift_
 DEFINE_double(odom_scale_error, Defaults().odometry_noise.scale_error,
               "Odometry's systematic error in distance [m per m]");
 
+DEFINE_double(carry_at_path_m, Defaults().carry.at_path_m,
+              "Where on its path the robot is carried, unnoticed by the odometry [m]");
+DEFINE_double(carry_distance_m, Defaults().carry.distance_m, "How far it is carried along it [m]");
+DEFINE_double(odom_leap_at_path_m, Defaults().odometry_leap.at_path_m,
+              "Where on the path the odometry leaps, although the robot does not [m]");
+DEFINE_double(odom_leap_distance_m, Defaults().odometry_leap.distance_m, "How far it leaps [m]");
+DEFINE_double(odom_leap_direction_deg, RadToDeg(Defaults().odometry_leap_direction_rad),
+              "In which direction, seen from the robot [deg]");
+
 namespace plumbline {
 namespace {
 
@@ -109,6 +121,9 @@ SimulationOptions OptionsFromFlags() {
   odometry.translation_per_rotation_m_rad = FLAGS_odom_translation_per_rotation_m_rad;
   odometry.heading_drift_rad_m = FLAGS_odom_heading_drift_rad_m;
   odometry.scale_error = FLAGS_odom_scale_error;
+  options.carry = {FLAGS_carry_at_path_m, FLAGS_carry_distance_m};
+  options.odometry_leap = {FLAGS_odom_leap_at_path_m, FLAGS_odom_leap_distance_m};
+  options.odometry_leap_direction_rad = DegToRad(FLAGS_odom_leap_direction_deg);
   options.seed = FLAGS_seed;
   return options;
 }
@@ -126,11 +141,26 @@ void PrintSummary(const SimulatedLog& log) {
             << RadToDeg(std::abs(error.yaw)) << " deg off\n";
 }
 
+// The building that --world or --building asks for.
+Status MakeBuilding(Building* building) {
+  if (FLAGS_world.empty() == FLAGS_building.empty()) {
+    return Status::InvalidArgument(FLAGS_world.empty()
+                                       ? "--world is missing, or --building; see --help"
+                                       : "--world and --building exclude each other");
+  }
+  if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
+  BuildingKind kind;
+  if (!FromString(FLAGS_building, &kind)) {
+    return Status::InvalidArgument("--building=" + FLAGS_building + ": no such kind; see --help");
+  }
+  *building = GenerateBuilding(kind, FLAGS_seed);
+  return Status::Ok();
+}
+
 Status Run() {
-  if (FLAGS_world.empty()) return Status::InvalidArgument("--world is missing; see --help");
-  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   Building building;
-  PLUMBLINE_RETURN_IF_ERROR(ReadBuilding(FLAGS_world, &building));
+  PLUMBLINE_RETURN_IF_ERROR(MakeBuilding(&building));
+  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   SimulatedLog log;
   PLUMBLINE_RETURN_IF_ERROR(Simulate(World(std::move(building)), OptionsFromFlags(), &log));
   PLUMBLINE_RETURN_IF_ERROR(WriteCarmenLog(FLAGS_log, log));
@@ -147,7 +177,8 @@ int main(int argc, char** argv) {
   plumbline::ParseCommandLine(
       "Simulates a robot with a laser scanner in a building.\n\n"
       "  plumbline_simulate --world=datasets/small_building.world --log=small_building.clf "
-      "--truth=small_building.tum --hits=small_building.hits",
+      "--truth=small_building.tum --hits=small_building.hits\n"
+      "  plumbline_simulate --building=random --seed=7 --log=random_7.clf --truth=random_7.tum",
       argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;

@@ -50,6 +50,10 @@ TEST(DriveTest, StraightThenLeftThenStraight) {
              kPi / 4);
   ExpectPose(drive.WorldFromRobot(4.0 + kPi), 3.0, 1.0, kPi / 2);
   ExpectPose(drive.WorldFromRobot(drive.duration_s()), 3.0, 4.0, kPi / 2);
+  EXPECT_EQ(drive.TimeAt(0.0), 0.0);
+  EXPECT_NEAR(drive.TimeAt(2.0 + kPi / 4), 4.0 + kPi / 2, 1e-12);
+  EXPECT_NEAR(drive.TimeAt(3.0 + kPi / 2), 6.0 + kPi, 1e-12);
+  EXPECT_EQ(drive.TimeAt(100.0), drive.duration_s());
 }
 
 TEST(DriveTest, SlowsDownWhereTheTurnRateLimitsIt) {
@@ -70,6 +74,8 @@ TEST(DriveTest, TurnsOnTheSpotWhereThePathGoesBack) {
   EXPECT_NEAR(drive.duration_s(), 4.0 + 2.0 * kPi, 1e-12);
   EXPECT_NEAR(drive.length_m(), 4.0, 1e-12);
   ExpectPose(drive.WorldFromRobot(2.0 + kPi), 2.0, 0.0, kPi / 2);
+  EXPECT_NEAR(drive.TimeAt(2.0), 2.0, 1e-12);
+  EXPECT_NEAR(drive.TimeAt(3.0), 3.0 + 2.0 * kPi, 1e-12);
 }
 
 TEST(DriveTest, ArcsShrinkToFitShortLegs) {

@@ -202,6 +202,65 @@ TEST(SimulatorTest, OdometryDoesNotDependOnTheLaser) {
   EXPECT_EQ(log.scans.back().odom_from_robot.x, other.scans.back().odom_from_robot.x);
 }
 
+TEST(SimulatorTest, CarriedRobotLeapsAndItsOdometryDoesNot) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  options.carry = {2.25, 1.5};
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  // From x = 2 to 8 m; at x = 4.25 m, between the scans at 4 s and 5 s, on to 5.75 m.
+  ASSERT_EQ(log.scans.size(), 10u);
+  EXPECT_NEAR(log.path_length_m, 4.5, 1e-12);
+  EXPECT_NEAR(log.scans[4].world_from_robot.x, 4.0, 1e-12);
+  EXPECT_NEAR(log.scans[5].world_from_robot.x, 6.0, 1e-12);
+  EXPECT_NEAR(log.scans[4].odom_from_robot.x, 4.0, 1e-12);
+  EXPECT_NEAR(log.scans[5].odom_from_robot.x, 4.5, 1e-12);
+  EXPECT_NEAR(log.scans[9].world_from_robot.x, 8.0, 1e-12);
+  EXPECT_NEAR(log.scans[9].odom_from_robot.x, 6.5, 1e-12);
+}
+
+TEST(SimulatorTest, CarriedAroundACornerTheWheelsHaveGoneStraight) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.drive.corner_radius_m = 0.0;
+  options.drive.turn_rate_rad_s = kPi / 2;
+  options.scan_period_s = 1.0;
+  options.carry = {2.75, 0.5};  // from 0.25 m before the corner to 0.25 m behind it
+  Building building = SmallHall().building();
+  building.path = {{{2, 2}, 1}, {{5, 2}, 2}, {{5, 5}, 3}};
+  const SimulatedLog log = SimulatedIn(World(building), options);
+  EXPECT_NEAR(log.scans[5].world_from_robot.x, 4.5, 1e-12);
+  EXPECT_NEAR(log.scans[6].world_from_robot.x, 5.0, 1e-12);
+  EXPECT_NEAR(log.scans[6].world_from_robot.y, 2.5, 1e-12);
+  EXPECT_NEAR(log.scans[6].world_from_robot.yaw, kPi / 2, 1e-12);
+  EXPECT_NEAR(log.scans[6].odom_from_robot.x, 5.0, 1e-12);
+  EXPECT_NEAR(log.scans[6].odom_from_robot.y, 2.0, 1e-12);
+  EXPECT_NEAR(log.scans[6].odom_from_robot.yaw, 0.0, 1e-12);
+}
+
+TEST(SimulatorTest, CarriedBeyondTheEndOfThePathTheDriveIsOver) {
+  SimulationOptions options = Exact();
+  options.carry = {5.0, 10.0};
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  EXPECT_NEAR(log.path_length_m, 5.0, 1e-12);
+  EXPECT_LE(log.scans.back().world_from_robot.x, 7.0);
+}
+
+TEST(SimulatorTest, OdometryLeapsAndTheRobotDoesNot) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  options.odometry_leap = {2.25, 1.0};
+  options.odometry_leap_direction_rad = kPi / 2;
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  ASSERT_EQ(log.scans.size(), 13u);
+  for (std::size_t i = 0; i < log.scans.size(); ++i) {
+    EXPECT_NEAR(log.scans[i].world_from_robot.x, 2.0 + 0.5 * i, 1e-12);
+    EXPECT_NEAR(log.scans[i].odom_from_robot.x, 2.0 + 0.5 * i, 1e-12);
+    EXPECT_NEAR(log.scans[i].odom_from_robot.y, i < 5 ? 3.0 : 4.0, 1e-12);
+  }
+}
+
 TEST(SimulatorTest, RefusesBadOptionsByName) {
   SimulatedLog log;
   SimulationOptions options;
@@ -218,6 +277,9 @@ TEST(SimulatorTest, RefusesBadOptionsByName) {
   options = SimulationOptions();
   options.odometry_noise.scale_error = -1.0;
   EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("scale_error = -1"));
+  options = SimulationOptions();
+  options.carry.distance_m = -1.0;
+  EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("carry.distance_m = -1"));
   EXPECT_TRUE(log.scans.empty());
 }
 

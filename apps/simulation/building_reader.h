@@ -19,8 +19,7 @@ namespace plumbline {
 ///   circle x y radius         a pillar or a round table
 ///   path x y                  the next point that the robot drives to
 ///
-/// A wall is a solid bar with two faces and two ends. It reaches half its thickness beyond either
-/// end of its centre line, so that walls which meet close the corner; a door cuts it square.
+/// FloorPlan says what walls and doors look like.
 ///
 /// NotFound, Unavailable or DataLoss if the file cannot be read. InvalidArgument, naming file, line
 /// and field, on a record that is unknown, incomplete or degenerate, on a door that opens no wall,

@@ -10,8 +10,8 @@
 namespace plumbline {
 namespace {
 
-// Distance between the poses that are tested for contact with a surface: well below the thickness
-// of a wall.
+// Largest distance between poses next to a surface that are tested for contact with it: well below
+// the thickness of a wall.
 constexpr double kCheckSpacing = 0.02;
 
 // How the robot rounds an inner waypoint.
@@ -33,6 +33,16 @@ Corner MakeCorner(const Eigen::Vector2d& arriving, const Eigen::Vector2d& leavin
   corner.setback_m = std::min(options.corner_radius_m * std::tan(0.5 * angle), room);
   corner.radius_m = corner.setback_m / std::tan(0.5 * angle);
   return corner;
+}
+
+Status TooClose(const std::string& building, std::size_t line, double robot_radius_m,
+                double clearance_m, const Pose2& pose) {
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "path: on its way here the robot, radius %.3f m, comes within %.3f m of a surface "
+                "at (%.3f, %.3f)",
+                robot_radius_m, clearance_m, pose.x, pose.y);
+  return Status::InvalidArgument(building + ":" + std::to_string(line) + ": " + text);
 }
 
 }  // namespace
@@ -59,6 +69,16 @@ Status Drive::Plan(const World& world, const DriveOptions& options, Drive* drive
   PLUMBLINE_RETURN_IF_ERROR(result.CheckClearance(world, options.robot_radius_m));
   *drive = std::move(result);
   return Status::Ok();
+}
+
+double Drive::TimeAt(double path_m) const {
+  double remaining = path_m;
+  for (const Piece& piece : pieces_) {
+    const double length = piece.speed_m_s * piece.duration_s;
+    if (length > 0.0 && remaining <= length) return piece.start_s + remaining / piece.speed_m_s;
+    remaining -= length;
+  }
+  return duration_s_;
 }
 
 Pose2 Drive::WorldFromRobot(double time_s) const {
@@ -111,19 +131,18 @@ Pose2 Drive::PoseOnPiece(const Piece& piece, double time_s) {
 
 Status Drive::CheckClearance(const World& world, double robot_radius_m) const {
   for (const Piece& piece : pieces_) {
-    const int steps =
-        static_cast<int>(std::ceil(piece.speed_m_s * piece.duration_s / kCheckSpacing));
-    for (int i = 0; i <= steps; ++i) {
-      const Pose2 pose = PoseOnPiece(piece, piece.duration_s * i / std::max(1, steps));
+    const double length = piece.speed_m_s * piece.duration_s;
+    double driven = 0.0;
+    while (true) {
+      const double share = length > 0.0 ? driven / length : 0.0;
+      const Pose2 pose = PoseOnPiece(piece, piece.duration_s * share);
       const double clearance = world.Clearance(pose.translation());
-      if (clearance >= robot_radius_m) continue;
-      char text[160];
-      std::snprintf(text, sizeof(text),
-                    "path: on its way here the robot, radius %.3f m, comes within %.3f m of a "
-                    "surface at (%.3f, %.3f)",
-                    robot_radius_m, clearance, pose.x, pose.y);
-      return Status::InvalidArgument(world.building().name + ":" + std::to_string(piece.line) +
-                                     ": " + text);
+      if (clearance < robot_radius_m) {
+        return TooClose(world.building().name, piece.line, robot_radius_m, clearance, pose);
+      }
+      if (driven == length) break;
+      // No surface is too close before the robot has come nearer by what it has to spare.
+      driven = std::min(driven + std::max(kCheckSpacing, clearance - robot_radius_m), length);
     }
   }
   return Status::Ok();

@@ -35,6 +35,9 @@ class Drive {
   double duration_s() const { return duration_s_; }
   double length_m() const { return length_m_; }
 
+  /// When the robot has first driven this far, from 0 to length_m().
+  double TimeAt(double path_m) const;
+
   /// The robot's pose `time_s` after the start, from 0 to duration_s(); yaw not wrapped.
   Pose2 WorldFromRobot(double time_s) const;
 

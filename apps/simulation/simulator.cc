@@ -1,5 +1,6 @@
 #include "plumbline/apps/simulation/simulator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -70,6 +71,53 @@ Pose2 DisturbStep(const Pose2& step, const OdometryNoise& noise, NoiseSource* so
   return Pose2(0.0, 0.0, noisy_rot1) * Pose2(noisy_trans, 0.0, noisy_rot2);
 }
 
+// The planned drive as it happens: without the stretch over which the robot is carried.
+class ActualDrive {
+ public:
+  ActualDrive(const Drive& plan, const DriveFault& carry)
+      : plan_(plan),
+        carried_at_s_(plan.TimeAt(carry.at_path_m)),
+        skipped_s_(plan.TimeAt(carry.at_path_m + carry.distance_m) - carried_at_s_),
+        skipped_m_(std::clamp(plan.length_m() - carry.at_path_m, 0.0, carry.distance_m)) {}
+
+  double duration_s() const { return plan_.duration_s() - skipped_s_; }
+  double length_m() const { return plan_.length_m() - skipped_m_; }
+  Pose2 WorldFromRobot(double time_s) const { return plan_.WorldFromRobot(PlannedTime(time_s)); }
+
+  // The motion from one time to a later one, as the wheels roll.
+  Pose2 RolledMotion(double from_s, double to_s) const {
+    const Pose2 from = WorldFromRobot(from_s), to = WorldFromRobot(to_s);
+    if (from_s > carried_at_s_ || to_s <= carried_at_s_) return Between(from, to);
+    return Between(from, plan_.WorldFromRobot(carried_at_s_)) *
+           Between(plan_.WorldFromRobot(carried_at_s_ + skipped_s_), to);
+  }
+
+  // Whether the robot passes this point of its path from one time to a later one.
+  bool Passes(double path_m, double from_s, double to_s) const {
+    const double planned_s = plan_.TimeAt(path_m);
+    return PlannedTime(from_s) <= planned_s && planned_s < PlannedTime(to_s);
+  }
+
+ private:
+  // When the plan has the robot where it really is at this time.
+  double PlannedTime(double time_s) const {
+    return time_s > carried_at_s_ ? time_s + skipped_s_ : time_s;
+  }
+
+  const Drive& plan_;
+  const double carried_at_s_, skipped_s_, skipped_m_;
+};
+
+// What the odometry reports of the way from one scan to the next.
+Pose2 OdometryStep(const ActualDrive& drive, double from_s, double to_s,
+                   const SimulationOptions& options, NoiseSource* source) {
+  const Pose2 step = DisturbStep(drive.RolledMotion(from_s, to_s), options.odometry_noise, source);
+  const DriveFault& leap = options.odometry_leap;
+  if (!drive.Passes(leap.at_path_m, from_s, to_s)) return step;
+  const Eigen::Vector2d shift = BeamEnd(leap.distance_m, options.odometry_leap_direction_rad);
+  return Pose2(shift.x(), shift.y(), 0.0) * step;
+}
+
 }  // namespace
 
 bool LaserNoise::Check(std::string* error) const {
@@ -92,6 +140,12 @@ bool OdometryNoise::Check(std::string* error) const {
   return true;
 }
 
+bool DriveFault::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(at_path_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(distance_m, >=, 0.0);
+  return true;
+}
+
 SimulationOptions::SimulationOptions() {
   laser.num_beams = 360;
   laser.first_bearing_rad = DegToRad(-90.0);
@@ -100,6 +154,9 @@ SimulationOptions::SimulationOptions() {
 
 bool SimulationOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(scan_period_s, >=, 1e-3);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(carry);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(odometry_leap);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_leap_direction_rad), >=, 0.0);
   return laser.Check(error) && drive.Check(error) && laser_noise.Check(error) &&
          odometry_noise.Check(error);
 }
@@ -107,9 +164,10 @@ bool SimulationOptions::Check(std::string* error) const {
 Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("simulation: " + error);
-  Drive drive;
-  PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &drive));
+  Drive plan;
+  PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &plan));
 
+  const ActualDrive drive(plan, options.carry);
   SimulatedLog result;
   result.laser = options.laser;
   result.path_length_m = drive.length_m();
@@ -125,9 +183,9 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
       scan.odom_from_robot = scan.world_from_robot;
     } else {
       const SimulatedScan& last = result.scans.back();
-      const Pose2 step = Between(last.world_from_robot, scan.world_from_robot);
       scan.odom_from_robot =
-          last.odom_from_robot * DisturbStep(step, options.odometry_noise, &odometry_source);
+          last.odom_from_robot * OdometryStep(drive, last.scan.timestamp_s, scan.scan.timestamp_s,
+                                              options, &odometry_source);
       scan.odom_from_robot.yaw = NormalizeAngle(scan.odom_from_robot.yaw);
     }
     TakeScan(world, options, &laser_source, &scan);

@@ -40,12 +40,25 @@ struct OdometryNoise {
   bool Check(std::string* error) const;
 };
 
+/// Something that goes wrong once; a distance of 0 changes nothing.
+struct DriveFault {
+  double at_path_m = 0.0;   ///< where on the path, counted from its start [m]
+  double distance_m = 0.0;  ///< [m]
+
+  bool Check(std::string* error) const;
+};
+
 struct SimulationOptions {
   LaserModel laser;            ///< by default 360 beams over 180 deg, like CARMEN's front laser
   double scan_period_s = 0.3;  ///< from one scan to the next [s], at least 1 ms
   DriveOptions drive;
   LaserNoise laser_noise;
   OdometryNoise odometry_noise;
+  /// The robot is carried, or slides, along its path, at most to its end. The wheels do not notice.
+  DriveFault carry;
+  /// The odometry leaps in this direction, seen from the robot [rad], although the robot does not.
+  DriveFault odometry_leap;
+  double odometry_leap_direction_rad = 0.0;
   std::uint64_t seed = 1;
 
   SimulationOptions();
@@ -66,7 +79,7 @@ struct SimulatedScan {
 struct SimulatedLog {
   LaserModel laser;
   std::vector<SimulatedScan> scans;  ///< in order of time, which starts at 0
-  double path_length_m = 0.0;        ///< driven from start to end
+  double path_length_m = 0.0;        ///< driven from start to end, not carried
 };
 
 /// Drives a robot along the path of a building and records what its laser and wheels report. The

@@ -22,12 +22,12 @@ struct Disc {
 /// A point that the robot drives to.
 struct Waypoint {
   Eigen::Vector2d position;  ///< [m]
-  std::size_t line = 0;      ///< where the building's file names it, for messages
+  std::size_t line = 0;      ///< of the building's file, or its number in the path; for messages
 };
 
-/// What a building's file says: its surfaces, and the path through it, all in the world frame.
+/// A building's surfaces and the path through it, all in the world frame.
 struct Building {
-  std::string name;  ///< the file
+  std::string name;  ///< the file, or what it was made of; for messages
   std::vector<Face> faces;
   std::vector<Disc> discs;
   std::vector<Waypoint> path;  ///< in driving order

@@ -1,0 +1,104 @@
+#include "plumbline/apps/simulation/building_generator.h"
+
+#include "plumbline/apps/simulation/floor.h"
+#include "plumbline/apps/simulation/noise_source.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::uint32_t kStyleStream = 2;  // the simulator has 0 and 1
+
+double Draw(double low, double high, NoiseSource* source) {
+  return low + (high - low) * source->Uniform();
+}
+
+// Two or three cross corridors; the wings at both ends are as wide as one room.
+FloorStyle RandomStyle(NoiseSource* source) {
+  FloorStyle style;
+  const int num_cores = source->Uniform() < 0.5 ? 1 : 2;
+  style.block_widths_m = {Draw(3.0, 5.0, source), Draw(3.0, 5.0, source)};
+  for (int i = 0; i < num_cores; ++i) {
+    const double width = Draw(9.0, 14.0, source) / (num_cores == 1 ? 1.0 : 1.5);
+    style.block_widths_m.insert(style.block_widths_m.begin() + 1, width);
+  }
+  for (double& depth : style.row_depths_m) depth = Draw(2.8, 4.6, source);
+  style.corridor_width_m = Draw(2.0, 2.6, source);
+  style.cross_corridor_width_m = Draw(1.8, 2.6, source);
+  style.room_width_m = Draw(3.6, 5.0, source);
+  style.irregularity = 1.0;
+  style.furniture_per_room = 6;
+  style.furniture_per_corridor_m = 0.15;
+  style.visit_probability = 0.5;
+  style.drive_length_m = Draw(65.0, 110.0, source);
+  return style;
+}
+
+// Cross corridors are half a room wide, so that a floor with two of them keeps to the pitch of its
+// rooms throughout. Half of the floors are not furnished at all.
+FloorStyle RepetitiveStyle(NoiseSource* source) {
+  FloorStyle style;
+  const double pitch = Draw(3.2, 4.4, source);
+  const int num_cores = source->Uniform() < 0.5 ? 1 : 2;
+  const int rooms_per_core = num_cores == 1 ? 3 + static_cast<int>(2.0 * source->Uniform()) : 2;
+  style.block_widths_m.assign(num_cores + 2, pitch * rooms_per_core);
+  style.block_widths_m.front() = style.block_widths_m.back() = pitch;
+  const double depth = Draw(3.0, 4.2, source);
+  for (double& row_depth : style.row_depths_m) row_depth = depth;
+  style.corridor_width_m = Draw(2.0, 2.4, source);
+  style.cross_corridor_width_m = 0.5 * pitch;
+  style.room_width_m = pitch;
+  style.furniture_per_room = source->Uniform() < 0.5 ? 0 : 4;
+  style.visit_probability = 0.5;
+  style.drive_length_m = Draw(65.0, 110.0, source);
+  return style;
+}
+
+// Niches cut into thick walls.
+FloorStyle LongCorridorStyle(NoiseSource* source) {
+  FloorStyle style;
+  style.room_width_m = 4.0;
+  style.block_widths_m = {4.0, 28 * 4.0, 31 * 4.0, 4.0};
+  for (double& depth : style.row_depths_m) depth = 0.5;
+  style.core_depth_m = Draw(30.0, 45.0, source);
+  style.corridor_wall_m = 0.4;
+  style.corridor_width_m = style.cross_corridor_width_m = 2.4;
+  style.door_width_m = 1.2;
+  style.drive_length_m = 2000.0;
+  return style;
+}
+
+}  // namespace
+
+const char* ToString(BuildingKind kind) {
+  switch (kind) {
+    case BuildingKind::kRandom:
+      return "random";
+    case BuildingKind::kRepetitive:
+      return "repetitive";
+    case BuildingKind::kLongCorridor:
+      return "long_corridor";
+  }
+  return "?";
+}
+
+bool FromString(const std::string& name, BuildingKind* kind) {
+  for (const BuildingKind candidate :
+       {BuildingKind::kRandom, BuildingKind::kRepetitive, BuildingKind::kLongCorridor}) {
+    if (name != ToString(candidate)) continue;
+    *kind = candidate;
+    return true;
+  }
+  return false;
+}
+
+Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {
+  NoiseSource source(seed, kStyleStream);
+  const FloorStyle style = kind == BuildingKind::kRandom       ? RandomStyle(&source)
+                           : kind == BuildingKind::kRepetitive ? RepetitiveStyle(&source)
+                                                               : LongCorridorStyle(&source);
+  Building building = MakeFloor(style, seed);
+  building.name = std::string(ToString(kind)) + " building " + std::to_string(seed);
+  return building;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,32 @@
+#ifndef PLUMBLINE_APPS_SIMULATION_BUILDING_GENERATOR_H_
+#define PLUMBLINE_APPS_SIMULATION_BUILDING_GENERATOR_H_
+
+#include <cstdint>
+#include <string>
+
+#include "plumbline/apps/simulation/world.h"
+
+namespace plumbline {
+
+/// What kind of building, and how hard it is to map.
+enum class BuildingKind {
+  /// An office floor: rooms of many sizes, some slanted walls, furniture and pillars.
+  kRandom,
+  /// The same kind of floor, but all its rooms and doors are alike and at a constant pitch.
+  kRepetitive,
+  /// Corridors of 250 m with nothing but a niche every 4 m; the loops are hundreds of metres long.
+  kLongCorridor,
+};
+
+const char* ToString(BuildingKind kind);
+/// Returns whether the name is known.
+bool FromString(const std::string& name, BuildingKind* kind);
+
+/// Makes a building with a drive that comes back to where it was: 60-150 m, or about 2 km through
+/// the long corridor. A robot with the default DriveOptions touches nothing. The same seed gives
+/// the same building.
+Building GenerateBuilding(BuildingKind kind, std::uint64_t seed);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_SIMULATION_BUILDING_GENERATOR_H_
