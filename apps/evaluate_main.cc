@@ -23,8 +23,10 @@ DEFINE_string(trajectory, "", "Trajectory to measure (TUM: 't x y z qx qy qz qw'
 DEFINE_string(relations, "",
               "True relative poses ('t1 t2 x y z roll pitch yaw'): relations metric");
 DEFINE_string(truth, "", "True trajectory (TUM): absolute and relative error, as evo has them");
-DEFINE_string(log, "",
-              "CARMEN log, plain or .gz: sharpness of its ranges at the trajectory's poses");
+DEFINE_string(
+    log, "",
+    "CARMEN log, plain or .gz: sharpness of its ranges at the trajectory's poses, and whether "
+    "its passes contradict each other about free space");
 DEFINE_string(points, "", "Map points (PLY of plumbline_slam): their sharpness");
 DEFINE_string(json, "", "Write the figures to this file as JSON");
 DEFINE_string(csv, "", "Write the figures to this file as lines 'figure,value'");
@@ -73,8 +75,7 @@ Status Run() {
 int main(int argc, char** argv) {
   plumbline::ParseCommandLine(
       "Measures a trajectory against true relative poses or a true trajectory, and the sharpness "
-      "of "
-      "maps.\n\n"
+      "and consistency of maps.\n\n"
       "  plumbline_evaluate --trajectory=out/trajectory.tum --relations=fr079.relations\n"
       "  plumbline_evaluate --trajectory=out/trajectory.tum --truth=small_building.tum "
       "--log=small_building.clf --points=out/points.ply --json=figures.json",

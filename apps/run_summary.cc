@@ -36,9 +36,9 @@ Json SeedingJson(const RunSummary& summary) {
           {"unmatched_scans", sequential.num_unmatched},
           {"odometry_sign_lost", sequential.odometry_sign.sign_lost},
           {"reversed_steps", sequential.num_reversed_steps},
-          {"loop_candidates", summary.seeding.num_loop_candidates},
-          {"loop_closures", summary.seeding.num_closures},
-          {"dropped_loop_closures", summary.seeding.num_dropped_closures},
+          {"loop_candidates", summary.seeding.loops.num_candidates},
+          {"loop_closures", summary.seeding.loops.num_closures},
+          {"dropped_loop_closures", summary.seeding.loops.num_contradicted},
           {"time_s", summary.seed_time_s}};
 }
 

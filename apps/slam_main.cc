@@ -19,7 +19,9 @@
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/ply_writer.h"
+#include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/run_summary.h"
 #include "plumbline/apps/stage.h"
@@ -29,7 +31,7 @@
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
-DEFINE_string(log, "", "CARMEN log to map, plain or .gz");
+DEFINE_string(log, "", "CARMEN log to map, or pose graph (g2o, TORO) to refine; plain or .gz");
 DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
 DEFINE_int32(picture_side_px, plumbline::MapPictureOptions().max_side_px,
@@ -63,6 +65,7 @@ class SlamRun {
  public:
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(CheckFlags());
+    if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
     PLUMBLINE_RETURN_IF_ERROR(ReadLog());
     PLUMBLINE_RETURN_IF_ERROR(Picture("map_odometry.png", "Odometry"));
     AddStage("odometry");
@@ -88,6 +91,14 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding_options_));
     pool_.emplace(solver_options_.num_threads);
     return Status::Ok();
+  }
+
+  Status RefinePoseGraphFile() const {
+    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty()) {
+      return Status::InvalidArgument("--max_scans and --truth go with a CARMEN log, but " +
+                                     FLAGS_log + " is a pose graph");
+    }
+    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, FLAGS_picture_side_px, solver_options_});
   }
 
   Status ReadLog() {
@@ -130,8 +141,9 @@ class SlamRun {
     const std::vector<Eigen::Vector2f> normals =
         EstimateReturnNormals(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
     ProgressBar bar("Seeding", on_terminal_, &std::cout);
-    const auto progress = [&bar](int num_done, int num_total) {
-      bar.Update(num_done, num_total);
+    ProgressBar closing_bar("Closing loops", on_terminal_, &std::cout);
+    const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
+      (phase == SeedingPhase::kMatchingScans ? bar : closing_bar).Update(num_done, num_total);
       return true;
     };
     PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion, normals,
@@ -146,9 +158,9 @@ class SlamRun {
       std::cout << "  The odometry has lost the sign of its translation: "
                 << report.num_reversed_steps << " steps were driven backwards.\n";
     }
-    if (summary_.seeding.num_closures > 0) {
-      std::cout << "  " << summary_.seeding.num_closures << " loop closures among "
-                << summary_.seeding.num_loop_candidates << " pairs of places tried.\n";
+    if (summary_.seeding.loops.num_closures > 0) {
+      std::cout << "  " << summary_.seeding.loops.num_closures << " loop closures among "
+                << summary_.seeding.loops.num_candidates << " places tried.\n";
     }
     if (report.num_unmatched > 0) {
       std::cout << "  " << report.num_unmatched
@@ -222,7 +234,8 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
-      "Maps a raw CARMEN log: joint estimation of all poses and all laser returns.\n\n"
+      "Maps a raw CARMEN log, or refines a pose graph: joint estimation of all poses and all laser "
+      "returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",

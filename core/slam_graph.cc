@@ -1,6 +1,7 @@
 #include "plumbline/core/slam_graph.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -9,8 +10,9 @@ namespace plumbline {
 Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   std::string error;
   if (!laser.Check(&error)) return Status::InvalidArgument("laser model: " + error);
-  *laser_id = static_cast<int>(lasers_.size());
-  lasers_.push_back(laser);
+  const auto known = std::find(lasers_.begin(), lasers_.end(), laser);
+  *laser_id = static_cast<int>(known - lasers_.begin());
+  if (known == lasers_.end()) lasers_.push_back(laser);
   return Status::Ok();
 }
 
@@ -19,10 +21,24 @@ Status SlamGraph::AddPose(const Pose2& world_from_robot, double timestamp_s, int
     return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
                                    ": coordinates or time are not finite");
   }
-  if (num_poses() == 0) gauge_ = world_from_robot;
+  if (num_poses() == 0) gauge_ = {{0, world_from_robot}};
   *pose_id = num_poses();
   timestamps_s_.push_back(timestamp_s);
   poses_.insert(poses_.end(), {world_from_robot.x, world_from_robot.y, world_from_robot.yaw});
+  return Status::Ok();
+}
+
+Status SlamGraph::FixPose(int pose_id) {
+  if (pose_id < 0 || pose_id >= num_poses()) {
+    return Status::InvalidArgument("fixed pose: no pose with id " + std::to_string(pose_id));
+  }
+  const auto known = std::find_if(fixed_poses_.begin(), fixed_poses_.end(),
+                                  [&](const FixedPose& fixed) { return fixed.pose == pose_id; });
+  if (known != fixed_poses_.end()) {
+    known->world_from_robot = WorldFromRobot(pose_id);
+  } else {
+    fixed_poses_.push_back({pose_id, WorldFromRobot(pose_id)});
+  }
   return Status::Ok();
 }
 

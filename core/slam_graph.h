@@ -27,6 +27,12 @@ struct RelativePoseConstraint {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 };
 
+/// A pose that is known: world_from_robot as it was when the pose was fixed.
+struct FixedPose {
+  int pose = 0;
+  Pose2 world_from_robot;
+};
+
 /// One sweep of a laser taken at a pose. Its returns lie side by side in the graph's arrays.
 struct ScanEntry {
   int pose = 0;
@@ -50,14 +56,20 @@ struct LaserReturns {
 ///
 /// The state is kept in flat arrays, which solvers update in place: poses() holds (x, y [m],
 /// yaw [rad]) of world_from_robot per pose, points() holds (x, y) [m] in the world per return.
-/// The first pose fixes the gauge: a solver holds it where it was added.
+/// Solvers hold fixed poses where they were fixed. If no pose is named, that is the first one,
+/// where it was added: something has to hold the map in the world.
 class SlamGraph {
  public:
-  /// Fails on a model that LaserModel::Check refuses.
+  /// Gives the id of an equal laser that the graph already has, or else of a new one. Fails on a
+  /// model that LaserModel::Check refuses.
   Status AddLaser(const LaserModel& laser, int* laser_id);
 
   /// Fails on a pose or time that is not finite.
   Status AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id);
+
+  /// Fixes a pose where it stands now, also if it was fixed elsewhere before. Fails on an unknown
+  /// id.
+  Status FixPose(int pose_id);
 
   /// Takes every return of the sweep as a map point, placed by the current pose. Fails on unknown
   /// ids or if ranges.size() differs from the laser's number of beams.
@@ -75,8 +87,10 @@ class SlamGraph {
 
   Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses_[3 * pose_id]); }
   void SetPose(int pose_id, const Pose2& world_from_robot);
-  /// world_from_robot of the first pose as it was added; the identity for an empty graph.
-  const Pose2& gauge() const { return gauge_; }
+  /// The poses that FixPose named, in that order; the first pose if there are none.
+  const std::vector<FixedPose>& fixed_poses() const {
+    return fixed_poses_.empty() ? gauge_ : fixed_poses_;
+  }
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
 
   const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
@@ -106,7 +120,8 @@ class SlamGraph {
  private:
   Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
-  Pose2 gauge_;
+  std::vector<FixedPose> gauge_;  // the first pose as it was added
+  std::vector<FixedPose> fixed_poses_;
   std::vector<LaserModel> lasers_;
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;

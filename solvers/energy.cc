@@ -273,9 +273,11 @@ template <typename Visitor>
 bool Energy::VisitPoseTerms(const std::vector<double>& poses, TermSet terms,
                             Visitor* visitor) const {
   double r[3], d_a[9], d_b[9];
-  if (terms.Has(Term::kPosePrior) && graph_.num_poses() > 0) {
-    if (!pose_terms_.prior.Evaluate(&poses[0], r, d_a)) return false;
-    visitor->Pose(Term::kPosePrior, r, 0, d_a);
+  if (terms.Has(Term::kPosePrior)) {
+    for (const PosePrior& prior : pose_terms_.priors) {
+      if (!prior.residual.Evaluate(&poses[3 * prior.pose], r, d_a)) return false;
+      visitor->Pose(Term::kPosePrior, r, prior.pose, d_a);
+    }
   }
   const auto visit_edges = [&](Term term, const std::vector<PoseEdge>& edges) {
     if (!terms.Has(term)) return true;
@@ -360,7 +362,7 @@ double Energy::Curvature(const std::vector<double>& poses, const std::vector<dou
 
 std::array<std::size_t, kNumTerms> Energy::CountTerms() const {
   std::array<std::size_t, kNumTerms> counts{};
-  counts[static_cast<int>(Term::kPosePrior)] = graph_.num_poses() > 0 ? 1 : 0;
+  counts[static_cast<int>(Term::kPosePrior)] = pose_terms_.priors.size();
   counts[static_cast<int>(Term::kMotion)] = pose_terms_.motions.size();
   counts[static_cast<int>(Term::kRelativePose)] = pose_terms_.relative_poses.size();
   counts[static_cast<int>(Term::kRangeBeam)] = graph_.num_returns();

@@ -17,6 +17,12 @@ struct PoseEdge {
   RelativePoseResidual residual;
 };
 
+/// A residual that holds one pose of a graph.
+struct PosePrior {
+  int pose = 0;
+  PosePriorResidual residual;
+};
+
 /// The terms of the energy that see poses only, ready to evaluate.
 struct PoseTerms {
   PoseTerms(const SlamGraph& graph, const FactorOptions& options);
@@ -24,7 +30,7 @@ struct PoseTerms {
   /// One half of the sum of squared residuals at `poses`, (x, y, yaw) each.
   double Cost(const std::vector<double>& poses) const;
 
-  PosePriorResidual prior;  ///< on the first pose
+  std::vector<PosePrior> priors;  ///< on the fixed poses
   std::vector<PoseEdge> motions;
   std::vector<PoseEdge> relative_poses;
 };

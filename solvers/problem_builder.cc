@@ -26,8 +26,8 @@ class Builder {
 
   void AddPoseTerms() {
     const PoseTerms terms(*graph_, options_);
-    if (graph_->num_poses() > 0) {
-      Add(Term::kPosePrior, new PosePriorFactor(terms.prior), nullptr, poses_);
+    for (const PosePrior& prior : terms.priors) {
+      Add(Term::kPosePrior, new PosePriorFactor(prior.residual), nullptr, poses_ + 3 * prior.pose);
     }
     const auto add_edges = [this](Term term, const std::vector<PoseEdge>& edges) {
       for (const PoseEdge& edge : edges) {

@@ -160,6 +160,14 @@ TEST(EnergyTest, WithoutShapeTermsToo) {
   ExpectSameAsCeres(AssociationsOf(room.graph), factors, &room.graph, false);
 }
 
+TEST(EnergyTest, FixedPosesAreHeldAlike) {
+  NoisyRoom room = MakeNoisyRoom();
+  ASSERT_TRUE(room.graph.FixPose(2).ok());
+  ASSERT_TRUE(room.graph.FixPose(7).ok());
+  DisturbPoses(0.02, &room.graph);
+  ExpectSameAsCeres(AssociationsOf(room.graph), FactorOptions(), &room.graph, true);
+}
+
 TEST(EnergyTest, TwoScansOnOnePoseAddUp) {
   NoisyRoom room = MakeNoisyRoom();
   const std::vector<double> ranges(180, 1.0);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ply_writer.h"
+#include "plumbline/core/angle.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/test/temp_file.h"
 
@@ -131,9 +133,55 @@ TEST_F(EvaluateProgramTest, ScansWithoutAPoseAreLeftOutAndCounted) {
   EvaluationInputs inputs = Inputs();
   inputs.log = Path("a.clf");
   const Evaluation evaluation = Measure(inputs);
-  EXPECT_EQ(evaluation.raw_ranges->num_scans_without_pose, 1u);
+  EXPECT_EQ(evaluation.num_scans_without_pose, 1u);
   EXPECT_EQ(evaluation.raw_ranges->num_points, 2u * 181u);
   EXPECT_THAT(EvaluationTables(evaluation), HasSubstr("1 scans have no pose"));
+}
+
+TEST_F(EvaluateProgramTest, PassesThatContradictEachOtherAreReported) {
+  // A corridor along x with its wall 1.5 m to the left and to the right, driven to x = 10 m and,
+  // with the laser looking back, home again. Beams every degree, straight ahead they meet nothing.
+  std::string log, right, wrong;
+  for (int scan = 0; scan <= 40; ++scan) {
+    log += "FLASER 181";
+    for (int beam = 0; beam < 181; ++beam) {
+      const double lateral = std::abs(std::sin((beam - 90) * kPi / 180.0));
+      log += ' ' + std::to_string(lateral > 0.2 ? 1.5 / lateral : 81.83);
+    }
+    const std::string time = std::to_string(scan) + ".5";
+    log += " 0 0 0 0 0 0 " + time + " host 0\n";
+    const bool outbound = scan <= 20;
+    const std::string x = std::to_string(0.5 * (outbound ? scan : 40 - scan));
+    const std::string heading = outbound ? " 0 0 0 0 1\n" : " 0 0 0 1 0\n";
+    right += time + ' ' + x + " 0" + heading;
+    wrong += time + ' ' + x + (outbound ? " 0" : " 1") + heading;
+  }
+  EvaluationInputs inputs = Inputs();
+  inputs.log = Path("a.clf");
+  WriteFile(inputs.log, log);
+  WriteFile(inputs.trajectory, right);
+  const Evaluation agreeing = Measure(inputs);
+  EXPECT_GT(agreeing.consistency->between_passes.num_compared, 1000);
+  EXPECT_EQ(agreeing.consistency->between_passes.num_conflicting, 0);
+  EXPECT_THAT(EvaluationTables(agreeing),
+              AllOf(Not(HasSubstr("contradicts")), Not(HasSubstr("nan"))));
+  ASSERT_TRUE(WriteEvaluationCsv(Path("a.csv"), agreeing).ok());
+  EXPECT_THAT(ReadFile(Path("a.csv")),
+              AllOf(HasSubstr("\nmap_consistency/between_over_within,\n"),
+                    HasSubstr("\nmap_consistency/between_passes/share,0.0\n")));
+
+  WriteFile(inputs.trajectory, wrong);
+  const Evaluation contradicting = Measure(inputs);
+  EXPECT_GT(contradicting.consistency->between_passes.Share(), 0.99);
+  EXPECT_THAT(EvaluationTables(contradicting), HasSubstr("the map contradicts itself."));
+  ASSERT_TRUE(WriteEvaluationJson(Path("a.json"), contradicting).ok());
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(Path("a.json")))["map_consistency"];
+  EXPECT_EQ(json["contradictory"], true);
+  EXPECT_GT(json["worst_over_explicable"], 3.0);
+  EXPECT_GT(json["between_over_within"], 3.0);
+  ASSERT_TRUE(WriteEvaluationCsv(Path("a.csv"), contradicting).ok());
+  EXPECT_THAT(ReadFile(Path("a.csv")), AllOf(HasSubstr("\nmap_consistency/between_passes/pairs,"),
+                                             HasSubstr("\nmap_consistency/contradictory,true\n")));
 }
 
 TEST_F(EvaluateProgramTest, PointsNeedNoTrajectory) {

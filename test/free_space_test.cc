@@ -55,10 +55,28 @@ TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
   EXPECT_EQ(CompareFreeSpace(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
 }
 
-TEST(FreeSpace, ShareOfSums) {
+TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
+  // The viewer sees a room of 6 m x 6 m; the scan a wall 1.5 m ahead, and nothing else.
+  SyntheticScene large;
+  large.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
+  large.faces.push_back({{101.5, -1.0}, {101.5, 1.0}});
+  large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  large.laser.max_range_m = 20.0;
+  const SlamGraph graph = MakeGraph(large);
+  Eigen::Vector2d point(0.0, 0.0);
+  const FreeSpaceConflict conflict =
+      FreeSpaceScan(graph, 0).Compare(FreeSpaceScan(graph, 1), Pose2(), &point);
+  EXPECT_EQ(conflict.num_conflicting, conflict.num_compared);
+  EXPECT_NEAR(point.x(), 1.5, 1e-9);
+  EXPECT_NEAR(point.y(), 0.0, 0.03);
+}
+
+TEST(FreeSpace, SumsAndShares) {
   FreeSpaceConflict sum{10, 1};
   sum += {30, 9};
   EXPECT_EQ(sum.Share(), 0.25);
+  sum -= {30, 9};
+  EXPECT_EQ(sum.Share(), 0.1);
   EXPECT_EQ(FreeSpaceConflict().Share(), 0.0);
 }
 

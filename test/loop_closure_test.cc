@@ -8,34 +8,41 @@ namespace plumbline {
 namespace {
 
 // A first visit from all poses of the scene but the last one, 1 m of path apart, and 50 m later a
-// second one from there, which is believed to be `error` off. Closes the last of the first visit
-// with the second.
-std::vector<RelativePoseConstraint> Close(const SyntheticScene& scene, const Pose2& error,
-                                          double drift_m) {
+// second one from there, which is believed to be `error` off. Tests the last of the first visit
+// with the second; a wide search looks around all of the first visit.
+TestedCandidate TestLast(const SyntheticScene& scene, const Pose2& error, double drift_m,
+                         bool wide) {
   const SlamGraph graph = MakeGraph(scene);
   const int second = graph.num_poses() - 1;
-  std::vector<KeyScan> key_scans(second + 1);
+  KeyGraph keys;
+  keys.key_scans.resize(second + 1);
+  keys.world_from_key = scene.poses;
+  keys.world_from_key[second] = error * keys.world_from_key[second];
+  keys.sequential.resize(second);
+  LoopCandidate candidate{second - 1, second, drift_m, 0.25, {}};
   for (int k = 0; k <= second; ++k) {
-    key_scans[k].pose = key_scans[k].scan = k;
-    key_scans[k].path_m = k < second ? k : 50.0 + k;
+    keys.key_scans[k].pose = keys.key_scans[k].scan = k;
+    keys.key_scans[k].path_m = k < second ? k : 50.0 + k;
+    if (wide && k < second) candidate.surroundings.push_back(k);
   }
-  std::vector<Pose2> poses = scene.poses;
-  poses[second] = error * poses[second];
   ThreadPool pool(2);
-  return CloseLoops(LoopClosureOptions(), graph, SurfacesOf(graph), key_scans, poses,
-                    {{second - 1, second, drift_m, 0.25}}, &pool);
+  return TestLoopCandidates(LoopClosureOptions(), graph, SurfacesOf(graph), keys, {candidate},
+                            &pool)
+      .front();
 }
 
 TEST(LoopClosure, MeasuresARevisit) {
   SyntheticScene scene = Room();
   scene.range_sigma_m = 0.01;
   scene.poses = {Pose2(), Pose2(0.6, 0.4, 0.3)};
-  const auto closures = Close(scene, Pose2(1.1, -0.8, 0.1), 1.65);
-  ASSERT_EQ(closures.size(), 1u);
-  EXPECT_EQ(closures[0].from, 0);
-  EXPECT_EQ(closures[0].to, 1);
-  EXPECT_LT(DistanceM(closures[0].from_from_to, scene.poses[1]), 0.01);
-  EXPECT_NEAR(closures[0].from_from_to.yaw, 0.3, 3e-3);
+  for (const bool wide : {false, true}) {
+    const TestedCandidate tested = TestLast(scene, Pose2(1.1, -0.8, 0.1), 1.65, wide);
+    ASSERT_EQ(tested.verdict, ClosureVerdict::kAccepted);
+    EXPECT_EQ(tested.edge.from, 0);
+    EXPECT_EQ(tested.edge.to, 1);
+    EXPECT_LT(DistanceM(tested.edge.from_from_to, scene.poses[1]), 0.01);
+    EXPECT_NEAR(tested.edge.from_from_to.yaw, 0.3, 3e-3);
+  }
 }
 
 TEST(LoopClosure, RejectsARoomOfAnotherShape) {
@@ -43,7 +50,9 @@ TEST(LoopClosure, RejectsARoomOfAnotherShape) {
   const std::vector<Face> other = Rectangle({97.5, -1.2}, {105.0, 1.2});
   scene.faces.insert(scene.faces.end(), other.begin(), other.end());
   scene.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
-  EXPECT_TRUE(Close(scene, Pose2(-100.0, 0.0, 0.0), 1.65).empty());
+  const ClosureVerdict verdict = TestLast(scene, Pose2(-100.0, 0.0, 0.0), 1.65, true).verdict;
+  EXPECT_TRUE(verdict == ClosureVerdict::kNoMatch || verdict == ClosureVerdict::kLowOverlap)
+      << ToString(verdict);
 }
 
 TEST(LoopClosure, RejectsARoomThatLacksAWall) {
@@ -54,7 +63,8 @@ TEST(LoopClosure, RejectsARoomThatLacksAWall) {
   scene.faces.insert(scene.faces.end(), other.begin(), other.end());
   scene.faces.push_back({{101.0, -2.5}, {101.0, 2.0}});
   scene.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
-  EXPECT_TRUE(Close(scene, Pose2(-100.0, 0.0, 0.0), 0.5).empty());
+  EXPECT_EQ(TestLast(scene, Pose2(-100.0, 0.0, 0.0), 0.5, false).verdict,
+            ClosureVerdict::kFreeSpaceConflict);
 }
 
 TEST(LoopClosure, RejectsOneOfTwoTwinsInAWideWindow) {
@@ -67,8 +77,8 @@ TEST(LoopClosure, RejectsOneOfTwoTwinsInAWideWindow) {
   scene.faces.push_back({{-30.0, -1.0}, {30.0, -1.0}});
   scene.laser.max_range_m = 4.0;
   scene.poses = {Pose2(-2.0, 0.0, 0.0), Pose2(2.0, 0.0, 0.0), Pose2(), Pose2(0.2, 0.0, 0.0)};
-  EXPECT_TRUE(Close(scene, Pose2(), 1.65).empty());
-  EXPECT_EQ(Close(scene, Pose2(), 0.5).size(), 1u);  // a narrow one can
+  EXPECT_EQ(TestLast(scene, Pose2(), 1.65, true).verdict, ClosureVerdict::kAmbiguous);
+  EXPECT_EQ(TestLast(scene, Pose2(), 0.5, false).verdict, ClosureVerdict::kAccepted);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "plumbline/apps/io/map_picture.h"
 
-#include <cairo/cairo.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +11,7 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/test/picture.h"
 #include "plumbline/test/temp_file.h"
 
 namespace plumbline {
@@ -19,55 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Pixels: first and one past the last.
-struct Box {
-  int left, right, top, bottom;
-  int height() const { return bottom - top; }
-  double center_x() const { return 0.5 * (left + right); }
-  double center_y() const { return 0.5 * (top + bottom); }
-};
-
-/// A decoded PNG.
-struct Picture {
-  explicit Picture(const std::string& path) {
-    cairo_surface_t* surface = cairo_image_surface_create_from_png(path.c_str());
-    EXPECT_EQ(cairo_surface_status(surface), CAIRO_STATUS_SUCCESS);
-    width = cairo_image_surface_get_width(surface);
-    height = cairo_image_surface_get_height(surface);
-    const int stride = cairo_image_surface_get_stride(surface);
-    for (int row = 0; row < height; ++row) {
-      const auto* line = reinterpret_cast<const std::uint32_t*>(
-          cairo_image_surface_get_data(surface) + static_cast<std::size_t>(stride) * row);
-      for (int column = 0; column < width; ++column) rgb.push_back(line[column] & 0xffffffu);
-    }
-    cairo_surface_destroy(surface);
-  }
-
-  int Count(bool (*is_it)(std::uint32_t)) const {
-    return static_cast<int>(std::count_if(rgb.begin(), rgb.end(), is_it));
-  }
-  /// The box around a kind of pixels.
-  Box Around(bool (*is_it)(std::uint32_t)) const {
-    Box box{width, 0, height, 0};
-    for (int row = 0; row < height; ++row) {
-      for (int column = 0; column < width; ++column) {
-        if (!is_it(rgb[static_cast<std::size_t>(row) * width + column])) continue;
-        box.left = std::min(box.left, column), box.right = std::max(box.right, column + 1);
-        box.top = std::min(box.top, row), box.bottom = std::max(box.bottom, row + 1);
-      }
-    }
-    return box;
-  }
-
-  int width = 0, height = 0;
-  std::vector<std::uint32_t> rgb;
-};
-
-int Channel(std::uint32_t rgb, int shift) { return static_cast<int>(rgb >> shift & 0xffu); }
-bool IsRed(std::uint32_t rgb) { return Channel(rgb, 16) > 80 + Channel(rgb, 8); }
-bool IsGreen(std::uint32_t rgb) { return Channel(rgb, 8) > 80 + Channel(rgb, 16); }
-bool IsBlack(std::uint32_t rgb) { return rgb == 0; }
-bool IsWhite(std::uint32_t rgb) { return rgb == 0xffffffu; }
+bool IsMagenta(std::uint32_t rgb) { return rgb == 0xff00ffu; }
 
 /// A robot that drives from (0, 0) to (length_m, 0) in a round room around each of 11 stops.
 SlamGraph MakeGraph(double length_m) {
@@ -161,12 +113,62 @@ TEST_F(MapPictureTest, SingleHitsAreVisibleBesideAWallOfMany) {
 
 TEST_F(MapPictureTest, TheSameGraphGivesTheSameBytes) {
   options_.title = "a title";
+  options_.overlays.resize(1);
+  options_.overlays[0].points = {{1.0, 0.0}, {2.0, 0.5}};
   const SlamGraph graph = MakeGraph(5.0);
   Draw(graph);
   const std::string first = ReadFile(path_);
   Draw(graph);
   EXPECT_EQ(ReadFile(path_), first);
   EXPECT_EQ(NumFilesIn(folder_), 1);
+}
+
+TEST_F(MapPictureTest, OverlaysLieWhereTheyBelongAndHaveALegend) {
+  const SlamGraph graph = MakeGraph(10.0);
+  MapOverlay overlay;
+  overlay.color = {1.0, 0.0, 1.0};
+  overlay.label = "marks";
+  overlay.style = OverlayStyle::kLinks;
+  overlay.points = {{2.0, 1.0}, {8.0, -1.0}};
+  options_.overlays = {overlay};
+  const Picture links = Draw(graph);
+  EXPECT_NEAR(links.height, 700 + 100 + 30, 2);
+  // 1 px = 1 cm, (0, 0) is at (370, 394); the dots at the ends have a radius of 3 px. The sample in
+  // the legend ends left of x = 80 and below the map, at y = 744.
+  const auto on_map = [](const Picture& picture) {
+    return picture.Around(IsMagenta, Box{80, picture.width, 0, 744});
+  };
+  EXPECT_NEAR(on_map(links).left, 570 - 3, 2);
+  EXPECT_NEAR(on_map(links).right, 1170 + 3, 2);
+  EXPECT_NEAR(on_map(links).top, 294 - 3, 2);
+  EXPECT_NEAR(on_map(links).bottom, 494 + 3, 2);
+  EXPECT_GT(links.Around(IsMagenta).bottom, links.height - 30);
+  // The path is gray now.
+  EXPECT_EQ(links.Count([](std::uint32_t rgb) { return Channel(rgb, 16) > 80 + Channel(rgb, 0); }),
+            0);
+
+  overlay.style = OverlayStyle::kDashedLinks;
+  options_.overlays = {overlay};
+  const Picture dashes = Draw(graph);
+  EXPECT_LT(dashes.Count(IsMagenta), 0.7 * links.Count(IsMagenta));
+
+  overlay.style = OverlayStyle::kRings;
+  overlay.points = {{4.0, 0.0}};
+  options_.overlays = {overlay, overlay};
+  const Picture rings = Draw(graph);
+  EXPECT_NEAR(rings.height, 700 + 100 + 60, 2);
+  EXPECT_NEAR(on_map(rings).center_x(), 770, 1.0);
+  EXPECT_NEAR(on_map(rings).center_y(), 394, 1.0);
+  EXPECT_NEAR(on_map(rings).height(), 20, 2);
+}
+
+TEST_F(MapPictureTest, OverlaysEndWithTheMap) {
+  MapOverlay overlay;
+  overlay.color = {1.0, 0.0, 1.0};
+  overlay.points = {{5.0, 0.0}, {5.0, -100.0}};
+  options_.overlays = {overlay};
+  const Picture picture = Draw(MakeGraph(10.0));
+  EXPECT_LE(picture.Around(IsMagenta, Box{80, picture.width, 0, picture.height}).bottom, 746);
 }
 
 TEST_F(MapPictureTest, AGraphWithoutReturnsIsATrajectory) {

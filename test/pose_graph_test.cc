@@ -1,4 +1,4 @@
-#include "plumbline/solvers/seeding/pose_graph.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
 
 #include <gtest/gtest.h>
 
@@ -34,12 +34,26 @@ TEST(PoseGraph, AWrongClosureIsOutvoted) {
   EXPECT_GT(EdgeChi2(wrong, poses), 1e4);
 }
 
+TEST(PoseGraph, HoldsTheFixedPoses) {
+  // Both ends are fixed 3 m apart, the two edges in between say 1 m each: the gap is shared.
+  std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {0.4, 0.1, 0.0}, {3.0, 0.0, 0.0}};
+  const PoseGraphResult result = OptimizePoseGraph(
+      {Edge(0, 1, {1.0, 0.0, 0.0}, 0.1), Edge(1, 2, {1.0, 0.0, 0.0}, 0.1)}, {}, &poses, {0, 2});
+  EXPECT_TRUE(result.converged) << result.stop_reason;
+  EXPECT_GT(result.iterations, 0);
+  EXPECT_EQ(poses[0].x, 0.0);
+  EXPECT_EQ(poses[2].x, 3.0);
+  EXPECT_NEAR(poses[1].x, 1.5, 1e-5);
+  EXPECT_NEAR(poses[1].y, 0.0, 1e-5);
+}
+
 TEST(PoseGraph, Chi2IsTheSquaredMahalanobisLength) {
   RelativePoseConstraint edge = Edge(0, 1, {1.0, 0.0, kPi}, 1.0);
   edge.covariance = Eigen::Vector3d(0.04, 0.25, 0.01).asDiagonal();
   // Frame 0 looks along y: the error is (0.2, -1.0, 0.1) there, across the wrap of the angle.
   const std::vector<Pose2> poses{{0.0, 0.0, kPi / 2.0}, {1.0, 1.2, -kPi / 2.0 + 0.1}};
   EXPECT_NEAR(EdgeChi2(edge, poses), 1.0 + 4.0 + 1.0, 1e-9);
+  EXPECT_NEAR(GraphChi2({edge, edge, edge}, poses), 18.0, 1e-9);
 }
 
 // What a closure that was dropped since has bent.

@@ -20,8 +20,10 @@ TEST(PoseTermsTest, HoldsEveryConstraintOfTheGraph) {
   ASSERT_TRUE(graph.AddOdometry({1, 2, {0.5, 0.0, 0.1}}).ok());
   ASSERT_TRUE(graph.AddRelativePose({2, 0, {-1.0, 0.5, 0.0}, CorrelatedCovariance()}).ok());
   const PoseTerms terms(graph, FactorOptions());
-  EXPECT_EQ(terms.prior.prior.x, 1.0);
-  EXPECT_EQ(terms.prior.prior.yaw, 0.5);
+  ASSERT_EQ(terms.priors.size(), 1u);
+  EXPECT_EQ(terms.priors[0].pose, 0);
+  EXPECT_EQ(terms.priors[0].residual.prior.x, 1.0);
+  EXPECT_EQ(terms.priors[0].residual.prior.yaw, 0.5);
   ASSERT_EQ(terms.motions.size(), 2u);
   EXPECT_EQ(terms.motions[1].from, 1);
   EXPECT_EQ(terms.motions[1].to, 2);
@@ -55,6 +57,21 @@ TEST(PoseTermsTest, CostIsHalfTheSumOfSquaredMahalanobisDistances) {
                                  mahalanobis({distance_m - measured.x, -measured.y, -measured.yaw},
                                              CorrelatedCovariance()));
   EXPECT_NEAR(terms.Cost({stray_m, 0.0, 0.0, 1.0, 0.0, 0.0}), expected, 1e-9 * expected);
+}
+
+TEST(PoseTermsTest, EveryFixedPoseHasAPrior) {
+  SlamGraph graph;
+  int id = 0;
+  for (const double x : {0.0, 1.0, 2.0}) ASSERT_TRUE(graph.AddPose({x, 0.0, 0.0}, 0.0, &id).ok());
+  ASSERT_TRUE(graph.FixPose(1).ok());
+  ASSERT_TRUE(graph.FixPose(2).ok());
+  const FactorOptions factors;
+  // The first pose is free; the others have strayed by one and three sigmas.
+  const double sigma_m = factors.prior.sigma_translation_m;
+  const double sigma_rad = factors.prior.sigma_rotation_rad;
+  const double cost =
+      PoseTerms(graph, factors).Cost({5.0, 5.0, 5.0, 1.0, sigma_m, 0.0, 2.0, 0.0, 3.0 * sigma_rad});
+  EXPECT_NEAR(cost, 0.5 * (1.0 + 9.0), 1e-9);
 }
 
 TEST(PoseTermsTest, AnEmptyGraphCostsNothing) {

@@ -259,7 +259,19 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
   ExpectError(Slam("a.clf", "--no_such_flag=1"), "no_such_flag");
   ExpectError(Slam("a.clf", "stray"), "unexpected argument 'stray'");
   ExpectError(Run("simulate", ""), "--world is missing");
+  ExpectError(Run("simulate", "--world=a --building=random"), "exclude each other");
+  ExpectError(Run("simulate", "--building=castle --log=a.clf"), "--building=castle");
   ExpectError(Run("simulate", "--no_such_flag=1"), "no_such_flag");
+}
+
+TEST_F(ProgramsTest, SimulatesTheSameBuildingFromTheSameSeed) {
+  for (const char* name : {"a.clf", "b.clf"}) {
+    const Outcome run =
+        Run("simulate", "--building=repetitive --seed=3 --num_beams=9 --log=" + folder_ + name +
+                            " --carry_at_path_m=30 " + "--carry_distance_m=2");
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  EXPECT_TRUE(ReadFile(folder_ + "a.clf") == ReadFile(folder_ + "b.clf"));
 }
 
 TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {

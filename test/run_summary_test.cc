@@ -22,7 +22,7 @@ RunSummary MakeSummary() {
   summary.num_skipped_records = 2;
   summary.seeding.sequential.num_key_scans = 7;
   summary.seeding.sequential.odometry_sign.sign_lost = true;
-  summary.seeding.num_closures = 3;
+  summary.seeding.loops.num_closures = 3;
   summary.solver.solver = "alternating_cg";
   summary.solver.termination = TerminationType::kConverged;
   summary.solver.message = "said \"enough\"";

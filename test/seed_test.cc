@@ -72,7 +72,7 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
 
   SeedingReport report;
   const SlamGraph seeded = Seeded(odometry, 2, &report);
-  EXPECT_GT(report.num_closures, 5);
+  EXPECT_GT(report.loops.num_closures, 5);
   EXPECT_LT(DistanceM(truth.WorldFromRobot(back), seeded.WorldFromRobot(back)), 0.02);
 }
 

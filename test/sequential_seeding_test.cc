@@ -103,7 +103,7 @@ TEST(SequentialSeeding, StopsWhenItsCallerSaysSo) {
   SequentialSeedingReport report;
   const Status status = SeedSequentially(
       SequentialSeedingOptions(), MotionOptions(), graph, SurfacesOf(graph),
-      [](int, int) { return false; }, &pool, &trajectory, &report);
+      [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_TRUE(trajectory.world_from_robot.empty());
 }

@@ -144,6 +144,39 @@ TEST_F(SlamGraphTest, RefusesWhatIsNoCovariance) {
   EXPECT_EQ(graph_.relative_poses().size(), 1u);
 }
 
+TEST_F(SlamGraphTest, EqualLasersAreOne) {
+  int again = -1, other = -1;
+  ASSERT_TRUE(graph_.AddLaser(ThreeBeamLaser(), &again).ok());
+  EXPECT_EQ(again, laser_);
+  LaserModel turned = ThreeBeamLaser();
+  turned.robot_from_laser.yaw = 1.0;
+  ASSERT_TRUE(graph_.AddLaser(turned, &other).ok());
+  EXPECT_EQ(other, 1);
+  EXPECT_EQ(graph_.laser(other).robot_from_laser.yaw, 1.0);
+}
+
+TEST_F(SlamGraphTest, TheFirstPoseIsFixedUnlessAnotherIsNamed) {
+  EXPECT_TRUE(SlamGraph().fixed_poses().empty());
+  graph_.SetPose(first_, Pose2(9.0, 9.0, 9.0));
+  ASSERT_EQ(graph_.fixed_poses().size(), 1u);
+  EXPECT_EQ(graph_.fixed_poses()[0].pose, first_);
+  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 2.0);  // as it was added
+
+  ASSERT_TRUE(graph_.FixPose(second_).ok());
+  graph_.SetPose(second_, Pose2(7.0, 7.0, 7.0));
+  ASSERT_EQ(graph_.fixed_poses().size(), 1u);
+  EXPECT_EQ(graph_.fixed_poses()[0].pose, second_);
+  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 5.0);  // as it was fixed
+
+  ASSERT_TRUE(graph_.FixPose(first_).ok());
+  ASSERT_TRUE(graph_.FixPose(second_).ok());
+  ASSERT_EQ(graph_.fixed_poses().size(), 2u);
+  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 7.0);
+  EXPECT_EQ(graph_.fixed_poses()[1].world_from_robot.y, 9.0);
+  ExpectInvalid(graph_.FixPose(2), "fixed pose: no pose with id 2");
+  ExpectInvalid(graph_.FixPose(-1), "fixed pose: no pose with id -1");
+}
+
 TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
   graph_.SetOdometryMotion(0, Pose2(-1.0, 0.0, 0.0));

@@ -1,10 +1,14 @@
 #include "plumbline/apps/evaluation/evaluation.h"
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 #include <vector>
 
+#include "plumbline/apps/evaluation/log_map.h"
 #include "plumbline/apps/io/ply_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
 namespace {
@@ -45,6 +49,20 @@ Status EvaluateTrajectory(const EvaluationInputs& inputs, const std::vector<Time
   return Status::InvalidArgument(inputs.truth + ": no pose's time is one of " + inputs.trajectory);
 }
 
+Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
+                   ThreadPool* pool, Evaluation* evaluation) {
+  LogMap map;
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, trajectory, &map));
+  std::vector<Pose2> world_from_robot;
+  for (int pose = 0; pose < map.graph.num_poses(); ++pose) {
+    world_from_robot.push_back(map.graph.WorldFromRobot(pose));
+  }
+  evaluation->raw_ranges = MeasureSharpness(map.graph.points(), pool);
+  evaluation->consistency = MeasureMapConsistency(map.graph, world_from_robot, pool);
+  evaluation->num_scans_without_pose = map.num_scans_without_pose;
+  return Status::Ok();
+}
+
 }  // namespace
 
 Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation) {
@@ -60,14 +78,14 @@ Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation) {
   if (!inputs.truth.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(EvaluateTrajectory(inputs, trajectory, &result));
   }
+  ThreadPool pool(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   if (!inputs.log.empty()) {
-    result.raw_ranges.emplace();
-    PLUMBLINE_RETURN_IF_ERROR(MeasureSharpnessOfLog(inputs.log, trajectory, &*result.raw_ranges));
+    PLUMBLINE_RETURN_IF_ERROR(EvaluateLog(inputs, trajectory, &pool, &result));
   }
   if (!inputs.points.empty()) {
     std::vector<double> points;
     PLUMBLINE_RETURN_IF_ERROR(ReadPointsPly(inputs.points, &points));
-    result.points = MeasureSharpness(points);
+    result.points = MeasureSharpness(points, &pool);
   }
   *evaluation = std::move(result);
   return Status::Ok();

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_EVALUATION_EVALUATION_H_
 #define PLUMBLINE_APPS_EVALUATION_EVALUATION_H_
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/apps/evaluation/trajectory_metrics.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
 
 namespace plumbline {
 
@@ -26,7 +28,10 @@ struct EvaluationInputs {
 struct Evaluation {
   std::optional<RelationsMetric> relations;
   std::optional<TrajectoryMetrics> trajectory;
+  /// Of the log's ranges at the trajectory's poses; scans without a pose are left out.
   std::optional<MapSharpness> raw_ranges;
+  std::optional<MapConsistency> consistency;
+  std::size_t num_scans_without_pose = 0;
   std::optional<MapSharpness> points;
 };
 

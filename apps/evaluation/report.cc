@@ -44,10 +44,32 @@ std::string SharpnessRows(const char* name, const MapSharpness& map) {
                    at.quality.num_samples);
     name = "";
   }
-  if (map.num_scans_without_pose > 0) {
-    rows += Format("  %zu scans have no pose and are left out\n", map.num_scans_without_pose);
-  }
   return rows;
+}
+
+// Of different passes over one pass; not finite where one pass has no conflict.
+double SharesRatio(const MapConsistency& map) {
+  return map.between_passes.Share() / map.within_pass.Share();
+}
+
+std::string ConflictRow(const char* name, const FreeSpaceConflict& conflict) {
+  return Format("%-26s%12d%12d%10.2f %%", name, conflict.num_compared, conflict.num_conflicting,
+                1e2 * conflict.Share());
+}
+
+std::string ConsistencyTable(const MapConsistency& map) {
+  std::string text =
+      Format("%-26s%12s%12s%12s\n", "returns in free space", "compared", "conflicting", "share");
+  text += ConflictRow("within a pass", map.within_pass) + '\n';
+  text += ConflictRow("  its worst place", map.worst_within.conflict) + '\n';
+  text += ConflictRow("between passes", map.between_passes);
+  if (map.within_pass.num_conflicting > 0) {
+    text += Format("%10.2f times that within a pass", SharesRatio(map));
+  }
+  text += '\n' + ConflictRow("  their worst stretch", map.worst_between.conflict);
+  text += Format("\n  The worst has %.2f times the conflicts that can be explained%s.\n",
+                 map.Ratio(), map.IsContradictory() ? ": the map contradicts itself" : "");
+  return text;
 }
 
 Json StatisticsJson(const ErrorStatistics& statistics) {
@@ -63,13 +85,32 @@ Json ErrorsJson(const PoseErrorStatistics& errors) {
 }
 
 Json SharpnessJson(const MapSharpness& map) {
-  Json json = {{"points", map.num_points}, {"scans_without_pose", map.num_scans_without_pose}};
+  Json json = {{"points", map.num_points}};
   for (const SharpnessAtRadius& at : map.radii) {
     json["radii"].push_back({{"radius_m", at.radius_m},
                              {"wall_thickness_m", at.quality.wall_thickness_m},
                              {"mean_map_entropy", at.quality.mean_map_entropy},
                              {"samples", at.quality.num_samples}});
   }
+  return json;
+}
+
+Json ConflictJson(const FreeSpaceConflict& conflict) {
+  return {{"compared", conflict.num_compared},
+          {"conflicting", conflict.num_conflicting},
+          {"share", conflict.Share()}};
+}
+
+Json ConsistencyJson(const MapConsistency& map) {
+  Json json = {{"within_pass", ConflictJson(map.within_pass)},
+               {"between_passes", ConflictJson(map.between_passes)},
+               {"between_over_within", SharesRatio(map)},
+               {"worst_within", ConflictJson(map.worst_within.conflict)},
+               {"worst_between", ConflictJson(map.worst_between.conflict)},
+               {"worst_over_explicable", map.Ratio()},
+               {"contradictory", map.IsContradictory()}};
+  json["within_pass"]["pairs"] = map.num_pairs_within;
+  json["between_passes"]["pairs"] = map.num_pairs_between;
   return json;
 }
 
@@ -85,7 +126,11 @@ Json EvaluationJson(const Evaluation& evaluation) {
     json["relative"] = {{"frames", ErrorsJson(evaluation.trajectory->relative_frames)},
                         {"metres", ErrorsJson(evaluation.trajectory->relative_metres)}};
   }
-  if (evaluation.raw_ranges) json["map_raw_ranges"] = SharpnessJson(*evaluation.raw_ranges);
+  if (evaluation.raw_ranges) {
+    json["map_raw_ranges"] = SharpnessJson(*evaluation.raw_ranges);
+    json["map_raw_ranges"]["scans_without_pose"] = evaluation.num_scans_without_pose;
+  }
+  if (evaluation.consistency) json["map_consistency"] = ConsistencyJson(*evaluation.consistency);
   if (evaluation.points) json["map_points"] = SharpnessJson(*evaluation.points);
   return json;
 }
@@ -119,6 +164,11 @@ std::string EvaluationTables(const Evaluation& evaluation) {
   }
   if (evaluation.raw_ranges) text += SharpnessRows("map, raw ranges", *evaluation.raw_ranges);
   if (evaluation.points) text += SharpnessRows("map, points", *evaluation.points);
+  if (evaluation.num_scans_without_pose > 0) {
+    text +=
+        Format("  %zu scans have no pose and are left out\n", evaluation.num_scans_without_pose);
+  }
+  if (evaluation.consistency) text += '\n' + ConsistencyTable(*evaluation.consistency);
   return text;
 }
 

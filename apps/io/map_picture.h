@@ -2,7 +2,9 @@
 #define PLUMBLINE_APPS_IO_MAP_PICTURE_H_
 
 #include <string>
+#include <vector>
 
+#include "plumbline/apps/io/map_overlay.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -12,6 +14,8 @@ struct MapPictureOptions {
   std::string title;         ///< stands before the numbers of scans and returns
   int max_side_px = 2400;    ///< the longer side of the map area
   double crop_share = 1e-3;  ///< of the points that may fall outside, at each side
+  /// Drawn in this order. Map and trajectory step back behind them in lighter shades of gray.
+  std::vector<MapOverlay> overlays;
 
   bool Check(std::string* error) const;
 };

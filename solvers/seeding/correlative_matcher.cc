@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "plumbline/core/angle.h"
 
@@ -15,15 +16,22 @@ constexpr int kKernelCells = 2;
 // Points of a scan that are scored: more of them change the ranking of poses no longer.
 constexpr std::size_t kMaxScoredPoints = 200;
 
+// A better score must be better by more than this, a step of the likelihood grid: along a bare
+// corridor thousands of poses fit alike.
+constexpr double kScoreResolution = 1.0 / 255.0;
+
 struct Candidate {
+  int heading = 0;
   int x = 0;  // shift of the scan in cells, the lowest of the 2^level in its block
   int y = 0;
   double score = 0.0;
 };
 
+bool BetterScore(const Candidate& a, const Candidate& b) { return a.score > b.score; }
+
 }  // namespace
 
-// One search: depth first, the most promising block first, so that bounds tighten early.
+// One search: the most promising block of all headings first, so that bounds tighten early.
 class BranchAndBound {
  public:
   BranchAndBound(const CorrelativeMatcher& matcher, const SurfacePoints& scan,
@@ -35,10 +43,12 @@ class BranchAndBound {
     half_cells_ = static_cast<int>(std::ceil(window.half_width_m / matcher.cell_m_));
   }
 
-  void Exclude(const Pose2& pose, double radius_m, double angle_rad) {
+  // Looks for any pose that is not near this one instead of the best of all.
+  void SearchElsewhereThan(const Pose2& pose, double radius_m, double angle_rad) {
     excluded_ = pose;
     excluded_radius_m_ = radius_m;
     excluded_angle_rad_ = angle_rad;
+    any_will_do_ = true;
   }
 
   CorrelativeMatch Run() {
@@ -48,84 +58,104 @@ class BranchAndBound {
     const double lever_m = std::sqrt(sum / static_cast<double>(points_.size()));
     const double step_rad = matcher_.cell_m_ / std::max(lever_m, matcher_.cell_m_);
     const int steps = static_cast<int>(std::ceil(std::min(window_.half_angle_rad, kPi) / step_rad));
-    // From the middle outwards: the prediction is more often right than wrong.
+    int level = 0;
+    while (level < kTopLevel && (1 << level) <= half_cells_) ++level;
+    std::vector<Candidate> top;
+    // From the middle outwards: of equal scores the one nearest to the prediction is taken.
     for (int k = 0; k <= 2 * steps; ++k) {
-      SearchHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad);
+      AddHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad, level,
+                 &top);
     }
+    Descend(level, &top);
     return best_;
   }
 
  private:
-  void SearchHeading(double yaw_rad) {
-    yaw_rad_ = yaw_rad;
-    heading_excluded_ = excluded_radius_m_ > 0.0 &&
-                        std::abs(NormalizeAngle(yaw_rad - excluded_.yaw)) <= excluded_angle_rad_;
+  struct Heading {
+    double yaw_rad = 0.0;
+    bool excluded = false;
+    std::vector<Eigen::Vector2i> cells;  // of the scan, unshifted
+  };
+
+  void AddHeading(double yaw_rad, int level, std::vector<Candidate>* top) {
+    Heading heading;
+    heading.yaw_rad = yaw_rad;
+    heading.excluded = excluded_radius_m_ > 0.0 &&
+                       std::abs(NormalizeAngle(yaw_rad - excluded_.yaw)) <= excluded_angle_rad_;
     const Pose2 pose(window_.center.x, window_.center.y, yaw_rad);
-    cells_.clear();
     Eigen::Vector2i low(std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
     Eigen::Vector2i high = -low;
     for (const Eigen::Vector2d& point : points_) {
       const Eigen::Vector2d at = (pose * point - matcher_.origin_) / matcher_.cell_m_;
-      cells_.emplace_back(static_cast<int>(std::floor(at.x())),
-                          static_cast<int>(std::floor(at.y())));
-      low = low.cwiseMin(cells_.back());
-      high = high.cwiseMax(cells_.back());
+      heading.cells.emplace_back(static_cast<int>(std::floor(at.x())),
+                                 static_cast<int>(std::floor(at.y())));
+      low = low.cwiseMin(heading.cells.back());
+      high = high.cwiseMax(heading.cells.back());
     }
+    headings_.push_back(std::move(heading));
     // Shifts that leave the scan outside the grid score nothing, however wide the window.
     const int x_low = std::max(-half_cells_, -high.x());
     const int y_low = std::max(-half_cells_, -high.y());
     const int x_high = std::min(half_cells_, matcher_.width_ - 1 - low.x());
     const int y_high = std::min(half_cells_, matcher_.height_ - 1 - low.y());
-    int level = 0;
-    while (level < kTopLevel && (1 << level) <= half_cells_) ++level;
-    const int size = 1 << level;
-    std::vector<Candidate> top;
-    for (int y = y_low; y <= y_high; y += size) {
-      for (int x = x_low; x <= x_high; x += size) top.push_back({x, y, 0.0});
+    const int id = static_cast<int>(headings_.size()) - 1;
+    for (int y = y_low; y <= y_high; y += 1 << level) {
+      for (int x = x_low; x <= x_high; x += 1 << level) top->push_back({id, x, y, 0.0});
     }
-    Descend(level, &top);
   }
 
-  void Descend(int level, std::vector<Candidate>* candidates) {
+  // Returns true if the search is over.
+  bool Descend(int level, std::vector<Candidate>* candidates) {
     for (Candidate& candidate : *candidates) candidate.score = Bound(candidate, level);
-    std::stable_sort(candidates->begin(), candidates->end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+    std::stable_sort(candidates->begin(), candidates->end(), BetterScore);
     for (const Candidate& candidate : *candidates) {
-      if (candidate.score <= best_.score) return;
+      if (candidate.score <= best_.score + kScoreResolution) return false;
+      if (IsExcluded(candidate, level)) continue;
       if (level == 0) {
-        Accept(candidate);
+        best_ = {true, PoseOf(candidate), candidate.score};
+        if (any_will_do_) return true;
         continue;
       }
       const int half = 1 << (level - 1);
       std::vector<Candidate> children;
       for (const int y : {candidate.y, candidate.y + half}) {
         for (const int x : {candidate.x, candidate.x + half}) {
-          if (x <= half_cells_ && y <= half_cells_) children.push_back({x, y, 0.0});
+          if (x <= half_cells_ && y <= half_cells_) {
+            children.push_back({candidate.heading, x, y, 0.0});
+          }
         }
       }
-      Descend(level - 1, &children);
+      if (Descend(level - 1, &children)) return true;
     }
+    return false;
   }
 
   double Bound(const Candidate& candidate, int level) const {
     const std::vector<std::uint8_t>& grid = matcher_.levels_[level];
+    const std::vector<Eigen::Vector2i>& cells = headings_[candidate.heading].cells;
     int sum = 0;
-    for (const Eigen::Vector2i& cell : cells_) {
+    for (const Eigen::Vector2i& cell : cells) {
       const int x = cell.x() + candidate.x, y = cell.y() + candidate.y;
       if (x < 0 || y < 0 || x >= matcher_.width_ || y >= matcher_.height_) continue;
       sum += grid[static_cast<std::size_t>(y) * matcher_.width_ + x];
     }
-    return sum / (255.0 * static_cast<double>(cells_.size()));
+    return sum / (255.0 * static_cast<double>(cells.size()));
   }
 
-  void Accept(const Candidate& candidate) {
-    const Pose2 pose(window_.center.x + candidate.x * matcher_.cell_m_,
-                     window_.center.y + candidate.y * matcher_.cell_m_, yaw_rad_);
-    if (heading_excluded_ &&
-        (pose.translation() - excluded_.translation()).norm() <= excluded_radius_m_) {
-      return;
-    }
-    best_ = {true, pose, candidate.score};
+  Pose2 PoseOf(const Candidate& candidate) const {
+    return {window_.center.x + candidate.x * matcher_.cell_m_,
+            window_.center.y + candidate.y * matcher_.cell_m_,
+            headings_[candidate.heading].yaw_rad};
+  }
+
+  // Whether all poses of a block are near the excluded one.
+  bool IsExcluded(const Candidate& candidate, int level) const {
+    if (!headings_[candidate.heading].excluded) return false;
+    const double side_m = ((1 << level) - 1) * matcher_.cell_m_;
+    const Eigen::Vector2d low = PoseOf(candidate).translation() - excluded_.translation();
+    const Eigen::Vector2d farthest =
+        low.cwiseAbs().cwiseMax((low.array() + side_m).matrix().cwiseAbs());
+    return farthest.norm() <= excluded_radius_m_;
   }
 
   const CorrelativeMatcher& matcher_;
@@ -135,10 +165,9 @@ class BranchAndBound {
   Pose2 excluded_;
   double excluded_radius_m_ = 0.0;
   double excluded_angle_rad_ = 0.0;
+  bool any_will_do_ = false;
 
-  double yaw_rad_ = 0.0;
-  bool heading_excluded_ = false;
-  std::vector<Eigen::Vector2i> cells_;  // of the scan at the current heading, unshifted
+  std::vector<Heading> headings_;
   CorrelativeMatch best_;
 };
 
@@ -160,32 +189,39 @@ CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m) 
 }
 
 void CorrelativeMatcher::Splat(const Eigen::Vector2d& point) {
+  constexpr int kSide = 2 * kKernelCells + 1;
   const Eigen::Vector2d at = (point - origin_) / cell_m_;
-  const int cx = static_cast<int>(at.x()), cy = static_cast<int>(at.y());
-  for (int y = cy - kKernelCells; y <= cy + kKernelCells; ++y) {
-    for (int x = cx - kKernelCells; x <= cx + kKernelCells; ++x) {
-      const Eigen::Vector2d offset(x + 0.5 - at.x(), y + 0.5 - at.y());
-      const auto value =
-          static_cast<std::uint8_t>(std::lround(255.0 * std::exp(-0.5 * offset.squaredNorm())));
-      std::uint8_t& cell = levels_[0][static_cast<std::size_t>(y) * width_ + x];
-      cell = std::max(cell, value);
+  const int x_low = static_cast<int>(at.x()) - kKernelCells;
+  const int y_low = static_cast<int>(at.y()) - kKernelCells;
+  // The Gaussian is the product of its two axes.
+  double along_x[kSide], along_y[kSide];
+  for (int i = 0; i < kSide; ++i) {
+    const double dx = x_low + i + 0.5 - at.x(), dy = y_low + i + 0.5 - at.y();
+    along_x[i] = std::exp(-0.5 * dx * dx);
+    along_y[i] = 255.0 * std::exp(-0.5 * dy * dy);
+  }
+  for (int y = 0; y < kSide; ++y) {
+    std::uint8_t* row = &levels_[0][static_cast<std::size_t>(y_low + y) * width_ + x_low];
+    for (int x = 0; x < kSide; ++x) {
+      row[x] = std::max(row[x], static_cast<std::uint8_t>(along_x[x] * along_y[y] + 0.5));
     }
   }
 }
 
 void CorrelativeMatcher::BuildPyramid() {
+  const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_);
   for (int level = 1; level <= kTopLevel; ++level) {
     const Level& finer = levels_.back();
-    const int half = 1 << (level - 1);
-    Level coarser(finer.size());
-    for (int y = 0; y < height_; ++y) {
-      const std::size_t row = static_cast<std::size_t>(y) * width_;
-      const std::size_t next = static_cast<std::size_t>(std::min(y + half, height_ - 1)) * width_;
-      for (int x = 0; x < width_; ++x) {
-        const int right = std::min(x + half, width_ - 1);
-        coarser[row + x] = std::max(std::max(finer[row + x], finer[row + right]),
-                                    std::max(finer[next + x], finer[next + right]));
-      }
+    const std::size_t half = std::size_t{1} << (level - 1);
+    // First to the right, then upwards, in plain loops that the compiler vectorises. The margin is
+    // wider than the blocks: what is cut off at the edges is empty.
+    Level rows = finer;
+    for (std::size_t i = 0; i + half < rows.size(); ++i) {
+      rows[i] = std::max(finer[i], finer[i + half]);
+    }
+    Level coarser = rows;
+    for (std::size_t i = 0; i + half * width < height * width; ++i) {
+      coarser[i] = std::max(rows[i], rows[i + half * width]);
     }
     levels_.push_back(std::move(coarser));
   }
@@ -196,13 +232,12 @@ CorrelativeMatch CorrelativeMatcher::Search(const SurfacePoints& scan, const Sea
   return BranchAndBound(*this, scan, window, min_score).Run();
 }
 
-CorrelativeMatch CorrelativeMatcher::SearchElsewhere(const SurfacePoints& scan,
-                                                     const SearchWindow& window, double min_score,
-                                                     const Pose2& excluded, double radius_m,
-                                                     double angle_rad) const {
+bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window,
+                                       double min_score, const Pose2& excluded, double radius_m,
+                                       double angle_rad) const {
   BranchAndBound search(*this, scan, window, min_score);
-  search.Exclude(excluded, radius_m, angle_rad);
-  return search.Run();
+  search.SearchElsewhereThan(excluded, radius_m, angle_rad);
+  return search.Run().found;
 }
 
 }  // namespace plumbline

@@ -36,10 +36,10 @@ class CorrelativeMatcher {
   CorrelativeMatch Search(const SurfacePoints& scan, const SearchWindow& window,
                           double min_score) const;
 
-  /// The same, but the pose must be farther than radius_m or angle_rad from `excluded`.
-  CorrelativeMatch SearchElsewhere(const SurfacePoints& scan, const SearchWindow& window,
-                                   double min_score, const Pose2& excluded, double radius_m,
-                                   double angle_rad) const;
+  /// Whether any pose of the window that is farther than radius_m or angle_rad from `excluded`
+  /// scores more than min_score.
+  bool FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window, double min_score,
+                     const Pose2& excluded, double radius_m, double angle_rad) const;
 
  private:
   friend class BranchAndBound;

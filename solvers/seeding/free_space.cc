@@ -1,9 +1,9 @@
 #include "plumbline/solvers/seeding/free_space.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 #include "plumbline/core/angle.h"
 
@@ -15,44 +15,63 @@ namespace {
 constexpr double kMarginM = 0.3;
 constexpr double kMarginPerRange = 0.02;
 constexpr std::size_t kReturnStride = 2;
-
-// The shortest of the four beams next to a bearing, 0 if one of them has no return.
-double ShortestRange(const LaserModel& laser, const std::vector<double>& range_of_beam,
-                     double bearing_rad) {
-  if (laser.num_beams < 4) return 0.0;
-  // In beams from the first one, on the turn that the sweep is on.
-  const double turn = 2.0 * kPi / std::abs(laser.bearing_step_rad);
-  double beam = (bearing_rad - laser.first_bearing_rad) / laser.bearing_step_rad;
-  beam -= turn * std::floor(beam / turn);
-  const int first = static_cast<int>(std::floor(beam)) - 1;
-  if (first < 0 || first + 3 >= laser.num_beams) return 0.0;
-  return *std::min_element(range_of_beam.begin() + first, range_of_beam.begin() + first + 4);
-}
+constexpr int kNumNeighbours = 4;
 
 }  // namespace
 
-FreeSpaceConflict CompareFreeSpace(const SlamGraph& graph, int viewer, int scan,
-                                   const Pose2& viewer_from_scan) {
-  const LaserModel& laser = graph.LaserOfScan(viewer);
-  const ScanEntry& seen = graph.scan(viewer);
-  std::vector<double> range_of_beam(laser.num_beams, 0.0);
-  for (std::size_t r = seen.first_return; r < seen.first_return + seen.num_returns; ++r) {
-    range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
-  }
-  const Pose2 laser_from_scan = laser.robot_from_laser.Inverse() * viewer_from_scan;
+FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
   const ScanEntry& entry = graph.scan(scan);
+  std::vector<double> range_of_beam(laser_.num_beams, 0.0);
+  for (std::size_t k = 0; k < entry.num_returns; ++k) {
+    const std::size_t r = entry.first_return + k;
+    range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
+    if (k % kReturnStride == 0) points_in_robot_.push_back(graph.PointInRobot(r));
+  }
+  for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
+    const auto begin = range_of_beam.begin() + first;
+    shortest_range_.push_back(*std::min_element(begin, begin + kNumNeighbours));
+  }
+}
+
+// The shortest of the four beams next to a bearing, 0 if one of them has no return.
+double FreeSpaceScan::ShortestRange(double bearing_rad) const {
+  // In beams from the first one, on the turn that the sweep is on.
+  const double turn = 2.0 * kPi / std::abs(laser_.bearing_step_rad);
+  double beam = (bearing_rad - laser_.first_bearing_rad) / laser_.bearing_step_rad;
+  beam -= turn * std::floor(beam / turn);
+  const int first = static_cast<int>(std::floor(beam)) - (kNumNeighbours / 2 - 1);
+  const int num_ranges = static_cast<int>(shortest_range_.size());
+  return first >= 0 && first < num_ranges ? shortest_range_[first] : 0.0;
+}
+
+FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
+                                         Eigen::Vector2d* conflicting_point) const {
   FreeSpaceConflict conflict;
-  for (std::size_t k = 0; k < entry.num_returns; k += kReturnStride) {
-    const Eigen::Vector2d point = laser_from_scan * graph.PointInRobot(entry.first_return + k);
+  if (shortest_range_.empty()) return conflict;
+  std::vector<Eigen::Vector2d> conflicting;
+  const Pose2 laser_from_other = laser_.robot_from_laser.Inverse() * robot_from_other;
+  const Eigen::Rotation2Dd rotation(laser_from_other.yaw);
+  for (const Eigen::Vector2d& in_other : other.points_in_robot_) {
+    const Eigen::Vector2d point = rotation * in_other + laser_from_other.translation();
     const double range = point.norm();
-    const double bearing = std::atan2(point.y(), point.x());
-    const double shortest = ShortestRange(laser, range_of_beam, bearing);
+    const double shortest = ShortestRange(std::atan2(point.y(), point.x()));
     const double margin = kMarginM + kMarginPerRange * range;
     if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
     ++conflict.num_compared;
-    if (range < shortest - margin) ++conflict.num_conflicting;
+    if (range < shortest - margin) conflicting.push_back(in_other);
+  }
+  conflict.num_conflicting = static_cast<int>(conflicting.size());
+  if (conflicting_point != nullptr && !conflicting.empty()) {
+    *conflicting_point = robot_from_other * conflicting[conflicting.size() / 2];
   }
   return conflict;
+}
+
+FreeSpaceConflict CompareFreeSpace(const SlamGraph& graph, int viewer, int scan,
+                                   const Pose2& viewer_from_scan) {
+  Eigen::Vector2d unused;
+  return FreeSpaceScan(graph, viewer)
+      .Compare(FreeSpaceScan(graph, scan), viewer_from_scan, &unused);
 }
 
 }  // namespace plumbline

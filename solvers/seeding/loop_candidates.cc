@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 #include <queue>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include "plumbline/core/options_check.h"
@@ -12,117 +14,318 @@
 namespace plumbline {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // One radian of difference in heading costs as much common view as this distance [m].
 constexpr double kHeadingCostM = 1.0;
+// Key scans within this stretch of path [m] share one node when ways are measured: the error is a
+// few centimetres of drift, and there are many times fewer nodes.
+constexpr double kNodeM = 2.0;
+// The map of a wide search has one key scan per square of this size [m] and quarter of heading.
+constexpr double kSurroundingsCellM = 1.0;
+
+// A way costs its length; a doubtful edge costs as much as this way [m], so that it is taken only
+// where no closure leads around it.
+constexpr double kDoubtCostM = 300.0;
+
+// A piece of way, or all of one.
+struct Way {
+  double cost_m = kInfinity;
+  int num_doubts = 0;
+
+  double LengthM() const { return cost_m - kDoubtCostM * num_doubts; }
+};
+
+// What was seen before a doubtful edge: this much of the path [m].
+constexpr double kBridgeheadM = 15.0;
+// From one try to bridge such an edge to the next [m].
+constexpr double kBridgeSpacingM = 1.3;
 
 struct Link {
   int to = 0;
-  double length_m = 0.0;
+  Way way;
 };
 
-// Key scans joined by the path driven and by closures, which are as short as what they measured.
-std::vector<std::vector<Link>> MakeLinks(const std::vector<KeyScan>& key_scans,
-                                         const std::vector<RelativePoseConstraint>& closures) {
-  std::vector<std::vector<Link>> links(key_scans.size());
-  const auto join = [&](int a, int b, double length_m) {
-    links[a].push_back({b, length_m});
-    links[b].push_back({a, length_m});
+double DriftM(const LoopCandidateOptions& options, const Way& way) {
+  const double length_m = way.LengthM();
+  return std::min(options.max_drift_m,
+                  options.drift_floor_m + options.drift_per_path * length_m +
+                      options.drift_per_path_squared_1_m * length_m * length_m +
+                      options.doubt_drift_m * way.num_doubts);
+}
+
+double DriftRad(const LoopCandidateOptions& options, const Way& way) {
+  if (way.num_doubts > 0) return options.doubt_drift_rad;
+  return std::min(kPi, options.drift_floor_rad + options.drift_rad_per_m * way.LengthM());
+}
+
+// The cost of the path up to each key scan.
+std::vector<double> PathCost(const KeyGraph& graph) {
+  std::vector<double> cost_m(graph.key_scans.size(), 0.0);
+  for (std::size_t k = 1; k < cost_m.size(); ++k) {
+    cost_m[k] = cost_m[k - 1] + graph.key_scans[k].path_m - graph.key_scans[k - 1].path_m +
+                (graph.sequential[k - 1].untrusted() ? kDoubtCostM : 0.0);
+  }
+  return cost_m;
+}
+
+// Measures ways between stretches of path, joined by the path driven and by closures, which are as
+// short as what they measured.
+class Ways {
+ public:
+  Ways(const KeyGraph& graph, const std::vector<double>& path_cost_m) {
+    double begin_m = -kInfinity;
+    for (std::size_t k = 0; k < path_cost_m.size(); ++k) {
+      if (path_cost_m[k] - begin_m >= kNodeM) {
+        const double cost_m = path_cost_m[k] - begin_m;
+        begin_m = path_cost_m[k];
+        links_.emplace_back();
+        first_key_.push_back(static_cast<int>(k));
+        if (num_nodes() > 1) {
+          const int doubts = k > 0 && graph.sequential[k - 1].untrusted() ? 1 : 0;
+          Join(num_nodes() - 2, num_nodes() - 1, {cost_m, doubts});
+        }
+      }
+      node_of_key_.push_back(num_nodes() - 1);
+    }
+    first_key_.push_back(graph.size());
+    for (const RelativePoseConstraint& closure : graph.closures) {
+      Join(node_of_key_[closure.from], node_of_key_[closure.to],
+           {std::hypot(closure.from_from_to.x, closure.from_from_to.y), 0});
+    }
+  }
+
+  int num_nodes() const { return static_cast<int>(links_.size()); }
+  int NodeOf(int key) const { return node_of_key_[key]; }
+  // The first key scan of a node; for num_nodes() the number of key scans.
+  int FirstKeyOf(int node) const { return first_key_[node]; }
+
+  // The cheapest way from a node to every other one (Dijkstra 1959).
+  std::vector<Way> From(int source) const {
+    std::vector<Way> ways(links_.size());
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
+    ways[source].cost_m = 0.0;
+    open.push({0.0, source});
+    while (!open.empty()) {
+      const auto [reached, node] = open.top();
+      open.pop();
+      if (reached > ways[node].cost_m) continue;
+      for (const Link& link : links_[node]) {
+        const double through = reached + link.way.cost_m;
+        if (through >= ways[link.to].cost_m) continue;
+        ways[link.to] = {through, ways[node].num_doubts + link.way.num_doubts};
+        open.push({through, link.to});
+      }
+    }
+    return ways;
+  }
+
+ private:
+  void Join(int a, int b, const Way& way) {
+    links_[a].push_back({b, way});
+    links_[b].push_back({a, way});
+  }
+
+  std::vector<int> node_of_key_, first_key_;
+  std::vector<std::vector<Link>> links_;
+};
+
+// One key scan per square and quarter of heading.
+std::vector<int> Thinned(const std::vector<int>& keys, const KeyGraph& graph) {
+  std::set<std::tuple<long, long, int>> taken;
+  std::vector<int> thinned;
+  for (const int key : keys) {
+    const Pose2& pose = graph.world_from_key[key];
+    const int quarter = static_cast<int>(std::floor(NormalizeAngle(pose.yaw) / (0.5 * kPi)));
+    const bool is_new = taken
+                            .emplace(std::lround(pose.x / kSurroundingsCellM),
+                                     std::lround(pose.y / kSurroundingsCellM), quarter)
+                            .second;
+    if (is_new) thinned.push_back(key);
+  }
+  return thinned;
+}
+
+class CandidateFinder {
+ public:
+  CandidateFinder(const LoopCandidateOptions& options, const KeyGraph& graph)
+      : options_(options),
+        graph_(graph),
+        path_cost_m_(PathCost(graph)),
+        ways_(graph, path_cost_m_),
+        closed_with_(graph.key_scans.size()) {
+    for (const auto* closures : {&graph.closures, &graph.contradicted}) {
+      for (const RelativePoseConstraint& closure : *closures) {
+        closed_with_[closure.to].push_back(closure.from);
+      }
+    }
+  }
+
+  int num_nodes() const { return ways_.num_nodes(); }
+
+  // The candidates whose later key scan lies in the node.
+  std::vector<LoopCandidate> OfNode(int node) const {
+    std::vector<LoopCandidate> candidates;
+    const std::vector<Way> ways = ways_.From(node);
+    for (int second = ways_.FirstKeyOf(node); second < ways_.FirstKeyOf(node + 1); ++second) {
+      if (BeginsStretch(second, options_.spacing_m)) AddCandidates(second, ways, &candidates);
+    }
+    return candidates;
+  }
+
+ private:
+  struct Nearby {
+    LoopCandidate candidate;
+    double cost = kInfinity;
   };
-  for (std::size_t k = 1; k < key_scans.size(); ++k) {
-    join(static_cast<int>(k) - 1, static_cast<int>(k),
-         key_scans[k].path_m - key_scans[k - 1].path_m);
-  }
-  for (const RelativePoseConstraint& closure : closures) {
-    join(closure.from, closure.to, std::hypot(closure.from_from_to.x, closure.from_from_to.y));
-  }
-  return links;
-}
 
-// Dijkstra (1959).
-std::vector<double> ShortestPaths(const std::vector<std::vector<Link>>& links, int source) {
-  std::vector<double> length(links.size(), std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
-  length[source] = 0.0;
-  open.push({0.0, source});
-  while (!open.empty()) {
-    const auto [reached, key] = open.top();
-    open.pop();
-    if (reached > length[key]) continue;
-    for (const Link& link : links[key]) {
-      const double through = reached + link.length_m;
-      if (through >= length[link.to]) continue;
-      length[link.to] = through;
-      open.push({through, link.to});
+  // Whether the key scan is the first one of a stretch, the path being cut at multiples of it.
+  bool BeginsStretch(int key, double stretch_m) const {
+    if (key == 0) return true;
+    const std::vector<KeyScan>& keys = graph_.key_scans;
+    return std::floor(keys[key].path_m / stretch_m) != std::floor(keys[key - 1].path_m / stretch_m);
+  }
+
+  double PathBetween(int a, int b) const { return std::abs(path_cost_m_[a] - path_cost_m_[b]); }
+
+  // Whether a closure ties the surroundings of the one to those of the other, or was found and
+  // dropped.
+  bool IsClosed(int first, int second) const {
+    const auto tied = [&](int to) {
+      return std::any_of(closed_with_[to].begin(), closed_with_[to].end(),
+                         [&](int from) { return PathBetween(from, first) < options_.spacing_m; });
+    };
+    for (int to = second; to >= 0 && PathBetween(to, second) < options_.spacing_m; --to) {
+      if (tied(to)) return true;
+    }
+    for (int to = second + 1; to < graph_.size() && PathBetween(to, second) < options_.spacing_m;
+         ++to) {
+      if (tied(to)) return true;
+    }
+    return false;
+  }
+
+  // Goes through the earlier key scans once; neighbours in time that are in reach make up a visit.
+  void AddCandidates(int second, const std::vector<Way>& ways,
+                     std::vector<LoopCandidate>* candidates) const {
+    std::vector<Nearby> visits;
+    Nearby visit, wide;
+    std::vector<int> wide_keys;
+    const auto finish_visit = [&] {
+      if (std::isfinite(visit.cost)) visits.push_back(visit);
+      visit = Nearby();
+    };
+    for (int first = 0; first < second; ++first) {
+      if (PathBetween(first, second) < options_.min_path_m) break;
+      const Nearby pair = Examine(first, second, ways[ways_.NodeOf(first)]);
+      const bool is_wide = pair.candidate.drift_m > options_.wide_drift_m;
+      if (!std::isfinite(pair.cost) || is_wide) finish_visit();
+      if (!std::isfinite(pair.cost)) continue;
+      if (is_wide) wide_keys.push_back(first);
+      Nearby& best = is_wide ? wide : visit;
+      if (pair.cost < best.cost) best = pair;
+    }
+    finish_visit();
+    AppendNearestVisits(&visits, candidates);
+    const double wide_spacing_m =
+        std::max(options_.wide_spacing_m, options_.wide_spacing_per_drift * wide.candidate.drift_m);
+    if (std::isfinite(wide.cost) && BeginsStretch(second, wide_spacing_m)) {
+      wide.candidate.surroundings = Thinned(wide_keys, graph_);
+      candidates->push_back(wide.candidate);
     }
   }
-  return length;
-}
 
-std::vector<int> SpacedKeyScans(const std::vector<KeyScan>& key_scans, double spacing_m) {
-  std::vector<int> spaced;
-  for (std::size_t k = 0; k < key_scans.size(); ++k) {
-    if (!spaced.empty() && key_scans[k].path_m - key_scans[spaced.back()].path_m < spacing_m) {
-      continue;
+  // A pair as a candidate, at an infinite cost if it is out of reach.
+  Nearby Examine(int first, int second, const Way& way) const {
+    const double drift_m = DriftM(options_, way);
+    Nearby pair{{first, second, drift_m, DriftRad(options_, way), {}}, kInfinity};
+    const Pose2& a = graph_.world_from_key[first];
+    const Pose2& b = graph_.world_from_key[second];
+    const double distance_m = (a.translation() - b.translation()).norm();
+    if (distance_m <= options_.reach_m + drift_m) {
+      pair.cost = distance_m + kHeadingCostM * std::abs(NormalizeAngle(b.yaw - a.yaw));
     }
-    spaced.push_back(static_cast<int>(k));
+    return pair;
   }
-  return spaced;
-}
+
+  void AppendNearestVisits(std::vector<Nearby>* visits,
+                           std::vector<LoopCandidate>* candidates) const {
+    std::stable_sort(visits->begin(), visits->end(),
+                     [](const Nearby& a, const Nearby& b) { return a.cost < b.cost; });
+    if (static_cast<int>(visits->size()) > options_.max_visits) {
+      visits->resize(options_.max_visits);
+    }
+    for (const Nearby& visit : *visits) {
+      if (IsClosed(visit.candidate.first, visit.candidate.second)) continue;
+      candidates->push_back(visit.candidate);
+    }
+  }
+
+  const LoopCandidateOptions& options_;
+  const KeyGraph& graph_;
+  std::vector<double> path_cost_m_;
+  Ways ways_;
+  std::vector<std::vector<int>> closed_with_;  // per later key scan of a closure the earlier ones
+};
 
 }  // namespace
 
 bool LoopCandidateOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(drift_floor_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_per_path, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(drift_per_path, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(drift_per_path_squared_1_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_drift_m, >=, drift_floor_m);
   PLUMBLINE_CHECK_FINITE_OPTION(drift_floor_rad, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(drift_rad_per_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(doubt_drift_m, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(doubt_drift_rad, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(bridge_path_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(bridge_turn_rad, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(reach_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(min_path_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(spacing_m, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_visits, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(wide_drift_m, >=, drift_floor_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_m, >=, spacing_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_per_drift, >=, 0.0);
   return true;
 }
 
 std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& options,
-                                              const std::vector<KeyScan>& key_scans,
-                                              const std::vector<Pose2>& world_from_key,
-                                              const std::vector<RelativePoseConstraint>& closures) {
-  const std::vector<std::vector<Link>> links = MakeLinks(key_scans, closures);
-  const auto is_closed = [&](int first, int second) {
-    return std::any_of(closures.begin(), closures.end(), [&](const RelativePoseConstraint& c) {
-      return std::abs(key_scans[c.from].path_m - key_scans[first].path_m) < options.spacing_m &&
-             std::abs(key_scans[c.to].path_m - key_scans[second].path_m) < options.spacing_m;
-    });
-  };
+                                              const KeyGraph& graph, ThreadPool* pool) {
+  const CandidateFinder finder(options, graph);
+  std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
+  pool->ForEachChunk(of_node.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) of_node[n] = finder.OfNode(static_cast<int>(n));
+  });
   std::vector<LoopCandidate> candidates;
-  for (const int second : SpacedKeyScans(key_scans, options.spacing_m)) {
-    const std::vector<double> way_m = ShortestPaths(links, second);
-    LoopCandidate best;
-    double best_cost = std::numeric_limits<double>::infinity();
-    const auto finish_visit = [&] {
-      if (std::isfinite(best_cost) && !is_closed(best.first, second)) candidates.push_back(best);
-      best_cost = std::numeric_limits<double>::infinity();
-    };
-    for (int first = 0; first < second; ++first) {
-      if (key_scans[second].path_m - key_scans[first].path_m < options.min_path_m) break;
-      const double distance_m =
-          (world_from_key[first].translation() - world_from_key[second].translation()).norm();
-      const double drift_m = options.drift_floor_m + options.drift_per_path * way_m[first];
-      if (distance_m > options.reach_m + drift_m) {
-        finish_visit();
-        continue;
-      }
-      const double turn_rad =
-          NormalizeAngle(world_from_key[second].yaw - world_from_key[first].yaw);
-      const double cost = distance_m + kHeadingCostM * std::abs(turn_rad);
-      if (cost >= best_cost) continue;
-      best_cost = cost;
-      best = {first, second, drift_m,
-              options.drift_floor_rad + options.drift_rad_per_m * way_m[first]};
-    }
-    finish_visit();
+  for (std::vector<LoopCandidate>& of_this : of_node) {
+    candidates.insert(candidates.end(), std::make_move_iterator(of_this.begin()),
+                      std::make_move_iterator(of_this.end()));
   }
   return candidates;
+}
+
+std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, const KeyGraph& graph) {
+  const std::vector<KeyScan>& keys = graph.key_scans;
+  std::vector<LoopCandidate> bridges;
+  for (int edge = 0; edge + 1 < graph.size(); ++edge) {
+    if (!graph.sequential[edge].doubtful()) continue;
+    std::vector<int> before;
+    for (int k = edge; k >= 0 && keys[edge].path_m - keys[k].path_m <= kBridgeheadM; --k) {
+      before.push_back(k);
+    }
+    double next_m = keys[edge + 1].path_m;
+    for (int k = edge + 1; k < graph.size(); ++k) {
+      if (keys[k].path_m - keys[edge + 1].path_m > options.bridge_path_m) break;
+      if (k > edge + 1 && graph.sequential[k - 1].doubtful()) break;
+      if (keys[k].path_m < next_m) continue;
+      next_m = keys[k].path_m + kBridgeSpacingM;
+      bridges.push_back({edge, k, options.drift_floor_m + options.doubt_drift_m,
+                         options.bridge_turn_rad, Thinned(before, graph)});
+    }
+  }
+  return bridges;
 }
 
 }  // namespace plumbline

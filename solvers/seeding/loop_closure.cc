@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/seeding/correlative_matcher.h"
@@ -22,89 +23,130 @@ constexpr double kPeakRadiusM = 0.7;
 constexpr double kPeakAngleRad = 0.3;
 // A second peak is looked for at least this far around: repeated rooms are a few metres apart.
 constexpr double kPeakWindowM = 6.0;
+// One radian of difference in heading costs as much common view as this distance [m].
+constexpr double kHeadingCostM = 1.0;
 
 class CandidateTester {
  public:
   CandidateTester(const LoopClosureOptions& options, const SlamGraph& graph,
-                  const std::vector<SurfacePoints>& surfaces, const std::vector<KeyScan>& key_scans,
-                  const std::vector<Pose2>& world_from_key)
-      : options_(options),
-        graph_(graph),
-        surfaces_(surfaces),
-        key_scans_(key_scans),
-        world_from_key_(world_from_key) {}
+                  const std::vector<SurfacePoints>& surfaces, const KeyGraph& key_graph)
+      : options_(options), graph_(graph), surfaces_(surfaces), keys_(key_graph) {}
 
-  // Sets *closure and returns true if the candidate is one.
-  bool Test(const LoopCandidate& candidate, RelativePoseConstraint* closure) const {
-    const LocalMap map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
-    const LocalMap scan = SubmapAround(candidate.second, options_.scan_path_m, kScanCellM);
-    const CorrelativeMatcher search(map.points(), options_.search_cell_m);
-    const SearchWindow window{
-        Between(world_from_key_[candidate.first], world_from_key_[candidate.second]),
-        candidate.drift_m, candidate.drift_rad};
+  TestedCandidate Test(const LoopCandidate& candidate) const {
+    TestedCandidate tested;
+    tested.edge.from = candidate.first;
+    tested.edge.to = candidate.second;
+    const LocalMap scan =
+        SubmapAround(candidate.second,
+                     candidate.wide() ? options_.map_path_m : options_.scan_path_m, kScanCellM);
+    LocalMap map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
+    const CorrelativeMatcher search(
+        candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
+        options_.search_cell_m);
+    const SearchWindow window{KeyFromKey(candidate.first, candidate.second), candidate.drift_m,
+                              candidate.drift_rad};
     const CorrelativeMatch coarse = search.Search(scan.points(), window, options_.min_search_score);
-    if (!coarse.found) return false;
+    if (!coarse.found) return tested;
 
-    ScanMatchOptions matching;
-    matching.coarse_gate_m = kFineGateStartM;
     PosePrediction start;
     start.world_from_robot = coarse.map_from_scan;
+    if (candidate.wide()) {
+      // From here on the place that was found counts, not the one that was expected.
+      tested.edge.from = NearestKey(candidate.surroundings, candidate.first, coarse.map_from_scan);
+      start.world_from_robot =
+          KeyFromKey(tested.edge.from, candidate.first) * start.world_from_robot;
+      map = SubmapAround(tested.edge.from, options_.map_path_m, kMapCellM);
+    }
+    ScanMatchOptions matching;
+    matching.coarse_gate_m = kFineGateStartM;
     const ScanMatch fine = MatchScan(map, scan.points(), start, matching);
-    const bool wide = candidate.drift_m > options_.wide_window_m;
-    if (fine.inlier_ratio < (wide ? options_.min_inlier_ratio_wide : options_.min_inlier_ratio)) {
-      return false;
+    tested.edge.from_from_to = fine.world_from_robot;
+    tested.edge.covariance = MatchCovariance(fine.information);
+    tested.verdict = Judge(candidate, tested.edge, fine.inlier_ratio);
+    if (tested.verdict == ClosureVerdict::kAccepted && candidate.wide() &&
+        HasSecondPeak(search, scan.points(), window, coarse)) {
+      tested.verdict = ClosureVerdict::kAmbiguous;
     }
-    if (ConflictShare(candidate, fine.world_from_robot) > options_.max_free_space_conflict) {
-      return false;
-    }
-    if (wide && HasSecondPeak(search, scan.points(), window, coarse)) return false;
-    *closure = {candidate.first, candidate.second, fine.world_from_robot,
-                MatchCovariance(fine.information)};
-    return true;
+    return tested;
   }
 
  private:
+  Pose2 KeyFromKey(int a, int b) const {
+    return Between(keys_.world_from_key[a], keys_.world_from_key[b]);
+  }
+
+  ClosureVerdict Judge(const LoopCandidate& candidate, const RelativePoseConstraint& edge,
+                       double inlier_ratio) const {
+    const double min_inlier_ratio =
+        candidate.wide() ? options_.min_inlier_ratio_wide : options_.min_inlier_ratio;
+    if (inlier_ratio < min_inlier_ratio) return ClosureVerdict::kLowOverlap;
+    if (ConflictShare(edge) > options_.max_free_space_conflict) {
+      return ClosureVerdict::kFreeSpaceConflict;
+    }
+    return ClosureVerdict::kAccepted;
+  }
+
   // Points of the key scans within path_m of the center, in the frame of the center.
   LocalMap SubmapAround(int center, double path_m, double cell_m) const {
-    std::vector<const SurfacePoints*> scans{&surfaces_[key_scans_[center].scan]};
+    std::vector<const SurfacePoints*> scans{&surfaces_[keys_.key_scans[center].scan]};
     std::vector<Pose2> poses{Pose2()};
-    const auto add = [&](int k) {
-      if (std::abs(key_scans_[k].path_m - key_scans_[center].path_m) > path_m) return false;
-      scans.push_back(&surfaces_[key_scans_[k].scan]);
-      poses.push_back(Between(world_from_key_[center], world_from_key_[k]));
-      return true;
-    };
-    const int num_keys = static_cast<int>(key_scans_.size());
-    for (int k = center - 1; k >= 0 && add(k); --k) {
-    }
-    for (int k = center + 1; k < num_keys && add(k); ++k) {
+    for (const int k : Neighbours(center, path_m)) {
+      if (k == center) continue;
+      scans.push_back(&surfaces_[keys_.key_scans[k].scan]);
+      poses.push_back(KeyFromKey(center, k));
     }
     LocalMap map(cell_m);
     map.Rebuild(scans, poses);
     return map;
   }
 
-  // The key scan and the ones before and after it, as far as they belong to the same visit.
-  std::vector<int> Neighbours(int center) const {
+  // Key scans within path_m of the center, up to an untrusted edge.
+  std::vector<int> Neighbours(int center, double path_m) const {
+    const auto in_reach = [&](int k, int edge) {
+      return !keys_.sequential[edge].untrusted() &&
+             std::abs(keys_.key_scans[k].path_m - keys_.key_scans[center].path_m) <= path_m;
+    };
+    int low = center, high = center;
+    while (low > 0 && in_reach(low - 1, low - 1)) --low;
+    while (high + 1 < keys_.size() && in_reach(high + 1, high)) ++high;
     std::vector<int> keys;
-    for (int k = center - 1; k <= center + 1; ++k) {
-      if (k < 0 || k >= static_cast<int>(key_scans_.size())) continue;
-      const double path_m = std::abs(key_scans_[k].path_m - key_scans_[center].path_m);
-      if (path_m <= options_.map_path_m) keys.push_back(k);
-    }
+    for (int k = low; k <= high; ++k) keys.push_back(k);
     return keys;
   }
 
+  SurfacePoints PointsOf(const std::vector<int>& keys, int frame) const {
+    SurfacePoints points;
+    for (const int k : keys) {
+      const Pose2 frame_from_key = KeyFromKey(frame, k);
+      for (const SurfacePoint& point : surfaces_[keys_.key_scans[k].scan]) {
+        points.push_back(frame_from_key * point);
+      }
+    }
+    return points;
+  }
+
+  int NearestKey(const std::vector<int>& keys, int frame, const Pose2& frame_from_robot) const {
+    int nearest = frame;
+    double nearest_cost = std::numeric_limits<double>::infinity();
+    for (const int k : keys) {
+      const Pose2 apart = Between(KeyFromKey(frame, k), frame_from_robot);
+      const double cost =
+          std::hypot(apart.x, apart.y) + kHeadingCostM * std::abs(NormalizeAngle(apart.yaw));
+      if (cost >= nearest_cost) continue;
+      nearest_cost = cost;
+      nearest = k;
+    }
+    return nearest;
+  }
+
   // Over the pairs of key scans next to the two, both ways.
-  double ConflictShare(const LoopCandidate& candidate, const Pose2& first_from_second) const {
+  double ConflictShare(const RelativePoseConstraint& edge) const {
     FreeSpaceConflict conflict;
-    for (const int a : Neighbours(candidate.first)) {
-      const Pose2 a_from_second =
-          Between(world_from_key_[a], world_from_key_[candidate.first]) * first_from_second;
-      for (const int b : Neighbours(candidate.second)) {
-        const Pose2 a_from_b =
-            a_from_second * Between(world_from_key_[candidate.second], world_from_key_[b]);
-        const int scan_a = key_scans_[a].scan, scan_b = key_scans_[b].scan;
+    for (const int a : NextTo(edge.from)) {
+      const Pose2 a_from_to = KeyFromKey(a, edge.from) * edge.from_from_to;
+      for (const int b : NextTo(edge.to)) {
+        const Pose2 a_from_b = a_from_to * KeyFromKey(edge.to, b);
+        const int scan_a = keys_.key_scans[a].scan, scan_b = keys_.key_scans[b].scan;
         conflict += CompareFreeSpace(graph_, scan_a, scan_b, a_from_b);
         conflict += CompareFreeSpace(graph_, scan_b, scan_a, a_from_b.Inverse());
       }
@@ -112,23 +154,47 @@ class CandidateTester {
     return conflict.Share();
   }
 
+  // The key scan and the ones right before and after it, as far as they are of the same visit.
+  std::vector<int> NextTo(int center) const {
+    std::vector<int> keys = Neighbours(center, options_.map_path_m);
+    keys.erase(
+        std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
+        keys.end());
+    return keys;
+  }
+
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
                      SearchWindow window, const CorrelativeMatch& best) const {
     window.half_width_m = std::max(window.half_width_m, kPeakWindowM);
-    return search
-        .SearchElsewhere(scan, window, options_.max_second_peak * best.score, best.map_from_scan,
-                         kPeakRadiusM, kPeakAngleRad)
-        .found;
+    return search.FitsElsewhere(scan, window, options_.max_second_peak * best.score,
+                                best.map_from_scan, kPeakRadiusM, kPeakAngleRad);
   }
 
   const LoopClosureOptions& options_;
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
-  const std::vector<KeyScan>& key_scans_;
-  const std::vector<Pose2>& world_from_key_;
+  const KeyGraph& keys_;
 };
 
 }  // namespace
+
+const char* ToString(ClosureVerdict verdict) {
+  switch (verdict) {
+    case ClosureVerdict::kAccepted:
+      return "accepted";
+    case ClosureVerdict::kNoMatch:
+      return "no_match";
+    case ClosureVerdict::kLowOverlap:
+      return "low_overlap";
+    case ClosureVerdict::kFreeSpaceConflict:
+      return "free_space_conflict";
+    case ClosureVerdict::kAmbiguous:
+      return "ambiguous";
+    case ClosureVerdict::kContradicted:
+      return "contradicted";
+  }
+  return "unknown";
+}
 
 bool LoopClosureOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(candidates);
@@ -138,32 +204,23 @@ bool LoopClosureOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(min_search_score, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio_wide, >=, min_inlier_ratio);
-  PLUMBLINE_CHECK_FINITE_OPTION(wide_window_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_free_space_conflict, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_second_peak, >, 0.0);
   return true;
 }
 
-std::vector<RelativePoseConstraint> CloseLoops(const LoopClosureOptions& options,
-                                               const SlamGraph& graph,
-                                               const std::vector<SurfacePoints>& surfaces,
-                                               const std::vector<KeyScan>& key_scans,
-                                               const std::vector<Pose2>& world_from_key,
-                                               const std::vector<LoopCandidate>& candidates,
-                                               ThreadPool* pool) {
-  const CandidateTester tester(options, graph, surfaces, key_scans, world_from_key);
-  std::vector<RelativePoseConstraint> tested(candidates.size());
-  std::vector<char> accepted(candidates.size(), 0);
+std::vector<TestedCandidate> TestLoopCandidates(const LoopClosureOptions& options,
+                                                const SlamGraph& graph,
+                                                const std::vector<SurfacePoints>& surfaces,
+                                                const KeyGraph& key_graph,
+                                                const std::vector<LoopCandidate>& candidates,
+                                                ThreadPool* pool) {
+  const CandidateTester tester(options, graph, surfaces, key_graph);
+  std::vector<TestedCandidate> tested(candidates.size());
   pool->ForEachChunk(candidates.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      accepted[i] = tester.Test(candidates[i], &tested[i]) ? 1 : 0;
-    }
+    for (std::size_t i = begin; i < end; ++i) tested[i] = tester.Test(candidates[i]);
   });
-  std::vector<RelativePoseConstraint> closures;
-  for (std::size_t i = 0; i < tested.size(); ++i) {
-    if (accepted[i] != 0) closures.push_back(tested[i]);
-  }
-  return closures;
+  return tested;
 }
 
 }  // namespace plumbline

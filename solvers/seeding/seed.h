@@ -9,7 +9,9 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/seeding/close_loops.h"
 #include "plumbline/solvers/seeding/loop_closure.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
 
 namespace plumbline {
@@ -26,9 +28,14 @@ struct SeedingOptions {
 
 struct SeedingReport {
   SequentialSeedingReport sequential;
-  int num_loop_candidates = 0;   ///< pairs of key scans tried, over all rounds
-  int num_closures = 0;          ///< accepted and kept
-  int num_dropped_closures = 0;  ///< accepted first, then contradicted by the pose graph
+  LoopClosingReport loops;
+  MapConsistency consistency;  ///< of the seed
+  /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
+  /// disagree and nothing else ties them together.
+  bool alarm = false;
+
+  /// Whether a wrong step of the sequential matching was found and put right.
+  bool Repaired() const;
 };
 
 /// Moves every pose of the graph to where scan matching, loop closure and a pose graph put it,
@@ -41,6 +48,13 @@ struct SeedingReport {
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                  ThreadPool* pool, SlamGraph* graph, SeedingReport* report);
+
+/// The second half of it: makes a trajectory of the sequential matching globally consistent by
+/// closing its loops. surfaces: per scan, in the frame of the robot.
+Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
+                     const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                     const SeedingProgress& progress, ThreadPool* pool,
+                     SequentialTrajectory* trajectory, SeedingReport* report);
 
 }  // namespace plumbline
 

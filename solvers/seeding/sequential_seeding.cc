@@ -204,7 +204,8 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     poses[pose] = match.world_from_robot;
     if (scan >= 0) matcher.MaybeAddKeyScan(pose, scan, path_m, match);
     constexpr int kPosesPerReport = 100;
-    if (pose % kPosesPerReport == 0 && progress && !progress(pose, num_poses)) {
+    if (pose % kPosesPerReport == 0 && progress &&
+        !progress(SeedingPhase::kMatchingScans, pose, num_poses)) {
       return Status::Unavailable("seeding was stopped by its caller");
     }
   }

@@ -10,6 +10,7 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/seeding/key_graph.h"
 #include "plumbline/solvers/seeding/odometry_sign.h"
 #include "plumbline/solvers/seeding/scan_matcher.h"
 
@@ -30,15 +31,6 @@ struct SequentialSeedingOptions {
   bool Check(std::string* error) const;
 };
 
-/// A scan that stands for its surroundings in the local map and in the pose graph.
-struct KeyScan {
-  int pose = 0;
-  int scan = 0;
-  double path_m = 0.0;  ///< driven from the first pose to here
-  /// What the match knows of its pose: as ScanMatch::information, but in axes of the robot.
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-};
-
 /// What the sequential matching found. Vectors without another remark have one entry per pose.
 struct SequentialTrajectory {
   std::vector<Pose2> world_from_robot;
@@ -55,8 +47,11 @@ struct SequentialSeedingReport {
   int num_unmatched = 0;       ///< scans that follow the odometry: their map neighbours are gone
 };
 
-/// Called now and then with the number of scans done; false stops the seeding with an error.
-using SeedingProgress = std::function<bool(int num_done, int num_total)>;
+enum class SeedingPhase { kMatchingScans, kClosingLoops };
+
+/// Called now and then with what has been done of a phase, in scans or in candidates of a round of
+/// loop closing; false stops the seeding with an error.
+using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
 
 /// Finds the pose of every scan from the ones before it, starting at the graph's first pose.
 /// Expects poses in order of time, joined by odometry from each pose to the next.

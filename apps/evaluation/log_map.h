@@ -1,0 +1,28 @@
+#ifndef PLUMBLINE_APPS_EVALUATION_LOG_MAP_H_
+#define PLUMBLINE_APPS_EVALUATION_LOG_MAP_H_
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// The scans of a log at the poses of a trajectory.
+struct LogMap {
+  SlamGraph graph;  ///< in order of time; points where the raw ranges put them
+  std::size_t num_scans_without_pose = 0;
+};
+
+/// Reads the log and puts its scans at the poses that have their time (to 1 ms). Scans without a
+/// pose are left out and counted. NotFound, Unavailable, DataLoss or InvalidArgument if
+/// ReadCarmenLog or BuildGraph fails, InvalidArgument if no return has a pose.
+Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
+                  LogMap* map);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_EVALUATION_LOG_MAP_H_

@@ -1,0 +1,129 @@
+#include "plumbline/apps/io/map_raster.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+namespace plumbline {
+namespace {
+
+constexpr double kMaxExtentM = 1e9;  // no map; keeps pixel arithmetic far from overflow
+
+/// An interval of world coordinates [m].
+struct Interval {
+  double low = 0.0, high = 0.0;
+  double length() const { return high - low; }
+};
+
+/// The smallest of 1, 2, 2.5, 5 times a power of ten that is >= value.
+double RoundUpToNice(double value) {
+  const double below = RoundDownToNice(value);
+  if (below >= value) return below;
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (double factor : {2.0, 2.5, 5.0}) {
+    if (factor * decade >= value) return factor * decade;
+  }
+  return 10.0 * decade;
+}
+
+/// Range of one coordinate (0 = x, 1 = y) that the picture shows, margin included.
+Interval VisibleInterval(const SlamGraph& graph, int coordinate, double crop_share) {
+  // A quantile of a million samples is as good as one of thirty million.
+  const std::size_t stride = 1 + graph.num_returns() / 1000000;
+  std::vector<double> samples;
+  for (std::size_t i = 0; i < graph.num_returns(); i += stride) {
+    const double value = graph.points()[2 * i + coordinate];
+    if (std::isfinite(value)) samples.push_back(value);
+  }
+  Interval interval{graph.poses()[coordinate], graph.poses()[coordinate]};
+  const auto include = [&interval](double value) {
+    interval.low = std::min(interval.low, value);
+    interval.high = std::max(interval.high, value);
+  };
+  for (std::size_t i = coordinate; i < graph.poses().size(); i += 3) include(graph.poses()[i]);
+  if (!samples.empty()) {
+    const std::size_t outside = static_cast<std::size_t>(crop_share * samples.size());
+    for (std::size_t rank : {outside, samples.size() - 1 - outside}) {
+      std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
+      include(samples[rank]);
+    }
+  }
+  const double margin = std::max(0.5, 0.03 * interval.length());
+  return {interval.low - margin, interval.high + margin};
+}
+
+/// Number of map points per pixel, row by row.
+std::vector<std::uint32_t> CountHits(const SlamGraph& graph, const MapRaster& raster) {
+  std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
+  for (std::size_t i = 0; i < graph.num_returns(); ++i) {
+    const double column = raster.Column(graph.points()[2 * i]);
+    const double row = raster.Row(graph.points()[2 * i + 1]);
+    // Written so that a coordinate that is not a number fails.
+    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) continue;
+    ++hits[static_cast<std::size_t>(row) * raster.width + static_cast<std::size_t>(column)];
+  }
+  return hits;
+}
+
+/// Number of hits that is drawn black: what the fullest tenth of the pixels that were hit has.
+double BlackLevel(const std::vector<std::uint32_t>& hits) {
+  std::vector<std::uint32_t> positive;
+  for (std::uint32_t count : hits) {
+    if (count > 0) positive.push_back(count);
+  }
+  if (positive.empty()) return 1.0;
+  const auto level = positive.begin() + (positive.size() - 1) * 9 / 10;
+  std::nth_element(positive.begin(), level, positive.end());
+  return *level;
+}
+
+/// Gray value of a pixel with `count` >= 1 hits. Hits on a wall differ by orders of magnitude with
+/// the robot's distance and dwell, hence a logarithm; a single hit must still be seen, hence a
+/// floor.
+std::uint8_t GrayLevel(std::uint32_t count, double black_level) {
+  constexpr double kFaintest = 0.2;
+  const double exposure = std::min(1.0, std::log1p(count) / std::log1p(black_level));
+  const double darkness = std::max(kFaintest, exposure);
+  return static_cast<std::uint8_t>(std::lround(255.0 * (1.0 - darkness)));
+}
+
+}  // namespace
+
+double RoundDownToNice(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (double factor : {5.0, 2.5, 2.0}) {
+    if (factor * decade <= value) return factor * decade;
+  }
+  return decade;
+}
+
+Status ChooseRaster(const SlamGraph& graph, double crop_share, int max_side_px, MapRaster* raster) {
+  const Interval x = VisibleInterval(graph, 0, crop_share);
+  const Interval y = VisibleInterval(graph, 1, crop_share);
+  for (double edge_m : {x.low, x.high, y.low, y.high}) {
+    if (std::abs(edge_m) < kMaxExtentM) continue;
+    return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
+                                   " m from the origin");
+  }
+  // One pixel of the side is lost to snapping the edges to the grid.
+  const double side_m = std::max(x.length(), y.length());
+  raster->pixel_m = std::max(0.01, RoundUpToNice(side_m / (max_side_px - 1)));
+  raster->left_m = std::floor(x.low / raster->pixel_m) * raster->pixel_m;
+  raster->top_m = std::ceil(y.high / raster->pixel_m) * raster->pixel_m;
+  raster->width = static_cast<int>(std::ceil(raster->Column(x.high)));
+  raster->height = static_cast<int>(std::ceil(raster->Row(y.low)));
+  return Status::Ok();
+}
+
+std::vector<std::uint8_t> DensityImage(const SlamGraph& graph, const MapRaster& raster) {
+  const std::vector<std::uint32_t> hits = CountHits(graph, raster);
+  const double black_level = BlackLevel(hits);
+  std::vector<std::uint8_t> gray(hits.size(), 255);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i] > 0) gray[i] = GrayLevel(hits[i], black_level);
+  }
+  return gray;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,27 @@
+#ifndef PLUMBLINE_APPS_IO_OVERLAY_PICTURES_H_
+#define PLUMBLINE_APPS_IO_OVERLAY_PICTURES_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/close_loops.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+
+namespace plumbline {
+
+/// Draws the map with its loop closures: accepted ones solid, refused ones dashed, and a legend
+/// with the number of each verdict. Fails like WriteMapPicture, and on records of poses that the
+/// graph has not.
+Status WriteClosurePicture(const std::string& path, const SlamGraph& graph,
+                           const std::vector<LoopClosureRecord>& records, int max_side_px);
+
+/// Draws the map with a ring wherever one scan looked through what another one saw, at most one per
+/// half metre. Fails like WriteMapPicture.
+Status WriteConflictPicture(const std::string& path, const SlamGraph& graph,
+                            const MapConsistency& consistency, int max_side_px);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_OVERLAY_PICTURES_H_

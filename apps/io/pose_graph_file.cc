@@ -1,0 +1,336 @@
+#include "plumbline/apps/io/pose_graph_file.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <numeric>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/text_reader.h"
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+struct Dialect {
+  PoseGraphFormat format;
+  const char* vertex;
+  const char* edge;
+  const char* information[6];  // "I" row column, both from 1
+};
+
+constexpr Dialect kDialects[] = {
+    {PoseGraphFormat::kG2o, "VERTEX_SE2", "EDGE_SE2", {"I11", "I12", "I13", "I22", "I23", "I33"}},
+    {PoseGraphFormat::kToro, "VERTEX2", "EDGE2", {"I11", "I12", "I22", "I33", "I13", "I23"}}};
+
+constexpr char kLaser[] = "ROBOTLASER1";
+
+// Scans of one laser differ by the rounding of the logger.
+constexpr double kMountingToleranceM = 0.05, kMountingToleranceRad = 0.05;
+
+bool StartsWith(std::string_view text, std::string_view start) {
+  return text.substr(0, start.size()) == start;
+}
+
+// The first word of a line; empty for comments and blank lines.
+std::string_view Keyword(std::string_view line) {
+  const std::string_view word = FieldReader(line).Word("keyword");
+  return StartsWith(word, "#") ? std::string_view() : word;
+}
+
+// Null if the keyword is in neither.
+const Dialect* DialectOf(std::string_view keyword) {
+  for (const Dialect& dialect : kDialects) {
+    if (keyword == dialect.vertex || keyword == dialect.edge) return &dialect;
+  }
+  return nullptr;
+}
+
+long long ReadId(FieldReader* fields, const char* field) {
+  const std::string_view word = fields->Word(field);
+  long long id = 0;
+  const char* end = word.data() + word.size();
+  const std::from_chars_result result = std::from_chars(word.data(), end, id);
+  if (result.ec != std::errc() || result.ptr != end) {
+    fields->Fail(field, "'" + std::string(word) + "' is not an integer");
+  }
+  return id;
+}
+
+Pose2 ReadPose(FieldReader* fields) {
+  Pose2 pose;
+  pose.x = fields->FiniteNumber("x");
+  pose.y = fields->FiniteNumber("y");
+  pose.yaw = fields->FiniteNumber("yaw");
+  return pose;
+}
+
+Eigen::Matrix3d ReadInformation(const Dialect& dialect, FieldReader* fields) {
+  Eigen::Matrix3d information;
+  for (const char* field : dialect.information) {
+    const int row = field[1] - '1', column = field[2] - '1';
+    information(row, column) = information(column, row) = fields->FiniteNumber(field);
+  }
+  return information;
+}
+
+// A pose that no edges connect with the first one; -1 if there is none.
+int FindIsland(const SlamGraph& graph) {
+  std::vector<int> parent(graph.num_poses());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int pose) {
+    while (parent[pose] != pose) pose = parent[pose] = parent[parent[pose]];
+    return pose;
+  };
+  for (const RelativePoseConstraint& edge : graph.relative_poses()) {
+    parent[root(edge.from)] = root(edge.to);
+  }
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    if (root(pose) != root(0)) return pose;
+  }
+  return -1;
+}
+
+// Collects the records of one file, then makes a graph of them.
+class Parser {
+ public:
+  explicit Parser(std::string path) : path_(std::move(path)) {}
+
+  Status ParseLine(std::string_view line) {
+    file_.lines.emplace_back(line);
+    const std::string_view keyword = Keyword(line);
+    if (keyword.empty() || StartsWith(keyword, "PARAMS_")) return Status::Ok();
+    if (dialect_ == nullptr) dialect_ = DialectOf(keyword);
+    FieldReader fields(line);
+    fields.Word("keyword");
+    if (dialect_ != nullptr && keyword == dialect_->vertex) {
+      ReadVertex(&fields);
+    } else if (dialect_ != nullptr && keyword == dialect_->edge) {
+      ReadEdge(&fields);
+    } else if (keyword == "FIX") {
+      ReadFix(&fields);
+    } else if (keyword == kLaser) {
+      if (poses_.empty()) fields.Fail("keyword", "no vertex before it");
+      pose_of_laser_line_[file_.lines.size()] = static_cast<int>(poses_.size()) - 1;
+    } else {
+      fields.Fail("keyword", "a record that is not understood");
+    }
+    return fields.ok() ? Status::Ok() : Error(file_.lines.size(), fields.error());
+  }
+
+  Status Finish(PoseGraphFile* file) {
+    if (poses_.empty()) return Status::InvalidArgument(path_ + ": no vertex, as a pose graph has");
+    file_.format = dialect_->format;
+    CarmenLog log;
+    PLUMBLINE_RETURN_IF_ERROR(ReadScans(&log));
+    PLUMBLINE_RETURN_IF_ERROR(AddPoses(log));
+    PLUMBLINE_RETURN_IF_ERROR(AddScans(log));
+    PLUMBLINE_RETURN_IF_ERROR(AddEdges());
+    PLUMBLINE_RETURN_IF_ERROR(FixPoses());
+    const int island = FindIsland(file_.graph);
+    if (island >= 0) {
+      return Error(file_.vertex_lines[island] + 1,
+                   "no edges connect vertex " + std::to_string(file_.vertex_ids[island]) +
+                       " with the first vertex, " + std::to_string(file_.vertex_ids[0]));
+    }
+    *file = std::move(file_);
+    return Status::Ok();
+  }
+
+ private:
+  struct Edge {
+    long long from = 0, to = 0;
+    Pose2 from_from_to;
+    Eigen::Matrix3d information;
+    std::size_t line = 0;
+  };
+  struct Fix {
+    long long id = 0;
+    std::size_t line = 0;
+  };
+
+  void ReadVertex(FieldReader* fields) {
+    const long long id = ReadId(fields, "id");
+    const Pose2 pose = ReadPose(fields);
+    fields->ExpectEnd();
+    const auto [known, added] = pose_of_id_.emplace(id, static_cast<int>(poses_.size()));
+    if (!added) {
+      fields->Fail("id", "vertex " + std::to_string(id) + " was there before, in line " +
+                             std::to_string(file_.vertex_lines[known->second] + 1));
+    }
+    poses_.push_back(pose);
+    file_.vertex_ids.push_back(id);
+    file_.vertex_lines.push_back(file_.lines.size() - 1);
+  }
+
+  void ReadEdge(FieldReader* fields) {
+    Edge edge;
+    edge.from = ReadId(fields, "from");
+    edge.to = ReadId(fields, "to");
+    edge.from_from_to = ReadPose(fields);
+    edge.information = ReadInformation(*dialect_, fields);
+    fields->ExpectEnd();
+    if (edge.from == edge.to) fields->Fail("to", "the edge joins a vertex with itself");
+    edge.line = file_.lines.size();
+    edges_.push_back(edge);
+  }
+
+  void ReadFix(FieldReader* fields) {
+    do {
+      fixes_.push_back({ReadId(fields, "id"), file_.lines.size()});
+    } while (fields->ok() && !FieldReader(*fields).Word("id").empty());
+  }
+
+  // The scans in the order of their lines, which is that of their vertices.
+  Status ReadScans(CarmenLog* log) const {
+    if (pose_of_laser_line_.empty()) return Status::Ok();
+    CarmenReadOptions strict;
+    strict.max_bad_share = 0.0;
+    strict.max_bad_records = 0;
+    PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path_, strict, log));
+    std::sort(log->scans.begin(), log->scans.end(),
+              [](const CarmenScan& a, const CarmenScan& b) { return a.line < b.line; });
+    const LaserMounting mounting = EstimateLaserMounting(*log);
+    if (mounting.max_deviation_m <= kMountingToleranceM &&
+        mounting.max_deviation_rad <= kMountingToleranceRad) {
+      return Status::Ok();
+    }
+    return Status::InvalidArgument(path_ +
+                                   ": the place of the laser on the robot differs by up to " +
+                                   std::to_string(mounting.max_deviation_m) + " m and " +
+                                   std::to_string(RadToDeg(mounting.max_deviation_rad)) +
+                                   " deg between the scans; one laser is expected");
+  }
+
+  Status AddPoses(const CarmenLog& log) {
+    std::vector<double> times(poses_.size());
+    std::iota(times.begin(), times.end(), 0.0);
+    for (auto scan = log.scans.rbegin(); scan != log.scans.rend(); ++scan) {
+      times[pose_of_laser_line_.at(scan->line)] = scan->timestamp_s;
+    }
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      int pose = 0;
+      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddPose(poses_[i], times[i], &pose));
+    }
+    return Status::Ok();
+  }
+
+  Status AddScans(const CarmenLog& log) {
+    if (log.scans.empty()) return Status::Ok();
+    SlamGraph of_log;  // for the lasers of its scans
+    const Status status = BuildGraph(log, 0, &of_log);
+    if (!status.ok()) return Status::InvalidArgument(path_ + ": " + status.message());
+    for (int s = 0; s < of_log.num_scans(); ++s) {
+      int laser = 0;
+      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddLaser(of_log.LaserOfScan(s), &laser));
+      const int pose = pose_of_laser_line_.at(log.scans[s].line);
+      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddScan(pose, laser, log.scans[s].ranges));
+    }
+    return Status::Ok();
+  }
+
+  Status AddEdges() {
+    for (const Edge& edge : edges_) {
+      RelativePoseConstraint constraint;
+      PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.from, "from", edge.line, &constraint.from));
+      PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.to, "to", edge.line, &constraint.to));
+      constraint.from_from_to = edge.from_from_to;
+      const Eigen::Matrix3d inverse = edge.information.inverse();
+      constraint.covariance = 0.5 * (inverse + inverse.transpose());
+      // Ids and numbers are known to be good.
+      if (!file_.graph.AddRelativePose(constraint).ok()) {
+        return Error(edge.line, "fields 'I11' to 'I33': the information is not positive definite");
+      }
+    }
+    return Status::Ok();
+  }
+
+  Status FixPoses() {
+    for (const Fix& fix : fixes_) {
+      int pose = 0;
+      PLUMBLINE_RETURN_IF_ERROR(FindPose(fix.id, "id", fix.line, &pose));
+      PLUMBLINE_RETURN_IF_ERROR(file_.graph.FixPose(pose));
+    }
+    return Status::Ok();
+  }
+
+  Status FindPose(long long id, const char* field, std::size_t line, int* pose) const {
+    const auto known = pose_of_id_.find(id);
+    if (known == pose_of_id_.end()) {
+      return Error(line,
+                   "field '" + std::string(field) + "': there is no vertex " + std::to_string(id));
+    }
+    *pose = known->second;
+    return Status::Ok();
+  }
+
+  // line: from 1.
+  Status Error(std::size_t line, const std::string& problem) const {
+    return Status::InvalidArgument(path_ + ":" + std::to_string(line) + ": " +
+                                   std::string(Keyword(file_.lines[line - 1])) + " " + problem);
+  }
+
+  const std::string path_;
+  const Dialect* dialect_ = nullptr;  // that of the first vertex or edge
+  PoseGraphFile file_;
+  std::vector<Pose2> poses_;
+  std::unordered_map<long long, int> pose_of_id_;
+  std::unordered_map<std::size_t, int> pose_of_laser_line_;
+  std::vector<Edge> edges_;
+  std::vector<Fix> fixes_;
+};
+
+}  // namespace
+
+const char* ToString(PoseGraphFormat format) {
+  return format == PoseGraphFormat::kG2o ? "g2o" : "toro";
+}
+
+bool IsPoseGraphFile(const std::string& path) {
+  TextReader reader;
+  if (!reader.Open(path).ok()) return false;
+  std::string_view line;
+  while (reader.NextLine(&line)) {
+    const std::string_view keyword = Keyword(line);
+    if (keyword.empty()) continue;
+    return StartsWith(keyword, "VERTEX") || StartsWith(keyword, "EDGE") || keyword == "FIX" ||
+           StartsWith(keyword, "PARAMS_");
+  }
+  return false;
+}
+
+Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file) {
+  TextReader reader;
+  PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
+  Parser parser(path);
+  std::string_view line;
+  while (reader.NextLine(&line)) PLUMBLINE_RETURN_IF_ERROR(parser.ParseLine(line));
+  PLUMBLINE_RETURN_IF_ERROR(reader.status());
+  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  return parser.Finish(file);
+}
+
+Status WritePoseGraphFile(const std::string& path, const PoseGraphFile& file) {
+  std::vector<std::string> lines = file.lines;
+  for (int i = 0; i < file.graph.num_poses(); ++i) {
+    const Pose2 pose = file.graph.WorldFromRobot(i);
+    char numbers[128];
+    std::snprintf(numbers, sizeof(numbers), " %lld %.17g %.17g %.17g", file.vertex_ids[i], pose.x,
+                  pose.y, NormalizeAngle(pose.yaw));
+    std::string& line = lines[file.vertex_lines[i]];
+    line = std::string(Keyword(line)) + numbers;
+  }
+  AtomicFile output;
+  PLUMBLINE_RETURN_IF_ERROR(output.Open(path));
+  for (const std::string& line : lines) output.stream() << line << '\n';
+  return output.Commit();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,29 @@
+#ifndef PLUMBLINE_APPS_POSE_GRAPH_RUN_H_
+#define PLUMBLINE_APPS_POSE_GRAPH_RUN_H_
+
+#include <string>
+
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/solver_options.h"
+
+namespace plumbline {
+
+struct PoseGraphRunOptions {
+  std::string log;
+  std::string output_dir;
+  int picture_side_px = 0;
+  SolverOptions solver;
+};
+
+/// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
+/// attached to its vertices, by edges and scans together. Prints what happens; leaves in the output
+/// folder
+///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
+///   graph.g2o or .toro  the file that came in, with the refined poses
+///   summary.json        figures
+/// and with scans also points.ply and a picture of each stage. A failed Status names the culprit.
+Status RunPoseGraph(const PoseGraphRunOptions& options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_POSE_GRAPH_RUN_H_

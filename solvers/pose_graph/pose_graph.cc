@@ -1,0 +1,112 @@
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "plumbline/factors/relative_pose_factor.h"
+#include "plumbline/factors/sqrt_information.h"
+
+namespace plumbline {
+namespace {
+
+// Doubtful edges bend away from three standard deviations on, ...
+constexpr double kCauchyScale = 3.0;
+// ... but not from the start, where a right one may be hundreds of them off: the loss begins wide
+// enough for all and narrows by this factor (graduated non-convexity, Blake & Zisserman 1987).
+constexpr double kNarrowing = 4.0;
+constexpr int kMaxIterations = 50;
+
+using Block = std::array<double, 3>;
+
+// False on a covariance that is not positive definite.
+bool MakeResidual(const RelativePoseConstraint& edge, RelativePoseResidual* residual) {
+  residual->a_from_b = edge.from_from_to;
+  return SqrtInformation(edge.covariance, &residual->sqrt_information);
+}
+
+void AddEdges(const std::vector<RelativePoseConstraint>& edges, ceres::LossFunction* loss,
+              std::vector<Block>* blocks, ceres::Problem* problem) {
+  for (const RelativePoseConstraint& edge : edges) {
+    RelativePoseResidual residual;
+    if (!MakeResidual(edge, &residual)) continue;
+    problem->AddResidualBlock(new RelativePoseFactor(residual), loss, (*blocks)[edge.from].data(),
+                              (*blocks)[edge.to].data());
+  }
+}
+
+ceres::Solver::Options SolverSettings() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = kMaxIterations;
+  options.function_tolerance = 1e-9;
+  // All but undamped: where stiff edges meet soft ones, damping turns the few steps of Gauss-Newton
+  // into hundreds.
+  options.initial_trust_region_radius = 1e12;
+  options.num_threads = 1;  // more would make the sums depend on their number
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+}  // namespace
+
+PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
+                                  const std::vector<RelativePoseConstraint>& doubtful_edges,
+                                  std::vector<Pose2>* world_from_pose,
+                                  const std::vector<int>& fixed) {
+  std::vector<Block> blocks;
+  for (const Pose2& pose : *world_from_pose) blocks.push_back({pose.x, pose.y, pose.yaw});
+  ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  AddEdges(edges, nullptr, &blocks, &problem);
+  AddEdges(doubtful_edges, &loss, &blocks, &problem);
+  for (const int pose : fixed) {
+    if (pose < static_cast<int>(blocks.size()) && problem.HasParameterBlock(blocks[pose].data())) {
+      problem.SetParameterBlockConstant(blocks[pose].data());
+    }
+  }
+  double worst_chi2 = 0.0;
+  for (const RelativePoseConstraint& edge : doubtful_edges) {
+    worst_chi2 = std::max(worst_chi2, EdgeChi2(edge, *world_from_pose));
+  }
+  double scale = kCauchyScale;
+  while (scale * scale < worst_chi2) scale *= kNarrowing;
+  ceres::Solver::Summary summary;
+  int iterations = 0;
+  for (; scale >= kCauchyScale; scale /= kNarrowing) {
+    loss.Reset(new ceres::CauchyLoss(scale), ceres::TAKE_OWNERSHIP);
+    ceres::Solve(SolverSettings(), &problem, &summary);
+    // The first entry is the starting point; there is none if that could not be evaluated.
+    iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    if (!summary.IsSolutionUsable()) break;
+  }
+  if (summary.IsSolutionUsable()) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) (*world_from_pose)[i] = Pose2(blocks[i].data());
+  }
+  return {iterations, summary.termination_type == ceres::CONVERGENCE, summary.message};
+}
+
+double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose) {
+  RelativePoseResidual residual;
+  if (!MakeResidual(edge, &residual)) return 0.0;
+  const Pose2& a = world_from_pose[edge.from];
+  const Pose2& b = world_from_pose[edge.to];
+  const Block block_a{a.x, a.y, a.yaw}, block_b{b.x, b.y, b.yaw};
+  Eigen::Vector3d error;
+  residual.Evaluate(block_a.data(), block_b.data(), error.data(), nullptr, nullptr);
+  return error.squaredNorm();
+}
+
+double GraphChi2(const std::vector<RelativePoseConstraint>& edges,
+                 const std::vector<Pose2>& world_from_pose) {
+  double sum = 0.0;
+  for (const RelativePoseConstraint& edge : edges) sum += EdgeChi2(edge, world_from_pose);
+  return sum;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,36 @@
+#ifndef PLUMBLINE_SOLVERS_POSE_GRAPH_POSE_GRAPH_H_
+#define PLUMBLINE_SOLVERS_POSE_GRAPH_POSE_GRAPH_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// How the optimisation of a pose graph ended.
+struct PoseGraphResult {
+  int iterations = 0;
+  bool converged = false;
+  std::string stop_reason;
+};
+
+/// Moves the poses to the optimum of the edges: `edges` as they are, `doubtful_edges` under a
+/// Cauchy loss. Edges name poses by their index; the `fixed` ones stay. Poses without edges stay,
+/// and so do all if the error cannot be evaluated.
+PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
+                                  const std::vector<RelativePoseConstraint>& doubtful_edges,
+                                  std::vector<Pose2>* world_from_pose,
+                                  const std::vector<int>& fixed = {0});
+
+/// Squared Mahalanobis length of an edge's error, chi-squared with three degrees of freedom.
+double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose);
+
+/// The sum of it over all edges.
+double GraphChi2(const std::vector<RelativePoseConstraint>& edges,
+                 const std::vector<Pose2>& world_from_pose);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_POSE_GRAPH_POSE_GRAPH_H_

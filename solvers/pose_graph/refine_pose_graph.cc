@@ -1,0 +1,56 @@
+#include "plumbline/solvers/pose_graph/refine_pose_graph.h"
+
+#include <chrono>
+#include <sstream>
+#include <vector>
+
+#include "plumbline/solvers/pose_graph/chordal_start.h"
+
+namespace plumbline {
+
+const char* ToString(PoseGraphStart start) {
+  return start == PoseGraphStart::kGiven ? "given" : "chordal";
+}
+
+std::string PoseGraphSummary::BriefReport() const {
+  std::ostringstream report;
+  report << "pose graph: " << num_poses << " poses, " << num_edges << " edges, chi2 " << given_chi2
+         << " as given";
+  if (chordal_chi2) report << ", " << *chordal_chi2 << " at the chordal start";
+  report << ", " << final_chi2 << " after " << optimization.iterations << " iterations from the "
+         << ToString(start) << " start in " << time_s << " s; " << optimization.stop_reason;
+  return report.str();
+}
+
+PoseGraphSummary RefinePoseGraph(SlamGraph* graph) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<RelativePoseConstraint>& edges = graph->relative_poses();
+  std::vector<int> fixed;
+  std::vector<Pose2> poses;
+  for (const FixedPose& pose : graph->fixed_poses()) {
+    graph->SetPose(pose.pose, pose.world_from_robot);
+    fixed.push_back(pose.pose);
+  }
+  for (int i = 0; i < graph->num_poses(); ++i) poses.push_back(graph->WorldFromRobot(i));
+
+  PoseGraphSummary summary;
+  summary.num_poses = poses.size();
+  summary.num_edges = edges.size();
+  summary.given_chi2 = GraphChi2(edges, poses);
+  std::vector<Pose2> chordal = poses;
+  if (ChordalStart(edges, fixed, &chordal)) {
+    summary.chordal_chi2 = GraphChi2(edges, chordal);
+    if (*summary.chordal_chi2 < summary.given_chi2) {
+      summary.start = PoseGraphStart::kChordal;
+      poses = chordal;
+    }
+  }
+  summary.optimization = OptimizePoseGraph(edges, {}, &poses, fixed);
+  summary.final_chi2 = GraphChi2(edges, poses);
+  for (int i = 0; i < graph->num_poses(); ++i) graph->SetPose(i, poses[i]);
+  graph->ResetPointsFromPoses();
+  summary.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return summary;
+}
+
+}  // namespace plumbline

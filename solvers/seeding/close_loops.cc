@@ -1,0 +1,218 @@
+#include "plumbline/solvers/seeding/close_loops.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/seeding/match_covariance.h"
+
+namespace plumbline {
+namespace {
+
+// A closure that ends up five standard deviations off (three degrees of freedom, p = 1e-8) is
+// wrong.
+constexpr double kMaxClosureChi2 = 40.0;
+constexpr int kMaxRounds = 5;
+// Candidates between two reports of progress.
+constexpr std::size_t kCandidatesPerReport = 64;
+
+// Covariance of the odometry from one pose to a later one, in the frame of the first.
+Eigen::Matrix3d OdometryCovariance(const std::vector<Pose2>& odometry, int from, int to,
+                                   const MotionOptions& options) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Pose2 from_from_pose;
+  for (int pose = from + 1; pose <= to; ++pose) {
+    const Eigen::Vector2d arm = Pose2(0.0, 0.0, from_from_pose.yaw) * odometry[pose].translation();
+    Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
+    carried(0, 2) = -arm.y();
+    carried(1, 2) = arm.x();
+    covariance = carried * covariance * carried.transpose() +
+                 RotateAxes(MotionCovariance(odometry[pose], options), from_from_pose.yaw);
+    from_from_pose = from_from_pose * odometry[pose];
+  }
+  return covariance;
+}
+
+// A broken edge keeps the graph in one piece, and no more.
+Eigen::Matrix3d BrokenCovariance() {
+  constexpr double kSigmaM = 10.0, kSigmaRad = 3.0;
+  return Eigen::Vector3d(kSigmaM * kSigmaM, kSigmaM * kSigmaM, kSigmaRad * kSigmaRad).asDiagonal();
+}
+
+int NumClosuresAcross(int edge, const KeyGraph& keys) {
+  return static_cast<int>(std::count_if(
+      keys.closures.begin(), keys.closures.end(),
+      [&](const RelativePoseConstraint& c) { return c.from <= edge && c.to > edge; }));
+}
+
+void Optimize(KeyGraph* keys) {
+  std::vector<RelativePoseConstraint> certain, doubtful = keys->closures;
+  for (const SequentialEdge& edge : keys->sequential) {
+    (edge.doubtful() && !edge.broken ? doubtful : certain).push_back(edge.constraint);
+    if (edge.broken) certain.back().covariance = BrokenCovariance();
+  }
+  OptimizePoseGraph(certain, doubtful, &keys->world_from_key);
+}
+
+// Breaks the doubtful edge that is farthest off the others, if it is too far and there are enough
+// closures to do without it.
+bool BreakWorstEdge(KeyGraph* keys) {
+  SequentialEdge* worst = nullptr;
+  double worst_chi2 = kMaxClosureChi2;
+  for (SequentialEdge& edge : keys->sequential) {
+    if (!edge.doubtful() || edge.broken) continue;
+    const double chi2 = EdgeChi2(edge.constraint, keys->world_from_key);
+    if (chi2 <= worst_chi2) continue;
+    if (NumClosuresAcross(edge.constraint.from, *keys) < DoubtfulStep::kMinClosuresAcross) continue;
+    worst_chi2 = chi2;
+    worst = &edge;
+  }
+  if (worst != nullptr) worst->broken = true;
+  return worst != nullptr;
+}
+
+// Drops the closures that the others contradict, the worst half of them since a wrong one bends its
+// neighbours.
+bool DropWorstClosures(KeyGraph* keys) {
+  std::vector<double> wrong;
+  for (const RelativePoseConstraint& closure : keys->closures) {
+    const double chi2 = EdgeChi2(closure, keys->world_from_key);
+    if (chi2 > kMaxClosureChi2) wrong.push_back(chi2);
+  }
+  if (wrong.empty()) return false;
+  const auto median = wrong.begin() + static_cast<std::ptrdiff_t>(wrong.size() / 2);
+  std::nth_element(wrong.begin(), median, wrong.end());
+  const auto kept = std::stable_partition(
+      keys->closures.begin(), keys->closures.end(), [&](const RelativePoseConstraint& closure) {
+        return EdgeChi2(closure, keys->world_from_key) < *median;
+      });
+  keys->contradicted.insert(keys->contradicted.end(), kept, keys->closures.end());
+  keys->closures.erase(kept, keys->closures.end());
+  return true;
+}
+
+void OptimizeAndPrune(KeyGraph* keys) {
+  do {
+    Optimize(keys);
+  } while (BreakWorstEdge(keys) || DropWorstClosures(keys));
+}
+
+Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
+                     const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
+                     const std::vector<LoopCandidate>& candidates, const SeedingProgress& progress,
+                     ThreadPool* pool, std::vector<TestedCandidate>* tested) {
+  const int total = static_cast<int>(candidates.size());
+  for (std::size_t begin = 0; begin < candidates.size(); begin += kCandidatesPerReport) {
+    if (progress && !progress(SeedingPhase::kClosingLoops, static_cast<int>(begin), total)) {
+      return Status::Unavailable("loop closing was stopped by its caller");
+    }
+    const std::size_t end = std::min(candidates.size(), begin + kCandidatesPerReport);
+    const std::vector<LoopCandidate> batch(candidates.begin() + static_cast<std::ptrdiff_t>(begin),
+                                           candidates.begin() + static_cast<std::ptrdiff_t>(end));
+    for (TestedCandidate& result :
+         TestLoopCandidates(options, graph, surfaces, keys, batch, pool)) {
+      tested->push_back(std::move(result));
+    }
+  }
+  return Status::Ok();
+}
+
+void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refused,
+                 LoopClosingReport* report) {
+  const auto record = [&](const RelativePoseConstraint& edge, ClosureVerdict verdict) {
+    report->matches.push_back(
+        {keys.key_scans[edge.from].pose, keys.key_scans[edge.to].pose, edge.from_from_to, verdict});
+  };
+  for (const auto& edge : keys.closures) record(edge, ClosureVerdict::kAccepted);
+  for (const auto& edge : keys.contradicted) record(edge, ClosureVerdict::kContradicted);
+  for (const TestedCandidate& result : refused) record(result.edge, result.verdict);
+  report->num_closures = static_cast<int>(keys.closures.size());
+  report->num_contradicted = static_cast<int>(keys.contradicted.size());
+  for (const SequentialEdge& edge : keys.sequential) {
+    if (!edge.doubtful()) continue;
+    report->doubts.push_back({edge.first_pose_after, edge.evidence, edge.broken,
+                              NumClosuresAcross(edge.constraint.from, keys)});
+  }
+}
+
+}  // namespace
+
+KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOptions& motion) {
+  KeyGraph graph;
+  graph.key_scans = trajectory.key_scans;
+  for (const KeyScan& key : trajectory.key_scans) {
+    graph.world_from_key.push_back(trajectory.world_from_robot[key.pose]);
+  }
+  for (int k = 1; k < graph.size(); ++k) {
+    const KeyScan& from = graph.key_scans[k - 1];
+    const KeyScan& to = graph.key_scans[k];
+    const Pose2 from_from_to = Between(graph.world_from_key[k - 1], graph.world_from_key[k]);
+    const Eigen::Matrix3d known =
+        OdometryCovariance(trajectory.odometry, from.pose, to.pose, motion).inverse();
+    graph.sequential.push_back(
+        {{k - 1, k, from_from_to,
+          MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}});
+  }
+  return graph;
+}
+
+Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
+                  const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                  ThreadPool* pool, KeyGraph* keys, LoopClosingReport* report) {
+  *report = LoopClosingReport();
+  std::vector<TestedCandidate> refused;
+  for (int round = 0; round <= kMaxRounds; ++round) {
+    // What the robot did at a doubtful edge is best told from what lies next to it.
+    const bool bridging = round == 0;
+    const std::vector<LoopCandidate> candidates =
+        bridging ? FindBridges(options.candidates, *keys)
+                 : FindLoopCandidates(options.candidates, *keys, pool);
+    std::vector<TestedCandidate> tested;
+    PLUMBLINE_RETURN_IF_ERROR(
+        TestInBatches(options, graph, surfaces, *keys, candidates, progress, pool, &tested));
+    report->num_candidates += static_cast<int>(candidates.size());
+    refused.clear();
+    const std::size_t num_closures = keys->closures.size();
+    for (const TestedCandidate& result : tested) {
+      if (result.verdict == ClosureVerdict::kAccepted) {
+        keys->closures.push_back(result.edge);
+      } else if (result.verdict != ClosureVerdict::kNoMatch) {
+        refused.push_back(result);
+      }
+    }
+    const bool found = keys->closures.size() > num_closures;
+    OptimizeAndPrune(keys);
+    if (!found && !bridging) break;
+  }
+  WriteReport(*keys, refused, report);
+  return Status::Ok();
+}
+
+std::vector<Pose2> PosesFollowingKeyScans(const KeyGraph& key_graph,
+                                          const std::vector<Pose2>& before) {
+  const std::vector<KeyScan>& keys = key_graph.key_scans;
+  if (keys.empty()) return before;
+  std::vector<Pose2> poses(before.size());
+  std::size_t next = 0;
+  for (int pose = 0; pose < static_cast<int>(before.size()); ++pose) {
+    while (next < keys.size() && keys[next].pose <= pose) ++next;
+    const std::size_t a = next > 0 ? next - 1 : 0;
+    const std::size_t b = std::min(next, keys.size() - 1);
+    const Pose2 from_a = key_graph.world_from_key[a] * Between(before[keys[a].pose], before[pose]);
+    const Pose2 from_b = key_graph.world_from_key[b] * Between(before[keys[b].pose], before[pose]);
+    const int span = keys[b].pose - keys[a].pose;
+    double share = span > 0 ? static_cast<double>(pose - keys[a].pose) / span : 0.0;
+    if (span > 0 && key_graph.sequential[a].broken) {
+      share = pose < key_graph.sequential[a].first_pose_after ? 0.0 : 1.0;
+    }
+    const Pose2 a_from_b = Between(from_a, from_b);
+    poses[pose] = from_a * Pose2(share * a_from_b.x, share * a_from_b.y, share * a_from_b.yaw);
+  }
+  return poses;
+}
+
+}  // namespace plumbline

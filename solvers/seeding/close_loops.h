@@ -1,0 +1,66 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
+#define PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/seeding/key_graph.h"
+#include "plumbline/solvers/seeding/loop_closure.h"
+#include "plumbline/solvers/seeding/sequential_seeding.h"
+
+namespace plumbline {
+
+/// A match of two places, by the poses of the graph, and what became of it.
+struct LoopClosureRecord {
+  int from_pose = 0;
+  int to_pose = 0;
+  Pose2 from_from_to;
+  ClosureVerdict verdict = ClosureVerdict::kAccepted;
+};
+
+/// A place of the path where the scans before and after it disagreed.
+struct DoubtfulStep {
+  int first_pose_after = 0;
+  double evidence = 0.0;  ///< of the disagreement, from 0.15 to 1.6
+  bool broken = false;    ///< closures have shown that the step was wrong, and have put it right
+  int num_closures_across = 0;
+
+  /// It looks wrong, and too little else ties together what lies before and after it.
+  bool IsUnresolved() const {
+    return (broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross;
+  }
+  /// One closure across could be a mistake.
+  static constexpr int kMinClosuresAcross = 2;
+};
+
+struct LoopClosingReport {
+  int num_candidates = 0;    ///< places tried, over all rounds
+  int num_closures = 0;      ///< accepted and kept
+  int num_contradicted = 0;  ///< accepted first, then contradicted by the pose graph
+  /// Every match that became a closure or that a check refused; the last verdict counts.
+  std::vector<LoopClosureRecord> matches;
+  std::vector<DoubtfulStep> doubts;  ///< in order of time
+};
+
+/// The pose graph of a trajectory's key scans, as the sequential matching left it, without
+/// closures.
+KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOptions& motion);
+
+/// Looks for closures, adds them and moves the key scans to the optimum of the pose graph, in
+/// rounds: each finds what the one before has brought into reach. Closures that the others
+/// contradict are dropped again. Unavailable if progress stopped it.
+Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
+                  const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                  ThreadPool* pool, KeyGraph* key_graph, LoopClosingReport* report);
+
+/// Carries every pose along with its key scans: as matched to the one before and to the one after,
+/// in the ratio of their distance in time.
+std::vector<Pose2> PosesFollowingKeyScans(const KeyGraph& key_graph,
+                                          const std::vector<Pose2>& world_from_robot);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_

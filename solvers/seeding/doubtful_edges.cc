@@ -1,0 +1,141 @@
+#include "plumbline/solvers/seeding/doubtful_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/solvers/seeding/free_space.h"
+#include "plumbline/solvers/seeding/local_map.h"
+
+namespace plumbline {
+namespace {
+
+// Key scans on either side that are compared with those of the other one.
+constexpr int kKeysPerSide = 3;
+constexpr double kMapCellM = 0.03;
+// A point of one side is seen by the other if a surface is this near: more than matching leaves,
+// less than a jump that matters.
+constexpr double kSeenM = 0.15;
+// Where neighbouring scans have less than this in common, something is wrong, ...
+constexpr double kExpectedOverlap = 0.6;
+// ... and so it is where a third of the returns conflict.
+constexpr double kConflictWeight = 3.0;
+// From here on the evidence counts. Sound simulated drives stay below 0.05 everywhere, real ones
+// with people, glass and fast turns are above it in one edge of fifty.
+constexpr double kDoubtfulEvidence = 0.15;
+
+// A scan and where it was taken from.
+struct PlacedScan {
+  int scan = 0;
+  Pose2 world_from_robot;
+};
+using Side = std::vector<PlacedScan>;  // the nearest one first
+
+// Share of the first scan's points on surfaces that the other side shows.
+double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, const Side& others) {
+  std::vector<const SurfacePoints*> points;
+  std::vector<Pose2> poses;
+  for (const PlacedScan& other : others) {
+    points.push_back(&surfaces[other.scan]);
+    poses.push_back(other.world_from_robot);
+  }
+  LocalMap map(kMapCellM);
+  map.Rebuild(points, poses);
+  const SurfacePoints& surface = surfaces[side.front().scan];
+  const auto num_seen = std::count_if(surface.begin(), surface.end(), [&](const SurfacePoint& p) {
+    return map.Nearest(side.front().world_from_robot * p, kSeenM) != nullptr;
+  });
+  return static_cast<double>(num_seen) / static_cast<double>(surface.size());
+}
+
+// How badly two sides agree, from 0 (they do) to 1.6.
+double Disagreement(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                    const Side& before, const Side& after) {
+  FreeSpaceConflict conflict;
+  for (const PlacedScan& a : before) {
+    const FreeSpaceScan scan_a(graph, a.scan);
+    for (const PlacedScan& b : after) {
+      const FreeSpaceScan scan_b(graph, b.scan);
+      const Pose2 a_from_b = Between(a.world_from_robot, b.world_from_robot);
+      conflict += scan_a.Compare(scan_b, a_from_b, nullptr);
+      conflict += scan_b.Compare(scan_a, a_from_b.Inverse(), nullptr);
+    }
+  }
+  const double overlap =
+      std::min(Overlap(surfaces, before, after), Overlap(surfaces, after, before));
+  return std::min(1.0, kConflictWeight * conflict.Share()) +
+         std::max(0.0, kExpectedOverlap - overlap);
+}
+
+class EdgeJudge {
+ public:
+  EdgeJudge(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+            const std::vector<Pose2>& world_from_robot, const KeyGraph& key_graph)
+      : graph_(graph), surfaces_(surfaces), poses_(world_from_robot), keys_(key_graph) {}
+
+  // Of an edge, its sides reaching to the next doubtful edge at most.
+  double Evidence(int edge) const {
+    Side before, after;
+    for (int k = edge; k >= 0 && static_cast<int>(before.size()) < kKeysPerSide; --k) {
+      before.push_back(Placed(keys_.key_scans[k].scan));
+      if (k > 0 && keys_.sequential[k - 1].doubtful()) break;
+    }
+    for (int k = edge + 1; k < keys_.size() && static_cast<int>(after.size()) < kKeysPerSide; ++k) {
+      after.push_back(Placed(keys_.key_scans[k].scan));
+      if (k + 1 < keys_.size() && keys_.sequential[k].doubtful()) break;
+    }
+    return Disagreement(graph_, surfaces_, before, after);
+  }
+
+  // The pose on the edge that agrees worst with the pose before it.
+  int FirstPoseAfter(int edge, const std::vector<int>& scan_of_pose) const {
+    int worst_pose = keys_.key_scans[edge + 1].pose;
+    double worst = 0.0;
+    int before = keys_.key_scans[edge].scan;
+    for (int pose = keys_.key_scans[edge].pose + 1; pose <= keys_.key_scans[edge + 1].pose;
+         ++pose) {
+      const int scan = scan_of_pose[pose];
+      if (scan < 0) continue;
+      const double disagreement = Disagreement(graph_, surfaces_, {Placed(before)}, {Placed(scan)});
+      before = scan;
+      if (disagreement <= worst) continue;
+      worst = disagreement;
+      worst_pose = pose;
+    }
+    return worst_pose;
+  }
+
+ private:
+  PlacedScan Placed(int scan) const { return {scan, poses_[graph_.scan(scan).pose]}; }
+
+  const SlamGraph& graph_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const std::vector<Pose2>& poses_;
+  const KeyGraph& keys_;
+};
+
+}  // namespace
+
+void MarkDoubtfulEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
+                       KeyGraph* key_graph) {
+  std::vector<SequentialEdge>& edges = key_graph->sequential;
+  const EdgeJudge judge(graph, surfaces, world_from_robot, *key_graph);
+  std::vector<std::pair<double, int>> suspects(edges.size());
+  pool->ForEachChunk(edges.size(), 1, [&](std::size_t e, std::size_t, std::size_t) {
+    suspects[e] = {-judge.Evidence(static_cast<int>(e)), static_cast<int>(e)};
+  });
+  // The worst first: it spoils what is seen across its neighbours, which are then judged again.
+  std::sort(suspects.begin(), suspects.end());
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  for (const auto& [negative_evidence, edge] : suspects) {
+    if (-negative_evidence < kDoubtfulEvidence) break;
+    const double evidence = judge.Evidence(edge);
+    if (evidence < kDoubtfulEvidence) continue;
+    edges[edge].evidence = evidence;
+    edges[edge].first_pose_after = judge.FirstPoseAfter(edge, scan_of_pose);
+  }
+}
+
+}  // namespace plumbline

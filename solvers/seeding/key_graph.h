@@ -1,0 +1,56 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_KEY_GRAPH_H_
+#define PLUMBLINE_SOLVERS_SEEDING_KEY_GRAPH_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// A scan that stands for its surroundings in the local map and in the pose graph.
+struct KeyScan {
+  int pose = 0;
+  int scan = 0;
+  double path_m = 0.0;  ///< driven from the first pose to here
+  /// What the match knows of its pose: as ScanMatch::information, but in axes of the robot.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+};
+
+/// A doubtful edge with this much evidence against it ties nothing together on its own. Real drives
+/// through sound places stay below it but for one edge of a thousand.
+constexpr double kUntrustedEvidence = 0.5;
+
+/// The tie of a key scan to the one before it.
+struct SequentialEdge {
+  RelativePoseConstraint constraint;  ///< from key scan k to k + 1
+  /// How badly the scans on its two sides agree, if so badly that the edge is doubtful; else 0.
+  double evidence = 0.0;
+  /// If it is doubtful, the first pose that disagrees with those before it.
+  int first_pose_after = 0;
+
+  /// It is doubtful, and closures across it have shown that it is wrong: it no longer counts.
+  bool broken = false;
+
+  /// Closures may contradict it.
+  bool doubtful() const { return evidence > 0.0; }
+  /// Its far side may be anywhere near by.
+  bool untrusted() const { return broken || evidence >= kUntrustedEvidence; }
+};
+
+/// The pose graph of the key scans. Constraints name key scans by index.
+struct KeyGraph {
+  std::vector<KeyScan> key_scans;     ///< in order of time
+  std::vector<Pose2> world_from_key;  ///< one per key scan
+  std::vector<SequentialEdge> sequential;
+  std::vector<RelativePoseConstraint> closures;  ///< from the earlier to the later key scan
+  /// Closures that the others contradicted: dropped, and not to be found again.
+  std::vector<RelativePoseConstraint> contradicted;
+
+  int size() const { return static_cast<int>(key_scans.size()); }
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_KEY_GRAPH_H_

@@ -1,0 +1,65 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_MAP_CONSISTENCY_H_
+#define PLUMBLINE_SOLVERS_SEEDING_MAP_CONSISTENCY_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/seeding/free_space.h"
+
+namespace plumbline {
+
+/// Two scans, of which one shows a surface where the other looked through.
+struct SpaceConflict {
+  int viewer_scan = 0;                                    ///< looked through
+  int scan = 0;                                           ///< shows the surface
+  Eigen::Vector2d world_point = Eigen::Vector2d::Zero();  ///< one of the returns in question [m]
+};
+
+/// Where on its path a robot's scans conflict most, and how much.
+struct ConflictPeak {
+  FreeSpaceConflict conflict;
+  int pose = 0;  ///< in the middle of the stretch
+};
+
+/// How well the scans of a robot that saw the same places, in one pass or in several, agree on what
+/// is free space.
+struct MapConsistency {
+  /// Sums over pairs of scans of one pass and of different passes, both ways.
+  FreeSpaceConflict within_pass, between_passes;
+  int num_pairs_within = 0;
+  int num_pairs_between = 0;
+  /// The place of the path whose two sides, up to 5 m each, conflict most with one another: where a
+  /// jump of the poses would be.
+  ConflictPeak worst_within;
+  /// The stretch of 6 m of path that conflicts most with other passes.
+  ConflictPeak worst_between;
+  /// One per pair and direction with many conflicting returns, in order of the scans.
+  std::vector<SpaceConflict> places;
+
+  /// Share of conflicting returns that people, doors, glass and noise explain: the share within one
+  /// pass, but no less than doors that open and close bring about between two passes, and no more
+  /// than a crowd does.
+  double ExplicableShare() const;
+
+  /// Conflicts of the worst of the two over the ones that can be explained. Drawn towards 1 where
+  /// little was compared, and 1 where nothing was.
+  double Ratio() const;
+
+  /// Whether a part of the map must be wrong: the ratio is above 3.
+  bool IsContradictory() const;
+};
+
+/// Compares scans every half metre of the path with a bounded number of others: of the same pass
+/// (1 m to 5 m of path away), and of other passes (more than 8 m of path, less than about 4 m in
+/// space away). The work is linear in the length of the path; the result does not depend on the
+/// number of threads. Expects poses in order of time.
+/// world_from_robot: one finite pose per pose of the graph.
+MapConsistency MeasureMapConsistency(const SlamGraph& graph,
+                                     const std::vector<Pose2>& world_from_robot, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_MAP_CONSISTENCY_H_

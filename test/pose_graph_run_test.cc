@@ -1,0 +1,176 @@
+#include "plumbline/apps/pose_graph_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "plumbline/apps/io/pose_graph_file.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/solvers/pose_graph/refine_pose_graph.h"
+#include "plumbline/test/noisy_room.h"
+#include "plumbline/test/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+class PoseGraphRunTest : public testing::Test {
+ protected:
+  // Prints nothing.
+  Status Run(const std::string& log) const {
+    PoseGraphRunOptions options{folder_ + log, folder_ + "out", 200, SolverOptions()};
+    testing::internal::CaptureStdout();
+    const Status status = RunPoseGraph(options);
+    testing::internal::GetCapturedStdout();
+    return status;
+  }
+  bool Exists(const std::string& name) const {
+    return std::filesystem::exists(folder_ + "out/" + name);
+  }
+  nlohmann::json Summary() const {
+    return nlohmann::json::parse(ReadFile(folder_ + "out/summary.json"));
+  }
+
+  const std::string folder_ = TempFolder();
+};
+
+std::string Text(const Pose2& pose) {
+  std::ostringstream text;
+  text.precision(12);
+  text << ' ' << pose.x << ' ' << pose.y << ' ' << pose.yaw;
+  return text.str();
+}
+
+// The room as another system would save it: poses off by a few centimetres, edges from each to the
+// next and from the last to the first, and every scan at its vertex.
+std::string AsG2o(const NoisyRoom& room) {
+  std::ostringstream text;
+  const SlamGraph& graph = room.graph;
+  const LaserModel& laser = graph.LaserOfScan(0);
+  RandomStates random(21);
+  const auto noise = [&](double sigma) {
+    return Pose2(random.Gaussian(sigma), random.Gaussian(sigma), random.Gaussian(sigma));
+  };
+  for (int i = 0; i < graph.num_poses(); ++i) {
+    text << "VERTEX_SE2 " << 10 * i << Text(i == 0 ? room.truth[0] : room.truth[i] * noise(0.05))
+         << "\nROBOTLASER1 0 " << laser.first_bearing_rad << " 6.28 " << laser.bearing_step_rad
+         << " 80 0.01 0 " << laser.num_beams;
+    std::vector<double> ranges(laser.num_beams, 80.0);
+    const ScanEntry& scan = graph.scan(i);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      ranges[graph.returns().beam[r]] = graph.returns().range_m[r];
+    }
+    for (const double range_m : ranges) text << ' ' << range_m;
+    text << " 0" << Text(room.truth[i] * laser.robot_from_laser) << Text(room.truth[i])
+         << " 0 0 0 0 0 " << 100 + i << " host 0\n";
+  }
+  for (int i = 0; i < graph.num_poses(); ++i) {
+    const int to = (i + 1) % graph.num_poses();
+    const Pose2 motion = Between(room.truth[i], room.truth[to]) * noise(0.02);
+    text << "EDGE_SE2 " << 10 * i << ' ' << 10 * to << Text(motion) << " 2500 0 0 2500 0 2500\n";
+  }
+  return text.str();
+}
+
+TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
+  NoisyRoom room = MakeNoisyRoom();
+  const std::string text = AsG2o(room);
+  WriteFile(folder_ + "a.g2o", text);
+  const Status status = Run("a.g2o");
+  ASSERT_TRUE(status.ok()) << status.message();
+  for (const char* name : {"points.ply", "map_given.png", "map_pose_graph.png", "map_refined.png",
+                           "summary.json", "trajectory.tum", "graph.g2o"}) {
+    EXPECT_TRUE(Exists(name)) << name;
+  }
+  PoseGraphFile given, refined;
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "a.g2o", &given).ok());
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
+  EXPECT_EQ(refined.vertex_ids, given.vertex_ids);
+  EXPECT_EQ(refined.lines[1], given.lines[1]);  // the scan
+
+  // Edges alone leave centimetres; beams of 1 cm noise against walls do better.
+  const auto error_m = [&room](const SlamGraph& graph) {
+    room.graph.poses() = graph.poses();
+    return MeanPoseError(room);
+  };
+  const double given_error_m = error_m(given.graph);
+  RefinePoseGraph(&given.graph);
+  const double edges_error_m = error_m(given.graph);
+  EXPECT_LT(edges_error_m, 0.8 * given_error_m);
+  EXPECT_LT(error_m(refined.graph), 0.5 * edges_error_m);
+
+  std::vector<TimedPose> trajectory;
+  ASSERT_TRUE(ReadTumTrajectory(folder_ + "out/trajectory.tum", &trajectory).ok());
+  ASSERT_EQ(trajectory.size(), room.truth.size());
+  EXPECT_EQ(trajectory[3].timestamp_s, 103.0);
+  EXPECT_NEAR(trajectory[3].world_from_robot.x, refined.graph.WorldFromRobot(3).x, 1e-8);
+  const nlohmann::json summary = Summary();
+  EXPECT_LT(summary["pose_graph"]["chi2_pose_graph"], summary["pose_graph"]["chi2_given"]);
+  EXPECT_EQ(summary["joint"]["start"], "pose graph");
+  EXPECT_EQ(summary["stages"].size(), 4u);
+}
+
+TEST_F(PoseGraphRunTest, KeepsAGivenStartThatTheScansFitBetter) {
+  const NoisyRoom room = MakeNoisyRoom();
+  std::string text;
+  std::istringstream lines(AsG2o(room));
+  int vertex = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("VERTEX_SE2", 0) == 0) {
+      line = "VERTEX_SE2 " + std::to_string(10 * vertex) + Text(room.truth[vertex]);
+      ++vertex;
+    }
+    text += line + "\n";
+  }
+  WriteFile(folder_ + "a.g2o", text);
+  ASSERT_TRUE(Run("a.g2o").ok());
+  EXPECT_EQ(Summary()["joint"]["start"], "given");
+}
+
+TEST_F(PoseGraphRunTest, RefinesAGraphWithoutScans) {
+  // 2 m one way and 2.3 m the other: with equal sigmas each edge gives way by 0.1 m.
+  WriteFile(folder_ + "a.graph",
+            "VERTEX2 4 0 0 0\nVERTEX2 2 1 0 0\nVERTEX2 9 2 0 0\n"
+            "EDGE2 4 2 1 0 0 4 0 4 4 0 0\nEDGE2 2 9 1 0 0 4 0 4 4 0 0\n"
+            "EDGE2 4 9 2.3 0 0 4 0 4 4 0 0\n");
+  const Status status = Run("a.graph");
+  ASSERT_TRUE(status.ok()) << status.message();
+  PoseGraphFile refined;
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.toro", &refined).ok());
+  EXPECT_NEAR(refined.graph.WorldFromRobot(1).x, 1.1, 1e-6);
+  EXPECT_NEAR(refined.graph.WorldFromRobot(2).x, 2.2, 1e-6);
+  EXPECT_FALSE(Exists("points.ply") || Exists("map_refined.png"));
+  const nlohmann::json figures = Summary()["pose_graph"];
+  EXPECT_NEAR(figures["chi2_given"], 4.0 * 0.09, 1e-9);
+  EXPECT_NEAR(figures["chi2_final"], 4.0 * 0.03, 1e-6);
+  EXPECT_EQ(figures["converged"], true);
+}
+
+TEST_F(PoseGraphRunTest, FixedVerticesStay) {
+  WriteFile(folder_ + "a.g2o",
+            "VERTEX_SE2 0 5 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 3 0 0\n"
+            "EDGE_SE2 0 1 1 0 0 4 0 0 4 0 4\nEDGE_SE2 1 2 1 0 0 4 0 0 4 0 4\nFIX 1 2\n");
+  ASSERT_TRUE(Run("a.g2o").ok());
+  const std::string graph = ReadFile(folder_ + "out/graph.g2o");
+  EXPECT_THAT(graph, HasSubstr("VERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 3 0 0\n"));
+  PoseGraphFile refined;
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
+  EXPECT_NEAR(refined.graph.WorldFromRobot(0).x, 0.0, 1e-6);
+}
+
+TEST_F(PoseGraphRunTest, AFileThatCannotBeReadLeavesNoResults) {
+  WriteFile(folder_ + "a.g2o", "VERTEX_SE2 0 0 0 0\nEDGE_SE2_XY 0 1 1 1 1 0 1\n");
+  EXPECT_THAT(Run("a.g2o").message(), HasSubstr("a.g2o:2: EDGE_SE2_XY"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
+  WriteFile(folder_ + "out", "in the way");
+  WriteFile(folder_ + "a.g2o", "VERTEX_SE2 0 0 0 0\n");
+  EXPECT_THAT(Run("a.g2o").message(), HasSubstr("cannot make the folder"));
+}
+
+}  // namespace
+}  // namespace plumbline
