@@ -1,17 +1,20 @@
 #include "plumbline/apps/pose_graph_run.h"
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <iostream>
-#include <nlohmann/json.hpp>
-#include <system_error>
+#include <optional>
 #include <vector>
 
-#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/alarm.h"
+#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
+#include "plumbline/apps/io/overlay_pictures.h"
 #include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/output_folder.h"
+#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/thread_pool.h"
@@ -22,24 +25,17 @@
 namespace plumbline {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-std::vector<Pose2> PosesOf(const SlamGraph& graph) {
-  std::vector<Pose2> poses;
-  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
-  return poses;
-}
-
 // One run, step by step.
 class PoseGraphRun {
  public:
   explicit PoseGraphRun(const PoseGraphRunOptions& options)
-      : options_(options), pool_(options.solver.num_threads) {}
+      : options_(options), pool_(options.solver.num_threads), output_(options.output_dir) {}
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Read());
-    PLUMBLINE_RETURN_IF_ERROR(MakeOutputFolder());
+    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
+    given_consistency_ = MeasureConsistency();
     RefineByEdges();
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("pose graph", "map_pose_graph.png"));
     if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(RefineJointly());
@@ -56,14 +52,6 @@ class PoseGraphRun {
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
               << " scans, " << file_.graph.num_returns() << " returns\n";
     return Status::Ok();
-  }
-
-  Status MakeOutputFolder() const {
-    std::error_code error;
-    std::filesystem::create_directories(options_.output_dir, error);
-    if (!error) return Status::Ok();
-    return Status::Unavailable("cannot make the folder '" + options_.output_dir +
-                               "': " + error.message());
   }
 
   void RefineByEdges() {
@@ -108,30 +96,66 @@ class PoseGraphRun {
       return Status::InvalidArgument(joint_summary_.message);
     }
     std::cout << '\n' << joint_summary_.FullReport() << '\n';
+    refined_consistency_ = MeasureConsistency();
+    if (refined_consistency_) alarms_ = MapAlarms(*refined_consistency_, file_.graph);
     return Status::Ok();
+  }
+
+  // Only the order of time tells apart the passes of a robot through the same place.
+  bool ScansAreInOrderOfTime() const {
+    const SlamGraph& graph = file_.graph;
+    for (int scan = 1; scan < graph.num_scans(); ++scan) {
+      if (graph.timestamp_s(graph.scan(scan).pose) < graph.timestamp_s(graph.scan(scan - 1).pose)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  std::optional<MapConsistency> MeasureConsistency() {
+    if (!has_scans() || !ScansAreInOrderOfTime()) return std::nullopt;
+    return MeasureMapConsistency(file_.graph, PosesOf(file_.graph), &pool_);
   }
 
   Status WriteResults() {
     const std::string graph_name = std::string("graph.") + ToString(file_.format);
     PLUMBLINE_RETURN_IF_ERROR(
-        WriteTumTrajectory(Path("trajectory.tum"), TrajectoryOf(file_.graph)));
-    PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(Path(graph_name), file_));
+        WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph)));
+    PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_));
     if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteMap());
     PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
-    if (has_scans()) std::cout << StageTable(stages_) << '\n';
-    std::cout << "Results in " << options_.output_dir << ": trajectory.tum, " << graph_name
+    if (has_scans()) PrintMap();
+    std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
               << (has_scans() ? ", points.ply, map_given.png, map_pose_graph.png, map_refined.png"
                               : "")
-              << ", summary.json\n";
+              << (refined_consistency_ ? ", conflicts.png" : "") << ", summary.json\n"
+              << std::flush;
+    std::cerr << AlarmText(alarms_);
     return Status::Ok();
   }
 
+  void PrintMap() const {
+    std::cout << StageTable(stages_);
+    if (refined_consistency_) {
+      std::cout << ConsistencyText("The given map", *given_consistency_)
+                << ConsistencyText("The refined map", *refined_consistency_) << '\n';
+    } else {
+      std::cout << "  The scans are not in order of time: whether the map contradicts itself is "
+                   "not checked.\n\n";
+    }
+  }
+
   Status WriteMap() {
-    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(Path("points.ply"), file_.graph));
+    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(output_.File("points.ply"), file_.graph));
     const std::vector<double> optimised = file_.graph.points();
     file_.graph.ResetPointsFromPoses();
     AddStage("refined, raw ranges");
     file_.graph.points() = optimised;
+    if (refined_consistency_) {
+      PLUMBLINE_RETURN_IF_ERROR(WriteConflictPicture(output_.File("conflicts.png"), file_.graph,
+                                                     *refined_consistency_,
+                                                     options_.picture_side_px));
+    }
     return RecordMap("refined, optimised points", "map_refined.png");
   }
 
@@ -142,7 +166,7 @@ class PoseGraphRun {
     MapPictureOptions options;
     options.title = stage;
     options.max_side_px = options_.picture_side_px;
-    return WriteMapPicture(Path(picture), file_.graph, options);
+    return WriteMapPicture(output_.File(picture), file_.graph, options);
   }
 
   void AddStage(const std::string& name) {
@@ -163,22 +187,8 @@ class PoseGraphRun {
   }
 
   Json JointJson() const {
-    return {{"start", joint_starts_as_given_ ? "given" : "pose graph"},
-            {"solver", joint_summary_.solver},
-            {"termination", ToString(joint_summary_.termination)},
-            {"message", joint_summary_.message},
-            {"marginal_energy_seed", joint_summary_.seed_marginal_energy},
-            {"marginal_energy_final", joint_summary_.final_marginal_energy},
-            {"time_s", joint_summary_.total_time_s}};
-  }
-
-  Json StagesJson() const {
-    Json json = Json::array();
-    for (const Stage& stage : stages_) {
-      json.push_back({{"stage", stage.name},
-                      {"wall_thickness_m", stage.quality.wall_thickness_m},
-                      {"mean_map_entropy", stage.quality.mean_map_entropy}});
-    }
+    Json json = {{"start", joint_starts_as_given_ ? "given" : "pose graph"}};
+    json.update(SolverJson(joint_summary_));
     return json;
   }
 
@@ -193,27 +203,30 @@ class PoseGraphRun {
                  {"pose_graph", EdgesJson()}};
     if (has_scans()) {
       json["joint"] = JointJson();
-      json["stages"] = StagesJson();
+      json["stages"] = StagesJson(stages_);
     }
-    AtomicFile file;
-    PLUMBLINE_RETURN_IF_ERROR(file.Open(Path("summary.json")));
-    // A path need not be UTF-8; JSON must be.
-    file.stream() << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    return file.Commit();
-  }
-
-  std::string Path(const std::string& name) const {
-    return (std::filesystem::path(options_.output_dir) / name).string();
+    if (refined_consistency_) {
+      json["alarm"] = !alarms_.empty();
+      json["alarm_reasons"] = AlarmsJson(alarms_);
+      json["consistency"] = {{"given", ConsistencyJson(*given_consistency_)},
+                             {"refined", ConsistencyJson(*refined_consistency_)}};
+    }
+    json["flags"] = FlagsInForce();
+    return WriteJson(output_.File("summary.json"), json);
   }
 
   const PoseGraphRunOptions& options_;
   ThreadPool pool_;
+  const OutputFolder output_;
   PoseGraphFile file_;
   std::vector<double> given_poses_;
   bool joint_starts_as_given_ = false;
   PoseGraphSummary edges_summary_;
   SolverSummary joint_summary_;
   std::vector<Stage> stages_;
+  // Not measured where the scans are not in order of time.
+  std::optional<MapConsistency> given_consistency_, refined_consistency_;
+  std::vector<Alarm> alarms_;
 };
 
 }  // namespace

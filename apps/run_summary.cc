@@ -2,29 +2,57 @@
 
 #include <sys/resource.h>
 
-#include <nlohmann/json.hpp>
+#include <map>
 
-#include "plumbline/apps/command_line.h"
-#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/seeding_report.h"
 
 namespace plumbline {
 namespace {
 
-// Insertion order is easier on the reader than the alphabet.
-using Json = nlohmann::ordered_json;
+// null for a pair of figures that the log was too short to tell.
+Json RandomJson(const RandomError& error) {
+  if (!error.estimated) return nullptr;
+  return {{"spans", error.num_spans},
+          {"sigma_per_sqrt_m", error.sigma_per_sqrt_m},
+          {"sigma_per_sqrt_rad", error.sigma_per_sqrt_rad}};
+}
 
-Json FlagsInForce() {
+Json SystematicJson(const SystematicError& error) {
+  return {{"value", error.value}, {"sigma", error.sigma}, {"significant", error.IsSignificant()}};
+}
+
+Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
+  return {{"translation_scale", SystematicJson(noise.translation_scale)},
+          {"rotation_scale", SystematicJson(noise.rotation_scale)},
+          {"heading_drift_rad_m", SystematicJson(noise.heading_drift_rad_m)},
+          {"translation_m", RandomJson(noise.translation)},
+          {"rotation_rad", RandomJson(noise.rotation)},
+          {"leaps", noise.num_leaps},
+          {"motion",
+           {{"rotation_per_rotation", noise.motion.rotation_per_rotation},
+            {"rotation_per_translation_rad_m", noise.motion.rotation_per_translation_rad_m},
+            {"translation_per_translation", noise.motion.translation_per_translation},
+            {"translation_per_rotation_m_rad", noise.motion.translation_per_rotation_m_rad},
+            {"translation_floor_m", noise.motion.translation_floor_m},
+            {"rotation_floor_rad", noise.motion.rotation_floor_rad}}}};
+}
+
+Json VerdictsJson(const LoopClosingReport& loops) {
   Json json = Json::object();
-  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
-    if (flag.type == "double") {
-      json[flag.name] = std::stod(flag.current_value);
-    } else if (flag.type == "int32") {
-      json[flag.name] = std::stol(flag.current_value);
-    } else if (flag.type == "bool") {
-      json[flag.name] = flag.current_value == "true";
-    } else {
-      json[flag.name] = flag.current_value;
-    }
+  for (const auto& [verdict, count] : CountVerdicts(loops)) json[ToString(verdict)] = count;
+  return json;
+}
+
+Json DoubtsJson(const LoopClosingReport& loops) {
+  Json json = Json::array();
+  for (const DoubtfulStep& step : loops.doubts) {
+    json.push_back({{"first_pose_after", step.first_pose_after},
+                    {"evidence", step.evidence},
+                    {"broken", step.broken},
+                    {"turned_rad", step.turned_rad},
+                    {"closures_across", step.num_closures_across},
+                    {"unresolved", step.IsUnresolved()}});
   }
   return json;
 }
@@ -36,82 +64,13 @@ Json SeedingJson(const RunSummary& summary) {
           {"unmatched_scans", sequential.num_unmatched},
           {"odometry_sign_lost", sequential.odometry_sign.sign_lost},
           {"reversed_steps", sequential.num_reversed_steps},
+          {"odometry_noise", OdometryNoiseJson(summary.seeding.odometry_noise)},
           {"loop_candidates", summary.seeding.loops.num_candidates},
           {"loop_closures", summary.seeding.loops.num_closures},
-          {"dropped_loop_closures", summary.seeding.loops.num_contradicted},
+          {"verdicts", VerdictsJson(summary.seeding.loops)},
+          {"doubtful_steps", DoubtsJson(summary.seeding.loops)},
+          {"alarm", summary.seeding.alarm},
           {"time_s", summary.seed_time_s}};
-}
-
-Json TermsJson(const SolverSummary& solver) {
-  Json json = Json::array();
-  for (int t = 0; t < kNumTerms; ++t) {
-    const TermSummary& term = solver.terms[t];
-    json.push_back({{"term", ToString(static_cast<Term>(t))},
-                    {"count", term.count},
-                    {"cost_before", term.initial_cost},
-                    {"cost_after", term.final_cost}});
-  }
-  return json;
-}
-
-Json RoundsJson(const SolverSummary& solver) {
-  Json json = Json::array();
-  for (const RoundSummary& round : solver.rounds) {
-    json.push_back({{"radius_m", round.radius_m},
-                    {"gate_sigmas", round.gate_sigmas},
-                    {"lines", round.num_lines},
-                    {"shape_pairs", round.num_shape_pairs},
-                    {"cost_before", round.initial_cost},
-                    {"cost_after", round.final_cost},
-                    {"marginal_energy", round.marginal_energy},
-                    {"iterations", round.iterations},
-                    {"stop_reason", round.stop_reason}});
-  }
-  return json;
-}
-
-Json IterationsJson(const SolverSummary& solver) {
-  Json json = Json::array();
-  for (const IterationSummary& it : solver.iterations) {
-    json.push_back({{"iteration", it.iteration},
-                    {"round", it.round},
-                    {"phase", it.phase},
-                    {"cost", it.cost},
-                    {"total_time_s", it.total_time_s}});
-  }
-  return json;
-}
-
-Json SolverJson(const SolverSummary& solver) {
-  return {{"solver", solver.solver},
-          {"termination", ToString(solver.termination)},
-          {"message", solver.message},
-          {"marginal_energy_seed", solver.seed_marginal_energy},
-          {"marginal_energy_final", solver.final_marginal_energy},
-          {"terms_of_last_round", TermsJson(solver)},
-          {"rounds", RoundsJson(solver)},
-          {"time_s",
-           {{"association", solver.association_time_s},
-            {"setup", solver.setup_time_s},
-            {"minimisation", solver.solve_time_s},
-            {"total", solver.total_time_s}}},
-          {"iterations", IterationsJson(solver)}};
-}
-
-Json StagesJson(const std::vector<Stage>& stages) {
-  Json json = Json::array();
-  for (const Stage& stage : stages) {
-    Json row = {{"stage", stage.name},
-                {"wall_thickness_m", stage.quality.wall_thickness_m},
-                {"mean_map_entropy", stage.quality.mean_map_entropy}};
-    if (stage.error) {
-      row["mean_pose_error_m"] = stage.error->mean_pose_error_m;
-      row["mean_pose_error_rad"] = stage.error->mean_pose_error_rad;
-      row["mean_point_error_m"] = stage.error->mean_point_error_m;
-    }
-    json.push_back(row);
-  }
-  return json;
 }
 
 }  // namespace
@@ -123,21 +82,21 @@ std::size_t PeakMemoryBytes() {
 }
 
 Status WriteRunSummary(const std::string& path, const RunSummary& summary) {
-  const Json json = {{"log", summary.log},
-                     {"scans", summary.num_scans},
-                     {"returns", summary.num_returns},
-                     {"skipped_records", summary.num_skipped_records},
-                     {"read_time_s", summary.read_time_s},
-                     {"seeding", SeedingJson(summary)},
-                     {"solver", SolverJson(summary.solver)},
-                     {"stages", StagesJson(summary.stages)},
-                     {"peak_memory_bytes", PeakMemoryBytes()},
-                     {"flags", FlagsInForce()}};
-  AtomicFile file;
-  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
-  // A path need not be UTF-8; JSON must be.
-  file.stream() << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  return file.Commit();
+  return WriteJson(path, {{"log", summary.log},
+                          {"scans", summary.num_scans},
+                          {"returns", summary.num_returns},
+                          {"skipped_records", summary.num_skipped_records},
+                          {"read_time_s", summary.read_time_s},
+                          {"alarm", !summary.alarms.empty()},
+                          {"alarm_reasons", AlarmsJson(summary.alarms)},
+                          {"consistency",
+                           {{"seed", ConsistencyJson(summary.seeding.consistency)},
+                            {"refined", ConsistencyJson(summary.refined_consistency)}}},
+                          {"seeding", SeedingJson(summary)},
+                          {"solver", SolverJson(summary.solver)},
+                          {"stages", StagesJson(summary.stages)},
+                          {"peak_memory_bytes", PeakMemoryBytes()},
+                          {"flags", FlagsInForce()}});
 }
 
 }  // namespace plumbline

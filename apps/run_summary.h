@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/seeding/seed.h"
@@ -22,6 +23,8 @@ struct RunSummary {
   double seed_time_s = 0.0;  ///< normals included
   SeedingReport seeding;
   SolverSummary solver;
+  MapConsistency refined_consistency;
+  std::vector<Alarm> alarms;
   std::vector<Stage> stages;
 };
 

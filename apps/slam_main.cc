@@ -4,26 +4,28 @@
 #include <glog/logging.h>
 
 #include <chrono>
-#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <optional>
-#include <sstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
+#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/map_picture.h"
+#include "plumbline/apps/io/overlay_pictures.h"
 #include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
 #include "plumbline/core/angle.h"
@@ -115,7 +117,7 @@ class SlamRun {
       truth_.emplace();
       PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
     }
-    PLUMBLINE_RETURN_IF_ERROR(MakeOutputFolder());
+    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     summary_.log = FLAGS_log;
     summary_.num_scans = graph_.num_scans();
     summary_.num_returns = graph_.num_returns();
@@ -126,14 +128,6 @@ class SlamRun {
               << log.num_out_of_order << " out of order (" << std::fixed << std::setprecision(2)
               << summary_.read_time_s << " s)\n";
     return Status::Ok();
-  }
-
-  static Status MakeOutputFolder() {
-    std::error_code error;
-    std::filesystem::create_directories(FLAGS_output_dir, error);
-    if (!error) return Status::Ok();
-    return Status::Unavailable("cannot make the folder '" + FLAGS_output_dir +
-                               "': " + error.message());
   }
 
   Status Seed() {
@@ -149,23 +143,9 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion, normals,
                                         progress, &*pool_, &graph_, &summary_.seeding));
     summary_.seed_time_s = SecondsSince(start);
-    std::ostringstream result;
-    result << std::fixed << std::setprecision(0) << graph_.num_scans() / summary_.seed_time_s
-           << " scans/s";
-    bar.Finish(result.str());
-    const SequentialSeedingReport& report = summary_.seeding.sequential;
-    if (report.odometry_sign.sign_lost) {
-      std::cout << "  The odometry has lost the sign of its translation: "
-                << report.num_reversed_steps << " steps were driven backwards.\n";
-    }
-    if (summary_.seeding.loops.num_closures > 0) {
-      std::cout << "  " << summary_.seeding.loops.num_closures << " loop closures among "
-                << summary_.seeding.loops.num_candidates << " places tried.\n";
-    }
-    if (report.num_unmatched > 0) {
-      std::cout << "  " << report.num_unmatched
-                << " scans match nothing near by and follow the odometry.\n";
-    }
+    bar.Finish("done");
+    std::cout << SeedingText(summary_.seeding, graph_)
+              << ConsistencyText("The seed", summary_.seeding.consistency);
     return Status::Ok();
   }
 
@@ -180,39 +160,55 @@ class SlamRun {
       return Status::InvalidArgument(summary_.solver.message);
     }
     std::cout << '\n' << summary_.solver.FullReport() << '\n';
+    summary_.refined_consistency = MeasureMapConsistency(graph_, PosesOf(graph_), &*pool_);
+    summary_.alarms = RunAlarms(summary_.seeding, summary_.refined_consistency, graph_);
     return Status::Ok();
   }
 
   Status WriteResults() {
     PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory.tum"));
-    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(Path("points.ply"), graph_));
+    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(output_.File("points.ply"), graph_));
     PLUMBLINE_RETURN_IF_ERROR(Picture("map_refined.png", "Refined"));
+    PLUMBLINE_RETURN_IF_ERROR(WriteClosurePicture(output_.File("closures.png"), graph_,
+                                                  summary_.seeding.loops.matches,
+                                                  FLAGS_picture_side_px));
+    PLUMBLINE_RETURN_IF_ERROR(WriteConflictPicture(output_.File("conflicts.png"), graph_,
+                                                   summary_.refined_consistency,
+                                                   FLAGS_picture_side_px));
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
     AddStage("refined, raw ranges");
     graph_.points() = optimised;
     AddStage("refined, optimised points");
-    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(Path("summary.json"), summary_));
-    std::cout << StageTable(summary_.stages) << "\nPeak memory " << PeakMemoryBytes() / 1000000
-              << " MB. Results in " << FLAGS_output_dir
-              << ":\n  map_odometry.png, map_seed.png, map_refined.png   pictures\n"
-                 "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
-                 "  points.ply                                        every return, optimised\n"
-                 "  summary.json                                      options and figures\n";
+    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
+    PrintResults();
     return Status::Ok();
   }
 
-  std::string Path(const std::string& name) const {
-    return (std::filesystem::path(FLAGS_output_dir) / name).string();
+  void PrintResults() const {
+    std::cout << StageTable(summary_.stages)
+              << ConsistencyText("The refined map", summary_.refined_consistency)
+              << "\nPeak memory " << PeakMemoryBytes() / 1000000 << " MB. Results in "
+              << output_.path()
+              << ":\n  map_odometry.png, map_seed.png, map_refined.png   pictures\n"
+                 "  closures.png                                      loops closed and refused\n"
+                 "  conflicts.png                                     where the refined map "
+                 "contradicts itself\n"
+                 "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
+                 "  points.ply                                        every return, optimised\n"
+                 "  summary.json                                      options and figures\n"
+              << std::flush;
+    std::cerr << AlarmText(summary_.alarms);
   }
+
   Status Picture(const std::string& name, const std::string& title) const {
     MapPictureOptions options;
     options.title = title;
     options.max_side_px = FLAGS_picture_side_px;
-    return WriteMapPicture(Path(name), graph_, options);
+    return WriteMapPicture(output_.File(name), graph_, options);
   }
   Status Trajectory(const std::string& name) const {
-    return WriteTumTrajectory(Path(name), TrajectoryOf(graph_));
+    return WriteTumTrajectory(output_.File(name), TrajectoryOf(graph_));
   }
   void AddStage(const std::string& name) {
     summary_.stages.push_back(MeasureStage(name, graph_, truth_ ? &*truth_ : nullptr, &*pool_));
@@ -222,6 +218,7 @@ class SlamRun {
   SolverOptions solver_options_;
   SeedingOptions seeding_options_;
   std::optional<ThreadPool> pool_;
+  const OutputFolder output_{FLAGS_output_dir};
   SlamGraph graph_;
   std::optional<Truth> truth_;
   RunSummary summary_;

@@ -29,9 +29,13 @@ std::string StageTable(const std::vector<Stage>& stages) {
   }
   table << '\n' << std::fixed;
   for (const Stage& stage : stages) {
-    table << std::left << std::setw(26) << stage.name << std::right << std::setprecision(1)
-          << std::setw(12) << kMmPerM * stage.quality.wall_thickness_m << " mm"
-          << std::setprecision(3) << std::setw(13) << stage.quality.mean_map_entropy;
+    table << std::left << std::setw(26) << stage.name << std::right;
+    if (stage.quality.num_samples > 0) {
+      table << std::setprecision(1) << std::setw(12) << kMmPerM * stage.quality.wall_thickness_m
+            << " mm" << std::setprecision(3) << std::setw(13) << stage.quality.mean_map_entropy;
+    } else {
+      table << std::setw(15) << "-" << std::setw(13) << "-";
+    }
     if (stage.error) {
       table << std::setprecision(1) << std::setw(10) << kMmPerM * stage.error->mean_pose_error_m
             << " mm" << std::setprecision(3) << std::setw(10)

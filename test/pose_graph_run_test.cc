@@ -12,6 +12,7 @@
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
 #include "plumbline/test/noisy_room.h"
+#include "plumbline/test/room_as_g2o.h"
 #include "plumbline/test/temp_file.h"
 
 namespace plumbline {
@@ -39,44 +40,6 @@ class PoseGraphRunTest : public testing::Test {
   const std::string folder_ = TempFolder();
 };
 
-std::string Text(const Pose2& pose) {
-  std::ostringstream text;
-  text.precision(12);
-  text << ' ' << pose.x << ' ' << pose.y << ' ' << pose.yaw;
-  return text.str();
-}
-
-// The room as another system would save it: poses off by a few centimetres, edges from each to the
-// next and from the last to the first, and every scan at its vertex.
-std::string AsG2o(const NoisyRoom& room) {
-  std::ostringstream text;
-  const SlamGraph& graph = room.graph;
-  const LaserModel& laser = graph.LaserOfScan(0);
-  RandomStates random(21);
-  const auto noise = [&](double sigma) {
-    return Pose2(random.Gaussian(sigma), random.Gaussian(sigma), random.Gaussian(sigma));
-  };
-  for (int i = 0; i < graph.num_poses(); ++i) {
-    text << "VERTEX_SE2 " << 10 * i << Text(i == 0 ? room.truth[0] : room.truth[i] * noise(0.05))
-         << "\nROBOTLASER1 0 " << laser.first_bearing_rad << " 6.28 " << laser.bearing_step_rad
-         << " 80 0.01 0 " << laser.num_beams;
-    std::vector<double> ranges(laser.num_beams, 80.0);
-    const ScanEntry& scan = graph.scan(i);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      ranges[graph.returns().beam[r]] = graph.returns().range_m[r];
-    }
-    for (const double range_m : ranges) text << ' ' << range_m;
-    text << " 0" << Text(room.truth[i] * laser.robot_from_laser) << Text(room.truth[i])
-         << " 0 0 0 0 0 " << 100 + i << " host 0\n";
-  }
-  for (int i = 0; i < graph.num_poses(); ++i) {
-    const int to = (i + 1) % graph.num_poses();
-    const Pose2 motion = Between(room.truth[i], room.truth[to]) * noise(0.02);
-    text << "EDGE_SE2 " << 10 * i << ' ' << 10 * to << Text(motion) << " 2500 0 0 2500 0 2500\n";
-  }
-  return text.str();
-}
-
 TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   NoisyRoom room = MakeNoisyRoom();
   const std::string text = AsG2o(room);
@@ -84,7 +47,7 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   const Status status = Run("a.g2o");
   ASSERT_TRUE(status.ok()) << status.message();
   for (const char* name : {"points.ply", "map_given.png", "map_pose_graph.png", "map_refined.png",
-                           "summary.json", "trajectory.tum", "graph.g2o"}) {
+                           "conflicts.png", "summary.json", "trajectory.tum", "graph.g2o"}) {
     EXPECT_TRUE(Exists(name)) << name;
   }
   PoseGraphFile given, refined;
@@ -113,6 +76,21 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   EXPECT_LT(summary["pose_graph"]["chi2_pose_graph"], summary["pose_graph"]["chi2_given"]);
   EXPECT_EQ(summary["joint"]["start"], "pose graph");
   EXPECT_EQ(summary["stages"].size(), 4u);
+  EXPECT_EQ(summary["alarm"], false);
+  const auto& refined_map = summary["consistency"]["refined"];
+  EXPECT_GT(refined_map["within_pass"]["compared"], 100);
+  EXPECT_LE(refined_map["worst_over_explicable"],
+            summary["consistency"]["given"]["worst_over_explicable"]);
+}
+
+TEST_F(PoseGraphRunTest, ScansOutOfOrderCannotBeCheckedForPasses) {
+  std::string text = AsG2o(MakeNoisyRoom());
+  text.replace(text.find(" 103 host"), 4, " 999");  // between those of 102 and 104
+  WriteFile(folder_ + "a.g2o", text);
+  ASSERT_TRUE(Run("a.g2o").ok());
+  EXPECT_FALSE(Exists("conflicts.png"));
+  EXPECT_FALSE(Summary().contains("consistency"));
+  EXPECT_FALSE(Summary().contains("alarm"));
 }
 
 TEST_F(PoseGraphRunTest, KeepsAGivenStartThatTheScansFitBetter) {

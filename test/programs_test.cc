@@ -2,18 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "plumbline/test/temp_file.h"
+#include "plumbline/test/program_testing.h"
 
 namespace plumbline {
 namespace {
@@ -23,87 +17,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-const std::vector<std::string> kResults = {
-    "map_odometry.png", "map_refined.png", "map_seed.png",       "points.ply",
-    "summary.json",     "trajectory.tum",  "trajectory_seed.tum"};
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-std::vector<std::string> Lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-class ProgramsTest : public testing::Test {
- protected:
-  Outcome Run(const std::string& program, const std::string& arguments) const {
-    const std::string out = folder_ + "stdout", err = folder_ + "stderr";
-    const std::string command = std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_" + program +
-                                " " + arguments + " >" + out + " 2>" + err;
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out), ReadFile(err)};
-  }
-  Outcome Slam(const std::string& log, const std::string& flags = "",
-               const std::string& output_dir = "out") const {
-    return Run("slam",
-               "--log=" + folder_ + log + " --output_dir=" + folder_ + output_dir + " " + flags);
-  }
-
-  // The first scans of a drive through the small building, and the truth of the whole.
-  void SimulateLog(int num_scans) {
-    const Outcome run =
-        Run("simulate", "--world=" PLUMBLINE_WORLD " --log=" + folder_ +
-                            "all.clf --truth=" + folder_ + "a.tum --hits=" + folder_ + "a.hits");
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_THAT(run.out, HasSubstr(" scans, "));
-    EXPECT_THAT(run.err, IsEmpty());
-    log_lines_ = Lines(ReadFile(folder_ + "all.clf"));
-    log_lines_.resize(2 + 2 * num_scans);  // two PARAM, then ODOM and FLASER by turns
-    WriteLog();
-  }
-  void WriteLog() const {
-    std::string text;
-    for (const std::string& line : log_lines_) text += line + '\n';
-    WriteFile(folder_ + "a.clf", text);
-  }
-  // A log of `num_scans` equal scans of a robot that stands still.
-  void WriteStandingLog(int num_scans, const std::string& ranges) {
-    for (int i = 0; i < num_scans; ++i) {
-      log_lines_.push_back("FLASER " + ranges + " 1 2 0.5 1 2 0.5 " + std::to_string(0.1 * i) +
-                           " host 0");
-    }
-    WriteLog();
-  }
-
-  std::vector<std::string> FilesOf(const std::string& output_dir) const {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ + output_dir)) {
-      names.push_back(entry.path().filename().string());
-    }
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-  std::string Result(const std::string& output_dir, const std::string& name) const {
-    return ReadFile(folder_ + output_dir + "/" + name);
-  }
-  nlohmann::json Summary() const { return nlohmann::json::parse(Result("out", "summary.json")); }
-
-  // The program fails, says `message` and nothing else on standard error, and writes no results.
-  void ExpectError(const Outcome& run, const std::string& message) const {
-    EXPECT_EQ(run.exit_code, 1);
-    EXPECT_THAT(run.err, HasSubstr(message));
-    EXPECT_EQ(Lines(run.err).size(), 1u) << run.err;
-    EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
-  }
-
-  const std::string folder_ = TempFolder();
-  std::vector<std::string> log_lines_;
-};
+using ProgramsTest = ProgramTest;
 
 TEST_F(ProgramsTest, MapsTheSmallBuildingWithAnyNumberOfThreads) {
   SimulateLog(400);
@@ -150,6 +64,10 @@ TEST_F(ProgramsTest, MaxScansLimitsTheLog) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 1u);
   EXPECT_EQ(Summary()["scans"], 1);
+  EXPECT_EQ(Summary()["alarm"], false);
+  EXPECT_THAT(run.err, IsEmpty());
+  EXPECT_THAT(run.out, AllOf(HasSubstr("A single scan: there is nothing to match"),
+                             Not(HasSubstr("nan")), Not(HasSubstr("inf "))));
 }
 
 TEST_F(ProgramsTest, ReplacesTheResultsOfAnEarlierRun) {
@@ -158,21 +76,6 @@ TEST_F(ProgramsTest, ReplacesTheResultsOfAnEarlierRun) {
   ASSERT_EQ(Slam("a.clf", "--max_scans=2").exit_code, 0);
   EXPECT_EQ(FilesOf("out"), kResults);
   EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 2u);
-}
-
-TEST_F(ProgramsTest, ARobotThatNeverMoves) {
-  std::string ranges = "181";
-  for (int beam = 0; beam < 181; ++beam) ranges += beam % 60 < 30 ? " 3.1" : " 4.2";
-  WriteStandingLog(10, ranges);
-  const Outcome run = Slam("a.clf");
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const std::vector<std::string> poses = Lines(Result("out", "trajectory.tum"));
-  ASSERT_EQ(poses.size(), 10u);
-  for (const std::string& pose : poses) {
-    double t = 1.0, x = 1.0, y = 1.0;
-    std::istringstream(pose) >> t >> x >> y;
-    EXPECT_NEAR(std::hypot(x, y), 0.0, 1e-3) << pose;
-  }
 }
 
 TEST_F(ProgramsTest, ReadingsThatAreNoNumbersAreNoReturns) {
@@ -272,6 +175,16 @@ TEST_F(ProgramsTest, SimulatesTheSameBuildingFromTheSameSeed) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
   }
   EXPECT_TRUE(ReadFile(folder_ + "a.clf") == ReadFile(folder_ + "b.clf"));
+}
+
+TEST_F(ProgramsTest, StudiesTheSeeding) {
+  const Outcome run =
+      Run("benchmark", "--experiment=seeding_study --buildings=4 --csv=" + folder_ + "study.csv");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+  EXPECT_THAT(run.out, AllOf(HasSubstr("wrong, SILENT"), HasSubstr("\n4 runs in ")));
+  EXPECT_EQ(Lines(ReadFile(folder_ + "study.csv")).size(), 5u);
+  ExpectError(Run("benchmark", "--experiment=magic"), "--experiment='magic'");
 }
 
 TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {

@@ -23,6 +23,19 @@ RunSummary MakeSummary() {
   summary.seeding.sequential.num_key_scans = 7;
   summary.seeding.sequential.odometry_sign.sign_lost = true;
   summary.seeding.loops.num_closures = 3;
+  summary.seeding.loops.matches.resize(4);
+  summary.seeding.loops.matches[3].verdict = ClosureVerdict::kAmbiguous;
+  DoubtfulStep& doubt = summary.seeding.loops.doubts.emplace_back();
+  doubt.first_pose_after = 5;
+  doubt.evidence = 0.75;
+  doubt.broken = true;
+  doubt.turned_rad = 0.25;
+  doubt.num_closures_across = 2;
+  summary.seeding.odometry_noise.rotation_scale = {0.03, 0.004};
+  summary.seeding.odometry_noise.rotation = {true, 20, 0.0, 0.125};
+  summary.seeding.consistency.between_passes = {200, 50};
+  summary.refined_consistency.within_pass = {400, 20};
+  summary.refined_consistency.num_pairs_within = 6;
   summary.solver.solver = "alternating_cg";
   summary.solver.termination = TerminationType::kConverged;
   summary.solver.message = "said \"enough\"";
@@ -35,6 +48,7 @@ RunSummary MakeSummary() {
   summary.stages.resize(2);
   summary.stages[0].name = "odometry";
   summary.stages[1].name = "seed";
+  summary.stages[1].quality = {0.02, -3.5, 100};
   summary.stages[1].error = TruthError{0.25, 0.5, 0.125};
   return summary;
 }
@@ -69,11 +83,54 @@ TEST(RunSummaryTest, ReadsBackAsWritten) {
   EXPECT_GT(json["peak_memory_bytes"], 1000000);
 }
 
+TEST(RunSummaryTest, TellsHowTheSeedingWent) {
+  const Json seeding = WriteAndRead(MakeSummary())["seeding"];
+  EXPECT_EQ(seeding["verdicts"]["accepted"], 3);
+  EXPECT_EQ(seeding["verdicts"]["ambiguous"], 1);
+  ASSERT_EQ(seeding["doubtful_steps"].size(), 1u);
+  const Json& doubt = seeding["doubtful_steps"][0];
+  EXPECT_EQ(doubt["first_pose_after"], 5);
+  EXPECT_EQ(doubt["evidence"], 0.75);
+  EXPECT_EQ(doubt["broken"], true);
+  EXPECT_EQ(doubt["turned_rad"], 0.25);
+  EXPECT_EQ(doubt["closures_across"], 2);
+  EXPECT_EQ(doubt["unresolved"], false);
+  const Json& noise = seeding["odometry_noise"];
+  EXPECT_EQ(noise["rotation_scale"]["value"], 0.03);
+  EXPECT_EQ(noise["rotation_scale"]["significant"], true);
+  EXPECT_EQ(noise["heading_drift_rad_m"]["significant"], false);
+  EXPECT_EQ(noise["rotation_rad"]["sigma_per_sqrt_rad"], 0.125);
+  EXPECT_TRUE(noise["translation_m"].is_null());  // not estimated
+}
+
+TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
+  RunSummary summary = MakeSummary();
+  Json json = WriteAndRead(summary);
+  EXPECT_EQ(json["alarm"], false);
+  EXPECT_TRUE(json["alarm_reasons"].empty());
+  EXPECT_EQ(json["consistency"]["seed"]["between_passes"]["share"], 0.25);
+  const Json& refined = json["consistency"]["refined"];
+  EXPECT_EQ(refined["within_pass"]["share"], 0.05);
+  EXPECT_EQ(refined["within_pass"]["pairs"], 6);
+  EXPECT_EQ(refined["worst_over_explicable"], 1.0);
+  EXPECT_EQ(refined["contradictory"], false);
+
+  summary.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps"}};
+  json = WriteAndRead(summary);
+  EXPECT_EQ(json["alarm"], true);
+  EXPECT_EQ(json["alarm_reasons"],
+            Json::parse(R"([{"scan": 7, "time_s": 1.5, "x_m": 2.0, "y_m": -3.0,
+                             "reason": "it leaps"}])"));
+}
+
 TEST(RunSummaryTest, StagesHaveErrorsWhereTheTruthIsKnown) {
   const Json stages = WriteAndRead(MakeSummary())["stages"];
   ASSERT_EQ(stages.size(), 2u);
   EXPECT_EQ(stages[0]["stage"], "odometry");
   EXPECT_FALSE(stages[0].contains("mean_pose_error_m"));
+  EXPECT_TRUE(stages[0]["wall_thickness_m"].is_null());  // measured nowhere
+  EXPECT_EQ(stages[1]["wall_thickness_m"], 0.02);
+  EXPECT_EQ(stages[1]["mean_map_entropy"], -3.5);
   EXPECT_EQ(stages[1]["mean_pose_error_m"], 0.25);
   EXPECT_EQ(stages[1]["mean_pose_error_rad"], 0.5);
   EXPECT_EQ(stages[1]["mean_point_error_m"], 0.125);

@@ -16,8 +16,7 @@ namespace {
 Stage MakeStage(const std::string& name, double thickness_m, double entropy) {
   Stage stage;
   stage.name = name;
-  stage.quality.wall_thickness_m = thickness_m;
-  stage.quality.mean_map_entropy = entropy;
+  stage.quality = {thickness_m, entropy, 1000};
   return stage;
 }
 
@@ -27,6 +26,14 @@ TEST(StageTableTest, WithoutTruth) {
             "                           wall thickness  map entropy\n"
             "odometry                          50.3 mm       -3.537\n"
             "refined, optimised points          2.4 mm       -4.398\n");
+}
+
+TEST(StageTableTest, AMapTooSparseToBeMeasured) {
+  Stage stage;
+  stage.name = "odometry";
+  EXPECT_EQ(StageTable({stage}),
+            "                           wall thickness  map entropy\n"
+            "odometry                                -            -\n");
 }
 
 TEST(StageTableTest, WithTruth) {

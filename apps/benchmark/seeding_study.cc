@@ -75,9 +75,10 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, *graph, surfaces, {}, pool,
                                              &trajectory, &report->sequential));
+  const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
   PLUMBLINE_RETURN_IF_ERROR(
-      CloseAllLoops(seeding, motion, *graph, surfaces, {}, pool, &trajectory, report));
+      CloseAllLoops(seeding, noise, *graph, surfaces, {}, pool, &trajectory, report));
   for (int pose = 0; pose < graph->num_poses(); ++pose) {
     graph->SetPose(pose, trajectory.world_from_robot[pose]);
   }

@@ -27,19 +27,6 @@ LaserModel ModelOf(const CarmenScan& scan, const Pose2& robot_from_laser) {
   return laser;
 }
 
-/// Id of an equal laser that the graph already has, or of a new one. `lasers` mirrors the graph's.
-Status FindOrAddLaser(const LaserModel& laser, std::vector<LaserModel>* lasers, SlamGraph* graph,
-                      int* laser_id) {
-  const auto known = std::find(lasers->begin(), lasers->end(), laser);
-  if (known != lasers->end()) {
-    *laser_id = static_cast<int>(known - lasers->begin());
-    return Status::Ok();
-  }
-  PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(laser, laser_id));
-  lasers->push_back(laser);
-  return Status::Ok();
-}
-
 }  // namespace
 
 LaserMounting EstimateLaserMounting(const CarmenLog& log) {
@@ -74,12 +61,10 @@ Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
 
   const Pose2 robot_from_laser = EstimateLaserMounting(log).robot_from_laser;
   SlamGraph result;
-  std::vector<LaserModel> lasers;
   for (std::size_t i = 0; i < num_scans; ++i) {
     const CarmenScan& scan = log.scans[i];
     int laser = 0, pose = 0;
-    const Status laser_status =
-        FindOrAddLaser(ModelOf(scan, robot_from_laser), &lasers, &result, &laser);
+    const Status laser_status = result.AddLaser(ModelOf(scan, robot_from_laser), &laser);
     if (!laser_status.ok()) {
       return Status::InvalidArgument("scan of line " + std::to_string(scan.line) + ": " +
                                      laser_status.message());

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
+#include "plumbline/solvers/seeding/odometry_span.h"
 
 namespace plumbline {
 namespace {
@@ -20,23 +20,6 @@ constexpr int kMaxRounds = 5;
 // Candidates between two reports of progress.
 constexpr std::size_t kCandidatesPerReport = 64;
 
-// Covariance of the odometry from one pose to a later one, in the frame of the first.
-Eigen::Matrix3d OdometryCovariance(const std::vector<Pose2>& odometry, int from, int to,
-                                   const MotionOptions& options) {
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  Pose2 from_from_pose;
-  for (int pose = from + 1; pose <= to; ++pose) {
-    const Eigen::Vector2d arm = Pose2(0.0, 0.0, from_from_pose.yaw) * odometry[pose].translation();
-    Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-    carried(0, 2) = -arm.y();
-    carried(1, 2) = arm.x();
-    covariance = carried * covariance * carried.transpose() +
-                 RotateAxes(MotionCovariance(odometry[pose], options), from_from_pose.yaw);
-    from_from_pose = from_from_pose * odometry[pose];
-  }
-  return covariance;
-}
-
 // A broken edge keeps the graph in one piece, and no more.
 Eigen::Matrix3d BrokenCovariance() {
   constexpr double kSigmaM = 10.0, kSigmaRad = 3.0;
@@ -47,6 +30,15 @@ int NumClosuresAcross(int edge, const KeyGraph& keys) {
   return static_cast<int>(std::count_if(
       keys.closures.begin(), keys.closures.end(),
       [&](const RelativePoseConstraint& c) { return c.from <= edge && c.to > edge; }));
+}
+
+// A bridge that agrees with the edges below it is no second witness: both come from the same scans.
+// Where the edge is not trusted, it at least shows that they fit.
+bool OnlyRepeatsItsEdge(const RelativePoseConstraint& bridge, const KeyGraph& keys) {
+  for (int edge = bridge.from; edge < bridge.to; ++edge) {
+    if (keys.sequential[edge].untrusted()) return false;
+  }
+  return EdgeChi2(bridge, keys.world_from_key) <= kMaxClosureChi2;
 }
 
 void Optimize(KeyGraph* keys) {
@@ -134,8 +126,17 @@ void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refus
   report->num_contradicted = static_cast<int>(keys.contradicted.size());
   for (const SequentialEdge& edge : keys.sequential) {
     if (!edge.doubtful()) continue;
-    report->doubts.push_back({edge.first_pose_after, edge.evidence, edge.broken,
-                              NumClosuresAcross(edge.constraint.from, keys)});
+    const int from = edge.constraint.from;
+    DoubtfulStep doubt;
+    doubt.first_pose_after = edge.first_pose_after;
+    doubt.evidence = edge.evidence;
+    doubt.broken = edge.broken;
+    if (edge.broken) {
+      const Pose2 step = Between(keys.world_from_key[from], keys.world_from_key[from + 1]);
+      doubt.turned_rad = NormalizeAngle(step.yaw - edge.constraint.from_from_to.yaw);
+    }
+    doubt.num_closures_across = NumClosuresAcross(from, keys);
+    report->doubts.push_back(doubt);
   }
 }
 
@@ -152,7 +153,7 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
     const KeyScan& to = graph.key_scans[k];
     const Pose2 from_from_to = Between(graph.world_from_key[k - 1], graph.world_from_key[k]);
     const Eigen::Matrix3d known =
-        OdometryCovariance(trajectory.odometry, from.pose, to.pose, motion).inverse();
+        ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
     graph.sequential.push_back(
         {{k - 1, k, from_from_to,
           MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}});
@@ -178,6 +179,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     refused.clear();
     const std::size_t num_closures = keys->closures.size();
     for (const TestedCandidate& result : tested) {
+      if (bridging && OnlyRepeatsItsEdge(result.edge, *keys)) continue;
       if (result.verdict == ClosureVerdict::kAccepted) {
         keys->closures.push_back(result.edge);
       } else if (result.verdict != ClosureVerdict::kNoMatch) {

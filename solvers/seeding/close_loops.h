@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
 #define PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
 
+#include <cmath>
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
@@ -26,12 +27,18 @@ struct DoubtfulStep {
   int first_pose_after = 0;
   double evidence = 0.0;  ///< of the disagreement, from 0.15 to 1.6
   bool broken = false;    ///< closures have shown that the step was wrong, and have put it right
+  /// How far the repair has turned what lies beyond it [rad]. Many buildings look alike turned by a
+  /// right angle or half a turn, and nothing but the odometry says which it was.
+  double turned_rad = 0.0;
   int num_closures_across = 0;
 
-  /// It looks wrong, and too little else ties together what lies before and after it.
+  /// It looks wrong, and nothing else says for certain how what lies before and after it is tied
+  /// together.
   bool IsUnresolved() const {
-    return (broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross;
+    return std::abs(turned_rad) > kMaxCertainTurnRad ||
+           ((broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross);
   }
+  static constexpr double kMaxCertainTurnRad = 0.5;
   /// One closure across could be a mistake.
   static constexpr int kMinClosuresAcross = 2;
 };

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/solvers/seeding/correct_odometry.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
+#include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 
 namespace plumbline {
@@ -80,8 +82,10 @@ Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, *graph, surfaces, progress,
                                              pool, &trajectory, &report->sequential));
-  PLUMBLINE_RETURN_IF_ERROR(
-      CloseAllLoops(options, motion, *graph, surfaces, progress, pool, &trajectory, report));
+  report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
+  CorrectOdometry(report->odometry_noise, motion, &trajectory);
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(options, report->odometry_noise.motion, *graph, surfaces,
+                                          progress, pool, &trajectory, report));
   WriteTrajectory(trajectory, graph);
   return Status::Ok();
 }
@@ -97,6 +101,7 @@ Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
     PLUMBLINE_RETURN_IF_ERROR(
         CloseLoops(options.loops, graph, surfaces, progress, pool, &attempt, &result->report));
     result->world_from_robot = PosesFollowingKeyScans(attempt, trajectory->world_from_robot);
+    RematchAtBreaks(graph, surfaces, attempt, trajectory->odometry, &result->world_from_robot);
     result->consistency = MeasureMapConsistency(graph, result->world_from_robot, pool);
     return Status::Ok();
   };

@@ -12,6 +12,7 @@
 #include "plumbline/solvers/seeding/close_loops.h"
 #include "plumbline/solvers/seeding/loop_closure.h"
 #include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/seeding/odometry_noise.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
 
 namespace plumbline {
@@ -28,6 +29,7 @@ struct SeedingOptions {
 
 struct SeedingReport {
   SequentialSeedingReport sequential;
+  OdometryNoiseReport odometry_noise;
   LoopClosingReport loops;
   MapConsistency consistency;  ///< of the seed
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
@@ -40,9 +42,9 @@ struct SeedingReport {
 
 /// Moves every pose of the graph to where scan matching, loop closure and a pose graph put it,
 /// starting from the first pose, and the points with them. Expects poses in order of time, joined
-/// by odometry from each pose to the next. Where the odometry is recognised to have lost its sign,
-/// its motions are corrected too. The result does not depend on the number of threads.
-/// normals: as EstimateReturnNormals gives them. progress may be empty.
+/// by odometry from each pose to the next. Where the odometry is recognised to have lost its sign
+/// or to err systematically, its motions are corrected too. The result does not depend on the
+/// number of threads. normals: as EstimateReturnNormals gives them. progress may be empty.
 /// InvalidArgument on bad options, missing odometry or a wrong number of normals, Unavailable if
 /// progress stopped it; the graph is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
@@ -50,7 +52,8 @@ Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  ThreadPool* pool, SlamGraph* graph, SeedingReport* report);
 
 /// The second half of it: makes a trajectory of the sequential matching globally consistent by
-/// closing its loops. surfaces: per scan, in the frame of the robot.
+/// closing its loops. motion: the noise of its odometry. surfaces: per scan, in the frame of the
+/// robot.
 Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
                      const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                      const SeedingProgress& progress, ThreadPool* pool,

@@ -1,0 +1,86 @@
+#include "plumbline/apps/alarm.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iomanip>
+#include <sstream>
+
+namespace plumbline {
+namespace {
+
+// The alarm of one peak, if that peak by itself is a contradiction.
+void CheckPeak(const MapConsistency& consistency, ConflictPeak MapConsistency::*peak,
+               const std::string& what, const SlamGraph& graph, std::vector<Alarm>* alarms) {
+  MapConsistency alone;
+  alone.within_pass = consistency.within_pass;
+  alone.*peak = consistency.*peak;
+  if (!alone.IsContradictory()) return;
+  std::ostringstream reason;
+  reason << what << std::fixed << std::setprecision(1) << " (" << alone.Ratio()
+         << " times the conflicts that people, doors and noise explain)";
+  alarms->push_back({PlaceOfPose(graph, (consistency.*peak).pose), reason.str()});
+}
+
+Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
+  std::string reason = "the scans before and after disagree, and ";
+  if (step.num_closures_across >= DoubtfulStep::kMinClosuresAcross) {
+    reason += "the repair turned all that comes later, which might fit elsewhere as well";
+  } else {
+    reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";
+    reason += " them together: all that comes later may be displaced";
+  }
+  return {PlaceOfPose(graph, step.first_pose_after), reason};
+}
+
+}  // namespace
+
+std::string ScanPlace::Text() const {
+  std::ostringstream text;
+  text << "scan " << scan << std::fixed << std::setprecision(2) << " (t = " << time_s
+       << " s, x = " << world_position.x() << " m, y = " << world_position.y() << " m)";
+  return text.str();
+}
+
+ScanPlace PlaceOfPose(const SlamGraph& graph, int pose) {
+  int scan = 0;
+  while (graph.scan(scan).pose != pose) ++scan;
+  return {scan, graph.timestamp_s(pose), graph.WorldFromRobot(pose).translation()};
+}
+
+std::string AlarmText(const std::vector<Alarm>& alarms) {
+  constexpr std::size_t kMaxLines = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(alarms.size(), kMaxLines); ++i) {
+    text += "WARNING: the map is probably wrong around " + alarms[i].place.Text() + ": " +
+            alarms[i].reason + ".\n";
+  }
+  if (alarms.size() > kMaxLines) {
+    text += "WARNING: and around " + std::to_string(alarms.size() - kMaxLines) +
+            " more places, see summary.json.\n";
+  }
+  return text;
+}
+
+std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph) {
+  std::vector<Alarm> alarms;
+  CheckPeak(consistency, &MapConsistency::worst_within,
+            "scans before and after look through each other's surfaces", graph, &alarms);
+  CheckPeak(consistency, &MapConsistency::worst_between,
+            "scans of other visits look through the surfaces seen there", graph, &alarms);
+  return alarms;
+}
+
+std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
+                             const SlamGraph& graph) {
+  std::vector<Alarm> alarms = MapAlarms(refined, graph);
+  if (alarms.empty()) {
+    alarms = MapAlarms(seeding.consistency, graph);
+    for (Alarm& alarm : alarms) alarm.reason += " before the refinement, though not after it";
+  }
+  for (const DoubtfulStep& step : seeding.loops.doubts) {
+    if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph));
+  }
+  return alarms;
+}
+
+}  // namespace plumbline

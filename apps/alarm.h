@@ -1,0 +1,47 @@
+#ifndef PLUMBLINE_APPS_ALARM_H_
+#define PLUMBLINE_APPS_ALARM_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/seeding/seed.h"
+
+namespace plumbline {
+
+/// A scan of a graph, as people look for it.
+struct ScanPlace {
+  int scan = 0;
+  double time_s = 0.0;
+  Eigen::Vector2d world_position = Eigen::Vector2d::Zero();  ///< of the robot [m]
+
+  std::string Text() const;
+};
+
+/// The first scan taken at a pose, which must have one.
+ScanPlace PlaceOfPose(const SlamGraph& graph, int pose);
+
+/// Why a map is probably wrong, and where.
+struct Alarm {
+  ScanPlace place;
+  std::string reason;
+};
+
+/// A warning per line, for people: the first few, and how many more there are.
+std::string AlarmText(const std::vector<Alarm>& alarms);
+
+/// Where a map contradicts itself, as `consistency` says of the graph's poses: at most one alarm
+/// for the scans of one pass and one for those of different passes.
+std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph);
+
+/// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
+/// contradictions of the refined map, or else of the seed. Places are those of `graph`. Not empty
+/// if the seeding raised its alarm.
+std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
+                             const SlamGraph& graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_ALARM_H_

@@ -1,0 +1,149 @@
+#include "plumbline/apps/seeding_report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "plumbline/apps/alarm.h"
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+template <typename... Values>
+std::string Format(const char* format, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof(text), format, values...);
+  return text;
+}
+
+// "1 scan", "2 scans".
+std::string Count(int number, const std::string& noun) {
+  return std::to_string(number) + ' ' + noun + (number == 1 ? "" : "s");
+}
+
+std::string MatchingText(const SequentialSeedingReport& report, int num_scans) {
+  std::string text =
+      "  " + Count(report.num_key_scans, "key scan") + " among " + Count(num_scans, "scan") + ".\n";
+  if (report.num_unmatched >= num_scans - 1) {
+    text += "  No scan matches another: every pose is the odometry's, and nothing checks it.\n";
+  } else if (report.num_unmatched > 0) {
+    text += "  " + Count(report.num_unmatched, "scan") +
+            " matched nothing near by: their steps are the odometry's.\n";
+  }
+  if (report.num_recovered > 0) {
+    text += "  " + Count(report.num_recovered, "scan") + " matched only well off the odometry.\n";
+  }
+  if (report.odometry_sign.sign_lost) {
+    text += "  The odometry has lost the sign of its translation: " +
+            Count(report.num_reversed_steps, "step") + " went backwards.\n";
+  }
+  return text;
+}
+
+std::string FaultText(const SystematicError& error, double factor, const char* format) {
+  if (!error.IsSignificant()) return "";
+  return "  The odometry " + Format(format, factor * error.value, factor * error.sigma) +
+         "; its motions are corrected.\n";
+}
+
+std::string RandomText(const RandomError& error, double factor, const char* unit) {
+  return Format("%.1f %s per root metre and %.1f %s per root radian",
+                factor * error.sigma_per_sqrt_m, unit, factor * error.sigma_per_sqrt_rad, unit);
+}
+
+std::string OdometryText(const OdometryNoiseReport& noise) {
+  constexpr double kPercent = 1e2, kMmPerM = 1e3;
+  std::string text =
+      FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +
+      FaultText(noise.rotation_scale, kPercent, "reads %+.2f +- %.2f %% in turns") +
+      FaultText(noise.heading_drift_rad_m, RadToDeg(1.0), "turns by %+.3f +- %.3f deg per metre");
+  std::string random;
+  if (noise.translation.estimated) {
+    random += " " + RandomText(noise.translation, kMmPerM, "mm") + " in distance";
+  }
+  if (noise.rotation.estimated) {
+    random += (random.empty() ? " " : ", ") + RandomText(noise.rotation, RadToDeg(1.0), "deg") +
+              " in heading";
+  }
+  if (!random.empty()) text += "  Odometry noise (one sigma):" + random + ".\n";
+  if (noise.num_leaps > 0) {
+    text += "  In " + Count(noise.num_leaps, "step") +
+            " odometry and scans disagree too much for noise: a slip, a collision or a scan "
+            "matched to the wrong place.\n";
+  }
+  return text;
+}
+
+std::string RefusedText(const LoopClosingReport& loops) {
+  std::string text;
+  for (const auto& [verdict, count] : CountVerdicts(loops)) {
+    if (verdict == ClosureVerdict::kAccepted) continue;
+    std::string reason = ToString(verdict);
+    std::replace(reason.begin(), reason.end(), '_', ' ');
+    text += (text.empty() ? "; refused: " : ", ") + std::to_string(count) + ' ' + reason;
+  }
+  return text;
+}
+
+std::string LoopsText(const LoopClosingReport& loops, const MapConsistency& consistency) {
+  if (loops.num_closures > 0) {
+    return "  " + Count(loops.num_closures, "loop closure") + " among " +
+           Count(loops.num_candidates, "place") + " tried" + RefusedText(loops) + ".\n";
+  }
+  const bool revisited = consistency.num_pairs_between > 0;
+  if (!revisited && loops.matches.empty()) {
+    return "  No place was visited twice: the drift cannot be checked.\n";
+  }
+  return "  No loop was closed among " + Count(loops.num_candidates, "place") + " tried" +
+         RefusedText(loops) + (revisited ? ".\n" : ": the drift cannot be checked.\n");
+}
+
+std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph) {
+  std::string text;
+  int num_unresolved = 0, num_kept = 0;
+  for (const DoubtfulStep& step : loops.doubts) {
+    if (step.IsUnresolved()) {
+      ++num_unresolved;
+    } else if (!step.broken) {
+      ++num_kept;
+    } else {
+      text += "  The step to " + PlaceOfPose(graph, step.first_pose_after).Text() +
+              " was wrong: " + Count(step.num_closures_across, "loop closure") + " put it right.\n";
+    }
+  }
+  if (num_unresolved > 0) {
+    text += "  " + Count(num_unresolved, "doubtful step") + " that nothing settles.\n";
+  }
+  if (num_kept > 0) {
+    text += "  " + Count(num_kept, "doubtful step") + " that all else agrees with.\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops) {
+  std::map<ClosureVerdict, int> counts;
+  for (const LoopClosureRecord& match : loops.matches) ++counts[match.verdict];
+  return counts;
+}
+
+std::string SeedingText(const SeedingReport& report, const SlamGraph& graph) {
+  if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
+  std::string text = MatchingText(report.sequential, graph.num_scans());
+  if (report.sequential.num_key_scans == 1) {
+    return text + "  The robot hardly moved: there is no loop to close and no drift to check.\n";
+  }
+  return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
+         DoubtsText(report.loops, graph);
+}
+
+std::string ConsistencyText(const std::string& name, const MapConsistency& consistency) {
+  if (consistency.num_pairs_within + consistency.num_pairs_between == 0) return "";
+  return "  " + name + (consistency.IsContradictory() ? " contradicts itself" : " is consistent") +
+         Format(
+             ": its worst place has %.1f times the free-space conflicts that can be explained.\n",
+             consistency.Ratio());
+}
+
+}  // namespace plumbline

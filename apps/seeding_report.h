@@ -1,0 +1,25 @@
+#ifndef PLUMBLINE_APPS_SEEDING_REPORT_H_
+#define PLUMBLINE_APPS_SEEDING_REPORT_H_
+
+#include <map>
+#include <string>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/seeding/seed.h"
+
+namespace plumbline {
+
+/// How many matches of places met each verdict; verdicts that none met are left out.
+std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops);
+
+/// What people need to know of a seeding, a fact per line, indented: what was matched, how good the
+/// odometry is, which loops were closed, which steps were wrong. graph: as seeded, a scan per pose.
+std::string SeedingText(const SeedingReport& report, const SlamGraph& graph);
+
+/// A line on whether the map contradicts itself; nothing if the robot went too little way for its
+/// scans to be compared. name: of the map.
+std::string ConsistencyText(const std::string& name, const MapConsistency& consistency);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_SEEDING_REPORT_H_

@@ -1,0 +1,44 @@
+#include "plumbline/solvers/seeding/correct_odometry.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/seeding/close_loops.h"
+#include "plumbline/solvers/seeding/match_covariance.h"
+#include "plumbline/solvers/seeding/odometry_span.h"
+
+namespace plumbline {
+
+void CorrectOdometry(const OdometryNoiseReport& noise, const MotionOptions& motion,
+                     SequentialTrajectory* trajectory) {
+  std::vector<Pose2> corrected = trajectory->odometry;
+  for (Pose2& step : corrected) step = CorrectStep(step, noise);
+  KeyGraph keys = MakeKeyGraph(*trajectory, motion);
+  for (int k = 1; k < keys.size(); ++k) {
+    const KeyScan& from = keys.key_scans[k - 1];
+    const KeyScan& to = keys.key_scans[k];
+    const Pose2& matched = keys.sequential[k - 1].constraint.from_from_to;
+    const OdometrySpan before = ChainOdometry(trajectory->odometry, from.pose, to.pose, motion);
+    const OdometrySpan after = ChainOdometry(corrected, from.pose, to.pose, motion);
+    const Eigen::Vector3d change(after.from_from_to.x - before.from_from_to.x,
+                                 after.from_from_to.y - before.from_from_to.y,
+                                 NormalizeAngle(after.from_from_to.yaw - before.from_from_to.yaw));
+    // The share of the change that a match of this information lets through. Applied twice: a
+    // little of each edge's change is the map's drag on the match, which does not add up over the
+    // edges, while along a corridor the share is 1 and stays so.
+    const Eigen::Matrix3d prior = before.covariance.inverse();
+    const Eigen::Matrix3d match = RotateAxes(WithoutNormalNoise(to.information), matched.yaw);
+    const Eigen::Matrix3d share = (match + prior).inverse() * prior;
+    const Eigen::Vector3d moved = share * share * change;
+    keys.world_from_key[k] =
+        keys.world_from_key[k - 1] *
+        Pose2(matched.x + moved.x(), matched.y + moved.y(), matched.yaw + moved.z());
+  }
+  trajectory->world_from_robot = PosesFollowingKeyScans(keys, trajectory->world_from_robot);
+  trajectory->odometry = std::move(corrected);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,127 @@
+#include "plumbline/apps/alarm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Scans in a square room, a metre apart; scan i at time i.
+SlamGraph MakeScans(int num_scans) {
+  SyntheticScene scene;
+  scene.faces = {{{-1, -3}, {9, -3}}, {{9, -3}, {9, 3}}, {{9, 3}, {-1, 3}}, {{-1, 3}, {-1, -3}}};
+  for (int i = 0; i < num_scans; ++i) scene.poses.emplace_back(i, 0.5, 0.0);
+  return MakeGraph(scene);
+}
+
+// 600 returns that agree are added to those of a peak, and 6 % of conflicts can be explained:
+// 400 conflicts of 600 returns are (400 / 0.06 + 600) / 1200 = 6.06 times that.
+MapConsistency Contradiction(ConflictPeak MapConsistency::*peak, int pose) {
+  MapConsistency consistency;
+  consistency.*peak = {{600, 400}, pose};
+  return consistency;
+}
+
+SeedingReport ReportWithDoubt(const DoubtfulStep& doubt) {
+  SeedingReport report;
+  report.loops.doubts = {doubt};
+  return report;
+}
+
+TEST(PlaceOfPoseTest, NamesScanTimeAndPlace) {
+  const SlamGraph graph = MakeScans(4);
+  const ScanPlace place = PlaceOfPose(graph, 2);
+  EXPECT_EQ(place.scan, 2);
+  EXPECT_EQ(place.time_s, graph.timestamp_s(2));
+  EXPECT_EQ(place.world_position, Eigen::Vector2d(2.0, 0.5));
+  EXPECT_EQ((ScanPlace{7, 12.5, {1.0, -2.25}}.Text()),
+            "scan 7 (t = 12.50 s, x = 1.00 m, y = -2.25 m)");
+}
+
+TEST(PlaceOfPoseTest, PosesWithoutScanAreNotCounted) {
+  SlamGraph graph;
+  int laser = 0, pose = 0;
+  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(4), &laser).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose(Pose2(), i, &pose).ok());
+  ASSERT_TRUE(graph.AddScan(2, laser, {1.0, 1.0, 1.0, 1.0}).ok());
+  EXPECT_EQ(PlaceOfPose(graph, 2).scan, 0);
+}
+
+TEST(MapAlarmsTest, ASoundMapRaisesNone) {
+  EXPECT_TRUE(MapAlarms(MapConsistency(), MakeScans(2)).empty());
+}
+
+TEST(MapAlarmsTest, EachPeakSpeaksForItself) {
+  const SlamGraph graph = MakeScans(4);
+  MapConsistency both = Contradiction(&MapConsistency::worst_between, 1);
+  const std::vector<Alarm> one = MapAlarms(both, graph);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].place.scan, 1);
+  EXPECT_THAT(one[0].reason, AllOf(HasSubstr("other visits"), HasSubstr("6.1 times")));
+
+  both.worst_within = {{600, 400}, 3};
+  const std::vector<Alarm> two = MapAlarms(both, graph);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0].place.scan, 3);
+  EXPECT_THAT(two[0].reason, HasSubstr("each other's surfaces"));
+  EXPECT_EQ(two[1].reason, one[0].reason);
+}
+
+TEST(RunAlarmsTest, TheRefinedMapSpeaksBeforeTheSeed) {
+  const SlamGraph graph = MakeScans(4);
+  SeedingReport seeding;
+  seeding.consistency = Contradiction(&MapConsistency::worst_within, 1);
+  const auto after = Contradiction(&MapConsistency::worst_within, 2);
+
+  const std::vector<Alarm> of_refined = RunAlarms(seeding, after, graph);
+  ASSERT_EQ(of_refined.size(), 1u);
+  EXPECT_EQ(of_refined[0].place.scan, 2);
+  const std::vector<Alarm> of_seed = RunAlarms(seeding, MapConsistency(), graph);
+  ASSERT_EQ(of_seed.size(), 1u);
+  EXPECT_EQ(of_seed[0].place.scan, 1);
+  EXPECT_THAT(of_seed[0].reason, HasSubstr("before the refinement"));
+}
+
+TEST(RunAlarmsTest, StepsThatNothingSettles) {
+  const SlamGraph graph = MakeScans(4);
+  const auto reason = [&](const DoubtfulStep& doubt) {
+    const std::vector<Alarm> alarms = RunAlarms(ReportWithDoubt(doubt), MapConsistency(), graph);
+    return alarms.empty() ? "" : alarms[0].reason;
+  };
+  DoubtfulStep step;
+  step.first_pose_after = 3;
+  step.evidence = 0.2;
+  EXPECT_EQ(reason(step), "");
+  step.broken = true;
+  EXPECT_THAT(reason(step), HasSubstr("no loop closure ties them together"));
+  step.num_closures_across = 1;
+  EXPECT_THAT(reason(step), HasSubstr("a single loop closure"));
+  step.num_closures_across = 2;
+  EXPECT_EQ(reason(step), "");
+  step.turned_rad = 1.5;
+  EXPECT_THAT(reason(step), HasSubstr("might fit elsewhere as well"));
+  EXPECT_EQ(RunAlarms(ReportWithDoubt(step), MapConsistency(), graph)[0].place.scan, 3);
+}
+
+TEST(AlarmTextTest, ShowsTheFirstFew) {
+  EXPECT_EQ(AlarmText({}), "");
+  std::vector<Alarm> alarms(5, Alarm{{3, 1.0, {2.0, 0.0}}, "reasons"});
+  const std::string text = AlarmText(alarms);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
+  EXPECT_THAT(text, testing::StartsWith("WARNING: the map is probably wrong around scan 3 (t = "
+                                        "1.00 s, x = 2.00 m, y = 0.00 m): reasons.\n"));
+  alarms.resize(8);
+  EXPECT_EQ(AlarmText(alarms), text + "WARNING: and around 3 more places, see summary.json.\n");
+}
+
+}  // namespace
+}  // namespace plumbline

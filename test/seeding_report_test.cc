@@ -1,0 +1,125 @@
+#include "plumbline/apps/seeding_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+SlamGraph MakeScans(int num_scans) {
+  SyntheticScene scene;
+  scene.faces = {{{-1, -3}, {9, -3}}, {{9, -3}, {9, 3}}, {{9, 3}, {-1, 3}}, {{-1, 3}, {-1, -3}}};
+  for (int i = 0; i < num_scans; ++i) scene.poses.emplace_back(i, 0.0, 0.0);
+  return MakeGraph(scene);
+}
+
+SeedingReport MakeReport() {
+  SeedingReport report;
+  report.sequential.num_key_scans = 4;
+  report.consistency.num_pairs_between = 10;
+  report.loops.num_candidates = 9;
+  return report;
+}
+
+std::string Text(const SeedingReport& report, int num_scans = 5) {
+  return SeedingText(report, MakeScans(num_scans));
+}
+
+TEST(SeedingTextTest, ADriveWithoutAnythingSpecial) {
+  EXPECT_EQ(Text(MakeReport()),
+            "  4 key scans among 5 scans.\n  No loop was closed among 9 places tried.\n");
+}
+
+TEST(SeedingTextTest, NothingToMatchOrToClose) {
+  SeedingReport report = MakeReport();
+  report.sequential.num_key_scans = 1;
+  EXPECT_EQ(Text(report, 1), "  A single scan: there is nothing to match or to check.\n");
+  EXPECT_THAT(Text(report, 5), AllOf(HasSubstr("  1 key scan among 5 scans.\n"),
+                                     HasSubstr("hardly moved"), Not(HasSubstr("loop was closed"))));
+}
+
+TEST(SeedingTextTest, ScansThatMatchNothing) {
+  SeedingReport report = MakeReport();
+  report.sequential.num_unmatched = 3;
+  EXPECT_THAT(Text(report), HasSubstr("  3 scans matched nothing near by: "));
+  report.sequential.num_unmatched = 4;  // the first has none to match
+  EXPECT_THAT(Text(report), HasSubstr("No scan matches another: every pose is the odometry's"));
+}
+
+TEST(SeedingTextTest, ClosuresByVerdict) {
+  SeedingReport report = MakeReport();
+  report.loops.num_closures = 1;
+  report.loops.matches = {{0, 3, Pose2(), ClosureVerdict::kAccepted},
+                          {0, 2, Pose2(), ClosureVerdict::kAmbiguous},
+                          {1, 3, Pose2(), ClosureVerdict::kLowOverlap},
+                          {1, 2, Pose2(), ClosureVerdict::kLowOverlap}};
+  EXPECT_THAT(Text(report), HasSubstr("  1 loop closure among 9 places tried; refused: 2 low "
+                                      "overlap, 1 ambiguous.\n"));
+  EXPECT_EQ(CountVerdicts(report.loops).at(ClosureVerdict::kLowOverlap), 2);
+  EXPECT_EQ(CountVerdicts(report.loops).count(ClosureVerdict::kContradicted), 0u);
+}
+
+TEST(SeedingTextTest, NoPlaceVisitedTwice) {
+  SeedingReport report = MakeReport();
+  report.consistency.num_pairs_between = 0;
+  EXPECT_THAT(Text(report),
+              HasSubstr("  No place was visited twice: the drift cannot be checked.\n"));
+  report.loops.matches = {{0, 3, Pose2(), ClosureVerdict::kAmbiguous}};
+  EXPECT_THAT(Text(report), HasSubstr("  No loop was closed among 9 places tried; refused: 1 "
+                                      "ambiguous: the drift cannot be checked.\n"));
+}
+
+TEST(SeedingTextTest, DoubtfulSteps) {
+  SeedingReport report = MakeReport();
+  DoubtfulStep step;
+  step.first_pose_after = 2;
+  step.evidence = 0.2;
+  report.loops.doubts = {step};
+  EXPECT_THAT(Text(report), HasSubstr("  1 doubtful step that all else agrees with.\n"));
+  report.loops.doubts[0].broken = true;
+  EXPECT_THAT(Text(report), HasSubstr("  1 doubtful step that nothing settles.\n"));
+  report.loops.doubts[0].num_closures_across = 2;
+  EXPECT_THAT(Text(report), AllOf(HasSubstr("  The step to scan 2 (t = "),
+                                  HasSubstr(", x = 2.00 m, y = 0.00 m) was wrong: 2 loop closures "
+                                            "put it right.\n")));
+}
+
+TEST(SeedingTextTest, FaultsOfTheOdometry) {
+  SeedingReport report = MakeReport();
+  report.sequential.odometry_sign.sign_lost = true;
+  report.sequential.num_reversed_steps = 2;
+  OdometryNoiseReport& noise = report.odometry_noise;
+  noise.translation_scale = {0.021, 0.002};
+  noise.rotation_scale = {0.01, 0.009};  // one standard deviation: nothing
+  noise.translation = {true, 50, 0.012, 0.001};
+  const std::string text = Text(report);
+  EXPECT_THAT(text, HasSubstr("lost the sign of its translation: 2 steps went backwards"));
+  EXPECT_THAT(text, HasSubstr("reads +2.10 +- 0.20 % in distance; its motions are corrected"));
+  EXPECT_THAT(text, Not(HasSubstr("in turns")));
+  EXPECT_THAT(text, HasSubstr("  Odometry noise (one sigma): 12.0 mm per root metre and 1.0 mm per "
+                              "root radian in distance.\n"));
+  noise.num_leaps = 1;
+  EXPECT_THAT(Text(report), HasSubstr("In 1 step odometry and scans disagree"));
+}
+
+TEST(ConsistencyTextTest, SaysWhetherTheMapContradictsItself) {
+  MapConsistency consistency;
+  EXPECT_EQ(ConsistencyText("The seed", consistency), "");
+  consistency.num_pairs_within = 5;
+  EXPECT_THAT(ConsistencyText("The seed", consistency),
+              AllOf(HasSubstr("  The seed is consistent: "), HasSubstr(" 1.0 times ")));
+  consistency.worst_between = {{600, 400}, 0};
+  EXPECT_THAT(ConsistencyText("The seed", consistency),
+              AllOf(HasSubstr("  The seed contradicts itself: "), HasSubstr(" 6.1 times ")));
+}
+
+}  // namespace
+}  // namespace plumbline
