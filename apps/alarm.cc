@@ -32,6 +32,21 @@ Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
   return {PlaceOfPose(graph, step.first_pose_after), reason};
 }
 
+// The seed contradicts itself too little for an alarm of its own, but there is another weak sign.
+Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph) {
+  const MapConsistency& consistency = seeding.consistency;
+  const ConflictPeak& peak =
+      consistency.worst_within.conflict.Share() > consistency.worst_between.conflict.Share()
+          ? consistency.worst_within
+          : consistency.worst_between;
+  std::ostringstream reason;
+  reason << std::fixed << std::setprecision(1) << "scans look through surfaces that others show, "
+         << consistency.Ratio() << " times as often as can be explained, and "
+         << (seeding.loops.doubts.empty() ? "all loops had to be left open"
+                                          : "some steps of the robot are in doubt");
+  return {PlaceOfPose(graph, peak.pose), reason.str()};
+}
+
 }  // namespace
 
 std::string ScanPlace::Text() const {
@@ -80,6 +95,7 @@ std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency&
   for (const DoubtfulStep& step : seeding.loops.doubts) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph));
   }
+  if (alarms.empty() && seeding.alarm) alarms.push_back(SuspiciousSeed(seeding, graph));
   return alarms;
 }
 

@@ -34,6 +34,23 @@ TEST(PoseGraph, AWrongClosureIsOutvoted) {
   EXPECT_GT(EdgeChi2(wrong, poses), 1e4);
 }
 
+// The chain knows its end to 1 m, the closure is 8 m and 800 of its own standard deviations off: a
+// loss that is narrow from the start would leave it where it is.
+TEST(PoseGraph, ARightClosureFarOffPullsTheLoopShut) {
+  std::vector<RelativePoseConstraint> chain;
+  std::vector<Pose2> poses{Pose2()};
+  for (int i = 0; i < 100; ++i) {
+    chain.push_back(Edge(i, i + 1, {1.0, 0.0, 0.0}, 0.1));
+    poses.emplace_back(i + 1.0, 0.0, 0.0);
+  }
+  const RelativePoseConstraint closure = Edge(0, 100, {108.0, 0.0, 0.0}, 0.01);
+  OptimizePoseGraph(chain, {closure}, &poses);
+  // The closure keeps 0.01^2 / (1^2 + 0.01^2) of the 8 m, the edges share the rest.
+  EXPECT_NEAR(poses[100].x, 108.0 - 8e-4, 1e-4);
+  EXPECT_NEAR(poses[50].x, 54.0, 1e-3);
+  EXPECT_NEAR(poses[50].y, 0.0, 1e-6);
+}
+
 TEST(PoseGraph, HoldsTheFixedPoses) {
   // Both ends are fixed 3 m apart, the two edges in between say 1 m each: the gap is shared.
   std::vector<Pose2> poses{{0.0, 0.0, 0.0}, {0.4, 0.1, 0.0}, {3.0, 0.0, 0.0}};

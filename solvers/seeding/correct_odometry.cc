@@ -30,7 +30,7 @@ void CorrectOdometry(const OdometryNoiseReport& noise, const MotionOptions& moti
     // little of each edge's change is the map's drag on the match, which does not add up over the
     // edges, while along a corridor the share is 1 and stays so.
     const Eigen::Matrix3d prior = before.covariance.inverse();
-    const Eigen::Matrix3d match = RotateAxes(WithoutNormalNoise(to.information), matched.yaw);
+    const Eigen::Matrix3d match = RotateAxes(to.information, matched.yaw);
     const Eigen::Matrix3d share = (match + prior).inverse() * prior;
     const Eigen::Vector3d moved = share * share * change;
     keys.world_from_key[k] =

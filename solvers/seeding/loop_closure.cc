@@ -64,7 +64,8 @@ class CandidateTester {
     tested.edge.covariance = MatchCovariance(fine.information);
     tested.verdict = Judge(candidate, tested.edge, fine.inlier_ratio);
     if (tested.verdict == ClosureVerdict::kAccepted && candidate.wide() &&
-        HasSecondPeak(search, scan.points(), window, coarse)) {
+        (SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
+         HasSecondPeak(search, scan.points(), window, coarse))) {
       tested.verdict = ClosureVerdict::kAmbiguous;
     }
     return tested;
@@ -100,10 +101,11 @@ class CandidateTester {
     return map;
   }
 
-  // Key scans within path_m of the center, up to an untrusted edge.
+  // Key scans within path_m of the center, up to a doubtful edge: scans from beyond it would only
+  // confirm it.
   std::vector<int> Neighbours(int center, double path_m) const {
     const auto in_reach = [&](int k, int edge) {
-      return !keys_.sequential[edge].untrusted() &&
+      return !keys_.sequential[edge].doubtful() &&
              std::abs(keys_.key_scans[k].path_m - keys_.key_scans[center].path_m) <= path_m;
     };
     int low = center, high = center;
@@ -161,6 +163,27 @@ class CandidateTester {
         std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
         keys.end());
     return keys;
+  }
+
+  // Of neighbours in time the sequential matching has an opinion, too. Another one is believed only
+  // where that opinion is contradicted by what the scans looked through: among pillars at a
+  // constant pitch, the place that was seen best fits better than the one where the robot is.
+  bool SequenceAgreesWithItself(const LoopCandidate& candidate, const Pose2& expected,
+                                const Pose2& found) const {
+    const double path_m =
+        keys_.key_scans[candidate.second].path_m - keys_.key_scans[candidate.first].path_m;
+    const Pose2 apart = Between(expected, found);
+    if (path_m > options_.candidates.min_path_m || IsSamePeak(apart)) return false;
+    RelativePoseConstraint edge;
+    edge.from = candidate.first;
+    edge.to = candidate.second;
+    edge.from_from_to = expected;
+    return ConflictShare(edge) <= options_.max_free_space_conflict;
+  }
+
+  static bool IsSamePeak(const Pose2& apart) {
+    return std::hypot(apart.x, apart.y) < kPeakRadiusM &&
+           std::abs(NormalizeAngle(apart.yaw)) < kPeakAngleRad;
   }
 
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,

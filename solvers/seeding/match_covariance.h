@@ -2,7 +2,6 @@
 #define PLUMBLINE_SOLVERS_SEEDING_MATCH_COVARIANCE_H_
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -14,23 +13,6 @@ inline Eigen::Matrix3d RotateAxes(const Eigen::Matrix3d& in_b, double a_from_b_y
   Eigen::Matrix3d rotation;
   rotation << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
   return rotation * in_b * rotation.transpose();
-}
-
-/// Takes from the points' Gauss-Newton information (x, y, yaw) what it owes to the noise of their
-/// normals. A normal is known to about 0.1 rad, so that the two walls of a bare corridor seem to
-/// say 0.1^2 as much along it as they say across it.
-inline Eigen::Matrix3d WithoutNormalNoise(const Eigen::Matrix3d& points_information) {
-  constexpr double kNormalSigmaRad = 0.1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      points_information.topLeftCorner<2, 2>());
-  const double weak = axes.eigenvalues()(0), strong = axes.eigenvalues()(1);
-  const double spurious = kNormalSigmaRad * kNormalSigmaRad * strong;
-  const double share = weak > spurious ? std::sqrt(1.0 - spurious / weak) : 0.0;
-  // Shrinks the weak axis from both sides, which leaves the matrix positive semidefinite.
-  const Eigen::Vector2d direction = axes.eigenvectors().col(0);
-  Eigen::Matrix3d shrink = Eigen::Matrix3d::Identity();
-  shrink.topLeftCorner<2, 2>() -= (1.0 - share) * direction * direction.transpose();
-  return shrink * points_information * shrink;
 }
 
 /// Covariance (x, y [m], yaw [rad]) of a relative pose found by scan matching, from the points'
@@ -45,9 +27,9 @@ inline Eigen::Matrix3d MatchCovariance(
   constexpr double kPointsPerError = 10.0;
   constexpr double kFloorM = 0.003;
   constexpr double kFloorRad = 0.001;
-  constexpr double kUnknown = 0.1;  // keeps a match without information invertible
-  Eigen::Matrix3d covariance = (WithoutNormalNoise(points_information) / kPointsPerError +
-                                other_information + kUnknown * Eigen::Matrix3d::Identity())
+  constexpr double kUnknown = 1e-4;  // keeps a match without information invertible
+  Eigen::Matrix3d covariance = (points_information / kPointsPerError + other_information +
+                                kUnknown * Eigen::Matrix3d::Identity())
                                    .inverse();
   covariance.diagonal() +=
       Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);

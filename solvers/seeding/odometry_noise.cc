@@ -77,9 +77,7 @@ struct Fit {
 // Variance of a quantity by the match of a key scan alone.
 double MatchVariance(const KeyScan& key, int quantity) {
   constexpr double kUnknown = 1e-3;  // keeps a match without information invertible
-  return VarianceOf(
-      quantity,
-      (WithoutNormalNoise(key.information) + kUnknown * Eigen::Matrix3d::Identity()).inverse());
+  return VarianceOf(quantity, (key.information + kUnknown * Eigen::Matrix3d::Identity()).inverse());
 }
 
 // Whether the match has measured the quantity, rather than followed the odometry.

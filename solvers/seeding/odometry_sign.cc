@@ -70,9 +70,15 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) judge(i);
                      });
-  for (const Verdict verdict : verdicts) {
-    if (verdict != Verdict::kUndecided) ++report.num_decided;
-    if (verdict == Verdict::kContradicts) ++report.num_contradicting;
+  verdicts.erase(std::remove(verdicts.begin(), verdicts.end(), Verdict::kUndecided),
+                 verdicts.end());
+  report.num_decided = static_cast<int>(verdicts.size());
+  // A robot that backs up does so for a while; a single contradicting step is a bad match.
+  for (std::size_t i = 0; i + 2 < verdicts.size(); ++i) {
+    if (verdicts[i] == Verdict::kContradicts && verdicts[i + 1] == Verdict::kContradicts &&
+        verdicts[i + 2] == Verdict::kContradicts) {
+      ++report.num_contradicting;
+    }
   }
   report.sign_lost = report.num_contradicting >= kMinContradicting &&
                      report.num_contradicting >= kMinContradictingShare * report.num_decided;

@@ -16,7 +16,8 @@ struct OdometrySignReport {
   int num_backward_steps = 0;
   /// Steps that scan matching alone, blind to the odometry's translation, could decide.
   int num_decided = 0;
-  /// Of these, steps that went backwards by about the length that the odometry calls forward.
+  /// Of these, steps that went backwards by about the length that the odometry calls forward, and
+  /// so did the next two decided ones.
   int num_contradicting = 0;
   bool sign_lost = false;
 };

@@ -1,8 +1,12 @@
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
+#include "plumbline/solvers/seeding/free_space.h"
 #include "plumbline/solvers/seeding/local_map.h"
 #include "plumbline/solvers/seeding/scan_matcher.h"
 
@@ -17,12 +21,32 @@ constexpr double kMapPathM = 8.0;
 // Below this share of matched points the odometry alone says where the scan was.
 constexpr double kMinInlierRatio = 0.5;
 
+// Where the sequential matching saw the break counts as this much of a scan.
+constexpr double kTrustInFirstPose = 0.2;
+
+// A third of the returns in conflict is as bad as no match at all.
+constexpr double kConflictWeight = 3.0;
+
+struct Placed {
+  Pose2 pose;
+  double fit = 0.0;  // share of matched points, less what contradicts the key scans around
+};
+
+// Whether the sequential matching went to another place, rather than be a little off.
+bool IsMisjudged(const KeyGraph& keys, int edge) {
+  constexpr double kFarM = 0.3, kFarRad = 0.15;
+  const Pose2 off = Between(keys.sequential[edge].constraint.from_from_to,
+                            Between(keys.world_from_key[edge], keys.world_from_key[edge + 1]));
+  return std::hypot(off.x, off.y) > kFarM || std::abs(off.yaw) > kFarRad;
+}
+
 class Rematcher {
  public:
   Rematcher(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
             const KeyGraph& keys, const std::vector<Pose2>& odometry,
             std::vector<Pose2>* world_from_robot)
-      : surfaces_(surfaces),
+      : graph_(graph),
+        surfaces_(surfaces),
         keys_(keys),
         odometry_(odometry),
         poses_(*world_from_robot),
@@ -31,12 +55,23 @@ class Rematcher {
   void Rematch(int edge) {
     const int sound = FirstSoundKey(edge);
     BuildMap(edge, sound);
-    const int first_after = keys_.sequential[edge].first_pose_after;
-    for (int p = keys_.key_scans[edge].pose + 1; p < first_after; ++p) {
-      Match(p, poses_[p - 1] * odometry_[p]);
+    witnesses_ = {std::max(0, edge - 1), edge, sound, std::min(keys_.size() - 1, sound + 1)};
+    const int begin = keys_.key_scans[edge].pose + 1;
+    const int end = keys_.key_scans[edge + 1].pose;  // which lies beyond the break
+    const int sound_pose = keys_.key_scans[sound].pose;
+    // By the odometry from either side: forward[i] is pose begin + i, and so is backward[i].
+    std::vector<Placed> forward, backward(std::max(0, sound_pose - begin));
+    for (int p = begin; p < end; ++p) {
+      forward.push_back(
+          Match(p, (p == begin ? poses_[p - 1] : forward.back().pose) * odometry_[p]));
     }
-    for (int p = keys_.key_scans[sound].pose - 1; p >= first_after; --p) {
-      Match(p, poses_[p + 1] * odometry_[p + 1].Inverse());
+    for (int p = sound_pose - 1; p >= begin; --p) {
+      const Pose2 next = p + 1 == sound_pose ? poses_[p + 1] : backward[p + 1 - begin].pose;
+      backward[p - begin] = Match(p, next * odometry_[p + 1].Inverse());
+    }
+    const int split = Split(edge, begin, forward, backward);
+    for (int p = begin; p < sound_pose; ++p) {
+      poses_[p] = (p < split ? forward : backward)[p - begin].pose;
     }
   }
 
@@ -63,22 +98,53 @@ class Rematcher {
     map_.Rebuild(points, poses);
   }
 
-  void Match(int pose, const Pose2& predicted) {
-    poses_[pose] = predicted;
-    if (scan_of_pose_[pose] < 0) return;
+  Placed Match(int pose, const Pose2& predicted) const {
+    const int scan = scan_of_pose_[pose];
+    if (scan < 0) return {predicted, 0.0};
     PosePrediction start;
     start.world_from_robot = predicted;
-    const ScanMatch match =
-        MatchScan(map_, surfaces_[scan_of_pose_[pose]], start, ScanMatchOptions());
-    if (match.inlier_ratio >= kMinInlierRatio) poses_[pose] = match.world_from_robot;
+    const ScanMatch match = MatchScan(map_, surfaces_[scan], start, ScanMatchOptions());
+    Placed placed{predicted, match.inlier_ratio};
+    if (match.inlier_ratio >= kMinInlierRatio) placed.pose = match.world_from_robot;
+    FreeSpaceConflict conflict;
+    for (const int k : witnesses_) {
+      const int witness = keys_.key_scans[k].scan;
+      const Pose2 witness_from_scan = Between(keys_.world_from_key[k], placed.pose);
+      conflict += CompareFreeSpace(graph_, witness, scan, witness_from_scan);
+      conflict += CompareFreeSpace(graph_, scan, witness, witness_from_scan.Inverse());
+    }
+    placed.fit -= kConflictWeight * conflict.Share();
+    return placed;
   }
 
+  // The first pose beyond the break, so that the scans fit best, each on its side.
+  int Split(int edge, int begin, const std::vector<Placed>& forward,
+            const std::vector<Placed>& backward) const {
+    double fit = 0.0;
+    for (const Placed& placed : backward) fit += placed.fit;
+    int best = begin;
+    double best_fit = -1.0;
+    for (std::size_t i = 0; i <= forward.size(); ++i) {
+      const int pose = begin + static_cast<int>(i);
+      const double total =
+          fit + (pose == keys_.sequential[edge].first_pose_after ? kTrustInFirstPose : 0.0);
+      if (total > best_fit) {
+        best_fit = total;
+        best = pose;
+      }
+      if (i < forward.size()) fit += forward[i].fit - backward[i].fit;
+    }
+    return best;
+  }
+
+  const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
   const KeyGraph& keys_;
   const std::vector<Pose2>& odometry_;
   std::vector<Pose2>& poses_;
   const std::vector<int> scan_of_pose_;
   LocalMap map_{kMapCellM};
+  std::vector<int> witnesses_;  // the key scans next to the break, on both sides
 };
 
 }  // namespace
@@ -88,7 +154,7 @@ void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& s
                      std::vector<Pose2>* world_from_robot) {
   Rematcher rematcher(graph, surfaces, keys, odometry, world_from_robot);
   for (int edge = 0; edge + 1 < keys.size(); ++edge) {
-    if (keys.sequential[edge].broken) rematcher.Rematch(edge);
+    if (keys.sequential[edge].broken && IsMisjudged(keys, edge)) rematcher.Rematch(edge);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "plumbline/solvers/seeding/scan_matcher.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -19,6 +20,9 @@ double RootMeanSquareRange(const SurfacePoints& scan) {
   for (const SurfacePoint& point : scan) sum += point.position.squaredNorm();
   return std::sqrt(sum / static_cast<double>(scan.size()));
 }
+
+// The surfaces' normals are known to about this [rad].
+constexpr double kNormalSigmaRad = 0.10;
 
 struct NormalEquations {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -58,6 +62,23 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
   return equations;
 }
 
+// Takes away what the equations owe to the noise of their normals. A normal that is off by an angle
+// a seems to say a^2 as much along its surface as it says across it: the two walls of a bare
+// corridor would hold the robot back.
+void DropNormalNoise(NormalEquations* equations) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
+      equations->information.topLeftCorner<2, 2>());
+  const double weak = axes.eigenvalues()(0), strong = axes.eigenvalues()(1);
+  const double spurious = kNormalSigmaRad * kNormalSigmaRad * strong;
+  const double share = weak > spurious ? 1.0 - spurious / weak : 0.0;
+  const Eigen::Vector2d direction = axes.eigenvectors().col(0);
+  const Eigen::Matrix2d along = direction * direction.transpose();
+  equations->gradient.head<2>() -= (1.0 - share) * along * equations->gradient.head<2>();
+  Eigen::Matrix3d shrink = Eigen::Matrix3d::Identity();
+  shrink.topLeftCorner<2, 2>() -= (1.0 - std::sqrt(share)) * along;
+  equations->information = shrink * equations->information * shrink;
+}
+
 // Returns the squared Mahalanobis distance from the prediction.
 double AddPrediction(const PosePrediction& prediction, const Pose2& world_from_robot,
                      Eigen::Matrix3d* information, Eigen::Vector3d* gradient) {
@@ -92,6 +113,7 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     Pose2& pose = match.world_from_robot;
     NormalEquations equations = Linearize(map, scan, pose, gate_m, options.sigma_m);
+    DropNormalNoise(&equations);
     AddPrediction(prediction, pose, &equations.information, &equations.gradient);
     // The smallest of dampings keeps a featureless scan without prior information solvable.
     equations.information.diagonal().array() += 1e-6;
@@ -109,6 +131,7 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   }
   NormalEquations last =
       Linearize(map, scan, match.world_from_robot, options.fine_gate_m, options.sigma_m);
+  DropNormalNoise(&last);
   match.inlier_ratio = static_cast<double>(last.num_matched) / static_cast<double>(scan.size());
   match.information = last.information;
   match.chi2 = last.robust_cost +

@@ -14,6 +14,8 @@
 namespace plumbline {
 namespace {
 
+// Free-space conflicts over explicable ones that sound maps stay below.
+constexpr double kSuspiciousRatio = 2.0;
 // On alarm this many doubtful edges are broken in turn.
 constexpr std::size_t kMaxRepairs = 3;
 
@@ -24,7 +26,10 @@ struct ClosedLoops {
   MapConsistency consistency;
 
   bool Alarm() const {
-    return consistency.IsContradictory() ||
+    // Two weak signs together are one: what contradicts a little, and a doubt or loops left open.
+    const bool in_doubt =
+        !report.doubts.empty() || (report.num_closures == 0 && !report.matches.empty());
+    return consistency.IsContradictory() || (in_doubt && consistency.Ratio() > kSuspiciousRatio) ||
            std::any_of(report.doubts.begin(), report.doubts.end(),
                        [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
   }

@@ -33,7 +33,8 @@ struct SeedingReport {
   LoopClosingReport loops;
   MapConsistency consistency;  ///< of the seed
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
-  /// disagree and nothing else ties them together.
+  /// disagree and nothing else ties them together; or it contradicts itself a little (a ratio above
+  /// 2), and there are doubtful steps or only loops that had to be left open.
   bool alarm = false;
 
   /// Whether a wrong step of the sequential matching was found and put right.

@@ -1,0 +1,268 @@
+#include "plumbline/solvers/seeding/close_loops.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+const Eigen::Matrix3d kStepCovariance = Eigen::Vector3d(1e-4, 1e-4, 2.5e-5).asDiagonal();
+
+// A lap and a fifth of radius 3 m round a hall of 12 m x 10 m that looks the same from nowhere
+// else, by key scans half a metre apart: 38 a lap, so that the last eight are back at the first.
+// The sequential matching is exact.
+struct Lap {
+  SlamGraph graph;  // true poses
+  std::vector<SurfacePoints> surfaces;
+  KeyGraph keys;
+
+  Pose2 TrueStep(int from, int to) const {
+    return Between(graph.WorldFromRobot(from), graph.WorldFromRobot(to));
+  }
+  // Of the last key scan, as seen from the first one [m].
+  double ErrorM() const {
+    const int last = keys.size() - 1;
+    return DistanceM(Between(keys.world_from_key[0], keys.world_from_key[last]), TrueStep(0, last));
+  }
+  // Puts the key scans where the sequential edges say.
+  void FollowEdges() {
+    for (int k = 1; k < keys.size(); ++k) {
+      keys.world_from_key[k] =
+          keys.world_from_key[k - 1] * keys.sequential[k - 1].constraint.from_from_to;
+    }
+  }
+  LoopClosingReport Close() {
+    ThreadPool pool(2);
+    LoopClosingReport report;
+    EXPECT_TRUE(
+        CloseLoops(LoopClosureOptions(), graph, surfaces, nullptr, &pool, &keys, &report).ok());
+    return report;
+  }
+};
+
+Lap MakeLap() {
+  SyntheticScene scene;
+  scene.faces = Rectangle({-6.0, -5.0}, {6.0, 5.0});
+  scene.faces.push_back({{3.5, 5.0}, {3.5, 3.8}});
+  scene.faces.push_back({{-6.0, 1.0}, {-4.5, 1.0}});
+  scene.discs.push_back({{-4.6, -3.6}, 0.5});
+  scene.laser = PanoramicLaser(360);
+  scene.range_sigma_m = 0.01;
+  Lap lap;
+  for (int k = 0; k <= 45; ++k) {
+    const double angle = k / 6.0;
+    scene.poses.emplace_back(3.0 * std::cos(angle), 3.0 * std::sin(angle), angle + 0.5 * kPi);
+    KeyScan key;
+    key.pose = key.scan = k;
+    key.path_m = 0.5 * k;
+    lap.keys.key_scans.push_back(key);
+  }
+  lap.graph = MakeGraph(scene);
+  lap.surfaces = SurfacesOf(lap.graph);
+  lap.keys.world_from_key = scene.poses;
+  for (int k = 1; k < lap.keys.size(); ++k) {
+    lap.keys.sequential.push_back({{k - 1, k, lap.TrueStep(k - 1, k), kStepCovariance}});
+  }
+  return lap;
+}
+
+// From key scan 20 on all is believed to be somewhere else.
+constexpr int kWrongEdge = 20;
+Lap MakeLapWithAWrongEdge() {
+  Lap lap = MakeLap();
+  SequentialEdge& edge = lap.keys.sequential[kWrongEdge];
+  edge.constraint.from_from_to = edge.constraint.from_from_to * Pose2(1.2, 0.9, -0.2);
+  edge.evidence = 0.7;
+  edge.first_pose_after = kWrongEdge + 1;
+  lap.FollowEdges();
+  return lap;
+}
+
+TEST(MakeKeyGraph, AddsWhatMatchAndOdometryKnow) {
+  // Two steps ahead to a key scan that is turned to the left. Its match knows the robot's forward
+  // direction, the odometry the rest.
+  SequentialTrajectory trajectory;
+  trajectory.world_from_robot = {Pose2(5.0, 0.0, 0.0), Pose2(6.0, 0.0, 0.0),
+                                 Pose2(7.0, 0.0, 0.5 * kPi)};
+  trajectory.odometry = {Pose2(), Pose2(1.0, 0.0, 0.0), Pose2(1.0, 0.0, 0.5 * kPi)};
+  trajectory.key_scans.resize(2);
+  trajectory.key_scans[1].pose = trajectory.key_scans[1].scan = 2;
+  trajectory.key_scans[1].information = Eigen::Vector3d(1e7, 0.0, 0.0).asDiagonal();
+  const MotionOptions only_floors{0.0, 0.0, 0.0, 0.0, 0.1, 0.2};
+  const KeyGraph keys = MakeKeyGraph(trajectory, only_floors);
+  ASSERT_EQ(keys.size(), 2);
+  EXPECT_EQ(keys.world_from_key[1].x, 7.0);
+  ASSERT_EQ(keys.sequential.size(), 1u);
+  const SequentialEdge& edge = keys.sequential[0];
+  EXPECT_FALSE(edge.doubtful());
+  EXPECT_EQ(edge.constraint.from, 0);
+  EXPECT_EQ(edge.constraint.to, 1);
+  EXPECT_NEAR(edge.constraint.from_from_to.x, 2.0, 1e-12);
+  EXPECT_NEAR(edge.constraint.from_from_to.yaw, 0.5 * kPi, 1e-12);
+  // Along: twice 0.1 m. Across: ten points count as one, above the floor of 3 mm. The turn: twice
+  // 0.2 rad, less what the match, which knows y, says of the first one.
+  const Eigen::Matrix3d& covariance = edge.constraint.covariance;
+  EXPECT_NEAR(covariance(0, 0), 0.02, 1e-4);
+  EXPECT_NEAR(covariance(1, 1), 1e-6 + 0.003 * 0.003, 1e-8);
+  EXPECT_NEAR(covariance(2, 2), 0.08 - 0.04 * 0.04 / 0.06, 1e-3);
+}
+
+TEST(CloseLoops, PullsADriftingLoopShut) {
+  Lap lap = MakeLap();
+  // Four steps at the far end, where little was seen, are 0.1 m too long each.
+  for (int edge = 17; edge < 21; ++edge) {
+    lap.keys.sequential[edge].constraint.from_from_to.x += 0.1;
+    lap.keys.sequential[edge].constraint.covariance(0, 0) = 0.01;
+  }
+  lap.FollowEdges();
+  EXPECT_GT(lap.ErrorM(), 0.35);
+  const LoopClosingReport report = lap.Close();
+  EXPECT_GE(report.num_closures, 4);
+  EXPECT_GE(report.num_candidates, report.num_closures);
+  EXPECT_EQ(report.num_contradicted, 0);
+  EXPECT_TRUE(report.doubts.empty());
+  EXPECT_LT(lap.ErrorM(), 0.02);
+  for (int edge = 17; edge < 21; ++edge) {
+    const Pose2 step = Between(lap.keys.world_from_key[edge], lap.keys.world_from_key[edge + 1]);
+    EXPECT_LT(DistanceM(step, lap.TrueStep(edge, edge + 1)), 0.03) << edge;
+  }
+}
+
+TEST(CloseLoops, DropsAClosureThatTheOthersContradict) {
+  Lap lap = MakeLap();
+  Pose2 wrong = lap.TrueStep(5, 25);
+  wrong.y += 3.0;
+  lap.keys.closures.push_back({5, 25, wrong, kStepCovariance});
+  const LoopClosingReport report = lap.Close();
+  EXPECT_EQ(report.num_contradicted, 1);
+  ASSERT_EQ(lap.keys.contradicted.size(), 1u);
+  EXPECT_EQ(lap.keys.contradicted[0].to, 25);
+  EXPECT_GE(report.num_closures, 4);
+  int num_records = 0;
+  for (const LoopClosureRecord& match : report.matches) {
+    if (match.verdict != ClosureVerdict::kContradicted) continue;
+    ++num_records;
+    EXPECT_EQ(match.from_pose, 5);
+    EXPECT_EQ(match.to_pose, 25);
+    EXPECT_EQ(match.from_from_to.y, wrong.y);
+  }
+  EXPECT_EQ(num_records, 1);
+  EXPECT_LT(lap.ErrorM(), 0.02);
+}
+
+TEST(CloseLoops, ADoubtfulEdgeGivesWayToClosuresAcross) {
+  Lap lap = MakeLapWithAWrongEdge();
+  EXPECT_GT(lap.ErrorM(), 1.0);
+  const LoopClosingReport report = lap.Close();
+  ASSERT_EQ(report.doubts.size(), 1u);
+  const DoubtfulStep& doubt = report.doubts[0];
+  EXPECT_EQ(doubt.first_pose_after, kWrongEdge + 1);
+  EXPECT_EQ(doubt.evidence, 0.7);
+  EXPECT_TRUE(doubt.broken);
+  EXPECT_NEAR(doubt.turned_rad, 0.2, 0.01);
+  EXPECT_GE(doubt.num_closures_across, 2);
+  EXPECT_FALSE(doubt.IsUnresolved());
+  EXPECT_TRUE(lap.keys.sequential[kWrongEdge].broken);
+  EXPECT_LT(lap.ErrorM(), 0.02);
+}
+
+TEST(CloseLoops, ADoubtfulEdgeThatIsRightStays) {
+  Lap lap = MakeLap();
+  lap.keys.sequential[kWrongEdge].evidence = 0.2;
+  lap.keys.sequential[kWrongEdge].first_pose_after = kWrongEdge + 1;
+  const LoopClosingReport report = lap.Close();
+  ASSERT_EQ(report.doubts.size(), 1u);
+  EXPECT_FALSE(report.doubts[0].broken);
+  EXPECT_EQ(report.doubts[0].turned_rad, 0.0);
+  EXPECT_FALSE(report.doubts[0].IsUnresolved());
+}
+
+TEST(CloseLoops, StopsWhenItsCallerSaysSo) {
+  Lap lap = MakeLap();
+  ThreadPool pool(1);
+  LoopClosingReport report;
+  const Status status = CloseLoops(
+      LoopClosureOptions(), lap.graph, lap.surfaces,
+      [](SeedingPhase phase, int, int) { return phase != SeedingPhase::kClosingLoops; }, &pool,
+      &lap.keys, &report);
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+}
+
+TEST(DoubtfulStep, IsResolvedByTwoClosuresAcrossUnlessItTurnedTheMap) {
+  DoubtfulStep doubt;
+  doubt.evidence = 0.4;
+  EXPECT_FALSE(doubt.IsUnresolved());  // not much of a doubt
+  doubt.evidence = kUntrustedEvidence;
+  EXPECT_TRUE(doubt.IsUnresolved());
+  doubt.num_closures_across = 1;
+  EXPECT_TRUE(doubt.IsUnresolved());
+  doubt.num_closures_across = 2;
+  EXPECT_FALSE(doubt.IsUnresolved());
+  doubt.turned_rad = -0.6;
+  EXPECT_TRUE(doubt.IsUnresolved());
+  doubt.turned_rad = 0.4;
+  EXPECT_FALSE(doubt.IsUnresolved());
+  doubt.evidence = 0.2;
+  doubt.broken = true;
+  EXPECT_FALSE(doubt.IsUnresolved());
+  doubt.num_closures_across = 1;
+  EXPECT_TRUE(doubt.IsUnresolved());
+}
+
+// Six poses one metre apart along x, key scans at the second and the fifth; the latter has moved.
+KeyGraph TwoKeysOfSix(const Pose2& moved) {
+  KeyGraph keys;
+  keys.key_scans.resize(2);
+  keys.key_scans[0].pose = 1;
+  keys.key_scans[1].pose = 4;
+  keys.world_from_key = {Pose2(1.0, 0.0, 0.0), moved};
+  keys.sequential.resize(1);
+  return keys;
+}
+
+std::vector<Pose2> SixPoses() {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 6; ++i) poses.emplace_back(1.0 * i, 0.0, 0.0);
+  return poses;
+}
+
+TEST(PosesFollowingKeyScans, SharesOutTheMoveInBetween) {
+  const std::vector<Pose2> poses =
+      PosesFollowingKeyScans(TwoKeysOfSix(Pose2(4.0, 0.6, 0.0)), SixPoses());
+  const double expected_y[] = {0.0, 0.0, 0.2, 0.4, 0.6, 0.6};
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(poses[i].x, i, 1e-12);
+    EXPECT_NEAR(poses[i].y, expected_y[i], 1e-12) << i;
+  }
+}
+
+TEST(PosesFollowingKeyScans, TurnsWithTheKeyScan) {
+  const std::vector<Pose2> poses =
+      PosesFollowingKeyScans(TwoKeysOfSix(Pose2(4.0, 0.0, 0.3)), SixPoses());
+  // One third of the way from where the first key scan has it to where the second one has it.
+  EXPECT_NEAR(poses[2].yaw, 0.1, 1e-12);
+  EXPECT_NEAR(poses[2].x, 2.0 + (4.0 - 2.0 * std::cos(0.3) - 2.0) / 3.0, 1e-12);
+  EXPECT_NEAR(poses[2].y, -2.0 * std::sin(0.3) / 3.0, 1e-12);
+  // Beyond the last one all turns about it.
+  EXPECT_NEAR(poses[5].yaw, 0.3, 1e-12);
+  EXPECT_NEAR(poses[5].y, std::sin(0.3), 1e-12);
+}
+
+TEST(PosesFollowingKeyScans, ABrokenEdgeIsNotShared) {
+  KeyGraph keys = TwoKeysOfSix(Pose2(4.0, 0.6, 0.0));
+  keys.sequential[0].broken = true;
+  keys.sequential[0].first_pose_after = 3;
+  const std::vector<Pose2> poses = PosesFollowingKeyScans(keys, SixPoses());
+  const double expected_y[] = {0.0, 0.0, 0.0, 0.6, 0.6, 0.6};
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(poses[i].y, expected_y[i], 1e-12) << i;
+}
+
+TEST(PosesFollowingKeyScans, WithoutKeyScansNothingMoves) {
+  const std::vector<Pose2> poses = PosesFollowingKeyScans(KeyGraph(), SixPoses());
+  ASSERT_EQ(poses.size(), 6u);
+  EXPECT_EQ(poses[3].x, 3.0);
+}
+
+}  // namespace
+}  // namespace plumbline
