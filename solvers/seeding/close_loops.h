@@ -47,7 +47,7 @@ struct LoopClosingReport {
   int num_candidates = 0;    ///< places tried, over all rounds
   int num_closures = 0;      ///< accepted and kept
   int num_contradicted = 0;  ///< accepted first, then contradicted by the pose graph
-  /// Every match that became a closure or that a check refused; the last verdict counts.
+  /// Every match that became a closure, was contradicted, or was refused in the last round.
   std::vector<LoopClosureRecord> matches;
   std::vector<DoubtfulStep> doubts;  ///< in order of time
 };

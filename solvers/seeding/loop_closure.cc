@@ -15,6 +15,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kScanCellM = 0.05;
+// The map of a wide search ends here: a return kilometres away must not blow up its grid.
+constexpr double kSearchReachM = 150.0;
 constexpr double kMapCellM = 0.03;
 // The correlative search finds a pose to about its cell; the fine matching starts from there.
 constexpr double kFineGateStartM = 0.3;
@@ -121,7 +123,8 @@ class CandidateTester {
     for (const int k : keys) {
       const Pose2 frame_from_key = KeyFromKey(frame, k);
       for (const SurfacePoint& point : surfaces_[keys_.key_scans[k].scan]) {
-        points.push_back(frame_from_key * point);
+        const SurfacePoint in_frame = frame_from_key * point;
+        if (in_frame.position.cwiseAbs().maxCoeff() <= kSearchReachM) points.push_back(in_frame);
       }
     }
     return points;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "plumbline/solvers/seeding/free_space.h"
@@ -123,7 +124,7 @@ class Rematcher {
     double fit = 0.0;
     for (const Placed& placed : backward) fit += placed.fit;
     int best = begin;
-    double best_fit = -1.0;
+    double best_fit = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i <= forward.size(); ++i) {
       const int pose = begin + static_cast<int>(i);
       const double total =
