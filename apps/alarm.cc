@@ -9,16 +9,13 @@ namespace plumbline {
 namespace {
 
 // The alarm of one peak, if that peak by itself is a contradiction.
-void CheckPeak(const MapConsistency& consistency, ConflictPeak MapConsistency::*peak,
-               const std::string& what, const SlamGraph& graph, std::vector<Alarm>* alarms) {
-  MapConsistency alone;
-  alone.within_pass = consistency.within_pass;
-  alone.*peak = consistency.*peak;
-  if (!alone.IsContradictory()) return;
+void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, const std::string& what,
+               const SlamGraph& graph, std::vector<Alarm>* alarms) {
+  if (!consistency.IsContradictory(peak)) return;
   std::ostringstream reason;
-  reason << what << std::fixed << std::setprecision(1) << " (" << alone.Ratio()
+  reason << what << std::fixed << std::setprecision(1) << " (" << consistency.Ratio(peak)
          << " times the conflicts that people, doors and noise explain)";
-  alarms->push_back({PlaceOfPose(graph, (consistency.*peak).pose), reason.str()});
+  alarms->push_back({PlaceOfPose(graph, peak.pose), reason.str()});
 }
 
 Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
@@ -35,31 +32,32 @@ Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
 // The seed contradicts itself too little for an alarm of its own, but there is another weak sign.
 Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph) {
   const MapConsistency& consistency = seeding.consistency;
-  const ConflictPeak& peak =
-      consistency.worst_within.conflict.Share() > consistency.worst_between.conflict.Share()
-          ? consistency.worst_within
-          : consistency.worst_between;
   std::ostringstream reason;
   reason << std::fixed << std::setprecision(1) << "scans look through surfaces that others show, "
          << consistency.Ratio() << " times as often as can be explained, and "
          << (seeding.loops.doubts.empty() ? "all loops had to be left open"
                                           : "some steps of the robot are in doubt");
-  return {PlaceOfPose(graph, peak.pose), reason.str()};
+  return {PlaceOfPose(graph, consistency.WorstPeak().pose), reason.str()};
 }
 
 }  // namespace
 
 std::string ScanPlace::Text() const {
   std::ostringstream text;
-  text << "scan " << scan << std::fixed << std::setprecision(2) << " (t = " << time_s
-       << " s, x = " << world_position.x() << " m, y = " << world_position.y() << " m)";
+  text << (scan ? "scan " + std::to_string(*scan) : "a pose without scan") << std::fixed
+       << std::setprecision(2) << " (t = " << time_s << " s, x = " << world_position.x()
+       << " m, y = " << world_position.y() << " m)";
   return text.str();
 }
 
 ScanPlace PlaceOfPose(const SlamGraph& graph, int pose) {
-  int scan = 0;
-  while (graph.scan(scan).pose != pose) ++scan;
-  return {scan, graph.timestamp_s(pose), graph.WorldFromRobot(pose).translation()};
+  ScanPlace place;
+  for (int scan = 0; scan < graph.num_scans() && !place.scan; ++scan) {
+    if (graph.scan(scan).pose == pose) place.scan = scan;
+  }
+  place.time_s = graph.timestamp_s(pose);
+  place.world_position = graph.WorldFromRobot(pose).translation();
+  return place;
 }
 
 std::string AlarmText(const std::vector<Alarm>& alarms) {
@@ -78,9 +76,9 @@ std::string AlarmText(const std::vector<Alarm>& alarms) {
 
 std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph) {
   std::vector<Alarm> alarms;
-  CheckPeak(consistency, &MapConsistency::worst_within,
+  CheckPeak(consistency, consistency.worst_within,
             "scans before and after look through each other's surfaces", graph, &alarms);
-  CheckPeak(consistency, &MapConsistency::worst_between,
+  CheckPeak(consistency, consistency.worst_between,
             "scans of other visits look through the surfaces seen there", graph, &alarms);
   return alarms;
 }

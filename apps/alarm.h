@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_ALARM_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,14 +14,14 @@ namespace plumbline {
 
 /// A scan of a graph, as people look for it.
 struct ScanPlace {
-  int scan = 0;
+  std::optional<int> scan;  ///< none if none was taken there
   double time_s = 0.0;
   Eigen::Vector2d world_position = Eigen::Vector2d::Zero();  ///< of the robot [m]
 
   std::string Text() const;
 };
 
-/// The first scan taken at a pose, which must have one.
+/// The first scan taken at a pose.
 ScanPlace PlaceOfPose(const SlamGraph& graph, int pose);
 
 /// Why a map is probably wrong, and where.

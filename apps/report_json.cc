@@ -108,7 +108,7 @@ Json StagesJson(const std::vector<Stage>& stages) {
 Json ConsistencyJson(const MapConsistency& map) {
   Json json = {{"within_pass", ConflictJson(map.within_pass)},
                {"between_passes", ConflictJson(map.between_passes)},
-               {"between_over_within", map.between_passes.Share() / map.within_pass.Share()},
+               {"between_over_within", map.BetweenOverWithin()},
                {"worst_within", ConflictJson(map.worst_within.conflict)},
                {"worst_between", ConflictJson(map.worst_between.conflict)},
                {"worst_over_explicable", map.Ratio()},
@@ -121,7 +121,7 @@ Json ConsistencyJson(const MapConsistency& map) {
 Json AlarmsJson(const std::vector<Alarm>& alarms) {
   Json json = Json::array();
   for (const Alarm& alarm : alarms) {
-    json.push_back({{"scan", alarm.place.scan},
+    json.push_back({{"scan", alarm.place.scan ? Json(*alarm.place.scan) : Json()},
                     {"time_s", alarm.place.time_s},
                     {"x_m", alarm.place.world_position.x()},
                     {"y_m", alarm.place.world_position.y()},

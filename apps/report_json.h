@@ -26,7 +26,7 @@ Json StagesJson(const std::vector<Stage>& stages);
 
 Json ConsistencyJson(const MapConsistency& map);
 
-/// One object per alarm: scan, time, place, reason.
+/// One object per alarm: scan (null if none was taken there), time, place, reason.
 Json AlarmsJson(const std::vector<Alarm>& alarms);
 
 /// NotFound or Unavailable if the file cannot be written. Text that is not UTF-8, as a path may be,

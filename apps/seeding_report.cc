@@ -120,6 +120,17 @@ std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph) {
   return text;
 }
 
+// Why there is no path of key scans that could be checked.
+std::string NoPathText(const SequentialSeedingReport& report) {
+  const char* reason = "There is a single key scan";
+  if (report.num_key_scans == 0) {
+    reason = "No scan shows a surface";
+  } else if (report.num_unmatched == 0) {
+    reason = "The robot hardly moved";  // each scan was matched to the key scan, from close by
+  }
+  return std::string("  ") + reason + ": there is no loop to close and no drift to check.\n";
+}
+
 }  // namespace
 
 std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops) {
@@ -131,15 +142,16 @@ std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops) {
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph) {
   if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
   std::string text = MatchingText(report.sequential, graph.num_scans());
-  if (report.sequential.num_key_scans == 1) {
-    return text + "  The robot hardly moved: there is no loop to close and no drift to check.\n";
-  }
+  if (report.sequential.num_key_scans <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
          DoubtsText(report.loops, graph);
 }
 
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency) {
   if (consistency.num_pairs_within + consistency.num_pairs_between == 0) return "";
+  if (consistency.within_pass.num_compared + consistency.between_passes.num_compared == 0) {
+    return "  " + name + " cannot be checked: no scan looks where another one shows something.\n";
+  }
   return "  " + name + (consistency.IsContradictory() ? " contradicts itself" : " is consistent") +
          Format(
              ": its worst place has %.1f times the free-space conflicts that can be explained.\n",

@@ -16,8 +16,8 @@ std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops);
 /// odometry is, which loops were closed, which steps were wrong. graph: as seeded, a scan per pose.
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph);
 
-/// A line on whether the map contradicts itself; nothing if the robot went too little way for its
-/// scans to be compared. name: of the map.
+/// A line on whether the map contradicts itself, or cannot be checked as no scan sees what others
+/// show; nothing if the robot went too little way for its scans to be compared. name: of the map.
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency);
 
 }  // namespace plumbline

@@ -25,10 +25,10 @@
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/seeding_progress.h"
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
-#include "plumbline/core/angle.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
@@ -52,14 +52,11 @@ double SecondsSince(Clock::time_point start) {
 
 // The graph mounts all scans alike, which makes nonsense of a second laser on the robot.
 void WarnOfOtherMountings(const LaserMounting& mounting) {
-  constexpr double kToleranceM = 0.05, kToleranceRad = 0.05;  // above the rounding of any logger
-  if (mounting.max_deviation_m <= kToleranceM && mounting.max_deviation_rad <= kToleranceRad) {
-    return;
-  }
-  std::cerr << "warning: " << FLAGS_log << ": the place of the laser on the robot differs by up to "
-            << mounting.max_deviation_m << " m and " << RadToDeg(mounting.max_deviation_rad)
-            << " deg between scans; all are mounted at the median. Are there two lasers, or the "
-               "poses of another mapper?\n";
+  const std::string disagreement = mounting.Disagreement();
+  if (disagreement.empty()) return;
+  std::cerr << "warning: " << FLAGS_log << ": " << disagreement
+            << "; all are mounted at the median. Are there two lasers, or the poses of another "
+               "mapper?\n";
 }
 
 // One run of the program, step by step.
@@ -134,17 +131,17 @@ class SlamRun {
     const auto start = Clock::now();
     const std::vector<Eigen::Vector2f> normals =
         EstimateReturnNormals(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
-    ProgressBar bar("Seeding", on_terminal_, &std::cout);
-    ProgressBar closing_bar("Closing loops", on_terminal_, &std::cout);
+    SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
-      (phase == SeedingPhase::kMatchingScans ? bar : closing_bar).Update(num_done, num_total);
+      bars.Update(phase, num_done, num_total);
       return true;
     };
     PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion, normals,
                                         progress, &*pool_, &graph_, &summary_.seeding));
     summary_.seed_time_s = SecondsSince(start);
-    bar.Finish("done");
-    std::cout << SeedingText(summary_.seeding, graph_)
+    bars.Finish();
+    std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n"
+              << SeedingText(summary_.seeding, graph_)
               << ConsistencyText("The seed", summary_.seeding.consistency);
     return Status::Ok();
   }
@@ -214,7 +211,6 @@ class SlamRun {
     summary_.stages.push_back(MeasureStage(name, graph_, truth_ ? &*truth_ : nullptr, &*pool_));
   }
 
-  const bool on_terminal_ = StandardOutputIsTerminal();
   SolverOptions solver_options_;
   SeedingOptions seeding_options_;
   std::optional<ThreadPool> pool_;

@@ -47,7 +47,7 @@ struct ShapeOptions {
   bool Check(std::string* error) const;
 };
 
-/// Prior on the first pose, which fixes the gauge.
+/// Prior on the fixed poses, which fixes the gauge.
 struct PosePriorOptions {
   double sigma_translation_m = 1e-4;  ///< [m]
   double sigma_rotation_rad = 1e-4;   ///< [rad]

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/test/synthetic_scene.h"
@@ -54,6 +55,15 @@ TEST(PlaceOfPoseTest, PosesWithoutScanAreNotCounted) {
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose(Pose2(), i, &pose).ok());
   ASSERT_TRUE(graph.AddScan(2, laser, {1.0, 1.0, 1.0, 1.0}).ok());
   EXPECT_EQ(PlaceOfPose(graph, 2).scan, 0);
+}
+
+TEST(PlaceOfPoseTest, APoseWithoutScanHasTimeAndPlaceAllTheSame) {
+  SlamGraph graph = MakeScans(2);
+  int pose = 0;
+  ASSERT_TRUE(graph.AddPose(Pose2(5.0, -1.0, 0.0), 9.0, &pose).ok());
+  const ScanPlace place = PlaceOfPose(graph, pose);
+  EXPECT_FALSE(place.scan.has_value());
+  EXPECT_EQ(place.Text(), "a pose without scan (t = 9.00 s, x = 5.00 m, y = -1.00 m)");
 }
 
 TEST(MapAlarmsTest, ASoundMapRaisesNone) {
@@ -110,6 +120,23 @@ TEST(RunAlarmsTest, StepsThatNothingSettles) {
   step.turned_rad = 1.5;
   EXPECT_THAT(reason(step), HasSubstr("might fit elsewhere as well"));
   EXPECT_EQ(RunAlarms(ReportWithDoubt(step), MapConsistency(), graph)[0].place.scan, 3);
+}
+
+TEST(RunAlarmsTest, ASuspiciousSeedIsWrongWhereItsRatioIsHighest) {
+  const SlamGraph graph = MakeScans(4);
+  SeedingReport seeding;
+  seeding.alarm = true;
+  // Of the higher share, and of the higher ratio: (140 / 0.06 + 600) / 1200 = 2.44.
+  seeding.consistency.worst_within = {{10, 10}, 1};
+  seeding.consistency.worst_between = {{600, 140}, 3};
+  std::vector<Alarm> alarms = RunAlarms(seeding, MapConsistency(), graph);
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_EQ(alarms[0].place.scan, 3);
+  EXPECT_THAT(alarms[0].reason, AllOf(HasSubstr("2.4 times"), HasSubstr("left open")));
+  std::swap(seeding.consistency.worst_within, seeding.consistency.worst_between);
+  alarms = RunAlarms(seeding, MapConsistency(), graph);
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_EQ(alarms[0].place.scan, 3);
 }
 
 TEST(AlarmTextTest, ShowsTheFirstFew) {

@@ -72,10 +72,19 @@ TEST(ChordalStart, PositionsFollowTheCovarianceOfTheEdges) {
   EXPECT_NEAR(poses[1].yaw, 0.0, 1e-12);
 }
 
-TEST(ChordalStart, RefusesAPoseThatNothingHolds) {
-  std::vector<Pose2> poses{{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {7.0, 8.0, 9.0}};
-  EXPECT_FALSE(ChordalStart({{0, 1, {1.0, 0.0, 0.0}, Eigen::Matrix3d::Identity()}}, {0}, &poses));
-  EXPECT_EQ(poses[1].x, 4.0);
+TEST(ChordalStart, RefusesNumbersBeyondADouble) {
+  const std::vector<Pose2> before{{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
+  for (const int coordinate : {0, 2}) {  // of the positions and of the headings
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+    covariance(coordinate, coordinate) = 1e-320;
+    std::vector<Pose2> poses = before;
+    EXPECT_FALSE(ChordalStart({{0, 1, {1.0, 0.0, 0.0}, covariance}}, {0}, &poses));
+    EXPECT_EQ(poses[1].x, 4.0);
+    EXPECT_EQ(poses[1].yaw, 6.0);
+  }
+}
+
+TEST(ChordalStart, WithoutUnknownsThePosesStay) {
   std::vector<Pose2> one{{1.0, 2.0, 3.0}};
   EXPECT_TRUE(ChordalStart({}, {0}, &one));
   EXPECT_EQ(one[0].y, 2.0);

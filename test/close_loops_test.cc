@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
@@ -176,6 +178,23 @@ TEST(CloseLoops, ADoubtfulEdgeThatIsRightStays) {
   EXPECT_FALSE(report.doubts[0].broken);
   EXPECT_EQ(report.doubts[0].turned_rad, 0.0);
   EXPECT_FALSE(report.doubts[0].IsUnresolved());
+}
+
+TEST(CloseLoops, ReportsTheBridgesThatWereRefused) {
+  Lap lap = MakeLapWithAWrongEdge();
+  lap.keys.sequential[kWrongEdge].evidence = 0.2;  // ways may lead across it
+  LoopClosureOptions options;
+  options.min_inlier_ratio_wide = 2.0;  // nothing gets there
+  ThreadPool pool(2);
+  LoopClosingReport report;
+  ASSERT_TRUE(
+      CloseLoops(options, lap.graph, lap.surfaces, nullptr, &pool, &lap.keys, &report).ok());
+  // The first key scan beyond the edge is tried as a bridge only: what lies far enough back on the
+  // path for a closure is out of reach.
+  const auto is_bridge = [](const LoopClosureRecord& match) {
+    return match.to_pose == kWrongEdge + 1 && match.verdict == ClosureVerdict::kLowOverlap;
+  };
+  EXPECT_EQ(std::count_if(report.matches.begin(), report.matches.end(), is_bridge), 1);
 }
 
 TEST(CloseLoops, StopsWhenItsCallerSaysSo) {

@@ -7,12 +7,18 @@
 namespace plumbline {
 namespace {
 
+FreeSpaceConflict OneWay(const SlamGraph& graph, int viewer, int scan,
+                         const Pose2& viewer_from_scan) {
+  return FreeSpaceScan(graph, viewer)
+      .Compare(FreeSpaceScan(graph, scan), viewer_from_scan, nullptr);
+}
+
 TEST(FreeSpace, TwoViewsOfOneRoomAgree) {
   SyntheticScene scene = Room();
   scene.range_sigma_m = 0.01;
   scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
   const SlamGraph graph = MakeGraph(scene);
-  const FreeSpaceConflict conflict = CompareFreeSpace(graph, 0, 1, scene.poses[1]);
+  const FreeSpaceConflict conflict = OneWay(graph, 0, 1, scene.poses[1]);
   EXPECT_GT(conflict.num_compared, 250);
   EXPECT_LT(conflict.Share(), 0.01);
 }
@@ -26,11 +32,11 @@ TEST(FreeSpace, AWallInTheMiddleOfARoomConflicts) {
   large.faces.insert(large.faces.end(), small.faces.begin(), small.faces.end());
   large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
   const SlamGraph graph = MakeGraph(large);
-  const FreeSpaceConflict seen_through = CompareFreeSpace(graph, 0, 1, Pose2());
+  const FreeSpaceConflict seen_through = OneWay(graph, 0, 1, Pose2());
   EXPECT_GT(seen_through.num_compared, 300);
   EXPECT_EQ(seen_through.num_conflicting, seen_through.num_compared);
   // The other way round the large room is hidden behind the small one's walls.
-  EXPECT_EQ(CompareFreeSpace(graph, 1, 0, Pose2()).num_compared, 0);
+  EXPECT_EQ(OneWay(graph, 1, 0, Pose2()).num_compared, 0);
 }
 
 TEST(FreeSpace, TheSweepMayBeginAnywhereAndTurnEitherWay) {
@@ -41,7 +47,7 @@ TEST(FreeSpace, TheSweepMayBeginAnywhereAndTurnEitherWay) {
       scene.laser.bearing_step_rad *= direction;
       scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
       const SlamGraph graph = MakeGraph(scene);
-      EXPECT_GT(CompareFreeSpace(graph, 0, 1, scene.poses[1]).num_compared, 250)
+      EXPECT_GT(OneWay(graph, 0, 1, scene.poses[1]).num_compared, 250)
           << first_bearing_rad << " " << direction;
     }
   }
@@ -52,7 +58,7 @@ TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
   scene.laser.num_beams = 1;
   scene.laser.bearing_step_rad = 0.0;
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  EXPECT_EQ(CompareFreeSpace(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
+  EXPECT_EQ(OneWay(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
 }
 
 TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
@@ -71,6 +77,23 @@ TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
   EXPECT_NEAR(point.y(), 0.0, 0.03);
 }
 
+TEST(FreeSpace, BothWaysIsTheSumOfTheTwo) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+  scene.laser = PanoramicLaser(360);
+  const SlamGraph graph = MakeGraph(scene);
+  // A metre ahead of where it was taken, the second scan conflicts with the first one.
+  const Pose2 first_from_second = scene.poses[1] * Pose2(1.0, 0.0, 0.0);
+  const FreeSpaceConflict there = OneWay(graph, 0, 1, first_from_second);
+  const FreeSpaceConflict back = OneWay(graph, 1, 0, first_from_second.Inverse());
+  EXPECT_GT(there.num_conflicting, 20);
+  EXPECT_GT(back.num_conflicting, 20);
+  const FreeSpaceConflict both =
+      CompareBothWays(FreeSpaceScan(graph, 0), FreeSpaceScan(graph, 1), first_from_second);
+  EXPECT_EQ(both.num_compared, there.num_compared + back.num_compared);
+  EXPECT_EQ(both.num_conflicting, there.num_conflicting + back.num_conflicting);
+}
+
 TEST(FreeSpace, SumsAndShares) {
   FreeSpaceConflict sum{10, 1};
   sum += {30, 9};
@@ -78,6 +101,7 @@ TEST(FreeSpace, SumsAndShares) {
   sum -= {30, 9};
   EXPECT_EQ(sum.Share(), 0.1);
   EXPECT_EQ(FreeSpaceConflict().Share(), 0.0);
+  EXPECT_EQ((FreeSpaceConflict{400, 100}.Penalty()), 0.75);
 }
 
 }  // namespace

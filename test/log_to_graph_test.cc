@@ -109,6 +109,19 @@ TEST(LogToGraphTest, MountingIsAMedianAndItsDeviationsAreReported) {
   EXPECT_NEAR(mounting.max_deviation_rad, 0.2, 1e-12);
 }
 
+TEST(LogToGraphTest, MountingsDisagreeFromMoreThanRoundingOn) {
+  LaserMounting mounting;
+  mounting.max_deviation_m = mounting.max_deviation_rad = 0.05;
+  EXPECT_EQ(mounting.Disagreement(), "");
+  mounting.max_deviation_m = 0.5;
+  mounting.max_deviation_rad = 0.0;
+  EXPECT_EQ(mounting.Disagreement(),
+            "the place of the laser on the robot differs by up to 0.5 m and 0 deg between scans");
+  mounting.max_deviation_m = 0.0;
+  mounting.max_deviation_rad = DegToRad(9.0);
+  EXPECT_THAT(mounting.Disagreement(), HasSubstr("0 m and 9 deg"));
+}
+
 TEST(LogToGraphTest, ALaserThatLooksBackwardsIsNoMixOfBothSigns) {
   CarmenLog log = MakeLog();
   for (std::size_t i = 0; i < log.scans.size(); ++i) {

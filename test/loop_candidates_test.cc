@@ -102,6 +102,11 @@ TEST(LoopCandidates, BridgesLeadOverDoubtfulEdges) {
   }
 }
 
+TEST(LoopCandidates, ATurnOfARadianCountsAsAMetre) {
+  EXPECT_NEAR(ViewDistanceM(2.0, -0.5), 2.5, 1e-12);
+  EXPECT_NEAR(ViewDistanceM(2.0, 2.0 * kPi - 0.5), 2.5, 1e-12);
+}
+
 TEST(LoopCandidates, OnePerVisitThatIsNearAndLongAgo) {
   KeyGraph keys;
   // Past the origin every 8 m of path, up to 2.5 m away in between; the way is short enough for

@@ -50,10 +50,34 @@ TEST(MapConsistency, RatioOfTheWorstPlaceToWhatCanBeExplained) {
   consistency.worst_within.conflict = {600, 300};
   EXPECT_NEAR(consistency.Ratio(), (5000.0 + 600.0) / 1200.0, 1e-12);
   EXPECT_TRUE(consistency.IsContradictory());
+  // Each peak speaks for itself.
+  EXPECT_NEAR(consistency.Ratio(consistency.worst_between), (1000.0 + 600.0) / 1200.0, 1e-12);
+  EXPECT_TRUE(consistency.IsContradictory(consistency.worst_within));
+  EXPECT_FALSE(consistency.IsContradictory(consistency.worst_between));
   consistency.within_pass = {1000, 80};
   EXPECT_EQ(consistency.ExplicableShare(), 0.08);
   consistency.within_pass = {1000, 400};
   EXPECT_EQ(consistency.ExplicableShare(), 0.1);  // a crowd
+}
+
+TEST(MapConsistency, TheWorstPeakIsTheOneOfTheHigherRatio) {
+  MapConsistency consistency;
+  // All of it conflicts, but ten returns are a passer-by.
+  consistency.worst_within = {{10, 10}, 3};
+  consistency.worst_between = {{600, 140}, 7};
+  EXPECT_EQ(consistency.WorstPeak().pose, 7);
+  EXPECT_EQ(consistency.Ratio(), consistency.Ratio(consistency.worst_between));
+  consistency.worst_within = {{600, 150}, 3};
+  EXPECT_EQ(consistency.WorstPeak().pose, 3);
+}
+
+TEST(MapConsistency, BetweenOverWithinComparesTheShares) {
+  MapConsistency consistency;
+  consistency.within_pass = {100, 5};
+  consistency.between_passes = {1000, 200};
+  EXPECT_NEAR(consistency.BetweenOverWithin(), 4.0, 1e-12);
+  consistency.within_pass = {100, 0};
+  EXPECT_FALSE(std::isfinite(consistency.BetweenOverWithin()));
 }
 
 TEST(MapConsistency, TwoPassesThroughOneCorridorAgree) {

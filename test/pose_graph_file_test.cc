@@ -119,8 +119,8 @@ TEST_F(PoseGraphFileTest, WritesThePosesAndLeavesTheRest) {
 TEST_F(PoseGraphFileTest, NamesTheCulprit) {
   const std::string two = "VERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 1 0 0\n";
   const std::string edge = "EDGE_SE2 1 2 1 0 0";
-  ExpectError("", ": no vertex");
-  ExpectError("# nothing\n", ": no vertex");
+  ExpectError("", ": the file holds no vertices");
+  ExpectError("# nothing\n", ": the file holds no vertices");
   ExpectError("VERTEX_SE2 1 0 0\n", ":1: VERTEX_SE2 field 'yaw': is missing");
   ExpectError("VERTEX_SE2 1 0 nan 0\n", ":1: VERTEX_SE2 field 'y': 'nan' is not a finite");
   ExpectError("VERTEX_SE2 1.5 0 0 0\n", ":1: VERTEX_SE2 field 'id': '1.5' is not an integer");
@@ -192,11 +192,23 @@ TEST_F(PoseGraphFileTest, IsToldByTheFirstRecord) {
                             "VERTEX_SE3:QUAT 0", "FIX 0", "PARAMS_SE2OFFSET 0 0 0 0"}) {
     EXPECT_TRUE(is_pose_graph(start)) << start;
   }
-  for (const char* start :
-       {"", "# VERTEX_SE2", "FLASER 1 1", "PARAM a b\nVERTEX_SE2", "ROBOTLASER1 0"}) {
+  for (const char* start : {"FLASER 1 1", "PARAM a b\nVERTEX_SE2", "ROBOTLASER1 0"}) {
     EXPECT_FALSE(is_pose_graph(start)) << start;
   }
-  EXPECT_FALSE(IsPoseGraphFile(folder_ + "none"));
+  EXPECT_FALSE(IsPoseGraphFile(folder_ + "none.g2o"));
+}
+
+TEST_F(PoseGraphFileTest, IsToldByTheExtensionIfThereIsNoRecord) {
+  for (const char* content : {"", "# VERTEX_SE2\n"}) {
+    for (const char* name : {"a.g2o", "b.c.toro", "a.g2o.gz"}) {
+      WriteFile(folder_ + name, content);
+      EXPECT_TRUE(IsPoseGraphFile(folder_ + name)) << name;
+    }
+    for (const char* name : {"a.clf", "a.clf.gz", "g2o", "a.g2o.clf"}) {
+      WriteFile(folder_ + name, content);
+      EXPECT_FALSE(IsPoseGraphFile(folder_ + name)) << name;
+    }
+  }
 }
 
 }  // namespace

@@ -120,6 +120,8 @@ TEST_F(ProgramsTest, LogsThatCannotBeMapped) {
   ExpectError(Slam("a.clf"), folder_ + "a.clf: no FLASER");
   WriteFile(folder_ + "a.clf", "");
   ExpectError(Slam("a.clf"), folder_ + "a.clf: no FLASER");
+  WriteFile(folder_ + "a.g2o", "");
+  ExpectError(Slam("a.g2o"), folder_ + "a.g2o: the file holds no vertices");
 }
 
 TEST_F(ProgramsTest, WarnsOfASecondLaser) {

@@ -118,5 +118,20 @@ TEST(RematchAtBreaks, TheNextBreakEndsWhatWasSpoilt) {
   }
 }
 
+TEST(RematchAtBreaks, WhatOneBreakSpoiltIsNoMapForTheNext) {
+  RepairedLap lap = MakeRepairedLap();
+  Break(kBrokenEdge, kFirstAfter, &lap);
+  Break(9, 29, &lap);
+  lap.world_from_robot[27] = lap.graph.WorldFromRobot(27);
+  const std::vector<Pose2> expected = Rematched(lap);
+  // The key scans at poses 21 and 24, between the two breaks, are a metre off.
+  for (const int k : {7, 8})
+    lap.keys.world_from_key[k] = Pose2(0.9, 0.5, 0.2) * lap.keys.world_from_key[k];
+  const std::vector<Pose2> poses = Rematched(lap);
+  for (int pose = 0; pose <= 60; ++pose) {
+    EXPECT_TRUE(SamePose(poses[pose], expected[pose])) << pose;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

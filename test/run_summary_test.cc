@@ -121,6 +121,8 @@ TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
   EXPECT_EQ(json["alarm_reasons"],
             Json::parse(R"([{"scan": 7, "time_s": 1.5, "x_m": 2.0, "y_m": -3.0,
                              "reason": "it leaps"}])"));
+  summary.alarms[0].place.scan.reset();
+  EXPECT_TRUE(WriteAndRead(summary)["alarm_reasons"][0]["scan"].is_null());
 }
 
 TEST(RunSummaryTest, StagesHaveErrorsWhereTheTruthIsKnown) {

@@ -46,6 +46,21 @@ TEST(SeedingTextTest, NothingToMatchOrToClose) {
                                      HasSubstr("hardly moved"), Not(HasSubstr("loop was closed"))));
 }
 
+TEST(SeedingTextTest, ASingleKeyScanIsNoProofOfARobotAtRest) {
+  SeedingReport report = MakeReport();
+  report.sequential.num_key_scans = 1;
+  // The other scans may be anywhere: they show no surface.
+  for (const int num_unmatched : {1, 4}) {
+    report.sequential.num_unmatched = num_unmatched;
+    EXPECT_THAT(Text(report), AllOf(HasSubstr("  There is a single key scan: there is no loop to "
+                                              "close and no drift to check.\n"),
+                                    Not(HasSubstr("hardly moved"))));
+  }
+  report.sequential.num_key_scans = 0;
+  EXPECT_THAT(Text(report), AllOf(HasSubstr("  No scan shows a surface: "),
+                                  Not(HasSubstr("hardly moved")), Not(HasSubstr("visited"))));
+}
+
 TEST(SeedingTextTest, ScansThatMatchNothing) {
   SeedingReport report = MakeReport();
   report.sequential.num_unmatched = 3;
@@ -114,6 +129,10 @@ TEST(ConsistencyTextTest, SaysWhetherTheMapContradictsItself) {
   MapConsistency consistency;
   EXPECT_EQ(ConsistencyText("The seed", consistency), "");
   consistency.num_pairs_within = 5;
+  // Back to back, they see nothing of each other's surfaces.
+  EXPECT_EQ(ConsistencyText("The seed", consistency),
+            "  The seed cannot be checked: no scan looks where another one shows something.\n");
+  consistency.within_pass = {200, 0};
   EXPECT_THAT(ConsistencyText("The seed", consistency),
               AllOf(HasSubstr("  The seed is consistent: "), HasSubstr(" 1.0 times ")));
   consistency.worst_between = {{600, 400}, 0};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/log_map.h"
+#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/ply_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/thread_pool.h"
@@ -53,12 +54,8 @@ Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>&
                    ThreadPool* pool, Evaluation* evaluation) {
   LogMap map;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, trajectory, &map));
-  std::vector<Pose2> world_from_robot;
-  for (int pose = 0; pose < map.graph.num_poses(); ++pose) {
-    world_from_robot.push_back(map.graph.WorldFromRobot(pose));
-  }
   evaluation->raw_ranges = MeasureSharpness(map.graph.points(), pool);
-  evaluation->consistency = MeasureMapConsistency(map.graph, world_from_robot, pool);
+  evaluation->consistency = MeasureMapConsistency(map.graph, PosesOf(map.graph), pool);
   evaluation->num_scans_without_pose = map.num_scans_without_pose;
   return Status::Ok();
 }

@@ -1,16 +1,12 @@
 #include "plumbline/apps/evaluation/report.h"
 
 #include <cstdio>
-#include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report_json.h"
 
 namespace plumbline {
 namespace {
-
-// Insertion order is easier on the reader than the alphabet.
-using Json = nlohmann::ordered_json;
 
 template <typename... Values>
 std::string Format(const char* format, Values... values) {
@@ -47,11 +43,6 @@ std::string SharpnessRows(const char* name, const MapSharpness& map) {
   return rows;
 }
 
-// Of different passes over one pass; not finite where one pass has no conflict.
-double SharesRatio(const MapConsistency& map) {
-  return map.between_passes.Share() / map.within_pass.Share();
-}
-
 std::string ConflictRow(const char* name, const FreeSpaceConflict& conflict) {
   return Format("%-26s%12d%12d%10.2f %%", name, conflict.num_compared, conflict.num_conflicting,
                 1e2 * conflict.Share());
@@ -64,7 +55,7 @@ std::string ConsistencyTable(const MapConsistency& map) {
   text += ConflictRow("  its worst place", map.worst_within.conflict) + '\n';
   text += ConflictRow("between passes", map.between_passes);
   if (map.within_pass.num_conflicting > 0) {
-    text += Format("%10.2f times that within a pass", SharesRatio(map));
+    text += Format("%10.2f times that within a pass", map.BetweenOverWithin());
   }
   text += '\n' + ConflictRow("  their worst stretch", map.worst_between.conflict);
   text += Format("\n  The worst has %.2f times the conflicts that can be explained%s.\n",
@@ -95,25 +86,6 @@ Json SharpnessJson(const MapSharpness& map) {
   return json;
 }
 
-Json ConflictJson(const FreeSpaceConflict& conflict) {
-  return {{"compared", conflict.num_compared},
-          {"conflicting", conflict.num_conflicting},
-          {"share", conflict.Share()}};
-}
-
-Json ConsistencyJson(const MapConsistency& map) {
-  Json json = {{"within_pass", ConflictJson(map.within_pass)},
-               {"between_passes", ConflictJson(map.between_passes)},
-               {"between_over_within", SharesRatio(map)},
-               {"worst_within", ConflictJson(map.worst_within.conflict)},
-               {"worst_between", ConflictJson(map.worst_between.conflict)},
-               {"worst_over_explicable", map.Ratio()},
-               {"contradictory", map.IsContradictory()}};
-  json["within_pass"]["pairs"] = map.num_pairs_within;
-  json["between_passes"]["pairs"] = map.num_pairs_between;
-  return json;
-}
-
 Json EvaluationJson(const Evaluation& evaluation) {
   Json json = Json::object();
   if (evaluation.relations) {
@@ -133,13 +105,6 @@ Json EvaluationJson(const Evaluation& evaluation) {
   if (evaluation.consistency) json["map_consistency"] = ConsistencyJson(*evaluation.consistency);
   if (evaluation.points) json["map_points"] = SharpnessJson(*evaluation.points);
   return json;
-}
-
-Status WriteText(const std::string& path, const std::string& text) {
-  AtomicFile file;
-  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
-  file.stream() << text;
-  return file.Commit();
 }
 
 }  // namespace
@@ -173,18 +138,19 @@ std::string EvaluationTables(const Evaluation& evaluation) {
 }
 
 Status WriteEvaluationJson(const std::string& path, const Evaluation& evaluation) {
-  return WriteText(path, EvaluationJson(evaluation).dump(2) + '\n');
+  return WriteJson(path, EvaluationJson(evaluation));
 }
 
 Status WriteEvaluationCsv(const std::string& path, const Evaluation& evaluation) {
-  std::ostringstream text;
-  text << "figure,value\n";
+  AtomicFile file;
+  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
+  file.stream() << "figure,value\n";
   const Json figures = EvaluationJson(evaluation).flatten();
   for (const auto& [pointer, value] : figures.items()) {
     const std::string number = value.dump();  // NaN becomes null
-    text << pointer.substr(1) << ',' << (number == "null" ? "" : number) << '\n';
+    file.stream() << pointer.substr(1) << ',' << (number == "null" ? "" : number) << '\n';
   }
-  return WriteText(path, text.str());
+  return file.Commit();
 }
 
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,15 @@ LaserModel ModelOf(const CarmenScan& scan, const Pose2& robot_from_laser) {
 }
 
 }  // namespace
+
+std::string LaserMounting::Disagreement() const {
+  constexpr double kToleranceM = 0.05, kToleranceRad = 0.05;
+  if (max_deviation_m <= kToleranceM && max_deviation_rad <= kToleranceRad) return "";
+  std::ostringstream text;
+  text << "the place of the laser on the robot differs by up to " << max_deviation_m << " m and "
+       << RadToDeg(max_deviation_rad) << " deg between scans";
+  return text.str();
+}
 
 LaserMounting EstimateLaserMounting(const CarmenLog& log) {
   // The yaw through sine and cosine: a laser that looks backwards has readings at both +-pi.

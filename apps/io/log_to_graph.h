@@ -1,6 +1,8 @@
 #ifndef PLUMBLINE_APPS_IO_LOG_TO_GRAPH_H_
 #define PLUMBLINE_APPS_IO_LOG_TO_GRAPH_H_
 
+#include <string>
+
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
@@ -15,6 +17,10 @@ struct LaserMounting {
   /// poses were replaced by another mapper's shows here.
   double max_deviation_m = 0.0;
   double max_deviation_rad = 0.0;
+
+  /// What is wrong, in words, if scans deviate by more than the rounding of any logger (0.05 m or
+  /// 0.05 rad); else empty.
+  std::string Disagreement() const;
 };
 
 /// Needs at least one scan.

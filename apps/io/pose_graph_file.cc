@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <numeric>
 #include <string_view>
 #include <unordered_map>
@@ -32,11 +34,17 @@ constexpr Dialect kDialects[] = {
 
 constexpr char kLaser[] = "ROBOTLASER1";
 
-// Scans of one laser differ by the rounding of the logger.
-constexpr double kMountingToleranceM = 0.05, kMountingToleranceRad = 0.05;
-
 bool StartsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
+}
+
+bool HasPoseGraphExtension(const std::string& path) {
+  std::filesystem::path name(path);
+  if (name.extension() == ".gz") name = name.stem();
+  const std::string extension = name.extension().string();
+  return std::any_of(std::begin(kDialects), std::end(kDialects), [&](const Dialect& dialect) {
+    return extension == std::string(".") + ToString(dialect.format);
+  });
 }
 
 // The first word of a line; empty for comments and blank lines.
@@ -126,7 +134,7 @@ class Parser {
   }
 
   Status Finish(PoseGraphFile* file) {
-    if (poses_.empty()) return Status::InvalidArgument(path_ + ": no vertex, as a pose graph has");
+    if (poses_.empty()) return Status::InvalidArgument(path_ + ": the file holds no vertices");
     file_.format = dialect_->format;
     CarmenLog log;
     PLUMBLINE_RETURN_IF_ERROR(ReadScans(&log));
@@ -197,16 +205,9 @@ class Parser {
     PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path_, strict, log));
     std::sort(log->scans.begin(), log->scans.end(),
               [](const CarmenScan& a, const CarmenScan& b) { return a.line < b.line; });
-    const LaserMounting mounting = EstimateLaserMounting(*log);
-    if (mounting.max_deviation_m <= kMountingToleranceM &&
-        mounting.max_deviation_rad <= kMountingToleranceRad) {
-      return Status::Ok();
-    }
-    return Status::InvalidArgument(path_ +
-                                   ": the place of the laser on the robot differs by up to " +
-                                   std::to_string(mounting.max_deviation_m) + " m and " +
-                                   std::to_string(RadToDeg(mounting.max_deviation_rad)) +
-                                   " deg between the scans; one laser is expected");
+    const std::string disagreement = EstimateLaserMounting(*log).Disagreement();
+    if (disagreement.empty()) return Status::Ok();
+    return Status::InvalidArgument(path_ + ": " + disagreement + "; one laser is expected");
   }
 
   Status AddPoses(const CarmenLog& log) {
@@ -303,7 +304,7 @@ bool IsPoseGraphFile(const std::string& path) {
     return StartsWith(keyword, "VERTEX") || StartsWith(keyword, "EDGE") || keyword == "FIX" ||
            StartsWith(keyword, "PARAMS_");
   }
-  return false;
+  return HasPoseGraphExtension(path);
 }
 
 Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file) {

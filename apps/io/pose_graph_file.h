@@ -32,7 +32,7 @@ struct PoseGraphFile {
 };
 
 /// Tells by the first record whether a file, plain or gzip-compressed, is a pose graph, readable or
-/// not. False for a file that cannot be opened.
+/// not; by its extension if there is no record. False for a file that cannot be opened.
 bool IsPoseGraphFile(const std::string& path);
 
 /// Reads a pose graph, plain or gzip-compressed. Records (blank-separated; units m, rad):

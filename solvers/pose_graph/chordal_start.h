@@ -20,8 +20,9 @@ namespace plumbline {
 /// Source: Carlone, Tron, Daniilidis, Dellaert: Initialization techniques for 3D SLAM (2015), the
 /// chordal relaxation.
 ///
-/// Edges name poses by their index; the `fixed` ones stay. False, with the poses untouched, if a
-/// pose is not connected with a fixed one or the numbers leave the range of a double.
+/// Edges name poses by their index; the `fixed` ones stay. Expects edges to connect every pose with
+/// a fixed one: where they do not, rounding decides where a pose ends up. False, with the poses
+/// untouched, if the equations cannot be solved, as where numbers leave the range of a double.
 bool ChordalStart(const std::vector<RelativePoseConstraint>& edges, const std::vector<int>& fixed,
                   std::vector<Pose2>* world_from_pose);
 

@@ -34,6 +34,7 @@ struct PoseGraphSummary {
 /// Moves the poses of a graph to the optimum of its relative poses, all quadratic, and puts every
 /// map point where its pose says. Fixed poses stay exactly. Starts at the given poses or at a
 /// chordal start, whichever fits the edges better; the result is never worse than the given poses.
+/// Expects relative poses to connect every pose with a fixed one; without any, all poses stay.
 /// Odometry and laser returns are not looked at.
 PoseGraphSummary RefinePoseGraph(SlamGraph* graph);
 

@@ -2,10 +2,10 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
 #include "plumbline/solvers/seeding/odometry_span.h"
@@ -113,15 +113,17 @@ Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
   return Status::Ok();
 }
 
-void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refused,
-                 LoopClosingReport* report) {
+void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refused_bridges,
+                 const std::vector<TestedCandidate>& refused_closures, LoopClosingReport* report) {
   const auto record = [&](const RelativePoseConstraint& edge, ClosureVerdict verdict) {
     report->matches.push_back(
         {keys.key_scans[edge.from].pose, keys.key_scans[edge.to].pose, edge.from_from_to, verdict});
   };
   for (const auto& edge : keys.closures) record(edge, ClosureVerdict::kAccepted);
   for (const auto& edge : keys.contradicted) record(edge, ClosureVerdict::kContradicted);
-  for (const TestedCandidate& result : refused) record(result.edge, result.verdict);
+  for (const auto* refused : {&refused_bridges, &refused_closures}) {
+    for (const TestedCandidate& result : *refused) record(result.edge, result.verdict);
+  }
   report->num_closures = static_cast<int>(keys.closures.size());
   report->num_contradicted = static_cast<int>(keys.contradicted.size());
   for (const SequentialEdge& edge : keys.sequential) {
@@ -165,7 +167,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
                   ThreadPool* pool, KeyGraph* keys, LoopClosingReport* report) {
   *report = LoopClosingReport();
-  std::vector<TestedCandidate> refused;
+  std::vector<TestedCandidate> refused_bridges, refused_closures;
   for (int round = 0; round <= kMaxRounds; ++round) {
     // What the robot did at a doubtful edge is best told from what lies next to it.
     const bool bridging = round == 0;
@@ -176,6 +178,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     PLUMBLINE_RETURN_IF_ERROR(
         TestInBatches(options, graph, surfaces, *keys, candidates, progress, pool, &tested));
     report->num_candidates += static_cast<int>(candidates.size());
+    std::vector<TestedCandidate>& refused = bridging ? refused_bridges : refused_closures;
     refused.clear();
     const std::size_t num_closures = keys->closures.size();
     for (const TestedCandidate& result : tested) {
@@ -190,7 +193,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     OptimizeAndPrune(keys);
     if (!found && !bridging) break;
   }
-  WriteReport(*keys, refused, report);
+  WriteReport(*keys, refused_bridges, refused_closures, report);
   return Status::Ok();
 }
 

@@ -47,7 +47,8 @@ struct LoopClosingReport {
   int num_candidates = 0;    ///< places tried, over all rounds
   int num_closures = 0;      ///< accepted and kept
   int num_contradicted = 0;  ///< accepted first, then contradicted by the pose graph
-  /// Every match that became a closure, was contradicted, or was refused in the last round.
+  /// Every match that became a closure, was contradicted, or was refused: next to a doubtful edge,
+  /// where matches are tried once, or in the last round, which tries the others anew.
   std::vector<LoopClosureRecord> matches;
   std::vector<DoubtfulStep> doubts;  ///< in order of time
 };
@@ -61,12 +62,13 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
 /// contradict are dropped again. Unavailable if progress stopped it.
 Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                  ThreadPool* pool, KeyGraph* key_graph, LoopClosingReport* report);
+                  ThreadPool* pool, KeyGraph* keys, LoopClosingReport* report);
 
 /// Carries every pose along with its key scans: as matched to the one before and to the one after,
-/// in the ratio of their distance in time.
+/// in the ratio of their distance in time. before: world_from_robot of every pose as the key scans
+/// were matched.
 std::vector<Pose2> PosesFollowingKeyScans(const KeyGraph& key_graph,
-                                          const std::vector<Pose2>& world_from_robot);
+                                          const std::vector<Pose2>& before);
 
 }  // namespace plumbline
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -16,11 +17,15 @@ void CorrectOdometry(const OdometryNoiseReport& noise, const MotionOptions& moti
                      SequentialTrajectory* trajectory) {
   std::vector<Pose2> corrected = trajectory->odometry;
   for (Pose2& step : corrected) step = CorrectStep(step, noise);
-  KeyGraph keys = MakeKeyGraph(*trajectory, motion);
+  const std::vector<Pose2>& poses = trajectory->world_from_robot;
+  KeyGraph keys;
+  keys.key_scans = trajectory->key_scans;
+  keys.sequential.resize(std::max(1, keys.size()) - 1);
+  for (const KeyScan& key : keys.key_scans) keys.world_from_key.push_back(poses[key.pose]);
   for (int k = 1; k < keys.size(); ++k) {
     const KeyScan& from = keys.key_scans[k - 1];
     const KeyScan& to = keys.key_scans[k];
-    const Pose2& matched = keys.sequential[k - 1].constraint.from_from_to;
+    const Pose2 matched = Between(poses[from.pose], poses[to.pose]);
     const OdometrySpan before = ChainOdometry(trajectory->odometry, from.pose, to.pose, motion);
     const OdometrySpan after = ChainOdometry(corrected, from.pose, to.pose, motion);
     const Eigen::Vector3d change(after.from_from_to.x - before.from_from_to.x,
@@ -37,7 +42,7 @@ void CorrectOdometry(const OdometryNoiseReport& noise, const MotionOptions& moti
         keys.world_from_key[k - 1] *
         Pose2(matched.x + moved.x(), matched.y + moved.y(), matched.yaw + moved.z());
   }
-  trajectory->world_from_robot = PosesFollowingKeyScans(keys, trajectory->world_from_robot);
+  trajectory->world_from_robot = PosesFollowingKeyScans(keys, poses);
   trajectory->odometry = std::move(corrected);
 }
 

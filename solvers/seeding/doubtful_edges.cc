@@ -17,18 +17,17 @@ constexpr double kMapCellM = 0.03;
 // A point of one side is seen by the other if a surface is this near: more than matching leaves,
 // less than a jump that matters.
 constexpr double kSeenM = 0.15;
-// Where neighbouring scans have less than this in common, something is wrong, ...
+// Where neighbouring scans have less than this in common, something is wrong.
 constexpr double kExpectedOverlap = 0.6;
-// ... and so it is where a third of the returns conflict.
-constexpr double kConflictWeight = 3.0;
 // From here on the evidence counts. Sound simulated drives stay below 0.05 everywhere, real ones
 // with people, glass and fast turns are above it in one edge of fifty.
 constexpr double kDoubtfulEvidence = 0.15;
 
 // A scan and where it was taken from.
 struct PlacedScan {
-  int scan = 0;
+  int scan;
   Pose2 world_from_robot;
+  FreeSpaceScan free_space;
 };
 using Side = std::vector<PlacedScan>;  // the nearest one first
 
@@ -50,22 +49,18 @@ double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, con
 }
 
 // How badly two sides agree, from 0 (they do) to 1.6.
-double Disagreement(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                    const Side& before, const Side& after) {
+double Disagreement(const std::vector<SurfacePoints>& surfaces, const Side& before,
+                    const Side& after) {
   FreeSpaceConflict conflict;
   for (const PlacedScan& a : before) {
-    const FreeSpaceScan scan_a(graph, a.scan);
     for (const PlacedScan& b : after) {
-      const FreeSpaceScan scan_b(graph, b.scan);
-      const Pose2 a_from_b = Between(a.world_from_robot, b.world_from_robot);
-      conflict += scan_a.Compare(scan_b, a_from_b, nullptr);
-      conflict += scan_b.Compare(scan_a, a_from_b.Inverse(), nullptr);
+      conflict += CompareBothWays(a.free_space, b.free_space,
+                                  Between(a.world_from_robot, b.world_from_robot));
     }
   }
   const double overlap =
       std::min(Overlap(surfaces, before, after), Overlap(surfaces, after, before));
-  return std::min(1.0, kConflictWeight * conflict.Share()) +
-         std::max(0.0, kExpectedOverlap - overlap);
+  return std::min(1.0, conflict.Penalty()) + std::max(0.0, kExpectedOverlap - overlap);
 }
 
 class EdgeJudge {
@@ -85,20 +80,21 @@ class EdgeJudge {
       after.push_back(Placed(keys_.key_scans[k].scan));
       if (k + 1 < keys_.size() && keys_.sequential[k].doubtful()) break;
     }
-    return Disagreement(graph_, surfaces_, before, after);
+    return Disagreement(surfaces_, before, after);
   }
 
   // The pose on the edge that agrees worst with the pose before it.
   int FirstPoseAfter(int edge, const std::vector<int>& scan_of_pose) const {
     int worst_pose = keys_.key_scans[edge + 1].pose;
     double worst = 0.0;
-    int before = keys_.key_scans[edge].scan;
+    Side before{Placed(keys_.key_scans[edge].scan)};
     for (int pose = keys_.key_scans[edge].pose + 1; pose <= keys_.key_scans[edge + 1].pose;
          ++pose) {
       const int scan = scan_of_pose[pose];
       if (scan < 0) continue;
-      const double disagreement = Disagreement(graph_, surfaces_, {Placed(before)}, {Placed(scan)});
-      before = scan;
+      Side after{Placed(scan)};
+      const double disagreement = Disagreement(surfaces_, before, after);
+      before = std::move(after);
       if (disagreement <= worst) continue;
       worst = disagreement;
       worst_pose = pose;
@@ -107,7 +103,9 @@ class EdgeJudge {
   }
 
  private:
-  PlacedScan Placed(int scan) const { return {scan, poses_[graph_.scan(scan).pose]}; }
+  PlacedScan Placed(int scan) const {
+    return {scan, poses_[graph_.scan(scan).pose], FreeSpaceScan(graph_, scan)};
+  }
 
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;

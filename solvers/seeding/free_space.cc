@@ -67,11 +67,11 @@ FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2
   return conflict;
 }
 
-FreeSpaceConflict CompareFreeSpace(const SlamGraph& graph, int viewer, int scan,
-                                   const Pose2& viewer_from_scan) {
-  Eigen::Vector2d unused;
-  return FreeSpaceScan(graph, viewer)
-      .Compare(FreeSpaceScan(graph, scan), viewer_from_scan, &unused);
+FreeSpaceConflict CompareBothWays(const FreeSpaceScan& a, const FreeSpaceScan& b,
+                                  const Pose2& a_from_b) {
+  FreeSpaceConflict conflict = a.Compare(b, a_from_b, nullptr);
+  conflict += b.Compare(a, a_from_b.Inverse(), nullptr);
+  return conflict;
 }
 
 }  // namespace plumbline

@@ -18,6 +18,9 @@ struct FreeSpaceConflict {
   double Share() const {
     return num_compared > 0 ? static_cast<double>(num_conflicting) / num_compared : 0.0;
   }
+  /// What it weighs against a match, in shares of matched points: a third of the returns in
+  /// conflict is as bad as no match at all.
+  double Penalty() const { return 3.0 * Share(); }
   FreeSpaceConflict& operator+=(const FreeSpaceConflict& other) {
     num_compared += other.num_compared;
     num_conflicting += other.num_conflicting;
@@ -50,9 +53,9 @@ class FreeSpaceScan {
   std::vector<Eigen::Vector2d> points_in_robot_;  // of every second return
 };
 
-/// The same for one pair of scans.
-FreeSpaceConflict CompareFreeSpace(const SlamGraph& graph, int viewer, int scan,
-                                   const Pose2& viewer_from_scan);
+/// The same both ways, given the pose of b's robot as seen from a's.
+FreeSpaceConflict CompareBothWays(const FreeSpaceScan& a, const FreeSpaceScan& b,
+                                  const Pose2& a_from_b);
 
 }  // namespace plumbline
 

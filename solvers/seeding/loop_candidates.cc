@@ -3,29 +3,32 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <queue>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// One radian of difference in heading costs as much common view as this distance [m].
-constexpr double kHeadingCostM = 1.0;
 // Key scans within this stretch of path [m] share one node when ways are measured: the error is a
 // few centimetres of drift, and there are many times fewer nodes.
 constexpr double kNodeM = 2.0;
 // The map of a wide search has one key scan per square of this size [m] and quarter of heading.
 constexpr double kSurroundingsCellM = 1.0;
-
 // A way costs its length; a doubtful edge costs as much as this way [m], so that it is taken only
 // where no closure leads around it.
 constexpr double kDoubtCostM = 300.0;
+// What was seen before a doubtful edge: this much of the path [m].
+constexpr double kBridgeheadM = 15.0;
+// From one try to bridge such an edge to the next [m].
+constexpr double kBridgeSpacingM = 1.3;
 
 // A piece of way, or all of one.
 struct Way {
@@ -34,11 +37,6 @@ struct Way {
 
   double LengthM() const { return cost_m - kDoubtCostM * num_doubts; }
 };
-
-// What was seen before a doubtful edge: this much of the path [m].
-constexpr double kBridgeheadM = 15.0;
-// From one try to bridge such an edge to the next [m].
-constexpr double kBridgeSpacingM = 1.3;
 
 struct Link {
   int to = 0;
@@ -243,7 +241,7 @@ class CandidateFinder {
     const Pose2& b = graph_.world_from_key[second];
     const double distance_m = (a.translation() - b.translation()).norm();
     if (distance_m <= options_.reach_m + drift_m) {
-      pair.cost = distance_m + kHeadingCostM * std::abs(NormalizeAngle(b.yaw - a.yaw));
+      pair.cost = ViewDistanceM(distance_m, b.yaw - a.yaw);
     }
     return pair;
   }
@@ -289,6 +287,11 @@ bool LoopCandidateOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_m, >=, spacing_m);
   PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_per_drift, >=, 0.0);
   return true;
+}
+
+double ViewDistanceM(double distance_m, double turn_rad) {
+  constexpr double kMetresPerRad = 1.0;
+  return distance_m + kMetresPerRad * std::abs(NormalizeAngle(turn_rad));
 }
 
 std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& options,

@@ -49,6 +49,10 @@ struct LoopCandidateOptions {
   bool Check(std::string* error) const;
 };
 
+/// How little two views have in common [m], if the robot went distance_m and turned by turn_rad in
+/// between: a radian counts as a metre.
+double ViewDistanceM(double distance_m, double turn_rad);
+
 /// A key scan that may be a revisit, and where to look for the place.
 struct LoopCandidate {
   int first = 0;         ///< key scan of the earlier visit, the nearest one by what is known so far

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/seeding/correlative_matcher.h"
 #include "plumbline/solvers/seeding/free_space.h"
@@ -25,8 +26,6 @@ constexpr double kPeakRadiusM = 0.7;
 constexpr double kPeakAngleRad = 0.3;
 // A second peak is looked for at least this far around: repeated rooms are a few metres apart.
 constexpr double kPeakWindowM = 6.0;
-// One radian of difference in heading costs as much common view as this distance [m].
-constexpr double kHeadingCostM = 1.0;
 
 class CandidateTester {
  public:
@@ -135,8 +134,7 @@ class CandidateTester {
     double nearest_cost = std::numeric_limits<double>::infinity();
     for (const int k : keys) {
       const Pose2 apart = Between(KeyFromKey(frame, k), frame_from_robot);
-      const double cost =
-          std::hypot(apart.x, apart.y) + kHeadingCostM * std::abs(NormalizeAngle(apart.yaw));
+      const double cost = ViewDistanceM(std::hypot(apart.x, apart.y), apart.yaw);
       if (cost >= nearest_cost) continue;
       nearest_cost = cost;
       nearest = k;
@@ -146,17 +144,23 @@ class CandidateTester {
 
   // Over the pairs of key scans next to the two, both ways.
   double ConflictShare(const RelativePoseConstraint& edge) const {
+    const std::vector<int> keys_a = NextTo(edge.from), keys_b = NextTo(edge.to);
+    const std::vector<FreeSpaceScan> scans_a = FreeSpaceOf(keys_a), scans_b = FreeSpaceOf(keys_b);
     FreeSpaceConflict conflict;
-    for (const int a : NextTo(edge.from)) {
-      const Pose2 a_from_to = KeyFromKey(a, edge.from) * edge.from_from_to;
-      for (const int b : NextTo(edge.to)) {
-        const Pose2 a_from_b = a_from_to * KeyFromKey(edge.to, b);
-        const int scan_a = keys_.key_scans[a].scan, scan_b = keys_.key_scans[b].scan;
-        conflict += CompareFreeSpace(graph_, scan_a, scan_b, a_from_b);
-        conflict += CompareFreeSpace(graph_, scan_b, scan_a, a_from_b.Inverse());
+    for (std::size_t a = 0; a < keys_a.size(); ++a) {
+      const Pose2 a_from_to = KeyFromKey(keys_a[a], edge.from) * edge.from_from_to;
+      for (std::size_t b = 0; b < keys_b.size(); ++b) {
+        conflict +=
+            CompareBothWays(scans_a[a], scans_b[b], a_from_to * KeyFromKey(edge.to, keys_b[b]));
       }
     }
     return conflict.Share();
+  }
+
+  std::vector<FreeSpaceScan> FreeSpaceOf(const std::vector<int>& keys) const {
+    std::vector<FreeSpaceScan> scans;
+    for (const int k : keys) scans.emplace_back(graph_, keys_.key_scans[k].scan);
+    return scans;
   }
 
   // The key scan and the ones right before and after it, as far as they are of the same visit.

@@ -269,12 +269,17 @@ double MapConsistency::ExplicableShare() const {
   return std::min(std::max(within_pass.Share(), kDoorsShare), kCrowdShare);
 }
 
-double MapConsistency::Ratio() const {
-  return std::max(RatioOf(worst_within.conflict, ExplicableShare()),
-                  RatioOf(worst_between.conflict, ExplicableShare()));
+double MapConsistency::Ratio(const ConflictPeak& peak) const {
+  return RatioOf(peak.conflict, ExplicableShare());
 }
 
-bool MapConsistency::IsContradictory() const { return Ratio() > kMaxRatio; }
+bool MapConsistency::IsContradictory(const ConflictPeak& peak) const {
+  return Ratio(peak) > kMaxRatio;
+}
+
+const ConflictPeak& MapConsistency::WorstPeak() const {
+  return Ratio(worst_within) > Ratio(worst_between) ? worst_within : worst_between;
+}
 
 MapConsistency MeasureMapConsistency(const SlamGraph& graph,
                                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {

@@ -44,12 +44,21 @@ struct MapConsistency {
   /// than a crowd does.
   double ExplicableShare() const;
 
-  /// Conflicts of the worst of the two over the ones that can be explained. Drawn towards 1 where
-  /// little was compared, and 1 where nothing was.
-  double Ratio() const;
+  /// Conflicts of a peak over the ones that can be explained. Drawn towards 1 where little was
+  /// compared, and 1 where nothing was.
+  double Ratio(const ConflictPeak& peak) const;
 
-  /// Whether a part of the map must be wrong: the ratio is above 3.
-  bool IsContradictory() const;
+  /// Whether a part of the map must be wrong there: the ratio is above 3.
+  bool IsContradictory(const ConflictPeak& peak) const;
+
+  /// The peak of the higher ratio, and what is said of it.
+  const ConflictPeak& WorstPeak() const;
+  double Ratio() const { return Ratio(WorstPeak()); }
+  bool IsContradictory() const { return IsContradictory(WorstPeak()); }
+
+  /// Share of conflicting returns of different passes over the one within a pass; not finite where
+  /// one pass has no conflict.
+  double BetweenOverWithin() const { return between_passes.Share() / within_pass.Share(); }
 };
 
 /// Compares scans every half metre of the path with a bounded number of others: of the same pass

@@ -21,16 +21,19 @@ constexpr double kSpoiltM = 2.0;
 constexpr double kMapPathM = 8.0;
 // Below this share of matched points the odometry alone says where the scan was.
 constexpr double kMinInlierRatio = 0.5;
-
 // Where the sequential matching saw the break counts as this much of a scan.
 constexpr double kTrustInFirstPose = 0.2;
-
-// A third of the returns in conflict is as bad as no match at all.
-constexpr double kConflictWeight = 3.0;
 
 struct Placed {
   Pose2 pose;
   double fit = 0.0;  // share of matched points, less what contradicts the key scans around
+};
+
+// An edge at which the sequential matching went to another place, and the first key scan beyond it
+// that was matched soundly again.
+struct Break {
+  int edge;
+  int sound;
 };
 
 // Whether the sequential matching went to another place, rather than be a little off.
@@ -41,22 +44,51 @@ bool IsMisjudged(const KeyGraph& keys, int edge) {
   return std::hypot(off.x, off.y) > kFarM || std::abs(off.yaw) > kFarRad;
 }
 
+// The next break ends what the one before has spoilt.
+int FirstSoundKey(const KeyGraph& keys, int edge) {
+  int k = edge + 1;
+  while (k + 1 < keys.size() && !keys.sequential[k].broken &&
+         keys.key_scans[k].path_m - keys.key_scans[edge + 1].path_m < kSpoiltM) {
+    ++k;
+  }
+  return k;
+}
+
+std::vector<Break> FindBreaks(const KeyGraph& keys) {
+  std::vector<Break> breaks;
+  for (int edge = 0; edge + 1 < keys.size(); ++edge) {
+    if (keys.sequential[edge].broken && IsMisjudged(keys, edge)) {
+      breaks.push_back({edge, FirstSoundKey(keys, edge)});
+    }
+  }
+  return breaks;
+}
+
 class Rematcher {
  public:
   Rematcher(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-            const KeyGraph& keys, const std::vector<Pose2>& odometry,
-            std::vector<Pose2>* world_from_robot)
+            const KeyGraph& keys, const std::vector<Break>& breaks,
+            const std::vector<Pose2>& odometry, std::vector<Pose2>* world_from_robot)
       : graph_(graph),
         surfaces_(surfaces),
         keys_(keys),
         odometry_(odometry),
         poses_(*world_from_robot),
-        scan_of_pose_(MatchedScanOfPoses(graph, surfaces)) {}
+        scan_of_pose_(MatchedScanOfPoses(graph, surfaces)),
+        is_spoilt_(keys.key_scans.size(), false) {
+    for (const auto& [edge, sound] : breaks) {
+      std::fill(is_spoilt_.begin() + edge + 1, is_spoilt_.begin() + sound, true);
+    }
+  }
 
-  void Rematch(int edge) {
-    const int sound = FirstSoundKey(edge);
+  void Rematch(const Break& here) {
+    const auto [edge, sound] = here;
     BuildMap(edge, sound);
-    witnesses_ = {std::max(0, edge - 1), edge, sound, std::min(keys_.size() - 1, sound + 1)};
+    witnesses_.clear();
+    for (const int k : {SoundNeighbour(edge, -1), edge, sound, SoundNeighbour(sound, 1)}) {
+      witnesses_.push_back(
+          {FreeSpaceScan(graph_, keys_.key_scans[k].scan), keys_.world_from_key[k]});
+    }
     const int begin = keys_.key_scans[edge].pose + 1;
     const int end = keys_.key_scans[edge + 1].pose;  // which lies beyond the break
     const int sound_pose = keys_.key_scans[sound].pose;
@@ -77,13 +109,16 @@ class Rematcher {
   }
 
  private:
-  int FirstSoundKey(int edge) const {
-    int k = edge + 1;
-    while (k + 1 < keys_.size() && !keys_.sequential[k].broken &&
-           keys_.key_scans[k].path_m - keys_.key_scans[edge + 1].path_m < kSpoiltM) {
-      ++k;
-    }
-    return k;
+  struct Witness {
+    FreeSpaceScan free_space;
+    Pose2 world_from_robot;
+  };
+
+  // The next key scan in a direction that is not spoilt; at the end of the path the given one.
+  int SoundNeighbour(int key, int direction) const {
+    int k = key + direction;
+    while (k >= 0 && k < keys_.size() && is_spoilt_[k]) k += direction;
+    return k >= 0 && k < keys_.size() ? k : key;
   }
 
   void BuildMap(int edge, int sound) {
@@ -92,7 +127,7 @@ class Rematcher {
     for (int k = 0; k < keys_.size(); ++k) {
       const int anchor = k <= edge ? edge : sound;
       const double path_m = std::abs(keys_.key_scans[k].path_m - keys_.key_scans[anchor].path_m);
-      if ((k > edge && k < sound) || path_m > kMapPathM) continue;
+      if (is_spoilt_[k] || path_m > kMapPathM) continue;
       points.push_back(&surfaces_[keys_.key_scans[k].scan]);
       poses.push_back(keys_.world_from_key[k]);
     }
@@ -107,14 +142,13 @@ class Rematcher {
     const ScanMatch match = MatchScan(map_, surfaces_[scan], start, ScanMatchOptions());
     Placed placed{predicted, match.inlier_ratio};
     if (match.inlier_ratio >= kMinInlierRatio) placed.pose = match.world_from_robot;
+    const FreeSpaceScan free_space(graph_, scan);
     FreeSpaceConflict conflict;
-    for (const int k : witnesses_) {
-      const int witness = keys_.key_scans[k].scan;
-      const Pose2 witness_from_scan = Between(keys_.world_from_key[k], placed.pose);
-      conflict += CompareFreeSpace(graph_, witness, scan, witness_from_scan);
-      conflict += CompareFreeSpace(graph_, scan, witness, witness_from_scan.Inverse());
+    for (const Witness& witness : witnesses_) {
+      conflict += CompareBothWays(witness.free_space, free_space,
+                                  Between(witness.world_from_robot, placed.pose));
     }
-    placed.fit -= kConflictWeight * conflict.Share();
+    placed.fit -= conflict.Penalty();
     return placed;
   }
 
@@ -145,7 +179,8 @@ class Rematcher {
   std::vector<Pose2>& poses_;
   const std::vector<int> scan_of_pose_;
   LocalMap map_{kMapCellM};
-  std::vector<int> witnesses_;  // the key scans next to the break, on both sides
+  std::vector<bool> is_spoilt_;     // per key scan, by any break
+  std::vector<Witness> witnesses_;  // the key scans next to the break, on both sides
 };
 
 }  // namespace
@@ -153,10 +188,9 @@ class Rematcher {
 void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                      const KeyGraph& keys, const std::vector<Pose2>& odometry,
                      std::vector<Pose2>* world_from_robot) {
-  Rematcher rematcher(graph, surfaces, keys, odometry, world_from_robot);
-  for (int edge = 0; edge + 1 < keys.size(); ++edge) {
-    if (keys.sequential[edge].broken && IsMisjudged(keys, edge)) rematcher.Rematch(edge);
-  }
+  const std::vector<Break> breaks = FindBreaks(keys);
+  Rematcher rematcher(graph, surfaces, keys, breaks, odometry, world_from_robot);
+  for (const Break& here : breaks) rematcher.Rematch(here);
 }
 
 }  // namespace plumbline

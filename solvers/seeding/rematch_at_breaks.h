@@ -14,7 +14,7 @@ namespace plumbline {
 /// surfaces: per scan. odometry: from the pose before, per pose. world_from_robot: per pose,
 /// following the key scans.
 void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                     const KeyGraph& key_graph, const std::vector<Pose2>& odometry,
+                     const KeyGraph& keys, const std::vector<Pose2>& odometry,
                      std::vector<Pose2>* world_from_robot);
 
 }  // namespace plumbline
