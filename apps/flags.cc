@@ -22,7 +22,7 @@ const plumbline::SeedingOptions& SeedingDefaults() {
 }  // namespace
 
 DEFINE_string(solver, ToString(Defaults().type),
-              "Minimiser of the joint energy: alternating_cg or ceres");
+              "Minimiser of the joint energy: reduced, alternating_cg or ceres");
 DEFINE_int32(threads, Defaults().num_threads, "Threads; the result does not depend on it");
 
 // Sensor and surfaces.
@@ -82,6 +82,21 @@ DEFINE_double(coarse_gate_factor, Defaults().rounds.coarse_gate_factor,
               "Factor on the robust gates in the first coarse round");
 DEFINE_double(round_tolerance, Defaults().rounds.relative_tolerance,
               "Fine rounds end when one gains less [fraction of the marginal energy]");
+
+// --solver=reduced
+DEFINE_int32(reduced_max_rounds, Defaults().reduced.max_rounds,
+             "reduced: most rounds; each cuts the surfaces into patches anew");
+DEFINE_int32(reduced_steps, Defaults().reduced.steps_per_round,
+             "reduced: Gauss-Newton steps per round, at most");
+DEFINE_double(reduced_first_gate_factor, Defaults().reduced.first_gate_factor,
+              "reduced: factor on the robust gate in the first round");
+DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
+              "reduced: ends when a round gains less [fraction of the cost], and");
+DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
+              "reduced: moves returns across their surfaces by less [standard deviations]");
+
+DEFINE_int32(reduced_polish_sweeps, Defaults().reduced.polish_sweeps,
+             "reduced: sweeps of alternating_cg afterwards, on the exact energy of all points");
 
 // --solver=alternating_cg
 DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
@@ -219,6 +234,12 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->rounds.fine_radius_m = FLAGS_fine_radius_m;
   options->rounds.coarse_gate_factor = FLAGS_coarse_gate_factor;
   options->rounds.relative_tolerance = FLAGS_round_tolerance;
+  options->reduced.max_rounds = FLAGS_reduced_max_rounds;
+  options->reduced.steps_per_round = FLAGS_reduced_steps;
+  options->reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
+  options->reduced.relative_tolerance = FLAGS_reduced_tolerance;
+  options->reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
+  options->reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
   options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;
   options->alternating_cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
   options->alternating_cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;

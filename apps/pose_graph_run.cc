@@ -16,7 +16,7 @@
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
@@ -65,12 +65,13 @@ class PoseGraphRun {
   void ChooseJointStart() {
     SlamGraph& graph = file_.graph;
     const FactorOptions& factors = options_.solver.factors;
-    const std::vector<Eigen::Vector2f> normals =
-        EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool_);
+    const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
     // The widest neighbourhoods: the narrow ones do not see a double wall.
     const auto energy = [&] {
-      return MarginalEnergy(normals, factors, options_.solver.association,
-                            options_.solver.rounds.coarse_radius_m, &pool_, &graph);
+      const std::vector<TangentLine> lines =
+          LinesFromRadius(graph, surface, options_.solver.association,
+                          options_.solver.rounds.coarse_radius_m, &pool_);
+      return MarginalEnergy(graph, surface, lines, factors, &pool_);
     };
     const double after_edges = energy();
     const std::vector<double> poses_after_edges = graph.poses();

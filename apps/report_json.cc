@@ -34,6 +34,20 @@ Json RoundsJson(const SolverSummary& solver) {
   return json;
 }
 
+Json PatchRoundsJson(const SolverSummary& solver) {
+  Json json = Json::array();
+  for (const PatchRoundSummary& round : solver.patch_rounds) {
+    json.push_back({{"gate_sigmas", round.gate_sigmas},
+                    {"patches", round.num_patches},
+                    {"sightings", round.num_sightings},
+                    {"cost_before", round.initial_cost},
+                    {"cost_after", round.final_cost},
+                    {"moved_sigmas", round.moved_sigmas},
+                    {"steps", round.steps}});
+  }
+  return json;
+}
+
 Json IterationsJson(const SolverSummary& solver) {
   Json json = Json::array();
   for (const IterationSummary& it : solver.iterations) {
@@ -76,8 +90,13 @@ Json SolverJson(const SolverSummary& solver) {
           {"message", solver.message},
           {"marginal_energy_seed", solver.seed_marginal_energy},
           {"marginal_energy_final", solver.final_marginal_energy},
-          {"terms_of_last_round", TermsJson(solver)},
+          {"terms", TermsJson(solver)},
           {"rounds", RoundsJson(solver)},
+          {"patch_rounds", PatchRoundsJson(solver)},
+          {"point_displacement",
+           {{"mean_m", solver.displacements.mean_m},
+            {"max_m", solver.displacements.max_m},
+            {"max_beam_sigmas", solver.displacements.max_beam_sigmas}}},
           {"time_s",
            {{"association", solver.association_time_s},
             {"setup", solver.setup_time_s},

@@ -4,6 +4,8 @@
 #include <cstddef>
 
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/pose_terms.h"
 
 namespace plumbline {
@@ -12,13 +14,14 @@ namespace {
 constexpr std::size_t kScansPerChunk = 16;
 
 // Cost of the returns of one scan, given the lines of the map.
-double ScanCost(const SlamGraph& graph, int scan_id, const std::vector<TangentLine>& lines,
-                const FactorOptions& factors) {
+double ScanCost(const SlamGraph& graph, const MeasuredSurface& surface, int scan_id,
+                const std::vector<TangentLine>& lines, const FactorOptions& factors) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const LaserReturns& returns = graph.returns();
-  const double laser_yaw = graph.WorldFromLaser(scan_id).yaw;
+  const Pose2 pose = graph.WorldFromRobot(scan.pose);
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
-  const double sigma_m = factors.manifold.sigma_m;
+  const SurfaceNoise noise = NoiseOf(factors);
   double cost = 0.0;
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const TangentLine& line = lines[r];
@@ -26,14 +29,12 @@ double ScanCost(const SlamGraph& graph, int scan_id, const std::vector<TangentLi
       cost += 0.5 * loss.scale_squared;
       continue;
     }
-    const double bearing = laser_yaw + returns.bearing_rad[r];
-    const double c = std::cos(bearing), s = std::sin(bearing);
-    const double along = (line.normal_x * c + line.normal_y * s) * factors.beam.sigma_range_m;
-    const double across = (-line.normal_x * s + line.normal_y * c) * returns.range_m[r] *
-                          factors.beam.sigma_bearing_rad;
-    const double variance = sigma_m * sigma_m + along * along + across * across;
-    const double distance = line.normal_x * graph.points()[2 * r] +
-                            line.normal_y * graph.points()[2 * r + 1] - line.offset;
+    const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,
+                                 -s * line.normal_x + c * line.normal_y);
+    const Eigen::Vector2d point = surface.points[r].cast<double>();
+    const double variance = noise.surface_variance + noise.BeamVariance(point - laser, normal);
+    const double distance =
+        normal.dot(point) + line.normal_x * pose.x + line.normal_y * pose.y - line.offset;
     cost += 0.5 * loss.Rho(distance * distance / variance);
   }
   return cost;
@@ -41,23 +42,19 @@ double ScanCost(const SlamGraph& graph, int scan_id, const std::vector<TangentLi
 
 }  // namespace
 
-double MarginalEnergy(const std::vector<Eigen::Vector2f>& normals, const FactorOptions& factors,
-                      const AssociationOptions& association, double radius_m, ThreadPool* pool,
-                      SlamGraph* graph) {
-  const std::vector<double> kept_points = graph->points();
-  graph->ResetPointsFromPoses();
-  const std::vector<TangentLine> lines =
-      LinesFromRadius(*graph, normals, association, radius_m, pool);
-  std::vector<double> costs(ThreadPool::NumChunks(graph->num_scans(), kScansPerChunk), 0.0);
-  pool->ForEachChunk(graph->num_scans(), kScansPerChunk,
+double MarginalEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
+                      const std::vector<TangentLine>& lines, const FactorOptions& factors,
+                      ThreadPool* pool) {
+  std::vector<double> costs(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk), 0.0);
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t s = begin; s < end; ++s) {
-                         costs[chunk] += ScanCost(*graph, static_cast<int>(s), lines, factors);
+                         costs[chunk] +=
+                             ScanCost(graph, surface, static_cast<int>(s), lines, factors);
                        }
                      });
-  double total = PoseTerms(*graph, factors).Cost(graph->poses());
+  double total = PoseTerms(graph, factors).Cost(graph.poses());
   for (const double cost : costs) total += cost;
-  graph->points() = kept_points;
   return total;
 }
 

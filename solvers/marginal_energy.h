@@ -1,31 +1,28 @@
 #ifndef PLUMBLINE_SOLVERS_MARGINAL_ENERGY_H_
 #define PLUMBLINE_SOLVERS_MARGINAL_ENERGY_H_
 
-#include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/solvers/association/associations.h"
+#include "plumbline/factors/manifold_factor.h"
 
 namespace plumbline {
 
 /// How well the graph's poses explain the scans: the energy with every point at its optimum, under
-/// the tangent lines that these poses themselves give. It compares states whose associations
-/// differ, where the joint energy cannot.
+/// the tangent lines that these poses themselves give (`lines`, from LinesFromRadius). It compares
+/// states whose associations differ, where the joint energy cannot.
 ///
 /// A return at signed distance d from its line costs rho(d^2 / s^2) / 2 with
 /// s^2 = sigma_M^2 + n^T C n, C the world-frame covariance of its beam; the point that minimises
 /// beam and manifold term together reaches this value (quadratic case). A return without a line
 /// costs what an outlier costs, so losing lines never pays. Pose terms are added; shape terms,
 /// which tie points to each other, are left out.
-///
-/// normals: as EstimateReturnNormals gives them. radius_m as for LinesFromRadius. The graph is as
-/// before on return.
-double MarginalEnergy(const std::vector<Eigen::Vector2f>& normals, const FactorOptions& factors,
-                      const AssociationOptions& association, double radius_m, ThreadPool* pool,
-                      SlamGraph* graph);
+double MarginalEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
+                      const std::vector<TangentLine>& lines, const FactorOptions& factors,
+                      ThreadPool* pool);
 
 }  // namespace plumbline
 

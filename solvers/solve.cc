@@ -10,6 +10,8 @@
 #include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/marginal_energy.h"
+#include "plumbline/solvers/point_recovery.h"
+#include "plumbline/solvers/reduced/reduced_solver.h"
 
 namespace plumbline {
 namespace {
@@ -77,10 +79,76 @@ class JointSolver {
   }
 
   SolverSummary Run() {
-    normals_ = EstimateReturnNormals(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
+    surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
+    best_poses_ = graph_->poses();
+    summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
+    if (options_.type == SolverType::kReduced) {
+      RunReduced();
+    } else {
+      RunRounds();
+    }
+    Conclude();
+    return std::move(summary_);
+  }
+
+ private:
+  // Rounds over patches, then the points in closed form. Patches are not the lines of single
+  // points; whether the result is better is judged by these.
+  void RunReduced() {
+    ReducedResult result = MinimizeOverPatches(surface_, options_.factors, options_.reduced,
+                                               ReportCallback(), &pool_, graph_);
+    summary_.patch_rounds = std::move(result.rounds);
+    summary_.solve_time_s = result.minimization_time_s;
+    last_inner_.usable = true;
+    last_inner_.stopped = result.stopped;
+    last_inner_.stop_reason = result.stop_reason;
+    converged_ = result.converged;
+    Associations associations;
+    associations.lines = CurrentLines();
+    summary_.association_time_s += result.cutting_time_s;
+    const double energy = MarginalEnergyUnder(associations.lines);
+    if (!IsImprovement(energy)) {
+      graph_->poses() = best_poses_;
+      return;
+    }
+    best_energy_ = energy;
+    best_round_ = static_cast<int>(summary_.patch_rounds.size());
+    FinishReduced(&associations);
+  }
+
+  // The final points, and the costs per term before and after, under the final lines.
+  void FinishReduced(Associations* associations) {
+    const std::vector<double> seed_points = graph_->points();
+    summary_.displacements =
+        RecoverPoints(surface_, associations->lines, options_.factors, &pool_, graph_);
+    if (options_.factors.shape.enabled) {
+      associations->shape_pairs = FindShapePairs(*graph_, surface_.normals, associations->lines,
+                                                 options_.association, &pool_);
+    }
+    const Energy energy(*graph_, *associations, options_.factors, &pool_);
+    RecordTerms(energy, best_poses_, seed_points, &TermSummary::initial_cost);
+    if (options_.reduced.polish_sweeps > 0 && !last_inner_.stopped) Polish(energy);
+    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
+  }
+
+  // Exact per-point sweeps; undone if they do not help.
+  void Polish(const Energy& energy) {
     best_poses_ = graph_->poses();
     best_points_ = graph_->points();
-    summary_.seed_marginal_energy = best_energy_ = CurrentMarginalEnergy();
+    AlternatingCgOptions sweeps = options_.alternating_cg;
+    sweeps.max_sweeps = options_.reduced.polish_sweeps;
+    last_inner_ = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_);
+    const double polished = MarginalEnergyUnder(CurrentLines());
+    if (last_inner_.usable && IsImprovement(polished)) {
+      best_energy_ = polished;
+    } else {
+      graph_->poses() = best_poses_;
+      graph_->points() = best_points_;
+    }
+  }
+
+  void RunRounds() {
+    best_points_ = graph_->points();
     for (int round = 0; round < options_.rounds.max_coarse_rounds && !ended_; ++round) {
       if (!RunRound(ScaleOfCoarseRound(options_.rounds, fine_radius_m_, round))) break;
     }
@@ -92,14 +160,24 @@ class JointSolver {
                    (!kept || before - best_energy_ <= options_.rounds.relative_tolerance * before);
       if (converged_) break;
     }
-    Conclude();
-    return std::move(summary_);
   }
 
- private:
-  double CurrentMarginalEnergy() {
-    return MarginalEnergy(normals_, options_.factors, options_.association, fine_radius_m_, &pool_,
-                          graph_);
+  // The lines that the current poses give.
+  std::vector<TangentLine> CurrentLines() {
+    const auto start = Clock::now();
+    std::vector<TangentLine> lines =
+        LinesFromRadius(*graph_, surface_, options_.association, fine_radius_m_, &pool_);
+    summary_.association_time_s += SecondsSince(start);
+    return lines;
+  }
+  double MarginalEnergyUnder(const std::vector<TangentLine>& lines) {
+    return MarginalEnergy(*graph_, surface_, lines, options_.factors, &pool_);
+  }
+
+  // Beyond the rounding of the measured points to single precision.
+  bool IsImprovement(double energy) const {
+    constexpr double kRounding = 1e-9;
+    return energy < best_energy_ * (1.0 - kRounding);
   }
 
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
@@ -119,17 +197,17 @@ class JointSolver {
 
     start = Clock::now();
     const Energy energy(*graph_, associations, factors, &pool_);
-    RecordTerms(energy, &TermSummary::initial_cost);
+    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::initial_cost);
     last_inner_ = SolveInner(energy, associations, factors);
-    RecordTerms(energy, &TermSummary::final_cost);
+    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
     summary_.setup_time_s += last_inner_.setup_time_s;
     summary_.solve_time_s += SecondsSince(start) - last_inner_.setup_time_s;
     row.initial_cost = last_inner_.initial_cost;
     row.final_cost = last_inner_.final_cost;
     row.iterations = last_inner_.iterations;
     row.stop_reason = last_inner_.stop_reason;
-    row.marginal_energy = CurrentMarginalEnergy();
-    row.kept = last_inner_.usable && row.marginal_energy < best_energy_;
+    row.marginal_energy = MarginalEnergyUnder(CurrentLines());
+    row.kept = last_inner_.usable && IsImprovement(row.marginal_energy);
     ended_ = last_inner_.stopped || !last_inner_.usable;
     summary_.rounds.push_back(row);
     if (row.kept) {
@@ -147,7 +225,7 @@ class JointSolver {
     const std::vector<double> points = graph_->points();
     graph_->ResetPointsFromPoses();
     Associations associations =
-        BuildAssociations(*graph_, normals_, options_.association, radius_m, &pool_);
+        BuildAssociations(*graph_, surface_, options_.association, radius_m, &pool_);
     graph_->points() = points;
     return associations;
   }
@@ -159,29 +237,31 @@ class JointSolver {
     best_points_ = graph_->points();
   }
 
-  InnerResult SolveInner(const Energy& energy, const Associations& associations,
-                         const FactorOptions& factors) {
-    const ProgressCallback report = [this](const IterationSummary& from) {
+  // Keeps every iteration, numbered through, and hands it on.
+  ProgressCallback ReportCallback() {
+    return [this](const IterationSummary& from) {
       IterationSummary iteration = from;
       iteration.iteration = static_cast<int>(summary_.iterations.size()) + 1;
-      iteration.round = static_cast<int>(summary_.rounds.size()) + 1;
+      if (iteration.round == 0) iteration.round = static_cast<int>(summary_.rounds.size()) + 1;
       iteration.total_time_s = SecondsSince(start_);
       summary_.iterations.push_back(iteration);
       return !options_.callback || options_.callback(iteration);
     };
-    switch (options_.type) {
-      case SolverType::kAlternatingCg:
-        return SolveByAlternatingCg(energy, options_.alternating_cg, report, graph_);
-      case SolverType::kCeres:
-        return SolveWithCeres(associations, factors, options_.ceres, options_.num_threads, report,
-                              graph_);
-    }
-    return InnerResult();
   }
 
-  void RecordTerms(const Energy& energy, double TermSummary::*cost) {
+  InnerResult SolveInner(const Energy& energy, const Associations& associations,
+                         const FactorOptions& factors) {
+    if (options_.type == SolverType::kCeres) {
+      return SolveWithCeres(associations, factors, options_.ceres, options_.num_threads,
+                            ReportCallback(), graph_);
+    }
+    return SolveByAlternatingCg(energy, options_.alternating_cg, ReportCallback(), graph_);
+  }
+
+  void RecordTerms(const Energy& energy, const std::vector<double>& poses,
+                   const std::vector<double>& points, double TermSummary::*cost) {
     TermCosts costs;
-    if (!energy.Evaluate(graph_->poses(), graph_->points(), &costs)) return;
+    if (!energy.Evaluate(poses, points, &costs)) return;
     const auto counts = energy.CountTerms();
     for (int t = 0; t < kNumTerms; ++t) {
       summary_.terms[t].count = counts[t];
@@ -211,7 +291,8 @@ class JointSolver {
     if (best_round_ == 0) {
       message << ": no round improved on the seed, which is returned as it was";
     } else {
-      message << ", best in round " << best_round_ << " of " << summary_.rounds.size();
+      message << ", best in round " << best_round_ << " of "
+              << summary_.rounds.size() + summary_.patch_rounds.size();
     }
     message << "; last round: " << last_inner_.stop_reason;
     summary_.message = message.str();
@@ -229,7 +310,7 @@ class JointSolver {
   const double fine_radius_m_;
   ThreadPool pool_;
   const Clock::time_point start_ = Clock::now();
-  std::vector<Eigen::Vector2f> normals_;
+  MeasuredSurface surface_;
   SolverSummary summary_;
   InnerResult last_inner_;
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated

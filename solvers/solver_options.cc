@@ -5,17 +5,39 @@
 namespace plumbline {
 
 const char* ToString(SolverType type) {
-  return type == SolverType::kAlternatingCg ? "alternating_cg" : "ceres";
+  switch (type) {
+    case SolverType::kReduced:
+      return "reduced";
+    case SolverType::kAlternatingCg:
+      return "alternating_cg";
+    case SolverType::kCeres:
+      return "ceres";
+  }
+  return "";
 }
 
 bool FromString(const std::string& name, SolverType* type) {
-  for (const SolverType candidate : {SolverType::kAlternatingCg, SolverType::kCeres}) {
+  for (const SolverType candidate :
+       {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres}) {
     if (name == ToString(candidate)) {
       *type = candidate;
       return true;
     }
   }
   return false;
+}
+
+bool ReducedOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_rounds, >, 0);
+  PLUMBLINE_CHECK_OPTION(steps_per_round, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(first_gate_factor, >=, 1.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(move_tolerance_sigmas, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(cg_tolerance, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(cg_tolerance, <, 1.0);
+  PLUMBLINE_CHECK_OPTION(max_cg_iterations, >, 0);
+  PLUMBLINE_CHECK_OPTION(polish_sweeps, >=, 0);
+  return true;
 }
 
 bool AlternatingCgOptions::Check(std::string* error) const {
@@ -48,6 +70,7 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(factors);
   PLUMBLINE_CHECK_NESTED_OPTIONS(association);
   PLUMBLINE_CHECK_NESTED_OPTIONS(rounds);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(reduced);
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
   return true;

@@ -13,11 +13,36 @@
 namespace plumbline {
 
 enum class SolverType {
+  kReduced,        ///< points and lines eliminated exactly; poses by Gauss-Newton
   kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
   kCeres,          ///< one ceres::Problem over all poses and points
 };
 const char* ToString(SolverType type);
 bool FromString(const std::string& name, SolverType* type);
+
+/// The reduced solver.
+struct ReducedOptions {
+  /// A round cuts the surfaces into patches anew.
+  int max_rounds = 10;
+  /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
+  int steps_per_round = 2;
+  /// Factor on the robust gate of the manifold term in the first round.
+  double first_gate_factor = 2.0;
+  /// Rounds end when one lowers the cost by less than this fraction and
+  double relative_tolerance = 2e-3;
+  /// moves returns across their surfaces by less than this, as root mean square in standard
+  /// deviations of a return.
+  double move_tolerance_sigmas = 0.1;
+  /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
+  /// in the preconditioner's norm.
+  double cg_tolerance = 1e-2;
+  int max_cg_iterations = 200;
+  /// Sweeps of the alternating conjugate gradients on the exact energy of all points afterwards;
+  /// undone if they do not help. 0: none.
+  int polish_sweeps = 0;
+
+  bool Check(std::string* error) const;
+};
 
 /// Alternating conjugate gradients on one set of associations.
 struct AlternatingCgOptions {
@@ -78,14 +103,15 @@ struct RoundOptions {
 using ProgressCallback = std::function<bool(const IterationSummary&)>;
 
 struct SolverOptions {
-  SolverType type = SolverType::kAlternatingCg;
+  SolverType type = SolverType::kReduced;
   FactorOptions factors;
   AssociationOptions association;
   RoundOptions rounds;
+  ReducedOptions reduced;
   AlternatingCgOptions alternating_cg;
   CeresOptions ceres;
-  /// Threads, the calling one included. The result of kAlternatingCg does not depend on it; that of
-  /// kCeres does in its last digits, since Ceres adds up as threads finish.
+  /// Threads, the calling one included. Results do not depend on it, but for the last digits of
+  /// kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;
   ProgressCallback callback;
 

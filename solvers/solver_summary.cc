@@ -65,23 +65,42 @@ std::string SolverSummary::BriefReport() const {
   return Format(
       "%s: %s in %.2f s, %zu rounds, %zu iterations, %zu poses, %zu points, marginal energy %.6e "
       "-> %.6e",
-      solver.c_str(), ToString(termination), total_time_s, rounds.size(), iterations.size(),
-      num_poses, num_points, seed_marginal_energy, final_marginal_energy);
+      solver.c_str(), ToString(termination), total_time_s, rounds.size() + patch_rounds.size(),
+      iterations.size(), num_poses, num_points, seed_marginal_energy, final_marginal_energy);
+}
+
+std::string SolverSummary::RoundTable() const {
+  std::string table = "Rounds (associations rebuilt in each)\n";
+  table += patch_rounds.empty() ? "  round radius_m  gate     lines  shape pairs   cost before    "
+                                  "cost after  iter  marginal\n"
+                                : "  round  gate   patches  sightings   cost before    cost after  "
+                                  "iter  returns moved [sigmas]\n";
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    const RoundSummary& round = rounds[i];
+    table += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e%s\n", i + 1,
+                    round.radius_m, round.gate_sigmas, round.num_lines, round.num_shape_pairs,
+                    round.initial_cost, round.final_cost, round.iterations, round.marginal_energy,
+                    round.kept ? "" : " undone");
+  }
+  for (std::size_t i = 0; i < patch_rounds.size(); ++i) {
+    const PatchRoundSummary& round = patch_rounds[i];
+    table += Format("  %5zu %5.2f %9zu %10zu %13.6e %13.6e %5d  %.3f\n", i + 1, round.gate_sigmas,
+                    round.num_patches, round.num_sightings, round.initial_cost, round.final_cost,
+                    round.steps, round.moved_sigmas);
+  }
+  return table;
 }
 
 std::string SolverSummary::FullReport() const {
-  std::string report = BriefReport() + "\n\nRounds (associations rebuilt in each)\n";
-  report +=
-      "  round radius_m  gate     lines  shape pairs   cost before    cost after  iter  marginal\n";
-  for (std::size_t i = 0; i < rounds.size(); ++i) {
-    const RoundSummary& round = rounds[i];
-    report += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e%s\n", i + 1,
-                     round.radius_m, round.gate_sigmas, round.num_lines, round.num_shape_pairs,
-                     round.initial_cost, round.final_cost, round.iterations, round.marginal_energy,
-                     round.kept ? "" : " undone");
+  std::string report = BriefReport() + "\n\n" + RoundTable();
+  if (!patch_rounds.empty()) {
+    report += Format(
+        "  Points lie %.1f mm off their beams' ends in the mean, %.1f mm and %.2f of "
+        "the beam's sigmas at most.\n",
+        1e3 * displacements.mean_m, 1e3 * displacements.max_m, displacements.max_beam_sigmas);
   }
   report +=
-      "\nTerms of the last round\n"
+      "\nTerms, under the last associations\n"
       "  term                count    cost before     cost after  RMS (whitened, in units)\n";
   for (int t = 0; t < kNumTerms; ++t) report += TermRow(static_cast<Term>(t), terms[t]);
   report += Format("\nTime [s]: association %.2f, setup %.2f, minimisation %.2f, total %.2f\n",

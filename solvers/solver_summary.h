@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/solvers/energy.h"
+#include "plumbline/solvers/point_recovery.h"
 
 namespace plumbline {
 
@@ -55,6 +56,19 @@ struct RoundSummary {
   std::string stop_reason;
 };
 
+/// One round of the reduced solver: surfaces cut into patches anew, then Gauss-Newton steps.
+struct PatchRoundSummary {
+  double gate_sigmas = 0.0;       ///< robust gate of the manifold term
+  std::size_t num_patches = 0;    ///< pieces of surface, one line each
+  std::size_t num_sightings = 0;  ///< pairs of a pose and a patch that it saw
+  double initial_cost = 0.0;      ///< of poses and lines, points eliminated, weights fixed
+  double final_cost = 0.0;        ///< the same; weights of the last step
+  /// Root mean square of how far returns moved across their surfaces, in their own standard
+  /// deviations.
+  double moved_sigmas = 0.0;
+  int steps = 0;
+};
+
 /// Sizes, costs and residuals of one term.
 struct TermSummary {
   std::size_t count = 0;  ///< residual blocks
@@ -73,10 +87,11 @@ struct SolverSummary {
   std::size_t num_poses = 0;
   std::size_t num_points = 0;
   std::vector<RoundSummary> rounds;
+  std::vector<PatchRoundSummary> patch_rounds;  ///< reduced solver: instead of rounds
   std::vector<IterationSummary> iterations;
 
-  /// Terms of the last round's associations: at the state that the last round started from, and at
-  /// the end.
+  /// Terms of the last associations: at the state that the last round started from (reduced solver:
+  /// at the seed), and at the end.
   std::array<TermSummary, kNumTerms> terms;
 
   /// How well the poses explain the map: energy with every point eliminated, each state under
@@ -84,6 +99,9 @@ struct SolverSummary {
   /// marginal_energy.h.
   double seed_marginal_energy = 0.0;
   double final_marginal_energy = 0.0;
+
+  /// Reduced solver: how far the points are from the measured ends of their beams.
+  PointDisplacements displacements;
 
   double association_time_s = 0.0;
   double setup_time_s = 0.0;  ///< building problems
@@ -93,6 +111,7 @@ struct SolverSummary {
   /// True if the graph holds a state at least as good as the one given.
   bool IsSolutionUsable() const { return termination != TerminationType::kFailure; }
   std::string BriefReport() const;
+  std::string RoundTable() const;
   std::string FullReport() const;
 };
 

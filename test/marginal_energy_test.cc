@@ -17,7 +17,10 @@ constexpr double kRadius_m = 0.2;
 
 double MarginalEnergyOf(SlamGraph* graph, const FactorOptions& factors, int num_threads = 2) {
   ThreadPool pool(num_threads);
-  return MarginalEnergy(NormalsOf(*graph), factors, AssociationOptions(), kRadius_m, &pool, graph);
+  const MeasuredSurface surface = SurfaceOf(*graph);
+  return MarginalEnergy(*graph, surface,
+                        LinesFromRadius(*graph, surface, AssociationOptions(), kRadius_m, &pool),
+                        factors, &pool);
 }
 
 TEST(MarginalEnergyTest, LeavesTheGraphAsItWas) {
@@ -47,7 +50,7 @@ TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
   factors.manifold.robust_gate_sigmas = 1000.0;
   ThreadPool pool(1);
   const std::vector<TangentLine> lines =
-      LinesFromRadius(graph, NormalsOf(graph), AssociationOptions(), kRadius_m, &pool);
+      LinesFromRadius(graph, SurfaceOf(graph), AssociationOptions(), kRadius_m, &pool);
   double expected = PoseTerms(graph, factors).Cost(graph.poses());
   for (std::size_t r = 0; r < graph.num_returns(); ++r) {
     if (!Associations::HasLine(lines[r])) {

@@ -75,7 +75,7 @@ inline void DisturbPoints(double sigma, SlamGraph* graph) {
 
 inline Associations AssociationsOf(const SlamGraph& graph, double radius_m = 0.2) {
   ThreadPool pool(1);
-  return BuildAssociations(graph, NormalsOf(graph), AssociationOptions(), radius_m, &pool);
+  return BuildAssociations(graph, SurfaceOf(graph), AssociationOptions(), radius_m, &pool);
 }
 
 /// Mean distance [m] of the graph's poses from the truth. The gauge is the first pose of both.

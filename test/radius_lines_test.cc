@@ -17,7 +17,7 @@ constexpr double kSigma = 0.01;
 
 std::vector<TangentLine> LinesOf(const SlamGraph& graph, int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return LinesFromRadius(graph, NormalsOf(graph), AssociationOptions(), kRadius, &pool);
+  return LinesFromRadius(graph, SurfaceOf(graph), AssociationOptions(), kRadius, &pool);
 }
 
 std::size_t CountLines(const std::vector<TangentLine>& lines) {

@@ -102,7 +102,7 @@ TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
                                                    "map_pose_graph.png", "map_refined.png",
                                                    "points.ply", "summary.json", "trajectory.tum"));
   EXPECT_EQ(Summary()["alarm"], false);
-  EXPECT_EQ(Summary()["joint"]["solver"], "alternating_cg");
+  EXPECT_EQ(Summary()["joint"]["solver"], "reduced");
   EXPECT_EQ(Summary()["flags"]["fine_rounds"], 1);
 }
 

@@ -46,15 +46,20 @@ void ExpectFailure(const SolverOptions& options, SlamGraph* graph, const std::st
   EXPECT_TRUE(same_bits(graph->points(), points));
 }
 
+std::string NameOf(const testing::TestParamInfo<SolverType>& info) { return ToString(info.param); }
+
 class SolveWith : public testing::TestWithParam<SolverType> {};
-
 INSTANTIATE_TEST_SUITE_P(EverySolver, SolveWith,
-                         testing::Values(SolverType::kAlternatingCg, SolverType::kCeres),
-                         [](const testing::TestParamInfo<SolverType>& info) {
-                           return ToString(info.param);
-                         });
+                         testing::Values(SolverType::kReduced, SolverType::kAlternatingCg,
+                                         SolverType::kCeres),
+                         NameOf);
 
-TEST_P(SolveWith, BringsThePosesCloserToTheTruth) {
+// Those that minimise over poses and points in rounds of associations.
+class SolveInRoundsWith : public testing::TestWithParam<SolverType> {};
+INSTANTIATE_TEST_SUITE_P(PointSolvers, SolveInRoundsWith,
+                         testing::Values(SolverType::kAlternatingCg, SolverType::kCeres), NameOf);
+
+TEST_P(SolveInRoundsWith, BringsThePosesCloserToTheTruth) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
   const SolverSummary summary = Solve(OptionsFor(GetParam()), &room.graph);
@@ -86,7 +91,7 @@ TEST_P(SolveWith, BringsThePosesCloserToTheTruth) {
   EXPECT_DOUBLE_EQ(summary.rounds.back().gate_sigmas, gate);
 }
 
-TEST_P(SolveWith, ANoisyScannerGetsWiderNeighborhoods) {
+TEST_P(SolveInRoundsWith, ANoisyScannerGetsWiderNeighborhoods) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(GetParam());
   options.factors.beam.sigma_range_m = 0.04;
@@ -114,12 +119,11 @@ TEST_P(SolveWith, ReturnsAPerfectSeedBitForBit) {
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_THAT(summary.message, HasSubstr("no round improved on the seed"));
   EXPECT_EQ(summary.final_marginal_energy, summary.seed_marginal_energy);
-  EXPECT_GT(summary.rounds.front().num_lines, 500u);
   EXPECT_EQ(graph.poses(), poses);
   EXPECT_EQ(graph.points(), points);
 }
 
-TEST_P(SolveWith, StopsWithTheBestStateSoFarWhenAskedTo) {
+TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
   SolverOptions options = OptionsFor(GetParam());
@@ -140,7 +144,7 @@ TEST_P(SolveWith, StopsWithTheBestStateSoFarWhenAskedTo) {
   EXPECT_LT(MeanPoseError(room), before_m);
 }
 
-TEST_P(SolveWith, ToldToStopAtOnceSaysThatItStopped) {
+TEST_P(SolveInRoundsWith, ToldToStopAtOnceSaysThatItStopped) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(GetParam());
   ASSERT_TRUE(Solve(options, &room.graph).IsSolutionUsable());
@@ -176,7 +180,7 @@ TEST_P(SolveWith, TakesPosesThatNothingTiesTogether) {
   EXPECT_NEAR(graph.WorldFromRobot(2).y, 0.0, 0.2);
 }
 
-TEST_P(SolveWith, FailsOnAStateWithoutAnEnergy) {
+TEST_P(SolveInRoundsWith, FailsOnAStateWithoutAnEnergy) {
   NoisyRoom room = DisturbedRoom();
   const Pose2 laser = room.graph.WorldFromLaser(0);
   room.graph.points()[0] = laser.x;

@@ -9,6 +9,7 @@
 
 #include "plumbline/apps/simulation/world.h"
 #include "plumbline/core/laser_scan.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
 
@@ -61,6 +62,11 @@ inline SlamGraph MakeGraph(const SyntheticScene& scene, unsigned seed = 1) {
 inline std::vector<Eigen::Vector2f> NormalsOf(const SlamGraph& graph) {
   ThreadPool pool(1);
   return EstimateReturnNormals(graph, ReturnNormalOptions(), &pool);
+}
+
+inline MeasuredSurface SurfaceOf(const SlamGraph& graph) {
+  ThreadPool pool(1);
+  return MeasureSurface(graph, ReturnNormalOptions(), &pool);
 }
 
 inline Eigen::Vector2d MapPoint(const SlamGraph& graph, std::size_t return_id) {

@@ -37,14 +37,15 @@ std::size_t Associations::CountLines() const {
   return count;
 }
 
-Associations BuildAssociations(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+Associations BuildAssociations(const SlamGraph& graph, const MeasuredSurface& surface,
                                const AssociationOptions& options, double radius_m,
                                ThreadPool* pool) {
   Associations associations;
   associations.lines = options.neighborhood == NeighborhoodType::kRadius
-                           ? LinesFromRadius(graph, normals, options, radius_m, pool)
-                           : LinesFromNearest(graph, normals, options, pool);
-  associations.shape_pairs = FindShapePairs(graph, normals, associations.lines, options, pool);
+                           ? LinesFromRadius(graph, surface, options, radius_m, pool)
+                           : LinesFromNearest(graph, surface.normals, options, pool);
+  associations.shape_pairs =
+      FindShapePairs(graph, surface.normals, associations.lines, options, pool);
   return associations;
 }
 

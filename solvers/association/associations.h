@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/manifold_factor.h"
@@ -63,15 +64,15 @@ struct Associations {
   std::size_t CountLines() const;
 };
 
-/// Builds the associations of the graph's current points.
-/// radius_m: smallest neighbourhood of kRadius. normals: as EstimateReturnNormals gives them.
-Associations BuildAssociations(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+/// Builds the associations of the graph's current poses and points.
+/// radius_m: smallest neighbourhood of kRadius.
+Associations BuildAssociations(const SlamGraph& graph, const MeasuredSurface& surface,
                                const AssociationOptions& options, double radius_m,
                                ThreadPool* pool);
 
-/// The parts of BuildAssociations, for tests and studies.
-std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph,
-                                         const std::vector<Eigen::Vector2f>& normals,
+/// The parts of BuildAssociations. LinesFromRadius is fitted to the measured ends of the beams,
+/// placed by the current poses; the other two see the current points.
+std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const MeasuredSurface& surface,
                                          const AssociationOptions& options, double radius_m,
                                          ThreadPool* pool);
 std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph,

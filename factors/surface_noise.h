@@ -1,0 +1,38 @@
+#ifndef PLUMBLINE_FACTORS_SURFACE_NOISE_H_
+#define PLUMBLINE_FACTORS_SURFACE_NOISE_H_
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "plumbline/factors/factor_options.h"
+
+namespace plumbline {
+
+/// How far the measured end of a beam may lie off the surface that it met. Points whose beam and
+/// manifold terms are minimised in closed form leave a residual of this variance.
+struct SurfaceNoise {
+  double range_variance = 0.0;    ///< along the beam [m^2]
+  double bearing_variance = 0.0;  ///< of the beam's direction [rad^2]
+  double surface_variance = 0.0;  ///< of a point off its tangent line [m^2]
+
+  /// n^T C n [m^2], C the covariance of the beam's end. beam: from the laser to the return [m];
+  /// normal: unit, of the surface, same frame.
+  double BeamVariance(const Eigen::Vector2d& beam, const Eigen::Vector2d& normal) const {
+    const double along = beam.dot(normal);
+    const double across = beam.x() * normal.y() - beam.y() * normal.x();
+    return range_variance * along * along / beam.squaredNorm() + bearing_variance * across * across;
+  }
+
+  /// Of a return that meets its surface at a right angle and close by [m].
+  double StandardDeviation() const { return std::sqrt(range_variance + surface_variance); }
+};
+
+inline SurfaceNoise NoiseOf(const FactorOptions& factors) {
+  return {factors.beam.sigma_range_m * factors.beam.sigma_range_m,
+          factors.beam.sigma_bearing_rad * factors.beam.sigma_bearing_rad,
+          factors.manifold.sigma_m * factors.manifold.sigma_m};
+}
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_FACTORS_SURFACE_NOISE_H_

@@ -1,0 +1,199 @@
+#include "plumbline/solvers/association/surface_cells.h"
+
+#include <cmath>
+#include <complex>
+
+namespace plumbline {
+namespace {
+
+// Octant of a direction; octant 0 is centred on the x axis.
+int OctantOf(double x, double y) {
+  constexpr double kTan22 = 0.41421356237309503;
+  const double ax = std::abs(x), ay = std::abs(y);
+  if (ay <= kTan22 * ax) return x >= 0.0 ? 0 : 4;
+  if (ax <= kTan22 * ay) return y >= 0.0 ? 2 : 6;
+  if (y >= 0.0) return x >= 0.0 ? 1 : 3;
+  return x >= 0.0 ? 7 : 5;
+}
+
+// The returns of a chunk of scans, in a table of their own.
+class ChunkSorter {
+ public:
+  ChunkSorter(const SlamGraph& graph, const MeasuredSurface& surface, const SurfaceGrid& grid,
+              std::vector<int>* cell_of_return)
+      : graph_(graph),
+        surface_(surface),
+        grid_(grid),
+        cells_(grid.cell_m),
+        cell_of_return_(*cell_of_return) {}
+
+  void Sort(int scan_id) {
+    const ScanEntry& scan = graph_.scan(scan_id);
+    const Pose2 grid_from_robot =
+        Pose2(0.0, 0.0, -grid_.cell_yaw_rad) * graph_.WorldFromRobot(scan.pose);
+    const double c = std::cos(grid_from_robot.yaw), s = std::sin(grid_from_robot.yaw);
+    const double octant_yaw = graph_.WorldFromRobot(scan.pose).yaw - grid_.octant_yaw_rad;
+    const double oc = std::cos(octant_yaw), os = std::sin(octant_yaw);
+    // Neighbouring beams mostly end in the same cell, which saves looking it up.
+    SurfaceCellKey last_key;
+    int last = SurfaceCells::kNone;
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const Eigen::Vector2f& normal = surface_.normals[r];
+      if (normal.isZero()) {
+        cell_of_return_[r] = SurfaceCells::kNone;
+        continue;
+      }
+      const double zx = surface_.points[r].x(), zy = surface_.points[r].y();
+      const double x = c * zx - s * zy + grid_from_robot.x;
+      const double y = s * zx + c * zy + grid_from_robot.y;
+      const int octant =
+          OctantOf(oc * normal.x() - os * normal.y(), os * normal.x() + oc * normal.y());
+      const SurfaceCellKey key = cells_.KeyOf(x, y, octant);
+      if (last == SurfaceCells::kNone || key.Packed() != last_key.Packed()) {
+        last = cells_.FindOrInsert(key, scan.pose);
+        last_key = key;
+        cells_[last].Merge({}, scan.pose, false);
+      }
+      const Eigen::Vector2d center = cells_.Center(key);
+      cells_[last].moments.Add(x - center.x(), y - center.y());
+      cell_of_return_[r] = last;
+    }
+  }
+
+  const SurfaceCells& cells() const { return cells_; }
+
+ private:
+  const SlamGraph& graph_;
+  const MeasuredSurface& surface_;
+  const SurfaceGrid& grid_;
+  SurfaceCells cells_;
+  std::vector<int>& cell_of_return_;
+};
+
+constexpr std::size_t kScansPerChunk = 256;
+
+}  // namespace
+
+SurfaceCellKey SurfaceCells::KeyOf(double x, double y, int octant) const {
+  return {static_cast<std::int64_t>(std::floor(x / cell_m_)),
+          static_cast<std::int64_t>(std::floor(y / cell_m_)), octant};
+}
+
+int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
+  std::size_t slot = SlotOf(key);
+  if (slots_[slot] == kNone) {
+    if (2 * (cells_.size() + 1) > slots_.size()) {
+      Grow();
+      slot = SlotOf(key);
+    }
+    slots_[slot] = static_cast<int>(cells_.size());
+    cells_.emplace_back();
+    cells_.back().key = key;
+    cells_.back().pose = pose;
+  }
+  return slots_[slot];
+}
+
+std::size_t SurfaceCells::SlotOf(const SurfaceCellKey& key) const {
+  const std::uint64_t packed = key.Packed();
+  std::uint64_t hash = packed * 0x9e3779b97f4a7c15ULL;
+  hash ^= hash >> 29;
+  std::size_t slot = hash & (slots_.size() - 1);
+  while (slots_[slot] != kNone && cells_[slots_[slot]].key.Packed() != packed) {
+    slot = (slot + 1) & (slots_.size() - 1);
+  }
+  return slot;
+}
+
+void SurfaceCells::Grow() {
+  slots_.assign(4 * slots_.size(), kNone);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    slots_[SlotOf(cells_[i].key)] = static_cast<int>(i);
+}
+
+double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool) {
+  // The fourth power of a normal, as a complex number, is the same for all four directions.
+  std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk));
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       std::complex<double> sum = 0.0;
+                       for (std::size_t s = begin; s < end; ++s) {
+                         const ScanEntry& scan = graph.scan(static_cast<int>(s));
+                         double re = 0.0, im = 0.0;
+                         for (std::size_t r = scan.first_return;
+                              r < scan.first_return + scan.num_returns; ++r) {
+                           const double x = surface.normals[r].x(), y = surface.normals[r].y();
+                           const double re2 = x * x - y * y, im2 = 2.0 * x * y;
+                           re += re2 * re2 - im2 * im2;
+                           im += 2.0 * re2 * im2;
+                         }
+                         const double yaw = graph.WorldFromRobot(scan.pose).yaw;
+                         sum += std::complex<double>(re, im) * std::polar(1.0, 4.0 * yaw);
+                       }
+                       sums[chunk] = sum;
+                     });
+  std::complex<double> total = 0.0;
+  for (const std::complex<double>& sum : sums) total += sum;
+  return std::abs(total) > 0.0 ? 0.25 * std::arg(total) : 0.0;
+}
+
+SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surface,
+                           const SurfaceGrid& grid, ThreadPool* pool,
+                           std::vector<int>* cell_of_return) {
+  cell_of_return->resize(graph.num_returns());
+  const std::size_t num_scans = graph.num_scans();
+  std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk),
+                                  SurfaceCells(grid.cell_m));
+  pool->ForEachChunk(num_scans, kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       ChunkSorter sorter(graph, surface, grid, cell_of_return);
+                       for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
+                       parts[chunk] = sorter.cells();
+                     });
+  SurfaceCells cells(grid.cell_m);
+  std::vector<std::vector<int>> renamed(parts.size());
+  for (std::size_t chunk = 0; chunk < parts.size(); ++chunk) {
+    for (std::size_t i = 0; i < parts[chunk].size(); ++i) {
+      const SurfaceCell& part = parts[chunk][i];
+      const int id = cells.FindOrInsert(part.key, part.pose);
+      cells[id].Merge(part.moments, part.pose, part.several_poses);
+      renamed[chunk].push_back(id);
+    }
+  }
+  pool->ForEachChunk(
+      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        const std::size_t first = graph.scan(static_cast<int>(begin)).first_return;
+        const ScanEntry& last_scan = graph.scan(static_cast<int>(end) - 1);
+        for (std::size_t r = first; r < last_scan.first_return + last_scan.num_returns; ++r) {
+          int& cell = (*cell_of_return)[r];
+          if (cell != SurfaceCells::kNone) cell = renamed[chunk][cell];
+        }
+      });
+  return cells;
+}
+
+SurfaceCells Coarsened(SurfaceCells* fine) {
+  SurfaceCells coarse(2.0 * fine->cell_m());
+  for (std::size_t i = 0; i < fine->size(); ++i) {
+    SurfaceCell& cell = (*fine)[i];
+    // Arithmetic shift rounds towards minus infinity, like the floor that made the keys.
+    const SurfaceCellKey key{cell.key.x >> 1, cell.key.y >> 1, cell.key.octant};
+    cell.parent = coarse.FindOrInsert(key, cell.pose);
+    const Eigen::Vector2d shift = fine->Center(cell.key) - coarse.Center(key);
+    coarse[cell.parent].Merge(Shifted(cell.moments, shift.x(), shift.y()), cell.pose,
+                              cell.several_poses);
+  }
+  return coarse;
+}
+
+PointMoments Shifted(const PointMoments& m, double dx, double dy) {
+  PointMoments shifted = m;
+  shifted.x += dx * m.weight;
+  shifted.y += dy * m.weight;
+  shifted.xx += 2.0 * dx * m.x + dx * dx * m.weight;
+  shifted.xy += dx * m.y + dy * m.x + dx * dy * m.weight;
+  shifted.yy += 2.0 * dy * m.y + dy * dy * m.weight;
+  return shifted;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,103 @@
+#ifndef PLUMBLINE_SOLVERS_ASSOCIATION_SURFACE_CELLS_H_
+#define PLUMBLINE_SOLVERS_ASSOCIATION_SURFACE_CELLS_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "plumbline/core/line_fit.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+/// Names a square cell of the plane and an octant of the directions that its surfaces face, so that
+/// the two faces of a wall and the two sides of a corner never mix. Holds 28 bits per coordinate:
+/// 13,000 km at cells of 0.1 m.
+struct SurfaceCellKey {
+  std::int64_t x = 0, y = 0;
+  int octant = 0;  ///< 0 to 7, counter-clockwise
+
+  std::uint64_t Packed() const {
+    constexpr std::int64_t kCoordinateMask = (std::int64_t{1} << 28) - 1;
+    return static_cast<std::uint64_t>((x & kCoordinateMask) << 31 | (y & kCoordinateMask) << 3 |
+                                      octant);
+  }
+};
+
+/// The returns that ended in one cell.
+struct SurfaceCell {
+  SurfaceCellKey key;
+  PointMoments moments;  ///< about the centre of the cell, in the frame of the grid
+  int pose = 0;          ///< one of the poses that saw it
+  bool several_poses = false;
+  int parent = -1;  ///< in the table of twice the cell size, once Coarsened has made it
+
+  void Merge(const PointMoments& other, int other_pose, bool other_several) {
+    moments += other;
+    several_poses = several_poses || other_several || pose != other_pose;
+  }
+};
+
+/// Cells by key, in an open-addressing hash table. They are numbered in order of insertion, which
+/// makes every result independent of the hashing.
+class SurfaceCells {
+ public:
+  static constexpr int kNone = -1;
+
+  explicit SurfaceCells(double cell_m) : cell_m_(cell_m), slots_(1024, kNone) {}
+
+  double cell_m() const { return cell_m_; }
+  std::size_t size() const { return cells_.size(); }
+  SurfaceCell& operator[](std::size_t id) { return cells_[id]; }
+  const SurfaceCell& operator[](std::size_t id) const { return cells_[id]; }
+
+  SurfaceCellKey KeyOf(double x, double y, int octant) const;
+  /// In the frame of the grid [m].
+  Eigen::Vector2d Center(const SurfaceCellKey& key) const {
+    return {(static_cast<double>(key.x) + 0.5) * cell_m_,
+            (static_cast<double>(key.y) + 0.5) * cell_m_};
+  }
+
+  /// kNone if there is no such cell.
+  int Find(const SurfaceCellKey& key) const { return slots_[SlotOf(key)]; }
+  int FindOrInsert(const SurfaceCellKey& key, int pose);
+
+ private:
+  std::size_t SlotOf(const SurfaceCellKey& key) const;
+  void Grow();
+
+  double cell_m_;
+  std::vector<SurfaceCell> cells_;
+  std::vector<int> slots_;
+};
+
+/// The axes that cells and octants are laid along, as yaw angles in the world [rad].
+struct SurfaceGrid {
+  double cell_m = 0.0;
+  double cell_yaw_rad = 0.0;
+  /// Octant 0 is centred on this direction.
+  double octant_yaw_rad = 0.0;
+};
+
+/// Direction [rad] that most walls are parallel or orthogonal to. Octants are to be centred on it:
+/// an edge between two octants that lay on the walls would tear each wall in two.
+double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool);
+
+/// Sorts the measured ends of all beams, placed by the graph's poses, into cells. cell_of_return:
+/// kNone for a return without a normal. Bitwise the same for any number of threads.
+SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surface,
+                           const SurfaceGrid& grid, ThreadPool* pool,
+                           std::vector<int>* cell_of_return);
+
+/// The table of twice the cell size, by joining 2 x 2 cells; links every cell to its parent.
+SurfaceCells Coarsened(SurfaceCells* fine);
+
+/// Moments of the same points about an origin moved by (-dx, -dy).
+PointMoments Shifted(const PointMoments& moments, double dx, double dy);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_ASSOCIATION_SURFACE_CELLS_H_

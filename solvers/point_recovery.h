@@ -1,0 +1,34 @@
+#ifndef PLUMBLINE_SOLVERS_POINT_RECOVERY_H_
+#define PLUMBLINE_SOLVERS_POINT_RECOVERY_H_
+
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/factors/manifold_factor.h"
+
+namespace plumbline {
+
+/// How far points were moved from the measured ends of their beams.
+struct PointDisplacements {
+  double mean_m = 0.0;  ///< over all points, those without a line included
+  double max_m = 0.0;
+  /// Largest length in standard deviations of the point's own beam, sqrt(u^T C^-1 u).
+  double max_beam_sigmas = 0.0;
+};
+
+/// Puts every point of the graph at the minimum of its beam and manifold term for fixed poses and
+/// lines:  m = h - C n d / s^2,  s^2 = sigma_M^2 / w + n^T C n,  with h the measured end of the
+/// beam, C its covariance, d = n . h - offset, and w the robust weight at the minimum, found by
+/// iteration. A point without a line, or whose line would cost more than leaving it as an outlier,
+/// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
+/// per return, as LinesFromRadius gives them. Shape terms are left out.
+PointDisplacements RecoverPoints(const MeasuredSurface& surface,
+                                 const std::vector<TangentLine>& lines,
+                                 const FactorOptions& factors, ThreadPool* pool, SlamGraph* graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_POINT_RECOVERY_H_

@@ -1,0 +1,191 @@
+#include "plumbline/solvers/reduced/patch_sightings.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kPosesPerChunk = 64;
+
+// Turns counts into the index of each group's first element; appends the end.
+void CountsToOffsets(std::vector<std::size_t>* counts) {
+  std::size_t sum = 0;
+  for (std::size_t& count : *counts) sum += std::exchange(count, sum);
+  counts->push_back(sum);
+}
+
+// Moments about the origin of the robot become moments about the centroid.
+void Center(PatchSighting* sighting) {
+  if (sighting->weight <= 0.0) return;
+  sighting->centroid /= sighting->weight;
+  const Eigen::Vector2d& m = sighting->centroid;
+  sighting->xx = std::max(0.0, sighting->xx - sighting->weight * m.x() * m.x());
+  sighting->xy -= sighting->weight * m.x() * m.y();
+  sighting->yy = std::max(0.0, sighting->yy - sighting->weight * m.y() * m.y());
+}
+
+// A patch's line in the frame of the robot: distance of z = normal . z + offset.
+struct LineInRobot {
+  Eigen::Vector2d normal;
+  double offset;
+
+  LineInRobot(const SurfacePatch& patch, const PoseFrame& frame) {
+    normal = frame.RotateBack(patch.normal);
+    offset = patch.normal.dot(frame.translation() - patch.origin) - patch.offset_m;
+  }
+};
+
+}  // namespace
+
+std::vector<PoseFrame> FramesOf(const std::vector<double>& poses) {
+  std::vector<PoseFrame> frames;
+  frames.reserve(poses.size() / 3);
+  for (std::size_t i = 0; i < poses.size(); i += 3) frames.emplace_back(&poses[i]);
+  return frames;
+}
+
+ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
+                                   const SurfaceNoise& noise, ThreadPool* pool)
+    : graph_(graph),
+      surface_(surface),
+      noise_(noise),
+      pool_(pool),
+      scans_of_pose_(graph.num_scans()),
+      first_scan_of_pose_(graph.num_poses(), 0) {
+  for (int s = 0; s < graph.num_scans(); ++s) ++first_scan_of_pose_[graph.scan(s).pose];
+  CountsToOffsets(&first_scan_of_pose_);
+  std::iota(scans_of_pose_.begin(), scans_of_pose_.end(), 0);
+  std::stable_sort(scans_of_pose_.begin(), scans_of_pose_.end(),
+                   [&](int a, int b) { return graph.scan(a).pose < graph.scan(b).pose; });
+}
+
+PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int> patch_of_return) {
+  sighting_of_return_ = std::move(patch_of_return);
+  const std::size_t num_poses = graph_.num_poses();
+  // The patches that each pose sees, in ascending order.
+  std::vector<std::vector<int>> patches_of_chunk(ThreadPool::NumChunks(num_poses, kPosesPerChunk));
+  std::vector<std::size_t> first_of_pose(num_poses, 0);
+  const auto for_each_return = [&](std::size_t pose, const auto& body) {
+    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+      const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
+      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+        if (sighting_of_return_[r] != SurfacePatches::kNone) body(&sighting_of_return_[r]);
+      }
+    }
+  };
+  pool_->ForEachChunk(
+      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<int>& patches = patches_of_chunk[chunk];
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          const std::size_t first = patches.size();
+          for_each_return(pose, [&](const int* patch) {
+            if (patches.size() == first || patches.back() != *patch) patches.push_back(*patch);
+          });
+          std::sort(patches.begin() + first, patches.end());
+          patches.erase(std::unique(patches.begin() + first, patches.end()), patches.end());
+          first_of_pose[pose] = patches.size() - first;
+        }
+      });
+  CountsToOffsets(&first_of_pose);
+
+  PatchSightings result;
+  result.first_of_patch.assign(num_patches, 0);
+  for (const std::vector<int>& patches : patches_of_chunk) {
+    for (const int patch : patches) ++result.first_of_patch[patch];
+  }
+  CountsToOffsets(&result.first_of_patch);
+  result.sightings.resize(first_of_pose.back());
+  result.of_pose.resize(first_of_pose.back());
+  std::vector<std::size_t> next = result.first_of_patch;
+  for (std::size_t pose = 0; pose < num_poses; ++pose) {
+    const std::vector<int>& patches = patches_of_chunk[pose / kPosesPerChunk];
+    const std::size_t start = first_of_pose[pose / kPosesPerChunk * kPosesPerChunk];
+    for (std::size_t k = first_of_pose[pose]; k < first_of_pose[pose + 1]; ++k) {
+      const int patch = patches[k - start];
+      result.of_pose[k] = static_cast<int>(next[patch]);
+      PatchSighting& sighting = result.sightings[next[patch]++];
+      sighting.pose = static_cast<int>(pose);
+      sighting.patch = patch;
+    }
+  }
+  result.first_of_pose = std::move(first_of_pose);
+
+  pool_->ForEachChunk(
+      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        const std::vector<int>& patches = patches_of_chunk[chunk];
+        const std::size_t start = result.first_of_pose[begin];
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          const auto first = patches.begin() + (result.first_of_pose[pose] - start);
+          const auto last = patches.begin() + (result.first_of_pose[pose + 1] - start);
+          int patch = SurfacePatches::kNone, sighting = SurfacePatches::kNone;
+          for_each_return(pose, [&](int* of_return) {
+            if (*of_return != patch) {
+              patch = *of_return;
+              sighting =
+                  result.of_pose[start + (std::lower_bound(first, last, patch) - patches.begin())];
+            }
+            *of_return = sighting;
+          });
+        }
+      });
+  return result;
+}
+
+double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
+                               const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
+                               PatchSightings* sightings) const {
+  const std::size_t num_poses = graph_.num_poses();
+  std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
+  const auto weigh_pose = [&](std::size_t pose) {
+    for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
+         ++k) {
+      PatchSighting& sighting = sightings->sightings[sightings->of_pose[k]];
+      sighting.weight = sighting.xx = sighting.xy = sighting.yy = 0.0;
+      sighting.centroid.setZero();
+    }
+    double cost = 0.0;
+    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+      const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
+      const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
+      int current = SurfacePatches::kNone;
+      PatchSighting* sighting = nullptr;
+      LineInRobot line(SurfacePatch(), frames[pose]);
+      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+        if (sighting_of_return_[r] == SurfacePatches::kNone) continue;
+        if (sighting_of_return_[r] != current) {
+          current = sighting_of_return_[r];
+          sighting = &sightings->sightings[current];
+          line = LineInRobot(patches[sighting->patch], frames[pose]);
+        }
+        const Eigen::Vector2d z = surface_.points[r].cast<double>();
+        const double variance =
+            noise_.surface_variance + noise_.BeamVariance(z - laser, line.normal);
+        const double distance = line.normal.dot(z) + line.offset;
+        const double squared = distance * distance / variance;
+        const double weight = loss.Weight(squared) / variance;
+        cost += 0.5 * loss.Rho(squared);
+        sighting->weight += weight;
+        sighting->centroid += weight * z;
+        sighting->xx += weight * z.x() * z.x();
+        sighting->xy += weight * z.x() * z.y();
+        sighting->yy += weight * z.y() * z.y();
+      }
+    }
+    for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
+         ++k) {
+      Center(&sightings->sightings[sightings->of_pose[k]]);
+    }
+    return cost;
+  };
+  pool_->ForEachChunk(num_poses, kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        for (std::size_t pose = begin; pose < end; ++pose) {
+                          costs[chunk] += weigh_pose(pose);
+                        }
+                      });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+}  // namespace plumbline

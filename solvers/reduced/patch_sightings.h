@@ -1,0 +1,94 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_PATCH_SIGHTINGS_H_
+#define PLUMBLINE_SOLVERS_REDUCED_PATCH_SIGHTINGS_H_
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+
+namespace plumbline {
+
+/// A pose with its rotation at hand.
+struct PoseFrame {
+  double x = 0.0, y = 0.0;
+  double c = 1.0, s = 0.0;
+
+  PoseFrame() = default;
+  explicit PoseFrame(const double* pose)
+      : x(pose[0]), y(pose[1]), c(std::cos(pose[2])), s(std::sin(pose[2])) {}
+
+  /// From the robot's axes to those of the world.
+  Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {
+    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+  }
+  Eigen::Vector2d RotateBack(const Eigen::Vector2d& v) const {
+    return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
+  }
+  Eigen::Vector2d translation() const { return {x, y}; }
+};
+std::vector<PoseFrame> FramesOf(const std::vector<double>& poses);
+
+/// All that one pose saw of one patch. Returns z_i with weights w_i cost, whatever the pose (R, t)
+/// and the line (n, offset) about `origin`,
+///   1/2 sum_i w_i (n . (R z_i + t - origin) - offset)^2
+///     = 1/2 [ weight (n . (R centroid + t - origin) - offset)^2 + (R^T n)^T scatter (R^T n) ],
+/// exactly: six numbers stand for any number of returns.
+struct PatchSighting {
+  int pose = 0;
+  int patch = 0;
+  double weight = 0.0;                                 ///< sum of w_i [1/m^2]
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< frame of the robot [m]
+  double xx = 0.0, xy = 0.0, yy = 0.0;  ///< scatter about the centroid, sum of w_i z z^T
+
+  Eigen::Vector2d ScatterTimes(const Eigen::Vector2d& v) const {
+    return {xx * v.x() + xy * v.y(), xy * v.x() + yy * v.y()};
+  }
+};
+
+/// The sightings of a map, in order of patches and within a patch of poses.
+struct PatchSightings {
+  std::vector<PatchSighting> sightings;
+  std::vector<std::size_t> first_of_patch;  ///< per patch, and the end
+  std::vector<int> of_pose;                 ///< indices of sightings, grouped by pose
+  std::vector<std::size_t> first_of_pose;   ///< into of_pose: per pose, and the end
+
+  std::size_t num_patches() const { return first_of_patch.size() - 1; }
+  std::size_t num_poses() const { return first_of_pose.size() - 1; }
+};
+
+/// Turns millions of returns into sightings, again and again as the weights follow the residuals.
+class ReturnCompressor {
+ public:
+  /// Keeps references to the graph and the surface. Takes patch_of_return over.
+  ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
+                   const SurfaceNoise& noise, ThreadPool* pool);
+
+  /// Lays out the sightings, all of weight zero.
+  PatchSightings LayOut(std::size_t num_patches, std::vector<int> patch_of_return);
+
+  /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the patch's line,
+  /// s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the returns,
+  /// 1/2 sum rho(d^2 / s^2), at the lines and poses given.
+  double Weigh(const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
+               const GemanMcClure& loss, PatchSightings* sightings) const;
+
+ private:
+  const SlamGraph& graph_;
+  const MeasuredSurface& surface_;
+  const SurfaceNoise noise_;
+  ThreadPool* pool_;
+  std::vector<int> scans_of_pose_;  // grouped by pose
+  std::vector<std::size_t> first_scan_of_pose_;
+  std::vector<int> sighting_of_return_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_PATCH_SIGHTINGS_H_

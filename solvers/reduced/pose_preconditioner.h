@@ -1,0 +1,48 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_POSE_PRECONDITIONER_H_
+#define PLUMBLINE_SOLVERS_REDUCED_POSE_PRECONDITIONER_H_
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+
+namespace plumbline {
+
+/// Two levels, added up. Neighbouring poses: the block-tridiagonal part of B, the chain of the
+/// odometry with every pose held by the lines. It knows nothing of the slow modes, in which poses
+/// carry lines along; for these, groups of consecutive poses that move rigidly about their centre,
+/// with the whole of S among them.
+class PosePreconditioner {
+ public:
+  PosePreconditioner(const PoseSystem& system, const PatchSightings& sightings,
+                     const std::vector<PoseFrame>& frames, ThreadPool* pool);
+
+  /// result = P^-1 v, P symmetric positive definite.
+  void Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result) const;
+
+ private:
+  void FactorChain(const PoseSystem& system);
+  void FactorGroups(const PoseSystem& system, const PatchSightings& sightings, ThreadPool* pool);
+  Eigen::Matrix3d RigidMotion(std::size_t pose) const;
+  std::size_t GroupOf(std::size_t pose) const { return pose / group_size_; }
+
+  const std::vector<PoseFrame>& frames_;
+  std::vector<Eigen::Matrix3d> chain_inverse_;  // of the pivots
+  std::vector<Eigen::Matrix3d> chain_lower_;    // pose i by pose i - 1
+  std::size_t group_size_ = 1;
+  std::vector<Eigen::Vector2d> group_center_;
+  Eigen::LLT<Eigen::MatrixXd> groups_;
+};
+
+/// Solves S x = -gradient to a residual of relative_tolerance times the gradient, measured in the
+/// preconditioner's norm. Gives the number of iterations.
+int SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
+                    const PosePreconditioner& preconditioner, double relative_tolerance,
+                    int max_iterations, ThreadPool* pool, Eigen::VectorXd* x);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_POSE_PRECONDITIONER_H_

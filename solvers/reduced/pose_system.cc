@@ -1,0 +1,236 @@
+#include "plumbline/solvers/reduced/pose_system.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "plumbline/core/line_fit.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kPatchesPerChunk = 256;
+constexpr std::size_t kPosesPerChunk = 128;
+
+// Relative to the diagonal: enough to keep what no term sees where it is, and far softer than the
+// bending modes of a long corridor.
+constexpr double kDamping = 1e-8;
+
+Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+// One sighting's residuals about a line, by the unknowns they depend on. The cost is
+//   1/2 [ weight distance^2 + n_r^T scatter n_r ],  n_r the normal in the frame of the robot.
+struct Linearized {
+  double weight;
+  double distance;
+  Eigen::Vector3d by_pose;  // of the distance
+  Eigen::Vector2d by_line;  // of the distance: by the normal's angle and the offset
+  double turn_curvature;    // of the scatter's part, by the angle between surface and robot
+  double turn_gradient;
+
+  Linearized(const PatchSighting& sighting, const SurfacePatch& patch, const PoseFrame& frame) {
+    const Eigen::Vector2d& normal = patch.normal;
+    const Eigen::Vector2d from_robot = frame.Rotate(sighting.centroid);
+    const Eigen::Vector2d point = from_robot + frame.translation() - patch.origin;
+    weight = sighting.weight;
+    distance = normal.dot(point) - patch.offset_m;
+    by_pose << normal, normal.dot(TurnedLeft(from_robot));
+    by_line << TurnedLeft(normal).dot(point), -1.0;
+    const Eigen::Vector2d normal_in_robot = frame.RotateBack(normal);
+    const Eigen::Vector2d tangent = TurnedLeft(normal_in_robot);
+    turn_curvature = tangent.dot(sighting.ScatterTimes(tangent));
+    turn_gradient = tangent.dot(sighting.ScatterTimes(normal_in_robot));
+  }
+
+  Eigen::Matrix3d PoseBlock() const {
+    Eigen::Matrix3d block = weight * by_pose * by_pose.transpose();
+    block(2, 2) += turn_curvature;
+    return block;
+  }
+  Eigen::Matrix2d LineBlock() const {
+    Eigen::Matrix2d block = weight * by_line * by_line.transpose();
+    block(0, 0) += turn_curvature;
+    return block;
+  }
+  Eigen::Matrix<double, 3, 2> CrossBlock() const {
+    Eigen::Matrix<double, 3, 2> block = weight * by_pose * by_line.transpose();
+    block(2, 0) -= turn_curvature;
+    return block;
+  }
+  Eigen::Vector3d PoseGradient() const {
+    Eigen::Vector3d gradient = weight * distance * by_pose;
+    gradient.z() -= turn_gradient;
+    return gradient;
+  }
+};
+
+// Moments of one patch's sightings in the world, about the patch's origin.
+PointMoments WorldMoments(const PatchSightings& sightings, std::size_t patch,
+                          const Eigen::Vector2d& origin, const std::vector<PoseFrame>& frames) {
+  PointMoments moments;
+  for (std::size_t i = sightings.first_of_patch[patch]; i < sightings.first_of_patch[patch + 1];
+       ++i) {
+    const PatchSighting& s = sightings.sightings[i];
+    const PoseFrame& f = frames[s.pose];
+    const Eigen::Vector2d p = f.Rotate(s.centroid) + f.translation() - origin;
+    moments.Add(p.x(), p.y(), s.weight);
+    const double cc = f.c * f.c, ss = f.s * f.s, cs = f.c * f.s;
+    moments.xx += cc * s.xx - 2.0 * cs * s.xy + ss * s.yy;
+    moments.xy += cs * (s.xx - s.yy) + (cc - ss) * s.xy;
+    moments.yy += ss * s.xx + 2.0 * cs * s.xy + cc * s.yy;
+  }
+  return moments;
+}
+
+}  // namespace
+
+double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                     ThreadPool* pool, std::vector<SurfacePatch>* patches) {
+  std::vector<double> costs(ThreadPool::NumChunks(patches->size(), kPatchesPerChunk), 0.0);
+  pool->ForEachChunk(patches->size(), kPatchesPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       for (std::size_t p = begin; p < end; ++p) {
+                         SurfacePatch& patch = (*patches)[p];
+                         const PointMoments moments =
+                             WorldMoments(sightings, p, patch.origin, frames);
+                         if (moments.weight <= 0.0) continue;
+                         const LineFit fit = FitLine(moments);
+                         patch.normal = fit.normal;
+                         patch.offset_m = fit.normal.dot(fit.centroid);
+                         costs[chunk] += 0.5 * moments.weight * fit.smaller_eigenvalue;
+                       }
+                     });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+void PoseSystem::Linearize(const PatchSightings& sightings,
+                           const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+                           const std::vector<double>& poses, const std::vector<PoseFrame>& frames,
+                           ThreadPool* pool) {
+  diagonal.assign(frames.size(), Eigen::Matrix3d::Zero());
+  gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(frames.size()));
+  couplings.clear();
+  AddSightings(sightings, patches, frames, pool);
+  AddPoseTerms(terms, poses);
+  for (Eigen::Matrix3d& block : diagonal) {
+    block.diagonal() *= 1.0 + kDamping;
+    // A pose that nothing sees.
+    for (int i = 0; i < 3; ++i) {
+      if (block(i, i) <= 0.0) block(i, i) = 1.0;
+    }
+  }
+}
+
+void PoseSystem::AddSightings(const PatchSightings& sightings,
+                              const std::vector<SurfacePatch>& patches,
+                              const std::vector<PoseFrame>& frames, ThreadPool* pool) {
+  line_coupling.resize(sightings.sightings.size());
+  pool->ForEachChunk(
+      patches.size(), kPatchesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          const std::size_t first = sightings.first_of_patch[p];
+          const std::size_t last = sightings.first_of_patch[p + 1];
+          Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
+          for (std::size_t i = first; i < last; ++i) {
+            const PatchSighting& sighting = sightings.sightings[i];
+            const Linearized linear(sighting, patches[p], frames[sighting.pose]);
+            line_block += linear.LineBlock();
+            line_coupling[i] = {linear.CrossBlock(), sighting.pose, sighting.patch};
+          }
+          // K_p = (cross block) L^-T with line_block = L L^T.
+          const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
+          if (llt.info() != Eigen::Success) {
+            for (std::size_t i = first; i < last; ++i) line_coupling[i].rows.setZero();
+            continue;
+          }
+          const Eigen::Matrix2d upper_inverse = Eigen::Matrix2d(llt.matrixU())
+                                                    .triangularView<Eigen::Upper>()
+                                                    .solve(Eigen::Matrix2d::Identity());
+          for (std::size_t i = first; i < last; ++i) line_coupling[i].rows *= upper_inverse;
+        }
+      });
+  pool->ForEachChunk(
+      frames.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          Eigen::Vector3d pose_gradient = Eigen::Vector3d::Zero();
+          for (std::size_t k = sightings.first_of_pose[pose]; k < sightings.first_of_pose[pose + 1];
+               ++k) {
+            const PatchSighting& sighting = sightings.sightings[sightings.of_pose[k]];
+            const Linearized linear(sighting, patches[sighting.patch], frames[pose]);
+            diagonal[pose] += linear.PoseBlock();
+            pose_gradient += linear.PoseGradient();
+          }
+          gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) += pose_gradient;
+        }
+      });
+}
+
+void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses) {
+  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  Eigen::Vector3d residual;
+  RowMajor3d d_a, d_b;
+  for (const PosePrior& prior : terms.priors) {
+    prior.residual.Evaluate(&poses[3 * prior.pose], residual.data(), d_a.data());
+    diagonal[prior.pose] += d_a.transpose() * d_a;
+    gradient.segment<3>(3 * prior.pose) += d_a.transpose() * residual;
+  }
+  for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
+    for (const PoseEdge& edge : *edges) {
+      edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], residual.data(),
+                             d_a.data(), d_b.data());
+      diagonal[edge.from] += d_a.transpose() * d_a;
+      diagonal[edge.to] += d_b.transpose() * d_b;
+      gradient.segment<3>(3 * edge.from) += d_a.transpose() * residual;
+      gradient.segment<3>(3 * edge.to) += d_b.transpose() * residual;
+      if (edge.from < edge.to) {
+        couplings.push_back({edge.from, edge.to, d_b.transpose() * d_a});
+      } else {
+        couplings.push_back({edge.to, edge.from, d_a.transpose() * d_b});
+      }
+    }
+  }
+  std::stable_sort(couplings.begin(), couplings.end(),
+                   [](const PoseCoupling& a, const PoseCoupling& b) {
+                     return std::tie(a.from, a.to) < std::tie(b.from, b.to);
+                   });
+}
+
+void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,
+                       Eigen::VectorXd* result) const {
+  line_values_.resize(sightings.num_patches());
+  pool->ForEachChunk(
+      line_values_.size(), kPatchesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+          for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1];
+               ++i) {
+            sum += line_coupling[i].rows.transpose() * v.segment<3>(3 * line_coupling[i].pose);
+          }
+          line_values_[p] = sum;
+        }
+      });
+  result->resize(v.size());
+  pool->ForEachChunk(diagonal.size(), kPosesPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t pose = begin; pose < end; ++pose) {
+                         const Eigen::Index row = 3 * static_cast<Eigen::Index>(pose);
+                         Eigen::Vector3d sum = diagonal[pose] * v.segment<3>(row);
+                         for (std::size_t k = sightings.first_of_pose[pose];
+                              k < sightings.first_of_pose[pose + 1]; ++k) {
+                           const LineCoupling& coupling = line_coupling[sightings.of_pose[k]];
+                           sum -= coupling.rows * line_values_[coupling.patch];
+                         }
+                         result->segment<3>(row) = sum;
+                       }
+                     });
+  for (const PoseCoupling& coupling : couplings) {
+    const auto from = 3 * static_cast<Eigen::Index>(coupling.from);
+    const auto to = 3 * static_cast<Eigen::Index>(coupling.to);
+    result->segment<3>(to) += coupling.block * v.segment<3>(from);
+    result->segment<3>(from) += coupling.block.transpose() * v.segment<3>(to);
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_POSE_SYSTEM_H_
+#define PLUMBLINE_SOLVERS_REDUCED_POSE_SYSTEM_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+
+namespace plumbline {
+
+/// Moves every patch's line to where it fits best: the principal component of its sightings'
+/// moments, placed by the poses. Gives the cost of all sightings at these lines.
+double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                     ThreadPool* pool, std::vector<SurfacePatch>* patches);
+
+/// A 3 x 3 block off the diagonal of a symmetric matrix: rows of pose `to`, columns of pose `from`.
+struct PoseCoupling {
+  int from = 0;
+  int to = 0;
+  Eigen::Matrix3d block;
+};
+
+/// The rows of one pose in K_p, see below.
+struct LineCoupling {
+  Eigen::Matrix<double, 3, 2> rows;
+  int pose = 0;
+  int patch = 0;
+};
+
+/// The Gauss-Newton system of the poses, the patches' lines eliminated:
+///   S dx = -gradient,   S = B - sum over patches p of K_p K_p^T.
+/// B holds what the sightings say at fixed lines, block-diagonal, and the terms between poses; the
+/// columns of K_p (two per patch, rows of the poses that see it) are the Schur complement of the
+/// line's parameters, which is applied and never formed.
+struct PoseSystem {
+  std::vector<Eigen::Matrix3d> diagonal;    ///< of B, per pose
+  std::vector<PoseCoupling> couplings;      ///< of B, from < to, in order of (from, to)
+  std::vector<LineCoupling> line_coupling;  ///< per sighting
+  Eigen::VectorXd gradient;                 ///< 3 per pose
+
+  /// At poses and the lines that fit them best.
+  void Linearize(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,
+                 const PoseTerms& terms, const std::vector<double>& poses,
+                 const std::vector<PoseFrame>& frames, ThreadPool* pool);
+
+  /// result = S v.
+  void Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,
+             Eigen::VectorXd* result) const;
+
+ private:
+  void AddSightings(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,
+                    const std::vector<PoseFrame>& frames, ThreadPool* pool);
+  void AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses);
+
+  mutable std::vector<Eigen::Vector2d> line_values_;  // K_p^T v, per patch
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_POSE_SYSTEM_H_

@@ -1,0 +1,39 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_REDUCED_SOLVER_H_
+#define PLUMBLINE_SOLVERS_REDUCED_REDUCED_SOLVER_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+/// How a minimisation by rounds of patches went.
+struct ReducedResult {
+  std::vector<PatchRoundSummary> rounds;
+  bool converged = false;
+  bool stopped = false;  ///< by the callback
+  double cutting_time_s = 0.0;
+  double minimization_time_s = 0.0;
+  std::string stop_reason;  ///< with the numbers
+};
+
+/// Minimises the joint energy over the poses, with every point and every tangent line at its
+/// optimum. In rounds: the surfaces, as the poses place them, are cut into patches; all that a pose
+/// saw of a patch becomes a handful of moments, weighted by a robust loss; Gauss-Newton steps move
+/// the poses, with the lines eliminated from the linear system and refitted exactly after each.
+/// A step that does not lower the cost is shortened, or not taken.
+///
+/// Ends when a round lowers the cost and moves the returns by less than the tolerances. Updates
+/// the poses of the graph; leaves its points alone. Bitwise the same for any number of threads.
+ReducedResult MinimizeOverPatches(const MeasuredSurface& surface, const FactorOptions& factors,
+                                  const ReducedOptions& options, const ProgressCallback& report,
+                                  ThreadPool* pool, SlamGraph* graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_REDUCED_SOLVER_H_

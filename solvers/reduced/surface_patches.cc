@@ -1,0 +1,151 @@
+#include "plumbline/solvers/reduced/surface_patches.h"
+
+#include <cstddef>
+
+#include "plumbline/core/line_fit.h"
+#include "plumbline/solvers/association/surface_cells.h"
+
+namespace plumbline {
+namespace {
+
+// Cells of 0.1 m: shorter stretches of surface have no direction beside a laser's noise. Up to
+// 0.8 m: straight surface that is longer gains nothing from being one patch.
+constexpr double kFinestCellM = 0.1;
+constexpr int kNumLevels = 4;
+
+// The grid is turned against the walls, by atan(1/2), so that none runs along an edge between
+// cells: noise would decide which side its returns belong to.
+constexpr double kGridTurnRad = 0.46364760900080615;
+
+// What a cell's returns cost under the best lines found for them.
+struct Partition {
+  double scatter = 0.0;  // sum of squared distances [m^2]
+  double covered = 0.0;  // returns on a line
+  int num_lines = 0;
+  bool whole = false;  // one line for all of the cell
+
+  Partition& operator+=(const Partition& other) {
+    scatter += other.scatter;
+    covered += other.covered;
+    num_lines += other.num_lines;
+    return *this;
+  }
+};
+
+class Quadtree {
+ public:
+  Quadtree(const SurfaceCells& finest, const SurfacePatchOptions& options) : options_(options) {
+    levels_.push_back(finest);
+    while (static_cast<int>(levels_.size()) < kNumLevels) {
+      levels_.push_back(Coarsened(&levels_.back()));
+    }
+  }
+
+  /// Appends the patches; gives the one of each of the finest cells.
+  std::vector<int> Cut(const SurfaceGrid& grid, std::vector<SurfacePatch>* patches) {
+    ChooseFromBelow();
+    std::vector<int> patch_of_parent, patch_of_cell;
+    for (std::size_t level = levels_.size(); level-- > 0;) {
+      const SurfaceCells& cells = levels_[level];
+      patch_of_cell.assign(cells.size(), SurfacePatches::kNone);
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const bool is_top = level + 1 == levels_.size();
+        if (!is_top) patch_of_cell[i] = patch_of_parent[cells[i].parent];
+        if (patch_of_cell[i] != SurfacePatches::kNone || !partitions_[level][i].whole) continue;
+        patch_of_cell[i] = static_cast<int>(patches->size());
+        patches->push_back(MakePatch(cells, i, grid));
+      }
+      patch_of_parent.swap(patch_of_cell);
+    }
+    return patch_of_parent;
+  }
+
+ private:
+  // Chooses for every cell between one line and what its quarters chose.
+  void ChooseFromBelow() {
+    partitions_.resize(levels_.size());
+    std::vector<Partition> quarters(levels_[0].size());
+    for (std::size_t level = 0; level < levels_.size(); ++level) {
+      const SurfaceCells& cells = levels_[level];
+      std::vector<Partition>& partitions = partitions_[level];
+      partitions.resize(cells.size());
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        partitions[i] = Choose(cells[i], quarters[i]);
+      }
+      if (level + 1 == levels_.size()) break;
+      quarters.assign(levels_[level + 1].size(), Partition());
+      for (std::size_t i = 0; i < cells.size(); ++i) quarters[cells[i].parent] += partitions[i];
+    }
+  }
+
+  Partition Choose(const SurfaceCell& cell, const Partition& quarters) const {
+    const PointMoments& moments = cell.moments;
+    if (moments.weight < options_.min_points || !cell.several_poses) return Split(quarters);
+    const LineFit fit = FitLine(moments);
+    if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Split(quarters);
+    const Partition whole{fit.smaller_eigenvalue * moments.weight, moments.weight, 1, true};
+    return SplitPays(whole, quarters) ? Split(quarters) : whole;
+  }
+
+  static Partition Split(Partition quarters) {
+    quarters.whole = false;
+    return quarters;
+  }
+
+  // Whether several lines explain the returns better than one: beyond what the additional
+  // parameters explain of mere noise (F test), and by enough to matter. Where poses are still
+  // wrong, dense returns make any wave significant.
+  bool SplitPays(const Partition& whole, const Partition& quarters) const {
+    constexpr double kWorthwhileShare = 0.7;
+    constexpr double kSignificantF = 4.0;
+    constexpr double kLostSigmas = 3.0;  // what a return costs that is left without a line
+    if (quarters.num_lines < 2) return false;
+    const double free_of_quarters = whole.covered - 2.0 * quarters.num_lines;
+    if (free_of_quarters <= 0.0) return false;
+    const double lost_scatter = (whole.covered - quarters.covered) * kLostSigmas * kLostSigmas *
+                                options_.noise_m * options_.noise_m;
+    const double scatter = quarters.scatter + lost_scatter;
+    const double variance = scatter / free_of_quarters;
+    const double variance_of_whole = whole.scatter / (whole.covered - 2.0);
+    const double explained = (whole.scatter - scatter) / (2.0 * (quarters.num_lines - 1));
+    return variance < kWorthwhileShare * variance_of_whole && explained > kSignificantF * variance;
+  }
+
+  SurfacePatch MakePatch(const SurfaceCells& cells, std::size_t i, const SurfaceGrid& grid) const {
+    const Pose2 world_from_grid(0.0, 0.0, grid.cell_yaw_rad);
+    const LineFit fit = FitLine(cells[i].moments);
+    SurfacePatch patch;
+    patch.origin = world_from_grid * cells.Center(cells[i].key);
+    patch.normal = world_from_grid * fit.normal;
+    patch.offset_m = fit.normal.dot(fit.centroid);
+    return patch;
+  }
+
+  const SurfacePatchOptions& options_;
+  std::vector<SurfaceCells> levels_;                // from the finest
+  std::vector<std::vector<Partition>> partitions_;  // of each cell of each level
+};
+
+}  // namespace
+
+SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
+                              const SurfacePatchOptions& options, ThreadPool* pool) {
+  SurfaceGrid grid;
+  grid.cell_m = kFinestCellM;
+  grid.octant_yaw_rad = DominantDirection(graph, surface, pool);
+  grid.cell_yaw_rad = grid.octant_yaw_rad + kGridTurnRad;
+  SurfacePatches result;
+  const SurfaceCells cells = SortIntoCells(graph, surface, grid, pool, &result.patch_of_return);
+  const std::vector<int> patch_of_cell = Quadtree(cells, options).Cut(grid, &result.patches);
+  constexpr std::size_t kReturnsPerChunk = 65536;
+  pool->ForEachChunk(
+      graph.num_returns(), kReturnsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+          int& patch = result.patch_of_return[r];
+          patch = patch == SurfaceCells::kNone ? SurfacePatches::kNone : patch_of_cell[patch];
+        }
+      });
+  return result;
+}
+
+}  // namespace plumbline

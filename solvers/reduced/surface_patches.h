@@ -1,0 +1,47 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_SURFACE_PATCHES_H_
+#define PLUMBLINE_SOLVERS_REDUCED_SURFACE_PATCHES_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+/// A piece of surface that one tangent line serves: all points p of the world with
+/// normal . (p - origin) = offset_m.
+struct SurfacePatch {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();   ///< near the patch, world [m]; fixed
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit, world
+  double offset_m = 0.0;
+};
+
+struct SurfacePatches {
+  static constexpr int kNone = -1;
+
+  std::vector<SurfacePatch> patches;
+  std::vector<int> patch_of_return;  ///< kNone: not on a line-like surface
+};
+
+struct SurfacePatchOptions {
+  /// Fewest returns of a patch. They must come from more than one pose.
+  int min_points = 5;
+  /// A patch counts as a line up to this ratio of its smaller to its larger variance.
+  double max_eigenvalue_ratio = 0.15;
+  /// Standard deviation of a return off its surface [m].
+  double noise_m = 0.0;
+};
+
+/// Cuts the surfaces that the scans saw, placed by the graph's poses, into patches: cells of a
+/// quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
+/// quarters explain its returns better than its own, by more than they owe to their number. So the
+/// size follows the data: sparse and noisy returns share long lines, dense ones resolve a curve.
+/// Bitwise the same for any number of threads.
+SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
+                              const SurfacePatchOptions& options, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_SURFACE_PATCHES_H_
