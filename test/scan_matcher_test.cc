@@ -20,6 +20,29 @@ TEST(ScanMatcher, FindsThePoseInARoomFromAfar) {
   EXPECT_GT(match.inlier_ratio, 0.9);
 }
 
+TEST(ScanMatcher, DescribesTheFitThroughTheFineGateWhereverItStops) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.05, 0.0, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  LocalMap map(0.03);
+  map.Rebuild({&surfaces[0]}, {Pose2()});
+  // The scan once more, 0.3 m off its surfaces: only the coarse gate lets that in.
+  SurfacePoints scan = surfaces[1];
+  const std::size_t num_sound = scan.size();
+  for (std::size_t i = 0; i < num_sound; ++i) {
+    SurfacePoint point = scan[i];
+    point.position += 0.3 * point.normal;
+    scan.push_back(point);
+  }
+  ScanMatchOptions hasty;
+  hasty.max_iterations = 1;
+  for (const ScanMatchOptions& options : {ScanMatchOptions(), hasty}) {
+    const ScanMatch match = MatchScan(map, scan, PosePrediction(), options);
+    EXPECT_GT(match.inlier_ratio, 0.4);
+    EXPECT_LT(match.inlier_ratio, 0.6);
+  }
+}
+
 TEST(ScanMatcher, HasNoInformationAlongACorridor) {
   SyntheticScene scene;
   scene.faces = {{{-200.0, 1.0}, {200.0, 1.0}}, {{-200.0, -1.0}, {200.0, -1.0}}};

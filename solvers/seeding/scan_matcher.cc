@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/factors/robust_loss.h"
@@ -31,20 +33,20 @@ struct NormalEquations {
   int num_matched = 0;
 };
 
+// matches: of the scan's points, as the iteration before found them or null; brought up to date.
 NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
-                          const Pose2& world_from_robot, double gate_m, double sigma_m) {
+                          const Pose2& world_from_robot, double gate_m, double sigma_m,
+                          std::vector<const SurfacePoint*>* matches) {
   NormalEquations equations;
-  const double c = std::cos(world_from_robot.yaw), s = std::sin(world_from_robot.yaw);
-  Eigen::Matrix2d rotation;
-  rotation << c, -s, s, c;
+  const FrameChange world_from_scan(world_from_robot);
   // A third of the gate: a correspondence at the gate weighs one hundredth of one on its surface.
   const double scale_squared = gate_m * gate_m / 9.0;
   const GemanMcClure loss{scale_squared};
   const double inverse_variance = 1.0 / (sigma_m * sigma_m);
-  for (const SurfacePoint& point : scan) {
-    const Eigen::Vector2d arm = rotation * point.position;
-    const SurfacePoint in_world{arm + world_from_robot.translation(), rotation * point.normal};
-    const SurfacePoint* match = map.Nearest(in_world, gate_m);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const SurfacePoint in_world = world_from_scan * scan[i];
+    const SurfacePoint* match = map.Nearest(in_world, gate_m, (*matches)[i]);
+    (*matches)[i] = match;
     if (match == nullptr) {
       equations.robust_cost += scale_squared * inverse_variance;
       continue;
@@ -53,6 +55,7 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
     const Eigen::Vector2d& normal = match->normal;
     const double distance = normal.dot(in_world.position - match->position);
     equations.robust_cost += loss.Rho(distance * distance) * inverse_variance;
+    const Eigen::Vector2d arm = in_world.position - world_from_robot.translation();
     const Eigen::Vector3d jacobian(normal.x(), normal.y(),
                                    -normal.x() * arm.y() + normal.y() * arm.x());
     const double weight = loss.Weight(distance * distance) * inverse_variance;
@@ -66,8 +69,8 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
 // a seems to say a^2 as much along its surface as it says across it: the two walls of a bare
 // corridor would hold the robot back.
 void DropNormalNoise(NormalEquations* equations) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(
-      equations->information.topLeftCorner<2, 2>());
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(equations->information.topLeftCorner<2, 2>());
   const double weak = axes.eigenvalues()(0), strong = axes.eigenvalues()(1);
   const double spurious = kNormalSigmaRad * kNormalSigmaRad * strong;
   const double share = weak > spurious ? 1.0 - spurious / weak : 0.0;
@@ -109,12 +112,21 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   match.world_from_robot = prediction.world_from_robot;
   if (scan.empty() || map.points().empty()) return match;
   const double lever_m = RootMeanSquareRange(scan);
+  std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
   double gate_m = options.coarse_gate_m;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
+    const bool is_last = iteration == options.max_iterations;
+    if (is_last) gate_m = options.fine_gate_m;
     Pose2& pose = match.world_from_robot;
-    NormalEquations equations = Linearize(map, scan, pose, gate_m, options.sigma_m);
+    NormalEquations equations = Linearize(map, scan, pose, gate_m, options.sigma_m, &matches);
     DropNormalNoise(&equations);
-    AddPrediction(prediction, pose, &equations.information, &equations.gradient);
+    // Told before the step: the one that ends the iterations is too small to change the fit.
+    match.inlier_ratio =
+        static_cast<double>(equations.num_matched) / static_cast<double>(scan.size());
+    match.information = equations.information;
+    match.chi2 = equations.robust_cost +
+                 AddPrediction(prediction, pose, &equations.information, &equations.gradient);
+    if (is_last) break;
     // The smallest of dampings keeps a featureless scan without prior information solvable.
     equations.information.diagonal().array() += 1e-6;
     const Eigen::Vector3d step = -equations.information.ldlt().solve(equations.gradient);
@@ -129,13 +141,6 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
     if (at_fine_gate && moved_m < options.step_tolerance_m) break;
     if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
   }
-  NormalEquations last =
-      Linearize(map, scan, match.world_from_robot, options.fine_gate_m, options.sigma_m);
-  DropNormalNoise(&last);
-  match.inlier_ratio = static_cast<double>(last.num_matched) / static_cast<double>(scan.size());
-  match.information = last.information;
-  match.chi2 = last.robust_cost +
-               AddPrediction(prediction, match.world_from_robot, &last.information, &last.gradient);
   return match;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "plumbline/core/joined_returns.h"
+
 namespace plumbline {
 
 std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
@@ -9,23 +11,27 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 double spacing_m, ThreadPool* pool) {
   std::vector<SurfacePoints> surfaces(graph.num_scans());
   const double spacing_squared = spacing_m * spacing_m;
-  const auto thin_scan = [&](std::size_t s) {
-    const ScanEntry& scan = graph.scan(static_cast<int>(s));
+  const auto thin_scan = [&](int s, std::vector<Eigen::Vector2d>* measured) {
+    MeasuredPoints(graph, s, measured);
     SurfacePoints& surface = surfaces[s];
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (normals[r].isZero()) continue;
-      const Eigen::Vector2d position = graph.PointInRobot(r);
+    for (std::size_t k = 0; k < measured->size(); ++k) {
+      const Eigen::Vector2f& normal = normals[graph.scan(s).first_return + k];
+      const Eigen::Vector2d& position = (*measured)[k];
+      if (normal.isZero()) continue;
       if (!surface.empty() &&
           (position - surface.back().position).squaredNorm() < spacing_squared) {
         continue;
       }
-      surface.push_back({position, normals[r].cast<double>()});
+      surface.push_back({position, normal.cast<double>()});
     }
   };
   constexpr std::size_t kScansPerChunk = 64;
   pool->ForEachChunk(surfaces.size(), kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t s = begin; s < end; ++s) thin_scan(s);
+                       std::vector<Eigen::Vector2d> measured;
+                       for (std::size_t s = begin; s < end; ++s) {
+                         thin_scan(static_cast<int>(s), &measured);
+                       }
                      });
   return surfaces;
 }

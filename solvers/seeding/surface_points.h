@@ -2,6 +2,7 @@
 #define PLUMBLINE_SOLVERS_SEEDING_SURFACE_POINTS_H_
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
@@ -17,8 +18,25 @@ struct SurfacePoint {
 };
 using SurfacePoints = std::vector<SurfacePoint>;
 
+/// A change of frame with its sine and cosine taken once, for many points.
+class FrameChange {
+ public:
+  explicit FrameChange(const Pose2& a_from_b) : translation_(a_from_b.translation()) {
+    const double c = std::cos(a_from_b.yaw), s = std::sin(a_from_b.yaw);
+    rotation_ << c, -s, s, c;
+  }
+
+  SurfacePoint operator*(const SurfacePoint& in_b) const {
+    return {rotation_ * in_b.position + translation_, rotation_ * in_b.normal};
+  }
+
+ private:
+  Eigen::Matrix2d rotation_;
+  Eigen::Vector2d translation_;
+};
+
 inline SurfacePoint operator*(const Pose2& a_from_b, const SurfacePoint& in_b) {
-  return {a_from_b * in_b.position, Pose2(0.0, 0.0, a_from_b.yaw) * in_b.normal};
+  return FrameChange(a_from_b) * in_b;
 }
 
 /// The surface points of every scan, each in the frame of its robot, thinned to one per

@@ -1,0 +1,58 @@
+#include "plumbline/core/joined_returns.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+// Beams 0.01 rad apart, from a laser that is mounted off centre and turned.
+SlamGraph GraphOf(const std::vector<double>& ranges) {
+  SlamGraph graph;
+  LaserModel laser;
+  laser.num_beams = static_cast<int>(ranges.size());
+  laser.first_bearing_rad = -0.4;
+  laser.bearing_step_rad = 0.01;
+  laser.max_range_m = 10.0;
+  laser.robot_from_laser = Pose2(0.3, -0.2, 2.0);
+  int id = 0;
+  EXPECT_TRUE(graph.AddLaser(laser, &id).ok());
+  EXPECT_TRUE(graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0, &id).ok());
+  EXPECT_TRUE(graph.AddScan(0, 0, ranges).ok());
+  return graph;
+}
+
+std::vector<bool> JoinedOf(const std::vector<double>& ranges) {
+  const SlamGraph graph = GraphOf(ranges);
+  std::vector<Eigen::Vector2d> points;
+  MeasuredPoints(graph, 0, &points);
+  std::vector<bool> joined;
+  FindJoinedReturns(graph, 0, points, 0.05, &joined);
+  return joined;
+}
+
+TEST(JoinedReturns, MeasuredPointsAreTheGraphs) {
+  const SlamGraph graph = GraphOf({1.0, 2.0, 10.0, 3.0});
+  std::vector<Eigen::Vector2d> points;
+  MeasuredPoints(graph, 0, &points);
+  ASSERT_EQ(points.size(), 3u);
+  for (std::size_t r = 0; r < points.size(); ++r) {
+    EXPECT_NEAR((points[r] - graph.PointInRobot(r)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(JoinedReturns, EndAtARangeJump) {
+  EXPECT_EQ(JoinedOf({2.0, 2.01, 2.02, 3.0, 3.01}),
+            (std::vector<bool>{false, true, true, false, true}));
+}
+
+TEST(JoinedReturns, BridgeOneBeamWithoutReturn) {
+  EXPECT_EQ(JoinedOf({2.0, 10.0, 2.0, 10.0, 10.0, 2.0}), (std::vector<bool>{false, true, false}));
+}
+
+TEST(JoinedReturns, TakeWhatIsWithinReachForNoise) {
+  EXPECT_EQ(JoinedOf({0.2, 0.245}), (std::vector<bool>{false, true}));
+  EXPECT_EQ(JoinedOf({0.2, 0.255}), (std::vector<bool>{false, false}));
+}
+
+}  // namespace
+}  // namespace plumbline
