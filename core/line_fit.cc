@@ -15,6 +15,16 @@ PointMoments& PointMoments::operator+=(const PointMoments& other) {
   return *this;
 }
 
+PointMoments PointMoments::Shifted(double dx, double dy) const {
+  PointMoments shifted = *this;
+  shifted.x += dx * weight;
+  shifted.y += dy * weight;
+  shifted.xx += 2.0 * dx * x + dx * dx * weight;
+  shifted.xy += dx * y + dy * x + dx * dy * weight;
+  shifted.yy += 2.0 * dy * y + dy * dy * weight;
+  return shifted;
+}
+
 LineFit FitLine(const PointMoments& moments) {
   LineFit fit;
   const double inverse = 1.0 / moments.weight;

@@ -22,6 +22,9 @@ struct PointMoments {
     yy += w * py * py;
   }
   PointMoments& operator+=(const PointMoments& other);
+
+  /// Of the same points about an origin moved by (-dx, -dy) [m].
+  PointMoments Shifted(double dx, double dy) const;
 };
 
 /// Total-least-squares line through a point set: all points q with normal . (q - centroid) = 0.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <unordered_map>
 #include <utility>
 
 #include "plumbline/core/angle.h"
@@ -15,51 +16,96 @@ namespace {
 // Variance [m^2] that a perfectly thin neighbourhood counts with: (0.1 mm)^2.
 constexpr double kSmallestVariance = 1e-8;
 
-// Points sorted by square cells of the neighbourhood's radius, row by row: a neighbourhood lies in
-// three runs of three cells each.
+// Points sorted by square cells. A cell that lies within a neighbourhood gives its moments as a
+// whole; points are looked at one by one only where the edge of the neighbourhood passes.
 class CellSortedPoints {
  public:
-  CellSortedPoints(const std::vector<double>& points, double cell_m) : cell_m_(cell_m) {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(points.size() / 2);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      order[i] = {Key(Cell(points[2 * i]), Cell(points[2 * i + 1])), static_cast<std::uint32_t>(i)};
+  CellSortedPoints(const std::vector<double>& points, double radius_m)
+      : radius_m_(radius_m), cell_m_(radius_m / kCellsPerRadius) {
+    const std::size_t num_points = points.size() / 2;
+    std::vector<int> cell_of_point(num_points);
+    for (std::size_t i = 0; i < num_points; ++i) {
+      const std::uint64_t key = Key(Index(points[2 * i]), Index(points[2 * i + 1]));
+      // Neighbouring beams mostly end in the same cell.
+      if (i == 0 || key != cells_[cell_of_point[i - 1]].key) {
+        const auto [entry, is_new] = cell_of_key_.try_emplace(key, static_cast<int>(cells_.size()));
+        if (is_new) {
+          cells_.emplace_back();
+          cells_.back().key = key;
+        }
+        cell_of_point[i] = entry->second;
+      } else {
+        cell_of_point[i] = cell_of_point[i - 1];
+      }
+      ++cells_[cell_of_point[i]].num_points;
     }
-    std::sort(order.begin(), order.end());
-    for (const auto& [key, i] : order) {
-      keys_.push_back(key);
-      points_.emplace_back(points[2 * i], points[2 * i + 1]);
+    std::size_t first = 0;
+    for (Cell& cell : cells_) {
+      cell.first = first;
+      first += std::exchange(cell.num_points, 0);
+    }
+    points_.resize(num_points);
+    for (std::size_t i = 0; i < num_points; ++i) {
+      Cell& cell = cells_[cell_of_point[i]];
+      const Eigen::Vector2d point(points[2 * i], points[2 * i + 1]);
+      if (cell.num_points == 0) {
+        cell.center = {(Index(point.x()) + 0.5) * cell_m_, (Index(point.y()) + 0.5) * cell_m_};
+      }
+      const Eigen::Vector2d offset = point - cell.center;
+      cell.moments.Add(offset.x(), offset.y());
+      points_[cell.first + cell.num_points++] = point;
     }
   }
 
-  // Moments about `center` of all points within the cell size of it.
+  // Moments about `center` of all points within the radius of it.
   PointMoments MomentsAround(const Eigen::Vector2d& center) const {
     PointMoments moments;
-    const double radius_squared = cell_m_ * cell_m_;
-    const std::int64_t cx = Cell(center.x()), cy = Cell(center.y());
-    for (std::int64_t row = cy - 1; row <= cy + 1; ++row) {
-      const auto begin = std::lower_bound(keys_.begin(), keys_.end(), Key(cx - 1, row));
-      const auto end = std::upper_bound(begin, keys_.end(), Key(cx + 1, row));
-      for (auto k = begin - keys_.begin(); k < end - keys_.begin(); ++k) {
-        const Eigen::Vector2d offset = points_[k] - center;
-        if (offset.squaredNorm() <= radius_squared) moments.Add(offset.x(), offset.y());
+    const double cx = Index(center.x()), cy = Index(center.y());
+    for (int dx = -kCellsPerRadius; dx <= kCellsPerRadius; ++dx) {
+      for (int dy = -kCellsPerRadius; dy <= kCellsPerRadius; ++dy) {
+        const auto entry = cell_of_key_.find(Key(cx + dx, cy + dy));
+        if (entry != cell_of_key_.end()) AddCell(cells_[entry->second], center, &moments);
       }
     }
     return moments;
   }
 
  private:
-  std::int64_t Cell(double coordinate_m) const {
-    return static_cast<std::int64_t>(std::floor(coordinate_m / cell_m_));
-  }
-  // Orders cells by row, then by column; 31 bits each hold any map on Earth.
-  static std::uint64_t Key(std::int64_t column, std::int64_t row) {
-    constexpr std::int64_t kOffset = std::int64_t{1} << 30;
-    return static_cast<std::uint64_t>(row + kOffset) << 32 |
-           static_cast<std::uint64_t>(column + kOffset);
+  static constexpr int kCellsPerRadius = 3;
+
+  struct Cell {
+    std::uint64_t key = 0;
+    std::size_t first = 0;
+    std::size_t num_points = 0;
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();
+    PointMoments moments;  // about the centre
+  };
+
+  void AddCell(const Cell& cell, const Eigen::Vector2d& center, PointMoments* moments) const {
+    const Eigen::Vector2d offset = cell.center - center;
+    const double half = 0.5 * cell_m_;
+    if ((offset.cwiseAbs().array() + half).matrix().norm() < (1.0 - 1e-9) * radius_m_) {
+      *moments += cell.moments.Shifted(offset.x(), offset.y());
+      return;
+    }
+    for (std::size_t i = cell.first; i < cell.first + cell.num_points; ++i) {
+      const Eigen::Vector2d to_point = points_[i] - center;
+      if (to_point.squaredNorm() <= radius_m_ * radius_m_) moments->Add(to_point.x(), to_point.y());
+    }
   }
 
+  double Index(double coordinate_m) const { return std::floor(coordinate_m / cell_m_); }
+  // 31 bits each hold any map on Earth.
+  static std::uint64_t Key(double column, double row) {
+    constexpr std::int64_t kOffset = std::int64_t{1} << 30;
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(row) + kOffset) << 32 |
+           static_cast<std::uint64_t>(static_cast<std::int64_t>(column) + kOffset);
+  }
+
+  double radius_m_;
   double cell_m_;
-  std::vector<std::uint64_t> keys_;
+  std::unordered_map<std::uint64_t, int> cell_of_key_;
+  std::vector<Cell> cells_;
   std::vector<Eigen::Vector2d> points_;
 };
 

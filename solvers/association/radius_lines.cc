@@ -28,11 +28,12 @@ Verdict FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
   for (int dx = -2; dx <= 2; ++dx) {
     for (int dy = -2; dy <= 2; ++dy) {
       if (std::abs(dx * dy) == 4) continue;
+      const std::array<int, 8>& square = cells.Square(cell.key.x + dx, cell.key.y + dy);
       for (int turn = -1; turn <= 1; ++turn) {
-        const int id = cells.Find({cell.key.x + dx, cell.key.y + dy, (cell.key.octant + turn) & 7});
+        const int id = square[(cell.key.octant + turn) & 7];
         if (id == SurfaceCells::kNone) continue;
         const SurfaceCell& other = cells[id];
-        sum += Shifted(other.moments, dx * cells.cell_m(), dy * cells.cell_m());
+        sum += other.moments.Shifted(dx * cells.cell_m(), dy * cells.cell_m());
         several_poses = several_poses || other.several_poses || other.pose != cell.pose;
       }
     }

@@ -49,7 +49,7 @@ class ChunkSorter {
       const int octant =
           OctantOf(oc * normal.x() - os * normal.y(), os * normal.x() + oc * normal.y());
       const SurfaceCellKey key = cells_.KeyOf(x, y, octant);
-      if (last == SurfaceCells::kNone || key.Packed() != last_key.Packed()) {
+      if (last == SurfaceCells::kNone || !(key == last_key)) {
         last = cells_.FindOrInsert(key, scan.pose);
         last_key = key;
         cells_[last].Merge({}, scan.pose, false);
@@ -74,41 +74,44 @@ constexpr std::size_t kScansPerChunk = 256;
 
 }  // namespace
 
-SurfaceCellKey SurfaceCells::KeyOf(double x, double y, int octant) const {
-  return {static_cast<std::int64_t>(std::floor(x / cell_m_)),
-          static_cast<std::int64_t>(std::floor(y / cell_m_)), octant};
-}
-
 int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
-  std::size_t slot = SlotOf(key);
-  if (slots_[slot] == kNone) {
-    if (2 * (cells_.size() + 1) > slots_.size()) {
+  const std::uint64_t square = PackedSquare(key.x, key.y);
+  std::size_t slot = SlotOf(square);
+  if (!slots_[slot].taken) {
+    if (2 * (num_squares_ + 1) > slots_.size()) {
       Grow();
-      slot = SlotOf(key);
+      slot = SlotOf(square);
     }
-    slots_[slot] = static_cast<int>(cells_.size());
+    slots_[slot].square = square;
+    slots_[slot].taken = true;
+    ++num_squares_;
+  }
+  int& cell = slots_[slot].cell_of_octant[key.octant];
+  if (cell == kNone) {
+    cell = static_cast<int>(cells_.size());
     cells_.emplace_back();
     cells_.back().key = key;
     cells_.back().pose = pose;
   }
-  return slots_[slot];
+  return cell;
 }
 
-std::size_t SurfaceCells::SlotOf(const SurfaceCellKey& key) const {
-  const std::uint64_t packed = key.Packed();
-  std::uint64_t hash = packed * 0x9e3779b97f4a7c15ULL;
+std::size_t SurfaceCells::SlotOf(std::uint64_t square) const {
+  std::uint64_t hash = square * 0x9e3779b97f4a7c15ULL;
   hash ^= hash >> 29;
   std::size_t slot = hash & (slots_.size() - 1);
-  while (slots_[slot] != kNone && cells_[slots_[slot]].key.Packed() != packed) {
+  while (slots_[slot].taken && slots_[slot].square != square) {
     slot = (slot + 1) & (slots_.size() - 1);
   }
   return slot;
 }
 
 void SurfaceCells::Grow() {
-  slots_.assign(4 * slots_.size(), kNone);
-  for (std::size_t i = 0; i < cells_.size(); ++i)
-    slots_[SlotOf(cells_[i].key)] = static_cast<int>(i);
+  std::vector<Slot> old(4 * slots_.size());
+  old.swap(slots_);
+  for (const Slot& slot : old) {
+    if (slot.taken) slots_[SlotOf(slot.square)] = slot;
+  }
 }
 
 double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool) {
@@ -180,20 +183,10 @@ SurfaceCells Coarsened(SurfaceCells* fine) {
     const SurfaceCellKey key{cell.key.x >> 1, cell.key.y >> 1, cell.key.octant};
     cell.parent = coarse.FindOrInsert(key, cell.pose);
     const Eigen::Vector2d shift = fine->Center(cell.key) - coarse.Center(key);
-    coarse[cell.parent].Merge(Shifted(cell.moments, shift.x(), shift.y()), cell.pose,
+    coarse[cell.parent].Merge(cell.moments.Shifted(shift.x(), shift.y()), cell.pose,
                               cell.several_poses);
   }
   return coarse;
-}
-
-PointMoments Shifted(const PointMoments& m, double dx, double dy) {
-  PointMoments shifted = m;
-  shifted.x += dx * m.weight;
-  shifted.y += dy * m.weight;
-  shifted.xx += 2.0 * dx * m.x + dx * dx * m.weight;
-  shifted.xy += dx * m.y + dy * m.x + dx * dy * m.weight;
-  shifted.yy += 2.0 * dy * m.y + dy * dy * m.weight;
-  return shifted;
 }
 
 }  // namespace plumbline

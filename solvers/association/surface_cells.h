@@ -2,6 +2,7 @@
 #define PLUMBLINE_SOLVERS_ASSOCIATION_SURFACE_CELLS_H_
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,16 +15,14 @@
 namespace plumbline {
 
 /// Names a square cell of the plane and an octant of the directions that its surfaces face, so that
-/// the two faces of a wall and the two sides of a corner never mix. Holds 28 bits per coordinate:
-/// 13,000 km at cells of 0.1 m.
+/// the two faces of a wall and the two sides of a corner never mix. Holds 32 bits per coordinate:
+/// 200,000 km at cells of 0.1 m.
 struct SurfaceCellKey {
   std::int64_t x = 0, y = 0;
   int octant = 0;  ///< 0 to 7, counter-clockwise
 
-  std::uint64_t Packed() const {
-    constexpr std::int64_t kCoordinateMask = (std::int64_t{1} << 28) - 1;
-    return static_cast<std::uint64_t>((x & kCoordinateMask) << 31 | (y & kCoordinateMask) << 3 |
-                                      octant);
+  bool operator==(const SurfaceCellKey& other) const {
+    return x == other.x && y == other.y && octant == other.octant;
   }
 };
 
@@ -41,37 +40,59 @@ struct SurfaceCell {
   }
 };
 
-/// Cells by key, in an open-addressing hash table. They are numbered in order of insertion, which
-/// makes every result independent of the hashing.
+/// Cells by key, in an open-addressing hash table of squares that hold eight cells each. Cells are
+/// numbered in order of insertion, which makes every result independent of the hashing.
 class SurfaceCells {
  public:
   static constexpr int kNone = -1;
 
-  explicit SurfaceCells(double cell_m) : cell_m_(cell_m), slots_(1024, kNone) {}
+  explicit SurfaceCells(double cell_m)
+      : cell_m_(cell_m), inverse_cell_m_(1.0 / cell_m), slots_(1024) {}
 
   double cell_m() const { return cell_m_; }
   std::size_t size() const { return cells_.size(); }
   SurfaceCell& operator[](std::size_t id) { return cells_[id]; }
   const SurfaceCell& operator[](std::size_t id) const { return cells_[id]; }
 
-  SurfaceCellKey KeyOf(double x, double y, int octant) const;
+  SurfaceCellKey KeyOf(double x, double y, int octant) const {
+    return {Floor(x * inverse_cell_m_), Floor(y * inverse_cell_m_), octant};
+  }
   /// In the frame of the grid [m].
   Eigen::Vector2d Center(const SurfaceCellKey& key) const {
     return {(static_cast<double>(key.x) + 0.5) * cell_m_,
             (static_cast<double>(key.y) + 0.5) * cell_m_};
   }
 
-  /// kNone if there is no such cell.
-  int Find(const SurfaceCellKey& key) const { return slots_[SlotOf(key)]; }
+  /// The cells of one square by octant, kNone where there is none.
+  const std::array<int, 8>& Square(std::int64_t x, std::int64_t y) const {
+    return slots_[SlotOf(PackedSquare(x, y))].cell_of_octant;
+  }
   int FindOrInsert(const SurfaceCellKey& key, int pose);
 
  private:
-  std::size_t SlotOf(const SurfaceCellKey& key) const;
+  struct Slot {
+    std::uint64_t square = 0;
+    bool taken = false;
+    std::array<int, 8> cell_of_octant{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  };
+
+  static std::uint64_t PackedSquare(std::int64_t x, std::int64_t y) {
+    return static_cast<std::uint64_t>(x) << 32 | (static_cast<std::uint64_t>(y) & 0xffffffff);
+  }
+  std::size_t SlotOf(std::uint64_t square) const;
   void Grow();
 
+  // std::floor is a call into the C library unless the build is for newer processors only.
+  static std::int64_t Floor(double value) {
+    const auto truncated = static_cast<std::int64_t>(value);
+    return truncated - (static_cast<double>(truncated) > value ? 1 : 0);
+  }
+
   double cell_m_;
+  double inverse_cell_m_;
   std::vector<SurfaceCell> cells_;
-  std::vector<int> slots_;
+  std::vector<Slot> slots_;
+  std::size_t num_squares_ = 0;
 };
 
 /// The axes that cells and octants are laid along, as yaw angles in the world [rad].
@@ -94,9 +115,6 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surfac
 
 /// The table of twice the cell size, by joining 2 x 2 cells; links every cell to its parent.
 SurfaceCells Coarsened(SurfaceCells* fine);
-
-/// Moments of the same points about an origin moved by (-dx, -dy).
-PointMoments Shifted(const PointMoments& moments, double dx, double dy);
 
 }  // namespace plumbline
 
