@@ -12,7 +12,7 @@ TEST(CorrelativeMatcher, FindsTheBestPoseOfAWideWindow) {
   const Pose2 truth(1.3, -0.9, 0.5);
   scene.poses = {Pose2(), truth};
   const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
-  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  const CorrelativeMatcher matcher(surfaces[0], 0.1, 2.0);
   const CorrelativeMatch match = matcher.Search(surfaces[1], {Pose2(), 2.0, 0.6}, 0.3);
   ASSERT_TRUE(match.found);
   EXPECT_LT(DistanceM(match.map_from_scan, truth), 0.15);
@@ -25,7 +25,7 @@ TEST(CorrelativeMatcher, AgreesWithExhaustiveSearch) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.4, 0.3, 0.0)};
   const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
-  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  const CorrelativeMatcher matcher(surfaces[0], 0.1, 0.9);
   double best = 0.0;
   for (int y = -9; y <= 9; ++y) {
     for (int x = -9; x <= 9; ++x) {
@@ -38,6 +38,21 @@ TEST(CorrelativeMatcher, AgreesWithExhaustiveSearch) {
   EXPECT_NEAR(match.score, best, 0.02);
 }
 
+TEST(CorrelativeMatcher, FindsTheSameInAWiderWindowThanItWasMadeFor) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(1.3, -0.9, 0.5)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  const SearchWindow window{Pose2(), 2.0, 0.6};
+  const CorrelativeMatch wide =
+      CorrelativeMatcher(surfaces[0], 0.1, 2.0).Search(surfaces[1], window, 0.3);
+  const CorrelativeMatch narrow =
+      CorrelativeMatcher(surfaces[0], 0.1, 0.0).Search(surfaces[1], window, 0.3);
+  ASSERT_TRUE(wide.found);
+  ASSERT_TRUE(narrow.found);
+  EXPECT_NEAR(narrow.score, wide.score, 0.01);
+  EXPECT_LT(DistanceM(narrow.map_from_scan, wide.map_from_scan), 0.11);
+}
+
 TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.2, 0.1, 0.0)};
@@ -46,7 +61,7 @@ TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
   for (const SurfacePoint& point : surfaces[0]) twins.push_back(Pose2(5.0, 0.0, 0.0) * point);
   const SearchWindow window{Pose2(), 6.0, 0.3};
   for (const bool twin : {false, true}) {
-    const CorrelativeMatcher matcher(twin ? twins : surfaces[0], 0.1);
+    const CorrelativeMatcher matcher(twin ? twins : surfaces[0], 0.1, 6.0);
     const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
     ASSERT_TRUE(best.found);
     const bool second =
@@ -59,7 +74,7 @@ TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.2, 0.1, 0.0)};
   const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
-  const CorrelativeMatcher matcher(surfaces[0], 0.1);
+  const CorrelativeMatcher matcher(surfaces[0], 0.1, 200.0);
   const SearchWindow window{Pose2(0.0, 0.0, 3.0), 200.0, 8.0};
   const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
   ASSERT_TRUE(best.found);
@@ -70,8 +85,8 @@ TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
 
 TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
   const SurfacePoints point{{{1.0, 0.0}, {-1.0, 0.0}}};
-  EXPECT_FALSE(CorrelativeMatcher({}, 0.1).Search(point, {Pose2(), 1.0, 0.1}, 0.1).found);
-  EXPECT_FALSE(CorrelativeMatcher(point, 0.1).Search({}, {Pose2(), 1.0, 0.1}, 0.1).found);
+  EXPECT_FALSE(CorrelativeMatcher({}, 0.1, 1.0).Search(point, {Pose2(), 1.0, 0.1}, 0.1).found);
+  EXPECT_FALSE(CorrelativeMatcher(point, 0.1, 1.0).Search({}, {Pose2(), 1.0, 0.1}, 0.1).found);
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "plumbline/solvers/seeding/correlative_matcher.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "plumbline/core/angle.h"
@@ -11,10 +14,15 @@
 namespace plumbline {
 namespace {
 
-constexpr int kTopLevel = 5;
+// More levels would save no more time.
+constexpr int kMaxLevel = 5;
 constexpr int kKernelCells = 2;
+constexpr int kKernelSide = 2 * kKernelCells + 1;
 // Points of a scan that are scored: more of them change the ranking of poses no longer.
 constexpr std::size_t kMaxScoredPoints = 200;
+// A block is scored in this many parts of the scan, each every fourth of its points: the first ones
+// often show that the block is no use.
+constexpr int kParts = 4;
 
 // A better score must be better by more than this, a step of the likelihood grid: along a bare
 // corridor thousands of poses fit alike.
@@ -24,10 +32,35 @@ struct Candidate {
   int heading = 0;
   int x = 0;  // shift of the scan in cells, the lowest of the 2^level in its block
   int y = 0;
+  // Of the likelihoods in the parts of the scan up to each one, all in all `score`.
+  std::array<int, kParts> sums{};
   double score = 0.0;
 };
 
-bool BetterScore(const Candidate& a, const Candidate& b) { return a.score > b.score; }
+// Of equal scores the heading nearest to the middle, then the lowest shift.
+bool Precedes(const Candidate& a, const Candidate& b) {
+  return std::tie(b.score, a.heading, a.y, a.x) < std::tie(a.score, b.heading, b.y, b.x);
+}
+
+// The coarsest level whose blocks a window of that many cells to either side fills.
+int TopLevel(int half_cells) {
+  int level = 0;
+  while (level < kMaxLevel && (1 << level) <= half_cells) ++level;
+  return level;
+}
+
+// The Gaussian at kKernelSide cells, the first of which is at `first` standard deviations. From
+// cell to cell it changes by a factor, which itself changes by a constant one.
+void SampleGaussian(double first, double peak, double* samples) {
+  const double e_inverse = std::exp(-1.0);
+  double value = peak * std::exp(-0.5 * first * first);
+  double factor = std::exp(-first - 0.5);
+  for (int i = 0; i < kKernelSide; ++i) {
+    samples[i] = value;
+    value *= factor;
+    factor *= e_inverse;
+  }
+}
 
 }  // namespace
 
@@ -58,13 +91,13 @@ class BranchAndBound {
     const double lever_m = std::sqrt(sum / static_cast<double>(points_.size()));
     const double step_rad = matcher_.cell_m_ / std::max(lever_m, matcher_.cell_m_);
     const int steps = static_cast<int>(std::ceil(std::min(window_.half_angle_rad, kPi) / step_rad));
-    int level = 0;
-    while (level < kTopLevel && (1 << level) <= half_cells_) ++level;
+    const int level =
+        std::min(TopLevel(half_cells_), static_cast<int>(matcher_.levels_.size()) - 1);
     std::vector<Candidate> top;
     // From the middle outwards: of equal scores the one nearest to the prediction is taken.
     for (int k = 0; k <= 2 * steps; ++k) {
-      AddHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad, level,
-                 &top);
+      AddHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad);
+      AddBlocks(level, &top);
     }
     Descend(level, &top);
     return best_;
@@ -75,39 +108,57 @@ class BranchAndBound {
     double yaw_rad = 0.0;
     bool excluded = false;
     std::vector<Eigen::Vector2i> cells;  // of the scan, unshifted
+    Eigen::Vector2i low, high;           // of the cells
   };
 
-  void AddHeading(double yaw_rad, int level, std::vector<Candidate>* top) {
+  void AddHeading(double yaw_rad) {
     Heading heading;
     heading.yaw_rad = yaw_rad;
     heading.excluded = excluded_radius_m_ > 0.0 &&
                        std::abs(NormalizeAngle(yaw_rad - excluded_.yaw)) <= excluded_angle_rad_;
-    const Pose2 pose(window_.center.x, window_.center.y, yaw_rad);
-    Eigen::Vector2i low(std::numeric_limits<int>::max(), std::numeric_limits<int>::max());
-    Eigen::Vector2i high = -low;
+    const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
+    heading.low.setConstant(std::numeric_limits<int>::max());
+    heading.high = -heading.low;
+    heading.cells.reserve(points_.size());
     for (const Eigen::Vector2d& point : points_) {
-      const Eigen::Vector2d at = (pose * point - matcher_.origin_) / matcher_.cell_m_;
+      const Eigen::Vector2d at =
+          (rotation * point + window_.center.translation() - matcher_.origin_) / matcher_.cell_m_;
       heading.cells.emplace_back(static_cast<int>(std::floor(at.x())),
                                  static_cast<int>(std::floor(at.y())));
-      low = low.cwiseMin(heading.cells.back());
-      high = high.cwiseMax(heading.cells.back());
+      heading.low = heading.low.cwiseMin(heading.cells.back());
+      heading.high = heading.high.cwiseMax(heading.cells.back());
     }
     headings_.push_back(std::move(heading));
+  }
+
+  // The blocks of the last heading, of `level`.
+  void AddBlocks(int level, std::vector<Candidate>* top) const {
+    const Eigen::Vector2i &low = headings_.back().low, &high = headings_.back().high;
     // Shifts that leave the scan outside the grid score nothing, however wide the window.
     const int x_low = std::max(-half_cells_, -high.x());
     const int y_low = std::max(-half_cells_, -high.y());
     const int x_high = std::min(half_cells_, matcher_.width_ - 1 - low.x());
     const int y_high = std::min(half_cells_, matcher_.height_ - 1 - low.y());
-    const int id = static_cast<int>(headings_.size()) - 1;
-    for (int y = y_low; y <= y_high; y += 1 << level) {
-      for (int x = x_low; x <= x_high; x += 1 << level) top->push_back({id, x, y, 0.0});
+    const int side = 2 << level;
+    Candidate whole;  // four blocks, of which nothing is known
+    whole.heading = static_cast<int>(headings_.size()) - 1;
+    int num_points = 0;
+    for (int part = 0; part < kParts; ++part) {
+      num_points += static_cast<int>((points_.size() + kParts - 1 - part) / kParts);
+      whole.sums[part] = 255 * num_points;
+    }
+    for (int y = y_low; y <= y_high; y += side) {
+      for (int x = x_low; x <= x_high; x += side) {
+        whole.x = x;
+        whole.y = y;
+        Split(whole, level, top);
+      }
     }
   }
 
-  // Returns true if the search is over.
+  // Sorts the candidates. Returns true if the search is over.
   bool Descend(int level, std::vector<Candidate>* candidates) {
-    for (Candidate& candidate : *candidates) candidate.score = Bound(candidate, level);
-    std::stable_sort(candidates->begin(), candidates->end(), BetterScore);
+    std::sort(candidates->begin(), candidates->end(), Precedes);
     for (const Candidate& candidate : *candidates) {
       if (candidate.score <= best_.score + kScoreResolution) return false;
       if (IsExcluded(candidate, level)) continue;
@@ -116,31 +167,70 @@ class BranchAndBound {
         if (any_will_do_) return true;
         continue;
       }
-      const int half = 1 << (level - 1);
-      std::vector<Candidate> children;
-      for (const int y : {candidate.y, candidate.y + half}) {
-        for (const int x : {candidate.x, candidate.x + half}) {
-          if (x <= half_cells_ && y <= half_cells_) {
-            children.push_back({candidate.heading, x, y, 0.0});
-          }
-        }
-      }
+      std::vector<Candidate>& children = children_[level - 1];
+      children.clear();
+      Split(candidate, level - 1, &children);
       if (Descend(level - 1, &children)) return true;
     }
     return false;
   }
 
-  double Bound(const Candidate& candidate, int level) const {
-    const std::vector<std::uint8_t>& grid = matcher_.levels_[level];
-    const std::vector<Eigen::Vector2i>& cells = headings_[candidate.heading].cells;
-    int sum = 0;
-    for (const Eigen::Vector2i& cell : cells) {
-      const int x = cell.x() + candidate.x, y = cell.y() + candidate.y;
-      if (x < 0 || y < 0 || x >= matcher_.width_ || y >= matcher_.height_) continue;
-      sum += grid[static_cast<std::size_t>(y) * matcher_.width_ + x];
+  // Cuts a block into four of `level` and appends those that begin within the window, scored by
+  // their bounds; none if it shows early that none is better than the best pose so far.
+  void Split(const Candidate& block, int level, std::vector<Candidate>* parts) const {
+    const int side = 1 << level;
+    std::array<Candidate, 4> quarters;
+    for (int i = 0; i < 4; ++i) {
+      quarters[i].heading = block.heading;
+      quarters[i].x = block.x + (i & 1) * side;
+      quarters[i].y = block.y + (i >> 1) * side;
     }
-    return sum / (255.0 * static_cast<double>(cells.size()));
+    std::array<int, 4> sums{};
+    for (int part = 0; part < kParts; ++part) {
+      AddPart(block, level, part, &sums);
+      const int rest = block.sums.back() - block.sums[part];  // bounds what the four can add to it
+      const int bound = *std::max_element(sums.begin(), sums.end()) + rest;
+      if (ScoreOf(bound) <= best_.score + kScoreResolution) return;
+      for (int i = 0; i < 4; ++i) quarters[i].sums[part] = sums[i];
+    }
+    for (Candidate& quarter : quarters) {
+      if (quarter.x > half_cells_ || quarter.y > half_cells_) continue;
+      quarter.score = ScoreOf(quarter.sums.back());
+      parts->push_back(quarter);
+    }
   }
+
+  // Adds the likelihoods of one part of the scan in the four quarters of a block, which are of
+  // `level`.
+  void AddPart(const Candidate& block, int level, int part, std::array<int, 4>* sums) const {
+    const std::uint8_t* grid = matcher_.levels_[level].data();
+    const Heading& heading = headings_[block.heading];
+    const std::ptrdiff_t width = matcher_.width_;
+    const int side = 1 << level, last_x = matcher_.width_ - 1, last_y = matcher_.height_ - 1;
+    std::array<int, 4> sum = *sums;
+    const auto add = [&](auto in_grid) {
+      for (std::size_t c = part; c < heading.cells.size(); c += kParts) {
+        const int x = heading.cells[c].x() + block.x, y = heading.cells[c].y() + block.y;
+        const int left = in_grid(x, last_x), right = in_grid(x + side, last_x);
+        const std::uint8_t* lower = grid + in_grid(y, last_y) * width;
+        const std::uint8_t* upper = grid + in_grid(y + side, last_y) * width;
+        sum[0] += lower[left];
+        sum[1] += lower[right];
+        sum[2] += upper[left];
+        sum[3] += upper[right];
+      }
+    };
+    if (heading.low.x() + block.x >= 0 && heading.high.x() + block.x + side <= last_x &&
+        heading.low.y() + block.y >= 0 && heading.high.y() + block.y + side <= last_y) {
+      add([](int at, int) { return at; });
+    } else {
+      // The cells along the edges of the grid are empty, and stand for all beyond them.
+      add([](int at, int last) { return std::clamp(at, 0, last); });
+    }
+    *sums = sum;
+  }
+
+  double ScoreOf(int sum) const { return sum / (255.0 * static_cast<double>(points_.size())); }
 
   Pose2 PoseOf(const Candidate& candidate) const {
     return {window_.center.x + candidate.x * matcher_.cell_m_,
@@ -168,62 +258,57 @@ class BranchAndBound {
   bool any_will_do_ = false;
 
   std::vector<Heading> headings_;
+  std::array<std::vector<Candidate>, kMaxLevel> children_;  // per level those being looked through
   CorrelativeMatch best_;
 };
 
-CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m) : cell_m_(cell_m) {
+CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m, double half_width_m)
+    : cell_m_(cell_m) {
   if (map.empty()) return;
   Eigen::Vector2d low = map.front().position, high = low;
   for (const SurfacePoint& point : map) {
     low = low.cwiseMin(point.position);
     high = high.cwiseMax(point.position);
   }
+  const int top_level = TopLevel(static_cast<int>(std::ceil(half_width_m / cell_m)));
   // Blocks of the top level that begin below the map still reach into it.
-  constexpr int kMargin = (1 << kTopLevel) + kKernelCells;
-  origin_ = low.array() - kMargin * cell_m_;
-  width_ = static_cast<int>((high.x() - low.x()) / cell_m_) + 1 + 2 * kMargin;
-  height_ = static_cast<int>((high.y() - low.y()) / cell_m_) + 1 + 2 * kMargin;
-  levels_.assign(1, Level(static_cast<std::size_t>(width_) * height_, 0));
+  const int margin = (1 << top_level) + kKernelCells;
+  origin_ = low.array() - margin * cell_m_;
+  width_ = static_cast<int>((high.x() - low.x()) / cell_m_) + 1 + 2 * margin;
+  height_ = static_cast<int>((high.y() - low.y()) / cell_m_) + 1 + 2 * margin;
+  levels_.assign(top_level + 1, Level(static_cast<std::size_t>(width_) * height_, 0));
   for (const SurfacePoint& point : map) Splat(point.position);
-  BuildPyramid();
+  for (int level = 1; level <= top_level; ++level) Coarsen(level);
 }
 
 void CorrelativeMatcher::Splat(const Eigen::Vector2d& point) {
-  constexpr int kSide = 2 * kKernelCells + 1;
   const Eigen::Vector2d at = (point - origin_) / cell_m_;
   const int x_low = static_cast<int>(at.x()) - kKernelCells;
   const int y_low = static_cast<int>(at.y()) - kKernelCells;
   // The Gaussian is the product of its two axes.
-  double along_x[kSide], along_y[kSide];
-  for (int i = 0; i < kSide; ++i) {
-    const double dx = x_low + i + 0.5 - at.x(), dy = y_low + i + 0.5 - at.y();
-    along_x[i] = std::exp(-0.5 * dx * dx);
-    along_y[i] = 255.0 * std::exp(-0.5 * dy * dy);
-  }
-  for (int y = 0; y < kSide; ++y) {
+  double along_x[kKernelSide], along_y[kKernelSide];
+  SampleGaussian(x_low + 0.5 - at.x(), 1.0, along_x);
+  SampleGaussian(y_low + 0.5 - at.y(), 255.0, along_y);
+  for (int y = 0; y < kKernelSide; ++y) {
     std::uint8_t* row = &levels_[0][static_cast<std::size_t>(y_low + y) * width_ + x_low];
-    for (int x = 0; x < kSide; ++x) {
+    for (int x = 0; x < kKernelSide; ++x) {
       row[x] = std::max(row[x], static_cast<std::uint8_t>(along_x[x] * along_y[y] + 0.5));
     }
   }
 }
 
-void CorrelativeMatcher::BuildPyramid() {
-  const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_);
-  for (int level = 1; level <= kTopLevel; ++level) {
-    const Level& finer = levels_.back();
-    const std::size_t half = std::size_t{1} << (level - 1);
-    // First to the right, then upwards, in plain loops that the compiler vectorises. The margin is
-    // wider than the blocks: what is cut off at the edges is empty.
-    Level rows = finer;
-    for (std::size_t i = 0; i + half < rows.size(); ++i) {
-      rows[i] = std::max(finer[i], finer[i + half]);
-    }
-    Level coarser = rows;
-    for (std::size_t i = 0; i + half * width < height * width; ++i) {
-      coarser[i] = std::max(rows[i], rows[i + half * width]);
-    }
-    levels_.push_back(std::move(coarser));
+void CorrelativeMatcher::Coarsen(int level) {
+  const std::size_t right = std::size_t{1} << (level - 1);
+  const std::size_t up = right * static_cast<std::size_t>(width_);
+  // Over plain arrays, which the compiler vectorises. The margin is wider than the blocks: what is
+  // cut off at the edges is empty.
+  const std::uint8_t* finer = levels_[level - 1].data();
+  std::uint8_t* coarser = levels_[level].data();
+  const std::size_t size = levels_[level].size() - up - right;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::uint8_t lower = std::max(finer[i], finer[i + right]);
+    const std::uint8_t upper = std::max(finer[i + up], finer[i + up + right]);
+    coarser[i] = std::max(lower, upper);
   }
 }
 

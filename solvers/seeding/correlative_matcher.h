@@ -29,8 +29,9 @@ struct CorrelativeMatch {
 /// Real-time loop closure in 2D lidar SLAM (2016).
 class CorrelativeMatcher {
  public:
-  /// The pose is found to about cell_m; a map point is felt within two cells.
-  CorrelativeMatcher(const SurfacePoints& map, double cell_m);
+  /// The pose is found to about cell_m; a map point is felt within two cells. Searches of windows
+  /// up to half_width_m [m] are fast; those of wider ones find the same, more slowly.
+  CorrelativeMatcher(const SurfacePoints& map, double cell_m, double half_width_m);
 
   /// The best pose of the window that scores more than min_score, if there is one.
   CorrelativeMatch Search(const SurfacePoints& scan, const SearchWindow& window,
@@ -48,7 +49,7 @@ class CorrelativeMatcher {
   using Level = std::vector<std::uint8_t>;
 
   void Splat(const Eigen::Vector2d& point);
-  void BuildPyramid();
+  void Coarsen(int level);
 
   double cell_m_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();

@@ -21,11 +21,16 @@ constexpr int kNumNeighbours = 4;
 
 FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
   const ScanEntry& entry = graph.scan(scan);
+  const Eigen::Matrix2d rotation =
+      Eigen::Rotation2Dd(laser_.robot_from_laser.yaw).toRotationMatrix();
   std::vector<double> range_of_beam(laser_.num_beams, 0.0);
   for (std::size_t k = 0; k < entry.num_returns; ++k) {
     const std::size_t r = entry.first_return + k;
     range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
-    if (k % kReturnStride == 0) points_in_robot_.push_back(graph.PointInRobot(r));
+    if (k % kReturnStride != 0) continue;
+    const Eigen::Vector2d in_laser =
+        BeamEnd(graph.returns().range_m[r], graph.returns().bearing_rad[r]);
+    points_in_robot_.push_back(rotation * in_laser + laser_.robot_from_laser.translation());
   }
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;
@@ -50,7 +55,7 @@ FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2
   if (shortest_range_.empty()) return conflict;
   std::vector<Eigen::Vector2d> conflicting;
   const Pose2 laser_from_other = laser_.robot_from_laser.Inverse() * robot_from_other;
-  const Eigen::Rotation2Dd rotation(laser_from_other.yaw);
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(laser_from_other.yaw).toRotationMatrix();
   for (const Eigen::Vector2d& in_other : other.points_in_robot_) {
     const Eigen::Vector2d point = rotation * in_other + laser_from_other.translation();
     const double range = point.norm();

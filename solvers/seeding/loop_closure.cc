@@ -40,10 +40,12 @@ class CandidateTester {
     const LocalMap scan =
         SubmapAround(candidate.second,
                      candidate.wide() ? options_.map_path_m : options_.scan_path_m, kScanCellM);
-    LocalMap map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
+    LocalMap map(kMapCellM);
+    if (!candidate.wide()) map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
     const CorrelativeMatcher search(
         candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
-        options_.search_cell_m);
+        options_.search_cell_m,
+        candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
     const SearchWindow window{KeyFromKey(candidate.first, candidate.second), candidate.drift_m,
                               candidate.drift_rad};
     const CorrelativeMatch coarse = search.Search(scan.points(), window, options_.min_search_score);
@@ -120,7 +122,7 @@ class CandidateTester {
   SurfacePoints PointsOf(const std::vector<int>& keys, int frame) const {
     SurfacePoints points;
     for (const int k : keys) {
-      const Pose2 frame_from_key = KeyFromKey(frame, k);
+      const FrameChange frame_from_key(KeyFromKey(frame, k));
       for (const SurfacePoint& point : surfaces_[keys_.key_scans[k].scan]) {
         const SurfacePoint in_frame = frame_from_key * point;
         if (in_frame.position.cwiseAbs().maxCoeff() <= kSearchReachM) points.push_back(in_frame);
@@ -193,9 +195,11 @@ class CandidateTester {
            std::abs(NormalizeAngle(apart.yaw)) < kPeakAngleRad;
   }
 
+  static double PeakWindowM(double half_width_m) { return std::max(half_width_m, kPeakWindowM); }
+
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
                      SearchWindow window, const CorrelativeMatch& best) const {
-    window.half_width_m = std::max(window.half_width_m, kPeakWindowM);
+    window.half_width_m = PeakWindowM(window.half_width_m);
     return search.FitsElsewhere(scan, window, options_.max_second_peak * best.score,
                                 best.map_from_scan, kPeakRadiusM, kPeakAngleRad);
   }
