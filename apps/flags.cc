@@ -133,6 +133,9 @@ DEFINE_string(ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ce
 DEFINE_string(ceres_preconditioner,
               ceres::PreconditionerTypeToString(Defaults().ceres.preconditioner),
               "identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
+DEFINE_bool(reduced, Defaults().ceres.reduced,
+            "ceres: minimise over poses and the lines of patches, in the rounds of the reduced "
+            "solver");
 DEFINE_int32(ceres_max_iterations, Defaults().ceres.max_iterations,
              "Most iterations of Ceres per round");
 DEFINE_double(ceres_function_tolerance, Defaults().ceres.function_tolerance,
@@ -202,6 +205,7 @@ Status CeresOptionsFromFlags(CeresOptions* options) {
                                       ceres::StringToLinearSolverType, &options->linear_solver));
   PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_preconditioner", FLAGS_ceres_preconditioner,
                                       ceres::StringToPreconditionerType, &options->preconditioner));
+  options->reduced = FLAGS_reduced;
   options->max_iterations = FLAGS_ceres_max_iterations;
   options->function_tolerance = FLAGS_ceres_function_tolerance;
   return Status::Ok();
@@ -221,6 +225,10 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   PLUMBLINE_RETURN_IF_ERROR(ParseName("neighborhood", FLAGS_neighborhood, neighborhood_from_string,
                                       &options->association.neighborhood));
   PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&options->ceres));
+  if (options->ceres.reduced && options->type != SolverType::kCeres) {
+    return Status::InvalidArgument("--reduced is a form of --solver=ceres, not of --solver=" +
+                                   FLAGS_solver);
+  }
   options->num_threads = FLAGS_threads;
   options->factors = FactorOptionsFromFlags();
   options->association.min_points = FLAGS_min_neighbors;

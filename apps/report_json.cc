@@ -90,6 +90,8 @@ Json SolverJson(const SolverSummary& solver) {
           {"message", solver.message},
           {"marginal_energy_seed", solver.seed_marginal_energy},
           {"marginal_energy_final", solver.final_marginal_energy},
+          {"patch_energy_seed", solver.seed_patch_energy},
+          {"patch_energy_final", solver.final_patch_energy},
           {"terms", TermsJson(solver)},
           {"rounds", RoundsJson(solver)},
           {"patch_rounds", PatchRoundsJson(solver)},

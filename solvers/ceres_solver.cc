@@ -25,6 +25,8 @@ ceres::Solver::Options MakeOptions(const CeresOptions& options) {
   result.function_tolerance = options.function_tolerance;
   result.parameter_tolerance = 0.0;
   result.logging_type = ceres::SILENT;
+  // A callback is to see the state of its iteration.
+  result.update_state_every_iteration = true;
   // Damping must not be stiffer than the bending modes of a long corridor.
   result.initial_trust_region_radius = 1e8;
   return result;
@@ -64,6 +66,56 @@ class ReportCallback final : public ceres::IterationCallback {
   const ProgressCallback& report_;
 };
 
+ceres::Solver::Options OptionsFor(const JointProblem& joint, const CeresOptions& options) {
+  ceres::Solver::Options result = MakeOptions(options);
+  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = joint.ordering;
+  return result;
+}
+
+ceres::Solver::Options OptionsFor(const PatchProblem& patches, const CeresOptions& options) {
+  ceres::Solver::Options result = MakeOptions(options);
+  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = patches.ordering;
+  // A short patch turns so far that a linear step takes its line beyond the mark, and one such line
+  // has the steps of all poses refused. So the lines are refitted after each step.
+  result.use_inner_iterations = patches.lines_ordering->NumElements() > 0;
+  result.inner_iteration_ordering = patches.lines_ordering;
+  return result;
+}
+
+InnerResult Minimize(ceres::Solver::Options ceres_options, int num_threads,
+                     const ProgressCallback& report, ceres::Problem* problem) {
+  ceres_options.num_threads = num_threads;
+  ReportCallback callback(report);
+  ceres_options.callbacks.push_back(&callback);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, problem, &summary);
+
+  InnerResult result;
+  result.usable = summary.IsSolutionUsable();
+  result.stopped = summary.termination_type == ceres::USER_SUCCESS;
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.initial_cost = summary.initial_cost;
+  result.final_cost = summary.final_cost;
+  // The first entry is the starting point; there is none if that could not be evaluated.
+  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+  result.stop_reason = summary.message;
+  return result;
+}
+
+// build() gives a JointProblem or a PatchProblem.
+template <typename Build>
+InnerResult BuildAndMinimize(const Build& build, const CeresOptions& options, int num_threads,
+                             const ProgressCallback& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto built = build();
+  const double setup_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  InnerResult result =
+      Minimize(OptionsFor(built, options), num_threads, report, built.problem.get());
+  result.setup_time_s = setup_time_s;
+  return result;
+}
+
 }  // namespace
 
 Status CheckCeresOptions(const CeresOptions& options) {
@@ -81,30 +133,16 @@ Status CheckCeresOptions(const CeresOptions& options) {
 InnerResult SolveWithCeres(const Associations& associations, const FactorOptions& factors,
                            const CeresOptions& options, int num_threads,
                            const ProgressCallback& report, SlamGraph* graph) {
-  const auto start = std::chrono::steady_clock::now();
-  const JointProblem joint = BuildJointProblem(associations, factors, graph);
-  InnerResult result;
-  result.setup_time_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return BuildAndMinimize([&] { return BuildJointProblem(associations, factors, graph); }, options,
+                          num_threads, report);
+}
 
-  ceres::Solver::Options ceres_options = MakeOptions(options);
-  ceres_options.num_threads = num_threads;
-  if (ceres::IsSchurType(options.linear_solver))
-    ceres_options.linear_solver_ordering = joint.ordering;
-  ReportCallback callback(report);
-  ceres_options.callbacks.push_back(&callback);
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, joint.problem.get(), &summary);
-
-  result.usable = summary.IsSolutionUsable();
-  result.stopped = summary.termination_type == ceres::USER_SUCCESS;
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.initial_cost = summary.initial_cost;
-  result.final_cost = summary.final_cost;
-  // The first entry is the starting point; there is none if that could not be evaluated.
-  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-  result.stop_reason = summary.message;
-  return result;
+InnerResult SolvePatchesWithCeres(const PatchSightings& sightings,
+                                  const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+                                  const CeresOptions& options, int num_threads,
+                                  const ProgressCallback& report, std::vector<double>* poses) {
+  return BuildAndMinimize([&] { return BuildPatchProblem(sightings, patches, terms, poses); },
+                          options, num_threads, report);
 }
 
 }  // namespace plumbline

@@ -1,11 +1,15 @@
 #ifndef PLUMBLINE_SOLVERS_CERES_SOLVER_H_
 #define PLUMBLINE_SOLVERS_CERES_SOLVER_H_
 
-#include <string>
+#include <vector>
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/inner_solve.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
 #include "plumbline/solvers/solver_options.h"
 
 namespace plumbline {
@@ -19,6 +23,14 @@ Status CheckCeresOptions(const CeresOptions& options);
 InnerResult SolveWithCeres(const Associations& associations, const FactorOptions& factors,
                            const CeresOptions& options, int num_threads,
                            const ProgressCallback& report, SlamGraph* graph);
+
+/// Minimises the energy over all poses and the lines of patches, points eliminated, for the
+/// sightings' weights. `poses`, (x, y, yaw) each, hold the best state on return; the patches keep
+/// their lines.
+InnerResult SolvePatchesWithCeres(const PatchSightings& sightings,
+                                  const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+                                  const CeresOptions& options, int num_threads,
+                                  const ProgressCallback& report, std::vector<double>* poses);
 
 }  // namespace plumbline
 

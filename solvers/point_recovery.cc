@@ -17,7 +17,7 @@ constexpr std::size_t kScansPerChunk = 16;
 double RemainingDistance(double distance, double beam_variance, double surface_variance,
                          const GemanMcClure& loss) {
   constexpr int kMaxIterations = 20;
-  constexpr double kToleranceM = 1e-7;
+  constexpr double kToleranceM = 1e-5;
   double remaining = distance * surface_variance / (surface_variance + beam_variance);
   for (int i = 0; i < kMaxIterations; ++i) {
     const double weight = loss.Weight(remaining * remaining / surface_variance);
@@ -32,26 +32,36 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
   return cost_on_line < loss.Rho(distance * distance / surface_variance) ? remaining : distance;
 }
 
-// The points of one scan; adds up displacements, `mean_m` as a sum.
+// Where the robot of one scan is, and its laser on it.
+struct ScanFrame {
+  Pose2 world_from_robot;
+  double c, s;
+  Eigen::Vector2d laser;
+
+  ScanFrame(const SlamGraph& graph, const ScanEntry& scan)
+      : world_from_robot(graph.WorldFromRobot(scan.pose)),
+        c(std::cos(world_from_robot.yaw)),
+        s(std::sin(world_from_robot.yaw)),
+        laser(graph.laser(scan.laser).robot_from_laser.translation()) {}
+
+  Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {
+    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+  }
+};
+
 void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
-                 const FactorOptions& factors, int scan_id, SlamGraph* graph,
-                 PointDisplacements* displacements) {
+                 const FactorOptions& factors, int scan_id, SlamGraph* graph) {
   const ScanEntry& scan = graph->scan(scan_id);
-  const Pose2 pose = graph->WorldFromRobot(scan.pose);
-  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-  const Eigen::Vector2d laser = graph->laser(scan.laser).robot_from_laser.translation();
+  const ScanFrame frame(*graph, scan);
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
-  const auto to_world = [&](const Eigen::Vector2d& v) {
-    return Eigen::Vector2d(c * v.x() - s * v.y(), s * v.x() + c * v.y());
-  };
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
     Eigen::Map<Eigen::Vector2d> point(&graph->points()[2 * r]);
-    point = to_world(in_robot) + pose.translation();
+    point = frame.Rotate(in_robot) + frame.world_from_robot.translation();
     if (!Associations::HasLine(lines[r])) continue;
     const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
-    const Eigen::Vector2d beam = to_world(in_robot - laser);
+    const Eigen::Vector2d beam = frame.Rotate(in_robot - frame.laser);
     const double variance = noise.BeamVariance(beam, normal);
     const double distance = normal.dot(point) - lines[r].offset;
     const double moved =
@@ -62,12 +72,30 @@ void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>&
     const Eigen::Vector2d covariance_normal =
         noise.range_variance * axis.dot(normal) * axis +
         noise.bearing_variance * beam.squaredNorm() * side.dot(normal) * side;
-    const Eigen::Vector2d step = covariance_normal * (moved / variance);
-    point -= step;
-    displacements->mean_m += step.norm();
-    displacements->max_m = std::max(displacements->max_m, step.norm());
-    displacements->max_beam_sigmas =
-        std::max(displacements->max_beam_sigmas, std::abs(moved) / std::sqrt(variance));
+    point -= covariance_normal * (moved / variance);
+  }
+}
+
+// Adds up; `mean_m` as a sum.
+void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, const SlamGraph& graph,
+                 int scan_id, PointDisplacements* displacements) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const ScanFrame frame(graph, scan);
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
+    const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.world_from_robot.translation();
+    const Eigen::Vector2d beam = frame.Rotate(in_robot - frame.laser);
+    const Eigen::Vector2d moved =
+        Eigen::Vector2d(graph.points()[2 * r], graph.points()[2 * r + 1]) - measured;
+    const double range_squared = beam.squaredNorm();
+    const double along = moved.dot(beam);
+    const double across = moved.x() * beam.y() - moved.y() * beam.x();
+    const double beam_sigmas =
+        std::sqrt(along * along / (range_squared * noise.range_variance) +
+                  across * across / (range_squared * range_squared * noise.bearing_variance));
+    displacements->mean_m += moved.norm();
+    displacements->max_m = std::max(displacements->max_m, moved.norm());
+    displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
   }
 }
 
@@ -76,21 +104,34 @@ void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>&
 PointDisplacements RecoverPoints(const MeasuredSurface& surface,
                                  const std::vector<TangentLine>& lines,
                                  const FactorOptions& factors, ThreadPool* pool, SlamGraph* graph) {
-  const std::size_t num_scans = graph->num_scans();
+  pool->ForEachChunk(graph->num_scans(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         RecoverScan(surface, lines, factors, static_cast<int>(s), graph);
+                       }
+                     });
+  return MeasureDisplacements(surface, factors, pool, *graph);
+}
+
+PointDisplacements MeasureDisplacements(const MeasuredSurface& surface,
+                                        const FactorOptions& factors, ThreadPool* pool,
+                                        const SlamGraph& graph) {
+  const std::size_t num_scans = graph.num_scans();
+  const SurfaceNoise noise = NoiseOf(factors);
   std::vector<PointDisplacements> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk));
-  pool->ForEachChunk(
-      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          RecoverScan(surface, lines, factors, static_cast<int>(s), graph, &parts[chunk]);
-        }
-      });
+  pool->ForEachChunk(num_scans, kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         MeasureScan(surface, noise, graph, static_cast<int>(s), &parts[chunk]);
+                       }
+                     });
   PointDisplacements total;
   for (const PointDisplacements& part : parts) {
     total.mean_m += part.mean_m;
     total.max_m = std::max(total.max_m, part.max_m);
     total.max_beam_sigmas = std::max(total.max_beam_sigmas, part.max_beam_sigmas);
   }
-  total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph->num_returns()));
+  total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph.num_returns()));
   return total;
 }
 

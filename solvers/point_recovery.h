@@ -22,12 +22,17 @@ struct PointDisplacements {
 /// Puts every point of the graph at the minimum of its beam and manifold term for fixed poses and
 /// lines:  m = h - C n d / s^2,  s^2 = sigma_M^2 / w + n^T C n,  with h the measured end of the
 /// beam, C its covariance, d = n . h - offset, and w the robust weight at the minimum, found by
-/// iteration. A point without a line, or whose line would cost more than leaving it as an outlier,
+/// iteration. A point without a line, or whose line would cost more than leaving it where it is,
 /// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
 /// per return, as LinesFromRadius gives them. Shape terms are left out.
 PointDisplacements RecoverPoints(const MeasuredSurface& surface,
                                  const std::vector<TangentLine>& lines,
                                  const FactorOptions& factors, ThreadPool* pool, SlamGraph* graph);
+
+/// How far the graph's points are from where its poses and measurements put them.
+PointDisplacements MeasureDisplacements(const MeasuredSurface& surface,
+                                        const FactorOptions& factors, ThreadPool* pool,
+                                        const SlamGraph& graph);
 
 }  // namespace plumbline
 

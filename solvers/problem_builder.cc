@@ -1,17 +1,54 @@
 #include "plumbline/solvers/problem_builder.h"
 
+#include <cmath>
 #include <cstddef>
 
 #include "plumbline/factors/manifold_factor.h"
+#include "plumbline/factors/patch_shape_factor.h"
+#include "plumbline/factors/patch_sighting_factor.h"
 #include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/range_beam_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/shape_factor.h"
-#include "plumbline/solvers/pose_terms.h"
 
 namespace plumbline {
 namespace {
+
+constexpr int kEliminated = 0;
+constexpr int kKept = 1;
+
+ceres::Problem::Options ProblemOptions() {
+  ceres::Problem::Options options;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  // The checks compare each new block with all pointers in use; ours come from disjoint arrays.
+  options.disable_all_safety_checks = true;
+  return options;
+}
+
+// Calls add(term, cost, blocks...) for each.
+template <typename Add>
+void AddPoseTerms(const PoseTerms& terms, double* poses, const Add& add) {
+  for (const PosePrior& prior : terms.priors) {
+    add(Term::kPosePrior, new PosePriorFactor(prior.residual), poses + 3 * prior.pose);
+  }
+  const auto add_edges = [&](Term term, const std::vector<PoseEdge>& edges) {
+    for (const PoseEdge& edge : edges) {
+      add(term, new RelativePoseFactor(edge.residual), poses + 3 * edge.from, poses + 3 * edge.to);
+    }
+  };
+  add_edges(Term::kMotion, terms.motions);
+  add_edges(Term::kRelativePose, terms.relative_poses);
+}
+
+// Adds blocks that lie one behind the other, those that a term of the problem sees.
+void Order(const ceres::Problem& problem, std::vector<double>* blocks, std::size_t block_size,
+           int group, ceres::ParameterBlockOrdering* ordering) {
+  for (std::size_t i = 0; i < blocks->size(); i += block_size) {
+    double* block = blocks->data() + i;
+    if (problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, group);
+  }
+}
 
 class Builder {
  public:
@@ -25,18 +62,10 @@ class Builder {
         joint_(joint) {}
 
   void AddPoseTerms() {
-    const PoseTerms terms(*graph_, options_);
-    for (const PosePrior& prior : terms.priors) {
-      Add(Term::kPosePrior, new PosePriorFactor(prior.residual), nullptr, poses_ + 3 * prior.pose);
-    }
-    const auto add_edges = [this](Term term, const std::vector<PoseEdge>& edges) {
-      for (const PoseEdge& edge : edges) {
-        Add(term, new RelativePoseFactor(edge.residual), nullptr, poses_ + 3 * edge.from,
-            poses_ + 3 * edge.to);
-      }
-    };
-    add_edges(Term::kMotion, terms.motions);
-    add_edges(Term::kRelativePose, terms.relative_poses);
+    plumbline::AddPoseTerms(PoseTerms(*graph_, options_), poses_,
+                            [this](Term term, ceres::CostFunction* cost, auto... blocks) {
+                              Add(term, cost, nullptr, blocks...);
+                            });
   }
 
   void AddPointTerms(ceres::LossFunction* manifold_loss) {
@@ -73,13 +102,9 @@ class Builder {
     }
     joint_->ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     for (std::size_t r = 0; r < keep.size(); ++r) {
-      joint_->ordering->AddElementToGroup(points_ + 2 * r, keep[r] ? 1 : 0);
+      joint_->ordering->AddElementToGroup(points_ + 2 * r, keep[r] ? kKept : kEliminated);
     }
-    for (int p = 0; p < graph_->num_poses(); ++p) {
-      if (joint_->problem->HasParameterBlock(poses_ + 3 * p)) {
-        joint_->ordering->AddElementToGroup(poses_ + 3 * p, 1);
-      }
-    }
+    Order(*joint_->problem, &graph_->poses(), 3, kKept, joint_->ordering.get());
   }
 
  private:
@@ -102,11 +127,7 @@ class Builder {
 JointProblem BuildJointProblem(const Associations& associations, const FactorOptions& options,
                                SlamGraph* graph) {
   JointProblem joint;
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  // The checks compare each new block with all pointers in use; ours come from disjoint arrays.
-  problem_options.disable_all_safety_checks = true;
-  joint.problem = std::make_unique<ceres::Problem>(problem_options);
+  joint.problem = std::make_unique<ceres::Problem>(ProblemOptions());
   const auto make_loss = [&](double gate_sigmas) {
     joint.losses.push_back(std::make_unique<GemanMcClureLoss>(GemanMcClure::FromGate(gate_sigmas)));
     return joint.losses.back().get();
@@ -117,6 +138,45 @@ JointProblem BuildJointProblem(const Associations& associations, const FactorOpt
   builder.AddShapeTerms(make_loss(options.shape.robust_gate_sigmas));
   builder.OrderBlocks();
   return joint;
+}
+
+PatchProblem BuildPatchProblem(const PatchSightings& sightings,
+                               const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+                               std::vector<double>* poses) {
+  PatchProblem result;
+  for (const SurfacePatch& patch : patches) {
+    result.lines.push_back(std::atan2(patch.normal.y(), patch.normal.x()));
+    result.lines.push_back(patch.offset_m);
+  }
+  result.problem = std::make_unique<ceres::Problem>(ProblemOptions());
+  AddPoseTerms(terms, poses->data(), [&](Term, ceres::CostFunction* cost, auto... blocks) {
+    result.problem->AddResidualBlock(cost, nullptr, blocks...);
+  });
+  const auto symmetric = [](double xx, double xy, double yy) {
+    return (Eigen::Matrix2d() << xx, xy, xy, yy).finished();
+  };
+  for (const PatchSighting& sighting : sightings.sightings) {
+    if (sighting.weight <= 0.0) continue;
+    const Eigen::Matrix2d scatter = symmetric(sighting.xx, sighting.xy, sighting.yy);
+    const PatchSightingResidual residual{std::sqrt(sighting.weight), sighting.centroid,
+                                         SqrtScatter(scatter), patches[sighting.patch].origin};
+    result.problem->AddResidualBlock(new PatchSightingFactor(residual), nullptr,
+                                     poses->data() + 3 * sighting.pose,
+                                     result.lines.data() + 2 * sighting.patch);
+  }
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const Eigen::Matrix2d terms_of_patch =
+        symmetric(patches[p].shape_xx, patches[p].shape_xy, patches[p].shape_yy);
+    double* line = result.lines.data() + 2 * p;
+    if (terms_of_patch.isZero(0.0) || !result.problem->HasParameterBlock(line)) continue;
+    result.problem->AddResidualBlock(new PatchShapeFactor({SqrtScatter(terms_of_patch)}), nullptr,
+                                     line);
+  }
+  result.lines_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  Order(*result.problem, &result.lines, 2, kEliminated, result.lines_ordering.get());
+  result.ordering = std::make_shared<ceres::ParameterBlockOrdering>(*result.lines_ordering);
+  Order(*result.problem, poses, 3, kKept, result.ordering.get());
+  return result;
 }
 
 }  // namespace plumbline

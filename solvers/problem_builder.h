@@ -12,6 +12,9 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/energy.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
 
@@ -33,6 +36,24 @@ struct JointProblem {
 /// join points, two by two; one end of each stays with the poses.
 JointProblem BuildJointProblem(const Associations& associations, const FactorOptions& options,
                                SlamGraph* graph);
+
+/// The energy over poses and the lines of patches, points eliminated and weights fixed, as a
+/// ceres::Problem whose pose blocks are the caller's own array.
+struct PatchProblem {
+  /// Angle of the normal [rad] and offset [m] of every patch; begin at the patches' lines.
+  std::vector<double> lines;
+  std::unique_ptr<ceres::Problem> problem;
+  /// For Schur-type linear solvers: group 0 holds the lines to eliminate, group 1 the poses.
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering;
+  /// For inner iterations: the lines alone, all in one group.
+  std::shared_ptr<ceres::ParameterBlockOrdering> lines_ordering;
+};
+
+/// Adds a residual block for every sighting that has weight and for every pose term. `poses`,
+/// (x, y, yaw) each, must outlive the problem and keep its size.
+PatchProblem BuildPatchProblem(const PatchSightings& sightings,
+                               const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+                               std::vector<double>* poses);
 
 }  // namespace plumbline
 

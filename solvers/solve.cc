@@ -11,6 +11,7 @@
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/point_recovery.h"
+#include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
 
 namespace plumbline {
@@ -22,14 +23,16 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Names the first block of `size` entries that is not finite.
-Status CheckFinite(const char* name, const std::vector<double>& values, std::size_t size) {
-  const auto bad =
-      std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+// Names the first block of `size` entries that is not finite, or too far away for the cells of
+// surfaces to be numbered.
+Status CheckState(const char* name, const std::vector<double>& values, std::size_t size) {
+  constexpr double kLargest = 1e8;
+  const auto bad = std::find_if(values.begin(), values.end(),
+                                [](double v) { return !(std::abs(v) <= kLargest); });
   if (bad == values.end()) return Status::Ok();
-  return Status::InvalidArgument(std::string(name) + " " +
-                                 std::to_string((bad - values.begin()) / size) +
-                                 " of the graph is not finite");
+  return Status::InvalidArgument(
+      std::string(name) + " " + std::to_string((bad - values.begin()) / size) +
+      " of the graph is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
 }
 
 Status CheckInput(const SolverOptions& options, const SlamGraph& graph) {
@@ -38,8 +41,8 @@ Status CheckInput(const SolverOptions& options, const SlamGraph& graph) {
   if (options.type == SolverType::kCeres) {
     PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
   }
-  PLUMBLINE_RETURN_IF_ERROR(CheckFinite("pose", graph.poses(), 3));
-  PLUMBLINE_RETURN_IF_ERROR(CheckFinite("point", graph.points(), 2));
+  PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
+  PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
   if (graph.num_returns() > 0) return Status::Ok();
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
 }
@@ -73,6 +76,7 @@ class JointSolver {
             std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors))),
         pool_(options.num_threads) {
     summary_.solver = ToString(options.type);
+    if (options.type == SolverType::kCeres && options.ceres.reduced) summary_.solver += ", reduced";
     summary_.num_poses = graph->num_poses();
     summary_.num_points = graph->num_returns();
     DescribeTerms();
@@ -82,7 +86,7 @@ class JointSolver {
     surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
     best_poses_ = graph_->poses();
     summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
-    if (options_.type == SolverType::kReduced) {
+    if (OverPatches()) {
       RunReduced();
     } else {
       RunRounds();
@@ -92,28 +96,60 @@ class JointSolver {
   }
 
  private:
-  // Rounds over patches, then the points in closed form. Patches are not the lines of single
-  // points; whether the result is better is judged by these.
+  bool OverPatches() const {
+    return options_.type == SolverType::kReduced ||
+           (options_.type == SolverType::kCeres && options_.ceres.reduced);
+  }
+  const CeresOptions* Ceres() const {
+    return options_.type == SolverType::kCeres ? &options_.ceres : nullptr;
+  }
+
+  // Rounds over patches, then the points in closed form.
   void RunReduced() {
-    ReducedResult result = MinimizeOverPatches(surface_, options_.factors, options_.reduced,
-                                               ReportCallback(), &pool_, graph_);
+    ReducedResult result =
+        MinimizeOverPatches(surface_, options_.factors, options_.reduced, options_.association,
+                            ReportCallback(), &pool_, graph_, Ceres());
     summary_.patch_rounds = std::move(result.rounds);
     summary_.solve_time_s = result.minimization_time_s;
-    last_inner_.usable = true;
+    summary_.setup_time_s = result.setup_time_s;
+    last_inner_.usable = result.usable;
     last_inner_.stopped = result.stopped;
     last_inner_.stop_reason = result.stop_reason;
     converged_ = result.converged;
+    summary_.association_time_s = result.cutting_time_s;
+    if (LowersPatchEnergy()) {
+      best_round_ = static_cast<int>(summary_.patch_rounds.size());
+    } else {
+      graph_->poses() = best_poses_;
+    }
     Associations associations;
     associations.lines = CurrentLines();
-    summary_.association_time_s += result.cutting_time_s;
-    const double energy = MarginalEnergyUnder(associations.lines);
-    if (!IsImprovement(energy)) {
-      graph_->poses() = best_poses_;
-      return;
+    best_energy_ = MarginalEnergyUnder(associations.lines);
+    if (best_round_ > 0) {
+      FinishReduced(&associations);
+    } else {
+      RecordSeedTerms(associations);
     }
-    best_energy_ = energy;
-    best_round_ = static_cast<int>(summary_.patch_rounds.size());
-    FinishReduced(&associations);
+  }
+
+  // Whether the graph's poses are better than the seed's, by more than rounding.
+  bool LowersPatchEnergy() {
+    std::vector<double> poses = best_poses_;
+    poses.swap(graph_->poses());
+    const std::vector<double> energies =
+        PatchEnergies(*graph_, surface_, options_.factors, {&best_poses_, &poses}, &pool_);
+    graph_->poses().swap(poses);
+    summary_.seed_patch_energy = energies[0];
+    summary_.final_patch_energy = std::min(energies[0], energies[1]);
+    const double rounding = kRounding * (energies[0] + static_cast<double>(graph_->num_returns()));
+    return energies[1] < energies[0] - rounding;
+  }
+
+  // For want of something better, the terms after are those before.
+  void RecordSeedTerms(const Associations& associations) {
+    const Energy energy(*graph_, associations, options_.factors, &pool_);
+    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::initial_cost);
+    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
   // The final points, and the costs per term before and after, under the final lines.
@@ -141,6 +177,7 @@ class JointSolver {
     const double polished = MarginalEnergyUnder(CurrentLines());
     if (last_inner_.usable && IsImprovement(polished)) {
       best_energy_ = polished;
+      summary_.displacements = MeasureDisplacements(surface_, options_.factors, &pool_, *graph_);
     } else {
       graph_->poses() = best_poses_;
       graph_->points() = best_points_;
@@ -174,11 +211,10 @@ class JointSolver {
     return MarginalEnergy(*graph_, surface_, lines, options_.factors, &pool_);
   }
 
-  // Beyond the rounding of the measured points to single precision.
-  bool IsImprovement(double energy) const {
-    constexpr double kRounding = 1e-9;
-    return energy < best_energy_ * (1.0 - kRounding);
-  }
+  // Share of an energy that the rounding of measured points to single precision may change.
+  static constexpr double kRounding = 1e-9;
+
+  bool IsImprovement(double energy) const { return energy < best_energy_ * (1.0 - kRounding); }
 
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
   // graph is back at the best state.
@@ -242,7 +278,10 @@ class JointSolver {
     return [this](const IterationSummary& from) {
       IterationSummary iteration = from;
       iteration.iteration = static_cast<int>(summary_.iterations.size()) + 1;
-      if (iteration.round == 0) iteration.round = static_cast<int>(summary_.rounds.size()) + 1;
+      if (iteration.round == 0) {
+        iteration.round =
+            static_cast<int>(summary_.rounds.size() + summary_.patch_rounds.size()) + 1;
+      }
       iteration.total_time_s = SecondsSince(start_);
       summary_.iterations.push_back(iteration);
       return !options_.callback || options_.callback(iteration);
@@ -287,6 +326,10 @@ class JointSolver {
     summary_.total_time_s = SecondsSince(start_);
     summary_.termination = Termination();
     std::ostringstream message;
+    if (OverPatches()) {
+      message << "energy under the seed's patches " << summary_.seed_patch_energy << " -> "
+              << summary_.final_patch_energy << ", ";
+    }
     message << "marginal energy " << summary_.seed_marginal_energy << " -> " << best_energy_;
     if (best_round_ == 0) {
       message << ": no round improved on the seed, which is returned as it was";

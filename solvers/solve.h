@@ -18,8 +18,9 @@ ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam);
 /// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
 /// should be right to a few decimetres (SeedGraph brings it there).
 ///
-/// On return the graph holds the best state seen by MarginalEnergy over the rounds; it is the
-/// given state, bit for bit, if nothing was better. Bad options or a state that is not finite:
+/// On return the graph holds the best state seen over the rounds, judged by MarginalEnergy; the
+/// reduced solver compares its last state with the given one by PatchEnergies. It is the given
+/// state, bit for bit, if nothing was better. Bad options or a state that is not finite:
 /// termination kFailure, the message names the culprit, and the graph is unchanged.
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
 

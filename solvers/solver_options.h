@@ -29,9 +29,9 @@ struct ReducedOptions {
   /// Factor on the robust gate of the manifold term in the first round.
   double first_gate_factor = 2.0;
   /// Rounds end when one lowers the cost by less than this fraction and
-  double relative_tolerance = 2e-3;
-  /// moves returns across their surfaces by less than this, as root mean square in standard
-  /// deviations of a return.
+  double relative_tolerance = 5e-3;
+  /// moves returns across their surfaces, relative to those of the pose before, by less than this:
+  /// root mean square in standard deviations of a return.
   double move_tolerance_sigmas = 0.1;
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
   /// in the preconditioner's norm.
@@ -71,6 +71,10 @@ struct CeresOptions {
   ceres::NonlinearConjugateGradientType nonlinear_conjugate_gradient = ceres::FLETCHER_REEVES;
   ceres::LinearSolverType linear_solver = ceres::SPARSE_SCHUR;
   ceres::PreconditionerType preconditioner = ceres::JACOBI;
+  /// Ceres minimises over the poses and the lines of patches, points eliminated, between the
+  /// re-weightings of the reduced solver's rounds (ReducedOptions); else over the poses and points
+  /// in rounds of associations (RoundOptions).
+  bool reduced = false;
   int max_iterations = 5;
   /// Ends when an iteration lowers the cost by less than this fraction.
   double function_tolerance = 1e-4;

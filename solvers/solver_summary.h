@@ -63,8 +63,8 @@ struct PatchRoundSummary {
   std::size_t num_sightings = 0;  ///< pairs of a pose and a patch that it saw
   double initial_cost = 0.0;      ///< of poses and lines, points eliminated, weights fixed
   double final_cost = 0.0;        ///< the same; weights of the last step
-  /// Root mean square of how far returns moved across their surfaces, in their own standard
-  /// deviations.
+  /// Root mean square of how far returns moved across their surfaces, relative to those of the pose
+  /// before, in standard deviations of a return.
   double moved_sigmas = 0.0;
   int steps = 0;
 };
@@ -99,6 +99,10 @@ struct SolverSummary {
   /// marginal_energy.h.
   double seed_marginal_energy = 0.0;
   double final_marginal_energy = 0.0;
+
+  /// Reduced solver: what decides whether the result is better than the seed, see PatchEnergies.
+  double seed_patch_energy = 0.0;
+  double final_patch_energy = 0.0;
 
   /// Reduced solver: how far the points are from the measured ends of their beams.
   PointDisplacements displacements;

@@ -32,7 +32,7 @@ struct Problem {
   }
 
   NoisyRoom room = MakeNoisyRoom();
-  FactorOptions factors;
+  FactorOptions factors = EveryTerm();
   Associations associations;
 };
 

@@ -38,7 +38,7 @@ struct Problem {
   }
 
   NoisyRoom room;
-  FactorOptions factors;
+  FactorOptions factors = EveryTerm();
   Associations associations;
 };
 
@@ -199,6 +199,26 @@ TEST(CeresSolverTest, StopsWhenTheCallbackSaysSo) {
   EXPECT_GT(rows[0].trust_region_radius, 0.0);
   EXPECT_NEAR(result.final_cost, rows[1].cost, 1e-9 * rows[1].cost);
   EXPECT_NEAR(problem.Cost(), result.final_cost, 1e-9 * result.final_cost);
+}
+
+TEST(CeresSolverTest, ACallbackSeesTheStateOfItsIteration) {
+  for (const auto minimizer : {ceres::TRUST_REGION, ceres::LINE_SEARCH}) {
+    SCOPED_TRACE(ceres::MinimizerTypeToString(minimizer));
+    Problem problem;
+    CeresOptions options;
+    options.minimizer = minimizer;
+    double last_cost = problem.Cost();
+    int rows = 0;
+    problem.Solve(options, [&](const IterationSummary& it) {
+      const double cost = problem.Cost();
+      EXPECT_NEAR(cost, it.cost, 1e-9 * cost);
+      EXPECT_LT(cost, last_cost);
+      last_cost = cost;
+      ++rows;
+      return true;
+    });
+    EXPECT_GT(rows, 1);
+  }
 }
 
 TEST(CeresSolverTest, RefusesAStateWithoutAnEnergy) {

@@ -150,12 +150,12 @@ Eigen::VectorXd DiagonalBlocks(const SparseMatrix& matrix, int size, int first, 
 
 TEST(EnergyTest, CostsAndGradientsAreThoseOfCeres) {
   NoisyRoom room = DisturbedRoom();
-  ExpectSameAsCeres(AssociationsOf(room.graph), FactorOptions(), &room.graph, true);
+  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
 }
 
 TEST(EnergyTest, WithoutShapeTermsToo) {
   NoisyRoom room = DisturbedRoom();
-  FactorOptions factors;
+  FactorOptions factors = EveryTerm();
   factors.shape.enabled = false;
   ExpectSameAsCeres(AssociationsOf(room.graph), factors, &room.graph, false);
 }
@@ -165,7 +165,7 @@ TEST(EnergyTest, FixedPosesAreHeldAlike) {
   ASSERT_TRUE(room.graph.FixPose(2).ok());
   ASSERT_TRUE(room.graph.FixPose(7).ok());
   DisturbPoses(0.02, &room.graph);
-  ExpectSameAsCeres(AssociationsOf(room.graph), FactorOptions(), &room.graph, true);
+  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
 }
 
 TEST(EnergyTest, TwoScansOnOnePoseAddUp) {
@@ -173,7 +173,7 @@ TEST(EnergyTest, TwoScansOnOnePoseAddUp) {
   const std::vector<double> ranges(180, 1.0);
   ASSERT_TRUE(room.graph.AddScan(3, 0, ranges).ok());
   DisturbPoints(0.01, &room.graph);
-  ExpectSameAsCeres(AssociationsOf(room.graph), FactorOptions(), &room.graph, true);
+  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
 }
 
 TEST(EnergyTest, CostsAndGradientsOfARealLogAreThoseOfCeres) {
@@ -187,13 +187,13 @@ TEST(EnergyTest, CostsAndGradientsOfARealLogAreThoseOfCeres) {
   ASSERT_TRUE(status.ok()) << status.message();
   ASSERT_EQ(graph.num_scans(), 300);
   DisturbPoints(0.01, &graph);
-  ExpectSameAsCeres(AssociationsOf(graph), FactorOptions(), &graph, false);
+  ExpectSameAsCeres(AssociationsOf(graph), EveryTerm(), &graph, false);
 }
 
 TEST(EnergyTest, CurvatureIsThatOfTheGaussNewtonHessian) {
   NoisyRoom room = DisturbedRoom();
   const Associations associations = AssociationsOf(room.graph);
-  const FactorOptions factors;
+  const FactorOptions factors = EveryTerm();
   const SparseMatrix hessian = GaussNewtonHessian(associations, factors, &room.graph);
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
@@ -220,7 +220,7 @@ TEST(EnergyTest, CurvatureIsThatOfTheGaussNewtonHessian) {
 TEST(EnergyTest, BlocksAreTheDiagonalOfTheGaussNewtonHessian) {
   NoisyRoom room = DisturbedRoom();
   const Associations associations = AssociationsOf(room.graph);
-  const FactorOptions factors;
+  const FactorOptions factors = EveryTerm();
   const SparseMatrix hessian = GaussNewtonHessian(associations, factors, &room.graph);
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
@@ -239,7 +239,7 @@ TEST(EnergyTest, BlocksAreTheDiagonalOfTheGaussNewtonHessian) {
 TEST(EnergyTest, ChosenTermsAndTheOthersMakeTheWhole) {
   NoisyRoom room = DisturbedRoom();
   const Associations associations = AssociationsOf(room.graph);
-  const FactorOptions factors;
+  const FactorOptions factors = EveryTerm();
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
   const Vector &poses = room.graph.poses(), &points = room.graph.points();
@@ -287,7 +287,7 @@ TEST(EnergyTest, AnyNumberOfThreadsGivesTheSameBits) {
   NoisyRoom room = MakeNoisyRoom(options);
   DisturbPoses(0.02, &room.graph);
   const Associations associations = AssociationsOf(room.graph);
-  const FactorOptions factors;
+  const FactorOptions factors = EveryTerm();
   const Vector &poses = room.graph.poses(), &points = room.graph.points();
   const Vector d_poses = RandomVector(poses.size(), 1), d_points = RandomVector(points.size(), 2);
   struct Outcome {
@@ -321,7 +321,7 @@ TEST(EnergyTest, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(EnergyTest, IsUndefinedWhereAPointLiesOnItsLaser) {
   NoisyRoom room = DisturbedRoom();
   const Associations associations = AssociationsOf(room.graph);
-  const FactorOptions factors;
+  const FactorOptions factors = EveryTerm();
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
   TermCosts costs;

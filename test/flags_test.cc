@@ -136,6 +136,7 @@ TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
     EXPECT_EQ(flag.read(flags.solver), flag.read(library.solver)) << flag.name;
   }
   EXPECT_EQ(flags.solver.type, library.solver.type);
+  EXPECT_EQ(flags.solver.ceres.reduced, library.solver.ceres.reduced);
   EXPECT_EQ(flags.solver.association.neighborhood, library.solver.association.neighborhood);
   EXPECT_EQ(flags.solver.factors.shape.enabled, library.solver.factors.shape.enabled);
 }
@@ -162,17 +163,19 @@ TEST_F(FlagsTest, NamesOfCeresAreTakenInAnyCase) {
 
 TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SetFlag("solver", "ceres");
+  SetFlag("reduced", "true");
   SetFlag("neighborhood", "nearest");
   SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
   const SolverOptions options = FromFlags().solver;
   EXPECT_EQ(options.type, SolverType::kCeres);
+  EXPECT_TRUE(options.ceres.reduced);
   EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
   EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
 }
 
 // A flag that these tests do not know may be one that nothing reads.
 TEST_F(FlagsTest, EveryFlagIsTestedHere) {
-  std::vector<std::string> known = {"solver", "neighborhood", "shape"};
+  std::vector<std::string> known = {"solver", "reduced", "neighborhood", "shape"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
   for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
@@ -216,6 +219,20 @@ TEST_F(FlagsTest, SwitchesThatCeresRefusesTogetherAreReported) {
   const Status status = SolverOptionsFromFlags(&options);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("WOLFE"));
+}
+
+TEST_F(FlagsTest, TheReducedFormBelongsToCeres) {
+  SolverOptions options;
+  SetFlag("reduced", "true");
+  for (const char* other : {"reduced", "alternating_cg"}) {
+    SetFlag("solver", other);
+    const Status status = SolverOptionsFromFlags(&options);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("--reduced "));
+    EXPECT_THAT(status.message(), HasSubstr(std::string("--solver=") + other));
+  }
+  SetFlag("solver", "ceres");
+  EXPECT_TRUE(SolverOptionsFromFlags(&options).ok());
 }
 
 TEST_F(FlagsTest, HelpListsOurFlagsOnly) {

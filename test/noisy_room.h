@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
 #include "plumbline/test/factor_testing.h"
 #include "plumbline/test/synthetic_scene.h"
@@ -71,6 +72,13 @@ inline void DisturbPoses(double sigma, SlamGraph* graph) {
 inline void DisturbPoints(double sigma, SlamGraph* graph) {
   RandomStates random(6);
   for (double& coordinate : graph->points()) coordinate += random.Gaussian(sigma);
+}
+
+/// The defaults, with the shape terms that they leave out.
+inline FactorOptions EveryTerm() {
+  FactorOptions factors;
+  factors.shape.enabled = true;
+  return factors;
 }
 
 inline Associations AssociationsOf(const SlamGraph& graph, double radius_m = 0.2) {

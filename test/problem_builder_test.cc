@@ -3,6 +3,7 @@
 #include <ceres/solver.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "plumbline/test/noisy_room.h"
@@ -57,7 +58,7 @@ TEST(ProblemBuilderTest, EliminatedPointsShareNoResidual) {
   DisturbPoses(0.01, &room.graph);
   const Associations associations = AssociationsOf(room.graph);
   ASSERT_GT(associations.shape_pairs.size(), 0u);
-  const JointProblem joint = BuildJointProblem(associations, FactorOptions(), &room.graph);
+  const JointProblem joint = BuildJointProblem(associations, EveryTerm(), &room.graph);
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
 }
@@ -76,7 +77,7 @@ TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
   for (std::size_t r = 60; r > 40; --r) join(r, r - 1);  // one that runs back
   join(70, 75), join(75, 80), join(80, 70);              // a ring
   for (std::size_t r = 100; r < 110; ++r) join(90, r);   // a star
-  const JointProblem joint = BuildJointProblem(associations, FactorOptions(), &room.graph);
+  const JointProblem joint = BuildJointProblem(associations, EveryTerm(), &room.graph);
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
 }
@@ -84,7 +85,7 @@ TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
 TEST(ProblemBuilderTest, AllPointsAreEliminatedWithoutShapeTerms) {
   NoisyRoom room = MakeNoisyRoom();
   DisturbPoses(0.01, &room.graph);
-  FactorOptions factors;
+  FactorOptions factors = EveryTerm();
   factors.shape.enabled = false;
   const JointProblem joint = BuildJointProblem(AssociationsOf(room.graph), factors, &room.graph);
   ExpectValidOrdering(joint, room.graph);
@@ -98,7 +99,7 @@ TEST(ProblemBuilderTest, APoseWithoutTermsStaysOut) {
   ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &pose_id).ok());
   DisturbPoses(0.01, &room.graph);
   const JointProblem joint =
-      BuildJointProblem(AssociationsOf(room.graph), FactorOptions(), &room.graph);
+      BuildJointProblem(AssociationsOf(room.graph), EveryTerm(), &room.graph);
   EXPECT_FALSE(joint.problem->HasParameterBlock(&room.graph.poses()[3 * pose_id]));
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
@@ -109,9 +110,75 @@ TEST(ProblemBuilderTest, OptimisesTheArraysOfTheGraph) {
   DisturbPoses(0.01, &room.graph);
   const std::vector<double> poses = room.graph.poses(), points = room.graph.points();
   ExpectSparseSchurLowersTheCost(
-      BuildJointProblem(AssociationsOf(room.graph), FactorOptions(), &room.graph));
+      BuildJointProblem(AssociationsOf(room.graph), EveryTerm(), &room.graph));
   EXPECT_NE(room.graph.poses(), poses);
   EXPECT_NE(room.graph.points(), points);
+}
+
+// Three poses; the first two see patch 0, the others patch 2. Nothing sees patch 1 and pose 3; a
+// sighting without weight is none.
+struct PatchScene {
+  PatchScene() {
+    patches.resize(3);
+    const auto see = [&](int pose, int patch, double weight) {
+      PatchSighting sighting;
+      sighting.pose = pose;
+      sighting.patch = patch;
+      sighting.weight = weight;
+      sighting.centroid = {2.0, 1.0};
+      sighting.xx = sighting.yy = 1.0;
+      sightings.sightings.push_back(sighting);
+    };
+    see(0, 0, 4.0), see(1, 0, 4.0), see(1, 1, 0.0), see(1, 2, 4.0), see(2, 2, 4.0);
+  }
+  PatchProblem Build() { return BuildPatchProblem(sightings, patches, terms, &poses); }
+
+  std::vector<SurfacePatch> patches;
+  PatchSightings sightings;
+  PoseTerms terms{SlamGraph(), EveryTerm()};
+  std::vector<double> poses = std::vector<double>(12, 0.1);
+};
+
+TEST(ProblemBuilderTest, LinesAreEliminatedAndPosesAreKept) {
+  PatchScene scene;
+  PatchProblem problem = scene.Build();
+  EXPECT_EQ(problem.problem->NumResidualBlocks(), 4);
+  EXPECT_EQ(problem.problem->NumParameterBlocks(), 5);
+  EXPECT_EQ(problem.ordering->NumElements(), 5);
+  EXPECT_EQ(problem.ordering->GroupSize(kEliminated), 2);
+  EXPECT_EQ(problem.lines_ordering->NumElements(), 2);
+  for (const int patch : {0, 2}) {
+    EXPECT_TRUE(problem.lines_ordering->IsMember(&problem.lines[2 * patch]));
+    EXPECT_EQ(problem.ordering->GroupId(&problem.lines[2 * patch]), kEliminated);
+  }
+  for (const int pose : {0, 1, 2}) {
+    EXPECT_EQ(problem.ordering->GroupId(&scene.poses[3 * pose]), 1);
+  }
+  EXPECT_FALSE(problem.problem->HasParameterBlock(&scene.poses[3 * 3]));
+}
+
+TEST(ProblemBuilderTest, LinesStartAtThoseOfThePatches) {
+  PatchScene scene;
+  scene.patches[2].normal = {-0.6, -0.8};
+  scene.patches[2].offset_m = 0.7;
+  const PatchProblem problem = scene.Build();
+  EXPECT_NEAR(std::cos(problem.lines[4]), -0.6, 1e-15);
+  EXPECT_NEAR(std::sin(problem.lines[4]), -0.8, 1e-15);
+  EXPECT_EQ(problem.lines[5], 0.7);
+}
+
+TEST(ProblemBuilderTest, PosesKeepTheirTermsBesideThePatches) {
+  const NoisyRoom room = MakeNoisyRoom();
+  PatchScene scene;
+  scene.sightings.sightings.clear();
+  scene.terms = PoseTerms(room.graph, EveryTerm());
+  scene.poses = room.graph.poses();
+  const PatchProblem problem = scene.Build();
+  EXPECT_EQ(problem.problem->NumResidualBlocks(), 1 + 11 + 2);
+  double cost = 0.0;
+  ASSERT_TRUE(problem.problem->Evaluate({}, &cost, nullptr, nullptr, nullptr));
+  EXPECT_GT(cost, 0.1);
+  EXPECT_NEAR(cost, scene.terms.Cost(scene.poses), 1e-12 * cost);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct Fixture {
   }
 
   NoisyRoom room = MakeNoisyRoom();
-  FactorOptions factors;
+  FactorOptions factors = EveryTerm();
   Associations associations;
   ThreadPool pool{2};
 };

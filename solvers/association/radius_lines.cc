@@ -78,9 +78,14 @@ std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const MeasuredS
                        }
                      });
   std::vector<TangentLine> lines(graph.num_returns(), TangentLine{0.0, 0.0, 0.0});
-  for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (cell_of_return[r] != SurfaceCells::kNone) lines[r] = line_of_cell[cell_of_return[r]];
-  }
+  constexpr std::size_t kReturnsPerChunk = 65536;
+  pool->ForEachChunk(lines.size(), kReturnsPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t r = begin; r < end; ++r) {
+                         if (cell_of_return[r] != SurfaceCells::kNone)
+                           lines[r] = line_of_cell[cell_of_return[r]];
+                       }
+                     });
   return lines;
 }
 

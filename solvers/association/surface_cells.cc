@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <utility>
 
 namespace plumbline {
 namespace {
@@ -60,7 +61,7 @@ class ChunkSorter {
     }
   }
 
-  const SurfaceCells& cells() const { return cells_; }
+  SurfaceCells TakeCells() { return std::move(cells_); }
 
  private:
   const SlamGraph& graph_;
@@ -151,7 +152,7 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surfac
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        ChunkSorter sorter(graph, surface, grid, cell_of_return);
                        for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
-                       parts[chunk] = sorter.cells();
+                       parts[chunk] = sorter.TakeCells();
                      });
   SurfaceCells cells(grid.cell_m);
   std::vector<std::vector<int>> renamed(parts.size());

@@ -93,9 +93,12 @@ double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFram
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t p = begin; p < end; ++p) {
                          SurfacePatch& patch = (*patches)[p];
-                         const PointMoments moments =
-                             WorldMoments(sightings, p, patch.origin, frames);
+                         PointMoments moments = WorldMoments(sightings, p, patch.origin, frames);
                          if (moments.weight <= 0.0) continue;
+                         // The shape terms are quadratic in the normal, as the scatter is.
+                         moments.xx += patch.shape_xx;
+                         moments.xy += patch.shape_xy;
+                         moments.yy += patch.shape_yy;
                          const LineFit fit = FitLine(moments);
                          patch.normal = fit.normal;
                          patch.offset_m = fit.normal.dot(fit.centroid);
@@ -113,6 +116,7 @@ void PoseSystem::Linearize(const PatchSightings& sightings,
   gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(frames.size()));
   couplings.clear();
   AddSightings(sightings, patches, frames, pool);
+  by_sightings = diagonal;
   AddPoseTerms(terms, poses);
   for (Eigen::Matrix3d& block : diagonal) {
     block.diagonal() *= 1.0 + kDamping;
@@ -132,7 +136,9 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
         for (std::size_t p = begin; p < end; ++p) {
           const std::size_t first = sightings.first_of_patch[p];
           const std::size_t last = sightings.first_of_patch[p + 1];
+          const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
           Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
+          line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
           for (std::size_t i = first; i < last; ++i) {
             const PatchSighting& sighting = sightings.sightings[i];
             const Linearized linear(sighting, patches[p], frames[sighting.pose]);

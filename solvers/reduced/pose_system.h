@@ -37,10 +37,11 @@ struct LineCoupling {
 /// columns of K_p (two per patch, rows of the poses that see it) are the Schur complement of the
 /// line's parameters, which is applied and never formed.
 struct PoseSystem {
-  std::vector<Eigen::Matrix3d> diagonal;    ///< of B, per pose
-  std::vector<PoseCoupling> couplings;      ///< of B, from < to, in order of (from, to)
-  std::vector<LineCoupling> line_coupling;  ///< per sighting
-  Eigen::VectorXd gradient;                 ///< 3 per pose
+  std::vector<Eigen::Matrix3d> diagonal;      ///< of B, per pose
+  std::vector<Eigen::Matrix3d> by_sightings;  ///< what the sightings give to it
+  std::vector<PoseCoupling> couplings;        ///< of B, from < to, in order of (from, to)
+  std::vector<LineCoupling> line_coupling;    ///< per sighting
+  Eigen::VectorXd gradient;                   ///< 3 per pose
 
   /// At poses and the lines that fit them best.
   void Linearize(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <sstream>
 #include <utility>
 
+#include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/free_islands.h"
+#include "plumbline/solvers/reduced/patch_shape.h"
 #include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 #include "plumbline/solvers/reduced/pose_system.h"
@@ -25,26 +30,29 @@ double SecondsSince(Clock::time_point start) {
 // What a step came to.
 struct StepOutcome {
   double gain = 0.0;           // of the cost
-  double moved_squared = 0.0;  // dx^T B dx: sum of squares of how far returns moved, in sigmas
+  double moved_squared = 0.0;  // sum of squares of how far returns moved, in sigmas
 };
 
 class PatchMinimizer {
  public:
   PatchMinimizer(const MeasuredSurface& surface, const FactorOptions& factors,
-                 const ReducedOptions& options, const ProgressCallback& report, ThreadPool* pool,
-                 SlamGraph* graph)
+                 const ReducedOptions& options, const AssociationOptions& association,
+                 const ProgressCallback& report, ThreadPool* pool, SlamGraph* graph,
+                 const CeresOptions* ceres)
       : surface_(surface),
         factors_(factors),
         options_(options),
+        association_(association),
         report_(report),
         pool_(pool),
         graph_(graph),
         terms_(*graph, factors),
-        compressor_(*graph, surface, NoiseOf(factors), pool) {}
+        num_priors_(terms_.priors.size()),
+        compressor_(*graph, surface, NoiseOf(factors), pool),
+        move_poses_([this, ceres] { ceres ? MoveByCeres(*ceres) : MoveByGaussNewton(); }) {}
 
   ReducedResult Run() {
-    for (int round = 0; round < options_.max_rounds && !result_.converged && !result_.stopped;
-         ++round) {
+    for (int round = 0; round < options_.max_rounds && !result_.converged && !Ended(); ++round) {
       // Wide gates first: where the seed has a wall twice, both sides have to pull.
       const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
@@ -53,8 +61,12 @@ class PatchMinimizer {
   }
 
  private:
+  bool Ended() const { return result_.stopped || !result_.usable; }
+
   void RunRound(double gate_sigmas, bool first) {
     CutPatches();
+    HoldIslands();
+    const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
     PatchRoundSummary row;
     row.gate_sigmas = gate_sigmas;
@@ -62,10 +74,13 @@ class PatchMinimizer {
     row.num_sightings = sightings_.sightings.size();
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
     StepOutcome sum;
-    while (row.steps < options_.steps_per_round && !result_.stopped) {
+    while (row.steps < options_.steps_per_round && !Ended()) {
       step_start_ = Clock::now();
       frames_ = FramesOf(graph_->poses());
       compressor_.Weigh(patches_, frames_, loss, &sightings_);
+      if (factors_.shape.enabled) {
+        SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &patches_);
+      }
       cost_ = Cost(graph_->poses(), frames_);
       if (row.steps == 0) row.initial_cost = cost_;
       const StepOutcome outcome = Step();
@@ -78,7 +93,16 @@ class PatchMinimizer {
     row.moved_sigmas = MovedSigmas(sum.moved_squared);
     Judge(sum.gain, first, row);
     result_.rounds.push_back(row);
-    result_.minimization_time_s += SecondsSince(start);
+    result_.minimization_time_s += SecondsSince(start) - (result_.setup_time_s - setup_time_s);
+  }
+
+  // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
+  void HoldIslands() {
+    terms_.priors.resize(num_priors_);
+    for (const int pose : FindFreeIslands(sightings_, terms_)) {
+      terms_.priors.push_back(
+          {pose, MakePosePriorResidual(graph_->WorldFromRobot(pose), factors_.prior)});
+    }
   }
 
   void CutPatches() {
@@ -86,6 +110,10 @@ class PatchMinimizer {
     SurfacePatchOptions options;
     options.noise_m = NoiseOf(factors_).StandardDeviation();
     SurfacePatches cut = CutIntoPatches(*graph_, surface_, options, pool_);
+    if (factors_.shape.enabled) {
+      adjacent_ =
+          FindAdjacentPatches(*graph_, surface_, cut, association_.min_segment_length_m, pool_);
+    }
     patches_ = std::move(cut.patches);
     sightings_ = compressor_.LayOut(patches_.size(), std::move(cut.patch_of_return));
     result_.cutting_time_s += SecondsSince(start);
@@ -98,12 +126,22 @@ class PatchMinimizer {
 
   StepOutcome Step() {
     system_.Linearize(sightings_, patches_, terms_, graph_->poses(), frames_, pool_);
+    const std::vector<double> poses = graph_->poses();
+    const double cost = cost_;
+    move_poses_();
+    return {cost - cost_, MovedSquared(poses)};
+  }
+
+  void MoveByGaussNewton() {
     const PosePreconditioner preconditioner(system_, sightings_, frames_, pool_);
     Eigen::VectorXd step;
-    const int cg_iterations =
+    IterationSummary iteration;
+    iteration.phase = "poses";
+    iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
+    iteration.evaluations =
         SolvePoseSystem(system_, sightings_, preconditioner, options_.cg_tolerance,
                         options_.max_cg_iterations, pool_, &step);
-    StepOutcome outcome;
+    const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;
     std::vector<double> poses(graph_->poses().size());
@@ -111,42 +149,63 @@ class PatchMinimizer {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         poses[i] = graph_->poses()[i] + length * step[static_cast<Eigen::Index>(i)];
       }
-      const double cost = Cost(poses, FramesOf(poses));
-      if (!(cost < cost_)) continue;
-      outcome.gain = cost_ - cost;
-      outcome.moved_squared = length * length * MovedSquared(step);
-      cost_ = cost;
-      graph_->poses() = poses;
+      if (!MoveIfBetter(poses)) continue;
+      iteration.step_norm = length * step.norm();
+      iteration.step_size = length;
       break;
     }
-    // The lines still are those of the last attempt.
-    if (outcome.gain <= 0.0) Cost(graph_->poses(), frames_);
-    Report(outcome, step, length, cg_iterations);
-    return outcome;
+    iteration.cost = cost_;
+    iteration.cost_change = cost - cost_;
+    iteration.iteration_time_s = SecondsSince(step_start_);
+    Report(iteration);
   }
 
-  double MovedSquared(const Eigen::VectorXd& step) const {
+  void MoveByCeres(const CeresOptions& options) {
+    std::vector<double> poses = graph_->poses();
+    const InnerResult inner = SolvePatchesWithCeres(
+        sightings_, patches_, terms_, options, pool_->num_threads(),
+        [this](const IterationSummary& iteration) { return Report(iteration); }, &graph_->poses());
+    graph_->poses().swap(poses);
+    MoveIfBetter(poses);
+    result_.setup_time_s += inner.setup_time_s;
+    result_.usable = inner.usable;
+    if (!inner.usable) result_.stop_reason = inner.stop_reason;
+  }
+
+  bool MoveIfBetter(const std::vector<double>& poses) {
+    const double cost = Cost(poses, FramesOf(poses));
+    if (!(cost < cost_)) {
+      Cost(graph_->poses(), frames_);  // puts the lines back
+      return false;
+    }
+    cost_ = cost;
+    graph_->poses() = poses;
+    return true;
+  }
+
+  // How far returns moved across their surfaces, but for what they share with those of the pose
+  // before: a whole stretch of the map that shifts or bends takes its surfaces along.
+  double MovedSquared(const std::vector<double>& from) const {
     double sum = 0.0;
-    for (std::size_t i = 0; i < system_.diagonal.size(); ++i) {
-      const Eigen::Vector3d block = step.segment<3>(3 * static_cast<Eigen::Index>(i));
-      sum += block.dot(system_.diagonal[i] * block);
+    Eigen::Vector3d moved_before = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < system_.by_sightings.size(); ++i) {
+      const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(&graph_->poses()[3 * i]) -
+                                    Eigen::Map<const Eigen::Vector3d>(&from[3 * i]);
+      Eigen::Vector3d relative = moved - moved_before;
+      if (i > 0) {
+        relative.x() += moved_before.z() * (frames_[i].y - frames_[i - 1].y);
+        relative.y() -= moved_before.z() * (frames_[i].x - frames_[i - 1].x);
+      }
+      sum += relative.dot(system_.by_sightings[i] * relative);
+      moved_before = moved;
     }
     return sum;
   }
 
-  void Report(const StepOutcome& outcome, const Eigen::VectorXd& step, double length,
-              int cg_iterations) {
-    IterationSummary iteration;
+  bool Report(IterationSummary iteration) {
     iteration.round = static_cast<int>(result_.rounds.size()) + 1;
-    iteration.phase = "poses";
-    iteration.cost = cost_;
-    iteration.cost_change = outcome.gain;
-    iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
-    iteration.step_norm = outcome.gain > 0.0 ? length * step.norm() : 0.0;
-    iteration.step_size = outcome.gain > 0.0 ? length : 0.0;
-    iteration.evaluations = cg_iterations;
-    iteration.iteration_time_s = SecondsSince(step_start_);
     result_.stopped = report_ && !report_(iteration);
+    return !result_.stopped;
   }
 
   double MovedSigmas(double moved_squared) const {
@@ -157,10 +216,12 @@ class PatchMinimizer {
   }
 
   void Judge(double gain, bool first, const PatchRoundSummary& round) {
+    if (!result_.usable) return;
     std::ostringstream reason;
     reason << "a round lowered the cost of " << round.initial_cost << " by " << gain
            << " and moved returns by " << round.moved_sigmas << " sigmas";
-    result_.converged = !first && gain <= options_.relative_tolerance * round.initial_cost &&
+    result_.converged = !first && !result_.stopped &&
+                        gain <= options_.relative_tolerance * round.initial_cost &&
                         round.moved_sigmas <= options_.move_tolerance_sigmas;
     reason << (result_.converged ? ": within the tolerances" : "");
     result_.stop_reason = result_.stopped ? "stopped by the callback" : reason.str();
@@ -169,12 +230,17 @@ class PatchMinimizer {
   const MeasuredSurface& surface_;
   const FactorOptions& factors_;
   const ReducedOptions& options_;
+  const AssociationOptions& association_;
   const ProgressCallback& report_;
   ThreadPool* pool_;
   SlamGraph* graph_;
-  const PoseTerms terms_;
+  PoseTerms terms_;
+  const std::size_t num_priors_;  // the graph's own; those of islands follow
   ReturnCompressor compressor_;
+  // Lowers the cost for the weights at hand, if it can: changes the poses of the graph and cost_.
+  const std::function<void()> move_poses_;
   std::vector<SurfacePatch> patches_;
+  std::vector<AdjacentPatches> adjacent_;
   PatchSightings sightings_;
   std::vector<PoseFrame> frames_;
   PoseSystem system_;
@@ -186,9 +252,11 @@ class PatchMinimizer {
 }  // namespace
 
 ReducedResult MinimizeOverPatches(const MeasuredSurface& surface, const FactorOptions& factors,
-                                  const ReducedOptions& options, const ProgressCallback& report,
-                                  ThreadPool* pool, SlamGraph* graph) {
-  return PatchMinimizer(surface, factors, options, report, pool, graph).Run();
+                                  const ReducedOptions& options,
+                                  const AssociationOptions& association,
+                                  const ProgressCallback& report, ThreadPool* pool,
+                                  SlamGraph* graph, const CeresOptions* ceres) {
+  return PatchMinimizer(surface, factors, options, association, report, pool, graph, ceres).Run();
 }
 
 }  // namespace plumbline

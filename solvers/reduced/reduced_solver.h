@@ -17,9 +17,11 @@ struct ReducedResult {
   std::vector<PatchRoundSummary> rounds;
   bool converged = false;
   bool stopped = false;  ///< by the callback
+  bool usable = true;    ///< false: Ceres failed, the poses are the best before that
   double cutting_time_s = 0.0;
-  double minimization_time_s = 0.0;
-  std::string stop_reason;  ///< with the numbers
+  double setup_time_s = 0.0;         ///< building problems for Ceres
+  double minimization_time_s = 0.0;  ///< without the two above
+  std::string stop_reason;           ///< with the numbers
 };
 
 /// Minimises the joint energy over the poses, with every point and every tangent line at its
@@ -30,9 +32,18 @@ struct ReducedResult {
 ///
 /// Ends when a round lowers the cost and moves the returns by less than the tolerances. Updates
 /// the poses of the graph; leaves its points alone. Bitwise the same for any number of threads.
+///
+/// A group of poses that no term ties to a fixed one keeps its first pose. The graph must have
+/// returns.
+///
+/// With `ceres`, which must pass CheckCeresOptions, Ceres minimises over poses and lines instead of
+/// each Gauss-Newton step; weights, rounds and their end are the same. The last digits may then
+/// depend on the number of threads.
 ReducedResult MinimizeOverPatches(const MeasuredSurface& surface, const FactorOptions& factors,
-                                  const ReducedOptions& options, const ProgressCallback& report,
-                                  ThreadPool* pool, SlamGraph* graph);
+                                  const ReducedOptions& options,
+                                  const AssociationOptions& association,
+                                  const ProgressCallback& report, ThreadPool* pool,
+                                  SlamGraph* graph, const CeresOptions* ceres = nullptr);
 
 }  // namespace plumbline
 

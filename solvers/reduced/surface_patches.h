@@ -16,6 +16,12 @@ struct SurfacePatch {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();   ///< near the patch, world [m]; fixed
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit, world
   double offset_m = 0.0;
+  /// Shape terms, 1/2 normal^T [xx xy; xy yy] normal; see patch_shape.h.
+  double shape_xx = 0.0, shape_xy = 0.0, shape_yy = 0.0;
+
+  Eigen::Vector2d ShapeTimes(const Eigen::Vector2d& v) const {
+    return {shape_xx * v.x() + shape_xy * v.y(), shape_xy * v.x() + shape_yy * v.y()};
+  }
 };
 
 struct SurfacePatches {

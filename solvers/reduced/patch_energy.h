@@ -1,0 +1,27 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_PATCH_ENERGY_H_
+#define PLUMBLINE_SOLVERS_REDUCED_PATCH_ENERGY_H_
+
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+
+namespace plumbline {
+
+/// Energies of several states of the poses, (x, y, yaw) each, under one and the same association of
+/// returns to patches: the one that the graph's current poses give. Every point and every line is
+/// at its optimum. A return on a patch costs rho(d^2 / s^2) / 2, see MarginalEnergy; others cost
+/// nothing, in no state. Pose terms are added, shape terms are not.
+///
+/// MarginalEnergy gives each state associations of its own: where returns are few, which of them
+/// then count as surface changes the sum by more than the poses do.
+std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
+                                  const FactorOptions& factors,
+                                  const std::vector<const std::vector<double>*>& states,
+                                  ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_PATCH_ENERGY_H_

@@ -1,0 +1,307 @@
+// The energy over poses and lines of patches, in the reduced solver's own form and in Ceres'.
+
+#include <ceres/problem.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/solvers/ceres_solver.h"
+#include "plumbline/solvers/problem_builder.h"
+#include "plumbline/solvers/reduced/pose_preconditioner.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/reduced_solver.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+NoisyRoom DisturbedRoom() {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.02, &room.graph);
+  return room;
+}
+
+// A drive through an office floor, off the truth by a drift that grows and falls.
+SlamGraph DisturbedBuilding() {
+  SimulationOptions options;
+  options.scan_period_s = 1.2;
+  options.laser.num_beams = 180;
+  options.laser.bearing_step_rad = DegToRad(1.0);
+  SimulatedLog log;
+  EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 3)), options, &log).ok());
+  SlamGraph graph;
+  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+  const Pose2 start = log.scans[0].world_from_robot;
+  for (int i = 0; i < graph.num_poses(); ++i) {
+    const double drift = std::sin(2.0 * kPi * i / 60.0);
+    const Pose2 truth = Between(start, log.scans[i].world_from_robot);
+    graph.SetPose(i, truth * Pose2(0.03 * drift, -0.02 * drift, 0.003 * drift));
+  }
+  graph.ResetPointsFromPoses();
+  return graph;
+}
+
+// All that the scans of a graph saw, compressed, with the weights of its poses; the lines fit.
+struct CompressedGraph {
+  explicit CompressedGraph(const SlamGraph& graph)
+      : surface(SurfaceOf(graph)), terms(graph, FactorOptions()), poses(graph.poses()) {
+    const SurfaceNoise noise = NoiseOf(FactorOptions());
+    SurfacePatchOptions options;
+    options.noise_m = noise.StandardDeviation();
+    SurfacePatches cut = CutIntoPatches(graph, surface, options, &pool);
+    patches = std::move(cut.patches);
+    ReturnCompressor compressor(graph, surface, noise, &pool);
+    sightings = compressor.LayOut(patches.size(), std::move(cut.patch_of_return));
+    const GemanMcClure loss = GemanMcClure::FromGate(ManifoldOptions().robust_gate_sigmas);
+    compressor.Weigh(patches, FramesOf(poses), loss, &sightings);
+    Cost(poses);
+  }
+
+  // Refits the lines.
+  double Cost(const std::vector<double>& at) {
+    return FitPatchLines(sightings, FramesOf(at), &pool, &patches) + terms.Cost(at);
+  }
+
+  // Gauss-Newton with the lines eliminated, until it gains nothing. Gives the cost.
+  double Converge() {
+    double cost = Cost(poses);
+    for (int i = 0; i < 200; ++i) {
+      const std::vector<PoseFrame> frames = FramesOf(poses);
+      PoseSystem system;
+      system.Linearize(sightings, patches, terms, poses, frames, &pool);
+      const PosePreconditioner preconditioner(system, sightings, frames, &pool);
+      Eigen::VectorXd step;
+      SolvePoseSystem(system, sightings, preconditioner, 1e-8, 2000, &pool, &step);
+      std::vector<double> next = poses;
+      for (std::size_t k = 0; k < next.size(); ++k) next[k] += step[static_cast<Eigen::Index>(k)];
+      const double next_cost = Cost(next);
+      const double gain = cost - next_cost;
+      if (gain <= 0.0) break;
+      poses = next;
+      cost = next_cost;
+      if (gain <= 1e-14 * cost) break;
+    }
+    return Cost(poses);
+  }
+
+  ThreadPool pool{2};
+  MeasuredSurface surface;
+  PoseTerms terms;
+  std::vector<SurfacePatch> patches;
+  PatchSightings sightings;
+  std::vector<double> poses;
+};
+
+CeresOptions ExactSparseSchur() {
+  CeresOptions options;
+  options.max_iterations = 500;
+  options.function_tolerance = 1e-14;
+  return options;
+}
+
+CeresOptions ExactIterativeSchur() {
+  CeresOptions options = ExactSparseSchur();
+  options.linear_solver = ceres::ITERATIVE_SCHUR;
+  options.preconditioner = ceres::SCHUR_JACOBI;
+  return options;
+}
+
+// By all blocks of the problem, or those given.
+Eigen::VectorXd GradientByCeres(const PatchProblem& problem, const std::vector<double*>& blocks,
+                                double* cost) {
+  ceres::Problem::EvaluateOptions options;
+  options.parameter_blocks = blocks;
+  std::vector<double> gradient;
+  EXPECT_TRUE(problem.problem->Evaluate(options, cost, nullptr, &gradient, nullptr));
+  return Eigen::Map<const Eigen::VectorXd>(gradient.data(),
+                                           static_cast<Eigen::Index>(gradient.size()));
+}
+
+void ExpectSameCostAndGradient(const SlamGraph& graph) {
+  CompressedGraph compressed(graph);
+  ASSERT_GT(compressed.patches.size(), 10u);
+  PoseSystem system;
+  system.Linearize(compressed.sightings, compressed.patches, compressed.terms, compressed.poses,
+                   FramesOf(compressed.poses), &compressed.pool);
+  const double expected = compressed.Cost(compressed.poses);
+
+  const PatchProblem problem = BuildPatchProblem(compressed.sightings, compressed.patches,
+                                                 compressed.terms, &compressed.poses);
+  std::vector<double*> pose_blocks;
+  for (std::size_t i = 0; i < compressed.poses.size(); i += 3) {
+    pose_blocks.push_back(&compressed.poses[i]);
+  }
+  double cost = 0.0;
+  const Eigen::VectorXd by_poses = GradientByCeres(problem, pose_blocks, &cost);
+  EXPECT_NEAR(cost, expected, 1e-10 * expected);
+  ASSERT_EQ(by_poses.size(), system.gradient.size());
+  EXPECT_LE((by_poses - system.gradient).norm(), 1e-8 * system.gradient.norm());
+
+  // The lines are where the cost is least: only the poses have a gradient.
+  const Eigen::VectorXd by_all = GradientByCeres(problem, {}, &cost);
+  ASSERT_GT(by_all.size(), by_poses.size());
+  const double by_lines_squared = by_all.squaredNorm() - by_poses.squaredNorm();
+  EXPECT_LE(std::abs(by_lines_squared), 1e-14 * by_poses.squaredNorm());
+}
+
+void ExpectSameOptimum(const SlamGraph& graph) {
+  CompressedGraph compressed(graph);
+  const double seed_cost = compressed.Cost(compressed.poses);
+  const std::vector<double> seed = compressed.poses;
+  const double cost = compressed.Converge();
+  EXPECT_LT(cost, 0.9 * seed_cost);
+  for (const CeresOptions& options : {ExactSparseSchur(), ExactIterativeSchur()}) {
+    SCOPED_TRACE(ceres::LinearSolverTypeToString(options.linear_solver));
+    compressed.Cost(seed);
+    std::vector<double> poses = seed;
+    const InnerResult result = SolvePatchesWithCeres(compressed.sightings, compressed.patches,
+                                                     compressed.terms, options, 2, nullptr, &poses);
+    ASSERT_TRUE(result.usable) << result.stop_reason;
+    EXPECT_NEAR(result.initial_cost, seed_cost, 1e-10 * seed_cost);
+    EXPECT_NEAR(result.final_cost, cost, 1e-8 * cost) << result.stop_reason;
+    EXPECT_NEAR(compressed.Cost(poses), cost, 1e-8 * cost);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_NEAR(poses[i], compressed.poses[i], 1e-5) << "pose " << i / 3;
+    }
+  }
+}
+
+TEST(PatchProblemTest, CostAndGradientAreThoseOfTheReducedSolver) {
+  ExpectSameCostAndGradient(DisturbedRoom().graph);
+  ExpectSameCostAndGradient(DisturbedBuilding());
+}
+
+TEST(PatchProblemTest, BothSolversEndAtTheSameOptimumOfARoom) {
+  ExpectSameOptimum(DisturbedRoom().graph);
+}
+
+TEST(PatchProblemTest, BothSolversEndAtTheSameOptimumOfABuilding) {
+  ExpectSameOptimum(DisturbedBuilding());
+}
+
+TEST(PatchProblemTest, CeresRefitsTheLinesAfterAStepOfThePoses) {
+  const SlamGraph graph = DisturbedBuilding();
+  CompressedGraph compressed(graph);
+  std::vector<double> poses = compressed.poses;
+  CeresOptions options;
+  options.max_iterations = 1;
+  const InnerResult result = SolvePatchesWithCeres(compressed.sightings, compressed.patches,
+                                                   compressed.terms, options, 2, nullptr, &poses);
+  ASSERT_NE(poses, compressed.poses);
+  EXPECT_NEAR(result.final_cost, compressed.Cost(poses), 1e-5 * result.final_cost);
+}
+
+// Rounds with Ceres against rounds with the reduced solver's own steps.
+class PatchRoundsTest : public testing::Test {
+ protected:
+  ReducedResult Run(const CeresOptions& ceres, const ProgressCallback& report, SlamGraph* graph) {
+    return MinimizeOverPatches(SurfaceOf(*graph), factors_, reduced_, AssociationOptions(), report,
+                               &pool_, graph, &ceres);
+  }
+
+  FactorOptions factors_;
+  ReducedOptions reduced_;
+  ThreadPool pool_{2};
+};
+
+TEST_F(PatchRoundsTest, LeadToTheSamePoses) {
+  NoisyRoom own = DisturbedRoom();
+  const double error_before = MeanPoseError(own);
+  const ReducedResult expected = MinimizeOverPatches(
+      SurfaceOf(own.graph), factors_, reduced_, AssociationOptions(), nullptr, &pool_, &own.graph);
+  for (const auto solver : {ceres::SPARSE_SCHUR, ceres::ITERATIVE_SCHUR, ceres::CGNR}) {
+    SCOPED_TRACE(ceres::LinearSolverTypeToString(solver));
+    CeresOptions options;
+    options.linear_solver = solver;
+    NoisyRoom room = DisturbedRoom();
+    const std::vector<double> points = room.graph.points();
+    const ReducedResult result = Run(options, nullptr, &room.graph);
+    EXPECT_TRUE(result.usable);
+    EXPECT_TRUE(result.converged) << result.stop_reason;
+    EXPECT_EQ(room.graph.points(), points);
+    EXPECT_LT(MeanPoseError(room), 0.3 * error_before);
+    // Both stop a fraction of a standard deviation short of the optimum.
+    for (std::size_t i = 0; i < points.size() && i < room.graph.poses().size(); ++i) {
+      EXPECT_NEAR(room.graph.poses()[i], own.graph.poses()[i], 1e-3) << "pose " << i / 3;
+    }
+    const PatchRoundSummary &first = result.rounds[0], &first_expected = expected.rounds[0];
+    EXPECT_EQ(first.num_sightings, first_expected.num_sightings);
+    EXPECT_NEAR(first.initial_cost, first_expected.initial_cost, 1e-9 * first.initial_cost);
+    EXPECT_EQ(first.gate_sigmas, first_expected.gate_sigmas);
+  }
+}
+
+TEST_F(PatchRoundsTest, EveryIterationOfCeresIsReportedWithItsRoundAndState) {
+  NoisyRoom room = DisturbedRoom();
+  std::vector<IterationSummary> rows;
+  std::vector<double> last = room.graph.poses();
+  const ReducedResult result = Run(
+      CeresOptions(),
+      [&](const IterationSummary& row) {
+        EXPECT_EQ(room.graph.poses() != last, row.cost_change > 0.0);
+        last = room.graph.poses();
+        rows.push_back(row);
+        return true;
+      },
+      &room.graph);
+  ASSERT_GT(result.rounds.size(), 1u);
+  // Ceres keeps a step to itself that ends it by the function tolerance.
+  ASSERT_GT(rows.size(), 1u);
+  EXPECT_EQ(rows.front().round, 1);
+  EXPECT_GT(rows.back().round, 1);
+  EXPECT_LE(rows.back().round, static_cast<int>(result.rounds.size()));
+  for (const IterationSummary& row : rows) EXPECT_GT(row.trust_region_radius, 0.0);
+}
+
+TEST_F(PatchRoundsTest, EndWhenTheCallbackSaysSo) {
+  NoisyRoom room = DisturbedRoom();
+  const std::vector<double> seed = room.graph.poses();
+  int calls = 0;
+  const ReducedResult result = Run(
+      CeresOptions(), [&](const IterationSummary&) { return ++calls < 1; }, &room.graph);
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_FALSE(result.converged);
+  EXPECT_TRUE(result.usable);
+  ASSERT_EQ(result.rounds.size(), 1u);
+  EXPECT_LT(result.rounds[0].final_cost, result.rounds[0].initial_cost);
+  EXPECT_NE(room.graph.poses(), seed);
+}
+
+TEST_F(PatchRoundsTest, MoveThePosesByTheirTermsWhereThereIsNoSurface) {
+  NoisyRoomOptions sparse;
+  sparse.num_beams = 6;
+  for (const auto solver : {ceres::SPARSE_SCHUR, ceres::ITERATIVE_SCHUR}) {
+    CeresOptions options;
+    options.linear_solver = solver;
+    NoisyRoom room = MakeNoisyRoom(sparse);
+    DisturbPoses(0.02, &room.graph);
+    const double before = PoseTerms(room.graph, factors_).Cost(room.graph.poses());
+    const ReducedResult result = Run(options, nullptr, &room.graph);
+    EXPECT_TRUE(result.usable) << result.stop_reason;
+    EXPECT_EQ(result.rounds[0].num_patches, 0u);
+    EXPECT_LT(PoseTerms(room.graph, factors_).Cost(room.graph.poses()), 0.5 * before);
+  }
+}
+
+TEST_F(PatchRoundsTest, PassOnWhyCeresFailed) {
+  factors_.prior.sigma_translation_m = 0.0;  // the residual at the prior is 0 times infinity
+  NoisyRoom room = DisturbedRoom();
+  const std::vector<double> seed = room.graph.poses();
+  const ReducedResult result = Run(CeresOptions(), nullptr, &room.graph);
+  EXPECT_FALSE(result.usable);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.rounds.size(), 1u);
+  EXPECT_THAT(result.stop_reason, HasSubstr("evaluation failed"));
+  EXPECT_EQ(room.graph.poses(), seed);
+}
+
+}  // namespace
+}  // namespace plumbline

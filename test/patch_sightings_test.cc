@@ -1,0 +1,283 @@
+#include "plumbline/solvers/reduced/patch_sightings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "plumbline/test/factor_testing.h"
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumPatches = 9;
+
+/// Returns of two lasers on a robot at many poses: the scans of a pose are not side by side, and
+/// every fifth pose has none. The patch of a return is drawn by lot; some have none, and one patch
+/// is never seen.
+struct Sighted {
+  SlamGraph graph;
+  MeasuredSurface surface;
+  std::vector<int> patch_of_return;
+  std::vector<SurfacePatch> patches;
+  FactorOptions factors;
+
+  explicit Sighted(int num_poses = 150) {
+    RandomStates random(23);
+    constexpr int kNumBeams = 30;
+    LaserModel lasers[2] = {PanoramicLaser(kNumBeams), PanoramicLaser(kNumBeams)};
+    lasers[0].robot_from_laser = {0.3, 0.1, 0.2};
+    lasers[1].robot_from_laser = {-0.5, 0.0, kPi};
+    int ids[2], pose = 0;
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(graph.AddLaser(lasers[i], &ids[i]).ok());
+    for (int i = 0; i < num_poses; ++i) {
+      EXPECT_TRUE(graph.AddPose(random.Pose(), i, &pose).ok());
+    }
+    for (int sweep = 0; sweep < 3; ++sweep) {
+      for (int i = num_poses; i-- > 0;) {
+        if (i % 5 == 4) continue;
+        std::vector<double> ranges(kNumBeams);
+        for (double& range : ranges) range = random.Uniform(0.2, 12.0);
+        EXPECT_TRUE(graph.AddScan(i, ids[(sweep + i) % 2], ranges).ok());
+      }
+    }
+    ThreadPool pool(1);
+    surface = MeasureSurface(graph, ReturnNormalOptions(), &pool);
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      const int lot = static_cast<int>(random.Uniform(-2, kNumPatches - 1));
+      patch_of_return.push_back(lot < 0 ? SurfacePatches::kNone : lot + (lot >= 4));
+    }
+    patches = RandomLines(&random);
+    factors.manifold.sigma_m = 0.3;
+  }
+
+  static std::vector<SurfacePatch> RandomLines(RandomStates* random) {
+    std::vector<SurfacePatch> lines(kNumPatches);
+    for (SurfacePatch& line : lines) {
+      line.origin = {random->Uniform(-3, 3), random->Uniform(-3, 3)};
+      line.normal = random->Direction();
+      line.offset_m = random->Uniform(-0.5, 0.5);
+    }
+    return lines;
+  }
+
+  int PoseOf(std::size_t r) const { return graph.scan(graph.returns().scan[r]).pose; }
+
+  /// Signed distance [m] of a return from its patch's line.
+  double Distance(std::size_t r, const std::vector<SurfacePatch>& lines,
+                  const std::vector<double>& poses) const {
+    const SurfacePatch& line = lines[patch_of_return[r]];
+    const Eigen::Vector2d point =
+        Pose2(&poses[3 * PoseOf(r)]) * Eigen::Vector2d(surface.points[r].cast<double>());
+    return line.normal.dot(point - line.origin) - line.offset_m;
+  }
+
+  /// sigma_M^2 + n^T C n [m^2], C from the beam as the graph has it.
+  double Variance(std::size_t r) const {
+    const int scan = graph.returns().scan[r];
+    const double bearing = graph.WorldFromLaser(scan).yaw + graph.returns().bearing_rad[r];
+    const Eigen::Vector2d axis(std::cos(bearing), std::sin(bearing)), side(-axis.y(), axis.x());
+    const Eigen::Vector2d& normal = patches[patch_of_return[r]].normal;
+    return std::pow(factors.manifold.sigma_m, 2) +
+           std::pow(factors.beam.sigma_range_m * axis.dot(normal), 2) +
+           std::pow(factors.beam.sigma_bearing_rad * graph.returns().range_m[r] * side.dot(normal),
+                    2);
+  }
+
+  double Weight(std::size_t r, const GemanMcClure& loss) const {
+    const double variance = Variance(r);
+    const double distance = Distance(r, patches, graph.poses());
+    return loss.Weight(distance * distance / variance) / variance;
+  }
+};
+
+PatchSightings LayOutAndWeigh(const Sighted& sighted, const GemanMcClure& loss, ThreadPool* pool,
+                              double* cost) {
+  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), pool);
+  PatchSightings sightings = compressor.LayOut(kNumPatches, sighted.patch_of_return);
+  *cost = compressor.Weigh(sighted.patches, FramesOf(sighted.graph.poses()), loss, &sightings);
+  return sightings;
+}
+
+void ExpectSameBits(const PatchSighting& a, const PatchSighting& b) {
+  EXPECT_EQ(a.weight, b.weight);
+  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(a.xx, b.xx);
+  EXPECT_EQ(a.xy, b.xy);
+  EXPECT_EQ(a.yy, b.yy);
+}
+
+TEST(PatchSightingsTest, FramesAreThePoses) {
+  RandomStates random(2);
+  std::vector<double> poses;
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<double> block = ToBlock(random.Pose());
+    poses.insert(poses.end(), block.begin(), block.end());
+  }
+  const std::vector<PoseFrame> frames = FramesOf(poses);
+  ASSERT_EQ(frames.size(), 3u);
+  const Eigen::Vector2d v(0.3, -1.2);
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector2d moved = Pose2(&poses[3 * i]) * v;
+    EXPECT_LT((frames[i].Rotate(v) + frames[i].translation() - moved).norm(), 1e-14);
+    EXPECT_LT((frames[i].RotateBack(frames[i].Rotate(v)) - v).norm(), 1e-14);
+  }
+}
+
+TEST(PatchSightingsTest, ListsEachPairOfPoseAndPatchOnce) {
+  const Sighted sighted;
+  ThreadPool pool(2);
+  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  const PatchSightings sightings = compressor.LayOut(kNumPatches, sighted.patch_of_return);
+  std::set<std::pair<int, int>> expected;  // patch, pose
+  for (std::size_t r = 0; r < sighted.graph.num_returns(); ++r) {
+    const int patch = sighted.patch_of_return[r];
+    if (patch != SurfacePatches::kNone) expected.insert({patch, sighted.PoseOf(r)});
+  }
+  ASSERT_EQ(sightings.num_patches(), static_cast<std::size_t>(kNumPatches));
+  ASSERT_EQ(static_cast<int>(sightings.num_poses()), sighted.graph.num_poses());
+  ASSERT_EQ(sightings.sightings.size(), expected.size());
+  ASSERT_EQ(sightings.first_of_patch.back(), expected.size());
+  ASSERT_EQ(sightings.first_of_pose.back(), expected.size());
+  std::size_t index = 0;
+  for (const auto& [patch, pose] : expected) {
+    const PatchSighting& sighting = sightings.sightings[index];
+    EXPECT_EQ(sighting.patch, patch);
+    EXPECT_EQ(sighting.pose, pose);
+    EXPECT_EQ(sighting.weight, 0.0);
+    EXPECT_LE(sightings.first_of_patch[patch], index);
+    EXPECT_GT(sightings.first_of_patch[patch + 1], index);
+    ++index;
+  }
+  EXPECT_EQ(sightings.first_of_patch[4], sightings.first_of_patch[5]) << "never seen";
+  std::vector<int> listed;
+  for (std::size_t pose = 0; pose < sightings.num_poses(); ++pose) {
+    for (std::size_t k = sightings.first_of_pose[pose]; k < sightings.first_of_pose[pose + 1];
+         ++k) {
+      EXPECT_EQ(sightings.sightings[sightings.of_pose[k]].pose, static_cast<int>(pose));
+      listed.push_back(sightings.of_pose[k]);
+    }
+    if (pose % 5 == 4) {
+      EXPECT_EQ(sightings.first_of_pose[pose], sightings.first_of_pose[pose + 1]);
+    }
+  }
+  std::sort(listed.begin(), listed.end());
+  for (std::size_t i = 0; i < listed.size(); ++i) EXPECT_EQ(listed[i], static_cast<int>(i));
+}
+
+TEST(PatchSightingsTest, WeighsReturnsByLossAndVariance) {
+  const Sighted sighted;
+  const GemanMcClure loss = GemanMcClure::FromGate(3.0);
+  ThreadPool pool(2);
+  double cost = 0.0;
+  const PatchSightings sightings = LayOutAndWeigh(sighted, loss, &pool, &cost);
+  double expected_cost = 0.0;
+  std::vector<double> weights(sightings.sightings.size(), 0.0);
+  for (std::size_t r = 0; r < sighted.graph.num_returns(); ++r) {
+    const int patch = sighted.patch_of_return[r];
+    if (patch == SurfacePatches::kNone) continue;
+    const double distance = sighted.Distance(r, sighted.patches, sighted.graph.poses());
+    expected_cost += 0.5 * loss.Rho(distance * distance / sighted.Variance(r));
+    std::size_t i = sightings.first_of_patch[patch];
+    while (sightings.sightings[i].pose != sighted.PoseOf(r)) ++i;
+    weights[i] += sighted.Weight(r, loss);
+  }
+  EXPECT_NEAR(cost, expected_cost, 1e-6 * expected_cost);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    EXPECT_NEAR(sightings.sightings[i].weight, weights[i], 1e-5 * weights[i]);
+  }
+}
+
+TEST(PatchSightingsTest, CostsWhatItsReturnsCostAtAnyPoseAndLine) {
+  const Sighted sighted;
+  ThreadPool pool(2);
+  RandomStates random(5);
+  // Beams without noise of their own and without a gate: single precision of the measured points
+  // leaves no trace in the weights.
+  Sighted plain = sighted;
+  plain.factors.beam.sigma_range_m = plain.factors.beam.sigma_bearing_rad = 1e-7;
+  const GemanMcClure loss = GemanMcClure::FromGate(1e7);
+  double cost = 0.0;
+  const PatchSightings sightings = LayOutAndWeigh(plain, loss, &pool, &cost);
+  for (int trial = 0; trial < 5; ++trial) {
+    const std::vector<SurfacePatch> lines = Sighted::RandomLines(&random);
+    std::vector<double> poses = plain.graph.poses();
+    for (double& coordinate : poses) coordinate += random.Uniform(-1, 1);
+    const std::vector<PoseFrame> frames = FramesOf(poses);
+    double expected = 0.0, actual = 0.0;
+    for (std::size_t r = 0; r < plain.graph.num_returns(); ++r) {
+      if (plain.patch_of_return[r] == SurfacePatches::kNone) continue;
+      expected += 0.5 * plain.Weight(r, loss) * std::pow(plain.Distance(r, lines, poses), 2);
+    }
+    for (const PatchSighting& s : sightings.sightings) {
+      const SurfacePatch& line = lines[s.patch];
+      const PoseFrame& frame = frames[s.pose];
+      const Eigen::Vector2d point = frame.Rotate(s.centroid) + frame.translation() - line.origin;
+      const Eigen::Vector2d normal_in_robot = frame.RotateBack(line.normal);
+      actual += 0.5 * (s.weight * std::pow(line.normal.dot(point) - line.offset_m, 2) +
+                       normal_in_robot.dot(s.ScatterTimes(normal_in_robot)));
+    }
+    EXPECT_NEAR(actual, expected, 1e-9 * expected);
+  }
+}
+
+TEST(PatchSightingsTest, WeighingAgainStartsFromNothing) {
+  const Sighted sighted;
+  ThreadPool pool(1);
+  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  PatchSightings sightings = compressor.LayOut(kNumPatches, sighted.patch_of_return);
+  const std::vector<PoseFrame> frames = FramesOf(sighted.graph.poses());
+  const GemanMcClure loss = GemanMcClure::FromGate(2.0);
+  compressor.Weigh(sighted.patches, frames, GemanMcClure::FromGate(50.0), &sightings);
+  const double again = compressor.Weigh(sighted.patches, frames, loss, &sightings);
+  double cost = 0.0;
+  const PatchSightings once = LayOutAndWeigh(sighted, loss, &pool, &cost);
+  EXPECT_EQ(again, cost);
+  for (std::size_t i = 0; i < once.sightings.size(); ++i) {
+    ExpectSameBits(sightings.sightings[i], once.sightings[i]);
+  }
+}
+
+TEST(PatchSightingsTest, AnotherLayoutTakesTheFirstOnesPlace) {
+  const Sighted sighted;
+  ThreadPool pool(1);
+  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  compressor.LayOut(kNumPatches, sighted.patch_of_return);
+  PatchSightings all_on_one =
+      compressor.LayOut(1, std::vector<int>(sighted.graph.num_returns(), 0));
+  compressor.Weigh({SurfacePatch()}, FramesOf(sighted.graph.poses()), GemanMcClure::FromGate(1e7),
+                   &all_on_one);
+  EXPECT_EQ(all_on_one.sightings.size(), 120u);
+  const PatchSightings none =
+      compressor.LayOut(0, std::vector<int>(sighted.graph.num_returns(), SurfacePatches::kNone));
+  EXPECT_TRUE(none.sightings.empty());
+  EXPECT_EQ(none.num_patches(), 0u);
+  EXPECT_EQ(none.num_poses(), 150u);
+}
+
+TEST(PatchSightingsTest, AnyNumberOfThreadsGivesTheSameBits) {
+  for (const int num_poses : {1, 64, 65, 150}) {
+    const Sighted sighted(num_poses);
+    const GemanMcClure loss = GemanMcClure::FromGate(3.0);
+    ThreadPool one(1);
+    double expected_cost = 0.0, cost = 0.0;
+    const PatchSightings expected = LayOutAndWeigh(sighted, loss, &one, &expected_cost);
+    for (const int num_threads : {2, 3, 8}) {
+      ThreadPool pool(num_threads);
+      const PatchSightings sightings = LayOutAndWeigh(sighted, loss, &pool, &cost);
+      EXPECT_EQ(cost, expected_cost);
+      EXPECT_EQ(sightings.of_pose, expected.of_pose);
+      ASSERT_EQ(sightings.sightings.size(), expected.sightings.size());
+      for (std::size_t i = 0; i < expected.sightings.size(); ++i) {
+        ExpectSameBits(sightings.sightings[i], expected.sightings[i]);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,309 @@
+#include "plumbline/solvers/reduced/pose_system.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
+
+#include "plumbline/test/factor_testing.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kDamping = 1e-8;  // of the system, relative to its diagonal
+
+/// Patches seen from a chain of poses with loops, by moments drawn by lot: none of the numbers is
+/// special. The last pose is bound to nothing and sees nothing.
+struct RandomProblem {
+  SlamGraph graph;
+  PatchSightings sightings;
+  std::vector<SurfacePatch> patches;
+  FactorOptions factors;
+
+  RandomProblem(int num_poses, int num_patches) {
+    RandomStates random(31);
+    int id = 0;
+    for (int i = 0; i < num_poses; ++i) EXPECT_TRUE(graph.AddPose(random.Pose(), i, &id).ok());
+    for (int i = 0; i + 2 < num_poses; ++i) {
+      const Pose2 motion = Between(graph.WorldFromRobot(i), graph.WorldFromRobot(i + 1)) *
+                           Pose2(random.Gaussian(0.1), random.Gaussian(0.1), random.Gaussian(0.1));
+      EXPECT_TRUE(graph.AddOdometry({i, i + 1, motion}).ok());
+      if (i % 4 != 1) continue;
+      const int from = i % 8 == 1 ? i : i / 2, to = i % 8 == 1 ? i / 2 : i;  // both ways round
+      EXPECT_TRUE(graph.AddRelativePose({from, to, random.Pose(), CorrelatedCovariance()}).ok());
+    }
+    EXPECT_TRUE(graph.FixPose(2).ok());
+    graph.poses()[3 * 2] += 1e-4;
+    sightings.first_of_patch.push_back(0);
+    for (int p = 0; p < num_patches; ++p) {
+      AddPatch(num_poses, p, &random);
+      sightings.first_of_patch.push_back(sightings.sightings.size());
+    }
+    sightings.first_of_pose.push_back(0);
+    for (int pose = 0; pose < num_poses; ++pose) {
+      for (std::size_t i = 0; i < sightings.sightings.size(); ++i) {
+        if (sightings.sightings[i].pose == pose) sightings.of_pose.push_back(static_cast<int>(i));
+      }
+      sightings.first_of_pose.push_back(sightings.of_pose.size());
+    }
+    ThreadPool pool(1);
+    FitPatchLines(sightings, Frames(), &pool, &patches);
+  }
+
+  // About 4 sightings: positions along a line, give or take.
+  void AddPatch(int num_poses, int p, RandomStates* random) {
+    SurfacePatch patch;
+    patch.origin = {random->Uniform(-5, 5), random->Uniform(-5, 5)};
+    const Eigen::Vector2d tangent = random->Direction();
+    const int stride = std::max(1, (num_poses - 1) / 4);
+    for (int pose = p % stride; pose < num_poses - 1; pose += stride) {
+      PatchSighting s;
+      s.pose = pose;
+      s.patch = p;
+      s.weight = random->Uniform(1.0, 50.0);
+      const Eigen::Vector2d in_world = patch.origin + random->Uniform(-1, 1) * tangent +
+                                       random->Gaussian(0.05) * random->Direction();
+      s.centroid = graph.WorldFromRobot(pose).Inverse() * in_world;
+      const Eigen::Vector2d a = random->Uniform(0.5, 3.0) * random->Direction();
+      const Eigen::Vector2d b = random->Uniform(0.0, 0.3) * random->Direction();
+      s.xx = a.x() * a.x() + b.x() * b.x();
+      s.xy = a.x() * a.y() + b.x() * b.y();
+      s.yy = a.y() * a.y() + b.y() * b.y();
+      sightings.sightings.push_back(s);
+    }
+    patches.push_back(patch);
+  }
+
+  std::vector<PoseFrame> Frames() const { return FramesOf(graph.poses()); }
+  PoseTerms Terms() const { return PoseTerms(graph, factors); }
+  Eigen::Index NumPoseUnknowns() const { return 3 * graph.num_poses(); }
+
+  PoseSystem System(int num_threads = 2) const {
+    ThreadPool pool(num_threads);
+    PoseSystem system;
+    system.Linearize(sightings, patches, Terms(), graph.poses(), Frames(), &pool);
+    return system;
+  }
+
+  /// The matrix that Apply multiplies by.
+  Eigen::MatrixXd AppliedMatrix(const PoseSystem& system) const {
+    ThreadPool pool(2);
+    Eigen::MatrixXd matrix(NumPoseUnknowns(), NumPoseUnknowns());
+    Eigen::VectorXd column;
+    for (Eigen::Index i = 0; i < matrix.cols(); ++i) {
+      system.Apply(sightings, Eigen::VectorXd::Unit(matrix.cols(), i), &pool, &column);
+      matrix.col(i) = column;
+    }
+    return matrix;
+  }
+
+  /// All residuals at a state: poses, then per patch the angle [rad] by which its line is turned
+  /// against `patches` and its offset [m].
+  Eigen::VectorXd Residuals(const Eigen::VectorXd& state) const {
+    std::vector<double> residuals;
+    for (const PatchSighting& s : sightings.sightings) {
+      const Eigen::Index line = NumPoseUnknowns() + 2 * s.patch;
+      const Eigen::Vector2d& n = patches[s.patch].normal;
+      const double c = std::cos(state[line]), sine = std::sin(state[line]);
+      const Eigen::Vector2d normal(c * n.x() - sine * n.y(), sine * n.x() + c * n.y());
+      const Pose2 pose(state.data() + 3 * s.pose);
+      const Eigen::Vector2d point = pose * s.centroid;
+      residuals.push_back(std::sqrt(s.weight) *
+                          (normal.dot(point - patches[s.patch].origin) - state[line + 1]));
+      Eigen::Matrix2d scatter;
+      scatter << s.xx, s.xy, s.xy, s.yy;
+      const Eigen::Vector2d in_robot = Pose2(0, 0, -pose.yaw) * normal;
+      const Eigen::Vector2d spread = scatter.llt().matrixU() * in_robot;
+      residuals.insert(residuals.end(), {spread.x(), spread.y()});
+    }
+    const PoseTerms terms = Terms();
+    double r[3];
+    for (const PosePrior& prior : terms.priors) {
+      prior.residual.Evaluate(state.data() + 3 * prior.pose, r, nullptr);
+      residuals.insert(residuals.end(), r, r + 3);
+    }
+    for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
+      for (const PoseEdge& edge : *edges) {
+        edge.residual.Evaluate(state.data() + 3 * edge.from, state.data() + 3 * edge.to, r, nullptr,
+                               nullptr);
+        residuals.insert(residuals.end(), r, r + 3);
+      }
+    }
+    return Eigen::Map<Eigen::VectorXd>(residuals.data(),
+                                       static_cast<Eigen::Index>(residuals.size()));
+  }
+
+  Eigen::VectorXd State() const {
+    Eigen::VectorXd state =
+        Eigen::VectorXd::Zero(NumPoseUnknowns() + 2 * static_cast<Eigen::Index>(patches.size()));
+    for (Eigen::Index i = 0; i < NumPoseUnknowns(); ++i) state[i] = graph.poses()[i];
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+      state[NumPoseUnknowns() + 2 * static_cast<Eigen::Index>(p) + 1] = patches[p].offset_m;
+    }
+    return state;
+  }
+};
+
+Eigen::MatrixXd NumericJacobian(const RandomProblem& problem) {
+  constexpr double kStep = 1e-5;
+  Eigen::VectorXd state = problem.State();
+  Eigen::MatrixXd jacobian(problem.Residuals(state).size(), state.size());
+  for (Eigen::Index i = 0; i < state.size(); ++i) {
+    const double value = state[i];
+    state[i] = value + kStep;
+    const Eigen::VectorXd ahead = problem.Residuals(state);
+    state[i] = value - kStep;
+    jacobian.col(i) = (ahead - problem.Residuals(state)) / (2.0 * kStep);
+    state[i] = value;
+  }
+  return jacobian;
+}
+
+TEST(PoseSystemTest, IsTheSchurComplementOfTheFullGaussNewtonSystem) {
+  const RandomProblem problem(9, 12);
+  const Eigen::MatrixXd jacobian = NumericJacobian(problem);
+  const Eigen::VectorXd residuals = problem.Residuals(problem.State());
+  const Eigen::MatrixXd full = jacobian.transpose() * jacobian;
+  const Eigen::Index n = problem.NumPoseUnknowns(), m = full.cols() - n;
+  Eigen::MatrixXd expected = full.topLeftCorner(n, n) -
+                             full.topRightCorner(n, m) * full.bottomRightCorner(m, m).llt().solve(
+                                                             full.bottomLeftCorner(m, n));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    // A pose that nothing holds stays where it is.
+    expected(i, i) = full(i, i) > 0.0 ? expected(i, i) + kDamping * full(i, i) : 1.0;
+  }
+  const PoseSystem system = problem.System();
+  const Eigen::MatrixXd actual = problem.AppliedMatrix(system);
+  const Eigen::VectorXd scale = full.topLeftCorner(n, n).diagonal().cwiseMax(1.0).cwiseSqrt();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      EXPECT_NEAR(actual(i, k), expected(i, k), 1e-7 * scale[i] * scale[k]) << i << ", " << k;
+    }
+  }
+  const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    EXPECT_NEAR(system.gradient[i], gradient[i], 1e-7 * scale[i] * residuals.norm()) << i;
+  }
+  // The lines fit best: their own gradient is zero.
+  EXPECT_LT(gradient.tail(m).norm(), 1e-6 * gradient.norm());
+}
+
+TEST(PoseSystemTest, TheGradientIsThatOfTheCostWithLinesRefitted) {
+  RandomProblem problem(9, 12);
+  const Eigen::VectorXd gradient = problem.System().gradient;
+  const PoseTerms terms = problem.Terms();
+  ThreadPool pool(1);
+  const auto cost = [&] {
+    return FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches) +
+           terms.Cost(problem.graph.poses());
+  };
+  for (Eigen::Index i = 0; i < gradient.size(); ++i) {
+    constexpr double kStep = 1e-6;
+    double& coordinate = problem.graph.poses()[i];
+    const double value = coordinate;
+    coordinate = value + kStep;
+    const double ahead = cost();
+    coordinate = value - kStep;
+    const double behind = cost();
+    coordinate = value;
+    EXPECT_NEAR(gradient[i], (ahead - behind) / (2.0 * kStep), 1e-5 * (1.0 + std::abs(gradient[i])))
+        << i;
+  }
+}
+
+/// What all sightings of one patch cost under a line.
+double CostOfLine(const RandomProblem& problem, std::size_t p, double angle, double offset_m) {
+  const Eigen::Vector2d normal(std::cos(angle), std::sin(angle));
+  double cost = 0.0;
+  for (const PatchSighting& s : problem.sightings.sightings) {
+    if (s.patch != static_cast<int>(p)) continue;
+    const Pose2 pose = problem.graph.WorldFromRobot(s.pose);
+    const Eigen::Vector2d point = pose * s.centroid;
+    const double distance = normal.dot(point - problem.patches[p].origin) - offset_m;
+    const Eigen::Vector2d in_robot = Pose2(0, 0, -pose.yaw) * normal;
+    cost += 0.5 * (s.weight * distance * distance + in_robot.dot(s.ScatterTimes(in_robot)));
+  }
+  return cost;
+}
+
+TEST(PoseSystemTest, FittedLinesCostLeastOfAllLines) {
+  RandomProblem problem(9, 12);
+  ThreadPool pool(1);
+  const std::vector<SurfacePatch> before = problem.patches;
+  double total = 0.0;
+  const double cost = FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches);
+  for (std::size_t p = 0; p < problem.patches.size(); ++p) {
+    const SurfacePatch& patch = problem.patches[p];
+    EXPECT_EQ(patch.origin, before[p].origin);
+    EXPECT_NEAR(patch.normal.norm(), 1.0, 1e-14);
+    const double fitted_angle = std::atan2(patch.normal.y(), patch.normal.x());
+    const double fitted = CostOfLine(problem, p, fitted_angle, patch.offset_m);
+    total += fitted;
+    for (double angle = 0.0; angle < kPi; angle += 0.02) {
+      for (double offset_m = -0.5; offset_m <= 0.5; offset_m += 0.02) {
+        EXPECT_LE(fitted, CostOfLine(problem, p, angle, offset_m));
+      }
+    }
+    for (const double step : {-1e-4, 1e-4}) {
+      EXPECT_LT(fitted, CostOfLine(problem, p, fitted_angle + step, patch.offset_m));
+      EXPECT_LT(fitted, CostOfLine(problem, p, fitted_angle, patch.offset_m + step));
+    }
+  }
+  EXPECT_NEAR(cost, total, 1e-10 * total);
+}
+
+TEST(PoseSystemTest, ALineWithoutWeightStaysAndMovesNothing) {
+  RandomProblem problem(9, 12);
+  for (PatchSighting& s : problem.sightings.sightings) {
+    s.weight = s.xx = s.xy = s.yy = 0.0;
+  }
+  const std::vector<SurfacePatch> before = problem.patches;
+  ThreadPool pool(1);
+  EXPECT_EQ(FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches), 0.0);
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    EXPECT_EQ(problem.patches[p].normal, before[p].normal);
+    EXPECT_EQ(problem.patches[p].offset_m, before[p].offset_m);
+  }
+  const Eigen::MatrixXd matrix = problem.AppliedMatrix(problem.System());
+  EXPECT_TRUE(matrix.allFinite());
+  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(matrix).info(), Eigen::Success);
+}
+
+TEST(PoseSystemTest, MovingTheWorldMovesNothingElse) {
+  // Patches have origins of their own, so nothing is lost a thousand kilometres away.
+  RandomProblem problem(9, 12);
+  ThreadPool pool(1);
+  const double cost = FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches);
+  for (int i = 0; i < problem.graph.num_poses(); ++i) problem.graph.poses()[3 * i] += 1048576.0;
+  for (SurfacePatch& patch : problem.patches) patch.origin.x() += 1048576.0;
+  EXPECT_NEAR(FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches), cost,
+              1e-6 * cost);
+}
+
+TEST(PoseSystemTest, AnyNumberOfThreadsGivesTheSameBits) {
+  RandomProblem problem(300, 600);
+  Eigen::VectorXd v(problem.NumPoseUnknowns()), expected, product;
+  RandomStates random(1);
+  for (double& entry : v) entry = random.Uniform(-1, 1);
+  ThreadPool one(1);
+  const PoseSystem reference = problem.System(1);
+  reference.Apply(problem.sightings, v, &one, &expected);
+  std::vector<SurfacePatch> lines = problem.patches, expected_lines = problem.patches;
+  const double cost = FitPatchLines(problem.sightings, problem.Frames(), &one, &expected_lines);
+  for (const int num_threads : {2, 3, 8}) {
+    ThreadPool pool(num_threads);
+    const PoseSystem system = problem.System(num_threads);
+    EXPECT_EQ(system.gradient, reference.gradient);
+    system.Apply(problem.sightings, v, &pool, &product);
+    EXPECT_EQ(product, expected);
+    EXPECT_EQ(FitPatchLines(problem.sightings, problem.Frames(), &pool, &lines), cost);
+    for (std::size_t p = 0; p < lines.size(); ++p) {
+      EXPECT_EQ(lines[p].normal, expected_lines[p].normal);
+      EXPECT_EQ(lines[p].offset_m, expected_lines[p].offset_m);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

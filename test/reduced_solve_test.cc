@@ -1,0 +1,423 @@
+// Solve with the reduced solver on graphs that are out of the ordinary.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plumbline/apps/simulation/world.h"
+#include "plumbline/solvers/reduced/patch_energy.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+SolverOptions Reduced(int num_threads = 2) {
+  SolverOptions options;
+  options.type = SolverType::kReduced;
+  options.num_threads = num_threads;
+  return options;
+}
+
+/// Solves; what holds on any graph: a usable end, finite numbers, no higher energy, and the
+/// seed bit for bit if nothing was better.
+SolverSummary SolveSoundly(const SolverOptions& options, SlamGraph* graph) {
+  const std::vector<double> poses = graph->poses(), points = graph->points();
+  const SolverSummary summary = Solve(options, graph);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  for (const std::vector<double>* state : {&graph->poses(), &graph->points()}) {
+    EXPECT_TRUE(
+        std::all_of(state->begin(), state->end(), [](double v) { return std::isfinite(v); }));
+  }
+  if (summary.termination == TerminationType::kNoImprovement) {
+    EXPECT_EQ(graph->poses(), poses);
+    EXPECT_EQ(graph->points(), points);
+  } else {
+    // Measured anew, under the patches of the seed.
+    SlamGraph seed = *graph;
+    seed.poses() = poses;
+    ThreadPool pool(1);
+    const MeasuredSurface surface =
+        MeasureSurface(seed, NormalOptionsFor(options.factors.beam), &pool);
+    const std::vector<double> energies =
+        PatchEnergies(seed, surface, options.factors, {&poses, &graph->poses()}, &pool);
+    EXPECT_LT(energies[1], energies[0]);
+  }
+  return summary;
+}
+
+NoisyRoom DisturbedRoom(int num_poses = 24, double sigma = 0.02) {
+  NoisyRoomOptions options;
+  options.num_poses = num_poses;
+  NoisyRoom room = MakeNoisyRoom(options);
+  DisturbPoses(sigma, &room.graph);
+  return room;
+}
+
+void AddChain(const std::vector<Pose2>& truth, int first, int last, SlamGraph* graph) {
+  for (int i = first; i < last; ++i) {
+    ASSERT_TRUE(graph->AddOdometry({i, i + 1, Between(truth[i], truth[i + 1])}).ok());
+  }
+}
+
+/// Root mean square of the poses' distances [m] from the truth.
+double RmsError(const SlamGraph& graph, const std::vector<Pose2>& truth, int first, int last) {
+  double sum = 0.0;
+  for (int i = first; i <= last; ++i) {
+    sum += (graph.WorldFromRobot(i).translation() - truth[i].translation()).squaredNorm();
+  }
+  return std::sqrt(sum / (last - first + 1));
+}
+
+SyntheticScene ClosedRoom(int num_poses) {
+  SyntheticScene scene;
+  scene.faces = {{{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}, {{-3, -2}, {3, -2}}};
+  scene.laser = PanoramicLaser(180);
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i < num_poses; ++i) {
+    const double turn = 2.0 * kPi * i / num_poses;
+    scene.poses.emplace_back(1.5 * std::cos(turn), 0.8 * std::sin(turn), turn);
+  }
+  return scene;
+}
+
+TEST(ReducedSolveTest, ImprovesADisturbedRoom) {
+  NoisyRoom room = DisturbedRoom();
+  const double before_m = MeanPoseError(room);
+  const SolverSummary summary = SolveSoundly(Reduced(), &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;
+  EXPECT_LT(MeanPoseError(room), 0.4 * before_m);
+  EXPECT_TRUE(summary.rounds.empty());
+  EXPECT_FALSE(summary.patch_rounds.empty());
+  EXPECT_GT(summary.displacements.mean_m, 0.0);
+  EXPECT_LE(summary.displacements.max_beam_sigmas,
+            SolverOptions().factors.manifold.robust_gate_sigmas);
+  const auto term = [&](Term t) { return summary.terms[static_cast<int>(t)]; };
+  EXPECT_EQ(term(Term::kRangeBeam).count, room.graph.num_returns());
+  EXPECT_EQ(term(Term::kMotion).count, 23u);
+  EXPECT_LT(term(Term::kManifold).final_cost, term(Term::kManifold).initial_cost);
+}
+
+TEST(ReducedSolveTest, APerfectSeedInAClosedRoomComesBackBitForBit) {
+  SyntheticScene scene = ClosedRoom(12);
+  scene.range_sigma_m = 0.0;
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 11, &graph);
+  const std::vector<double> poses = graph.poses();
+  SolveSoundly(Reduced(), &graph);
+  // Corners are not lines: a micrometre may be gained there.
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(graph.poses()[i], poses[i], 1e-3);
+}
+
+TEST(ReducedSolveTest, SolvingAgainFindsLittleToDo) {
+  NoisyRoom room = DisturbedRoom();
+  SolveSoundly(Reduced(), &room.graph);
+  const std::vector<double> poses = room.graph.poses();
+  const SolverSummary again = SolveSoundly(Reduced(), &room.graph);
+  EXPECT_GT(again.final_marginal_energy, 0.98 * again.seed_marginal_energy);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_NEAR(room.graph.poses()[i], poses[i], 0.01);
+  }
+}
+
+TEST(ReducedSolveTest, TheCallbackStopsIt) {
+  NoisyRoom room = DisturbedRoom();
+  SolverOptions options = Reduced();
+  int calls = 0;
+  options.callback = [&](const IterationSummary& row) {
+    EXPECT_EQ(row.iteration, ++calls);
+    return calls < 2;
+  };
+  const SolverSummary summary = SolveSoundly(options, &room.graph);
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
+  EXPECT_THAT(summary.message, HasSubstr("callback"));
+  EXPECT_LT(summary.final_marginal_energy, summary.seed_marginal_energy);
+}
+
+TEST(ReducedSolveTest, AnyNumberOfThreadsGivesTheSameBits) {
+  NoisyRoom one = DisturbedRoom(130);
+  const SolverSummary expected = SolveSoundly(Reduced(1), &one.graph);
+  EXPECT_GT(expected.patch_rounds.front().num_sightings, 1000u);
+  for (const int num_threads : {2, 3, 7}) {
+    NoisyRoom many = DisturbedRoom(130);
+    const SolverSummary summary = SolveSoundly(Reduced(num_threads), &many.graph);
+    EXPECT_EQ(many.graph.poses(), one.graph.poses());
+    EXPECT_EQ(many.graph.points(), one.graph.points());
+    EXPECT_EQ(summary.final_marginal_energy, expected.final_marginal_energy);
+  }
+}
+
+TEST(ReducedSolveTest, ALongHallOfManyPatchesIsTheSameOnAnyNumberOfThreads) {
+  const auto hall = [] {
+    SyntheticScene scene;
+    scene.faces = {{{-100, 1.5}, {100, 1.5}}, {{-100, -1.5}, {100, -1.5}}};
+    for (int x = -98; x < 100; x += 4) scene.faces.push_back({{x * 1.0, 1.0}, {x * 1.0, 1.5}});
+    scene.laser = PanoramicLaser(180);
+    scene.range_sigma_m = 0.01;
+    for (int i = 0; i < 280; ++i) scene.poses.emplace_back(-97.0 + 0.7 * i, 0.0, 0.0);
+    SlamGraph graph = MakeGraph(scene);
+    AddChain(scene.poses, 0, 279, &graph);
+    DisturbPoses(0.01, &graph);
+    return graph;
+  };
+  SlamGraph one = hall(), many = hall();
+  const SolverSummary summary = SolveSoundly(Reduced(1), &one);
+  EXPECT_GT(summary.patch_rounds.front().num_patches, 256u);
+  EXPECT_LT(summary.final_marginal_energy, 0.9 * summary.seed_marginal_energy);
+  SolveSoundly(Reduced(4), &many);
+  EXPECT_EQ(many.poses(), one.poses());
+  EXPECT_EQ(many.points(), one.points());
+}
+
+TEST(ReducedSolveTest, IslandsAreSolvedEachByItself) {
+  // Two stretches without a term between them; the second sees a room of its own.
+  SyntheticScene scene = ClosedRoom(24);
+  for (int i = 0; i < 4; ++i) {
+    const Face face = scene.faces[i];
+    const Eigen::Vector2d shift(20.0, 3.0);
+    scene.faces.push_back({face.a + shift, face.b + shift});
+  }
+  for (int i = 12; i < 24; ++i) {
+    const Pose2 pose = scene.poses[i - 12];
+    scene.poses[i] = {pose.x + 20.0, pose.y + 3.0, pose.yaw};
+  }
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 11, &graph);
+  AddChain(scene.poses, 12, 23, &graph);
+  DisturbPoses(0.02, &graph);
+  const double before_m = RmsError(graph, scene.poses, 0, 11);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 11), 0.7 * before_m);
+  // Nothing says where the second is; of itself it knows as much as the first.
+  for (int i = 12; i < 24; ++i) {
+    const Pose2 expected = Between(scene.poses[12], scene.poses[i]);
+    const Pose2 actual = Between(graph.WorldFromRobot(12), graph.WorldFromRobot(i));
+    EXPECT_LT((actual.translation() - expected.translation()).norm(), 0.01) << i;
+    EXPECT_NEAR(actual.yaw, expected.yaw, 0.01) << i;
+  }
+  EXPECT_LT(RmsError(graph, scene.poses, 12, 23), 0.3);
+}
+
+TEST(ReducedSolveTest, PosesWithoutReturnsFollowTheirOdometry) {
+  SyntheticScene scene = ClosedRoom(24);
+  SlamGraph all = MakeGraph(scene), graph;
+  int id = 0;
+  ASSERT_TRUE(graph.AddLaser(scene.laser, &id).ok());
+  for (int i = 0; i < 24; ++i) {
+    ASSERT_TRUE(graph.AddPose(scene.poses[i], i, &id).ok());
+    std::vector<double> ranges(180, kInfinity);
+    for (std::size_t r = 0; r < 180; ++r) ranges[r] = all.returns().range_m[180 * i + r];
+    if (i % 3 != 2 && i != 0) {
+      ASSERT_TRUE(graph.AddScan(i, 0, ranges).ok());
+    }
+  }
+  AddChain(scene.poses, 0, 23, &graph);
+  DisturbPoses(0.02, &graph);
+  const double before_m = RmsError(graph, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.5 * before_m);
+}
+
+TEST(ReducedSolveTest, WithoutSurfacesItDoesNoHarm) {
+  // Three beams of each scan hit something.
+  SyntheticScene scene = ClosedRoom(8);
+  scene.laser = PanoramicLaser(3);
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 7, &graph);
+  DisturbPoses(0.02, &graph);
+  const SolverSummary summary = SolveSoundly(Reduced(), &graph);
+  ASSERT_FALSE(summary.patch_rounds.empty());
+  EXPECT_EQ(summary.patch_rounds.front().num_patches, 0u);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 7), 0.01);  // the odometry is right
+}
+
+TEST(ReducedSolveTest, OneScanIsReturnedAsItWas) {
+  SyntheticScene scene = ClosedRoom(1);
+  SlamGraph graph = MakeGraph(scene);
+  EXPECT_EQ(SolveSoundly(Reduced(), &graph).termination, TerminationType::kNoImprovement);
+}
+
+TEST(ReducedSolveTest, OneReturnIsEnough) {
+  SlamGraph graph;
+  int id = 0;
+  ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
+  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(1), &id).ok());
+  ASSERT_TRUE(graph.AddScan(0, 0, {2.0}).ok());
+  EXPECT_EQ(SolveSoundly(Reduced(), &graph).termination, TerminationType::kNoImprovement);
+}
+
+TEST(ReducedSolveTest, TwoLasersOnARobotAgree) {
+  // One looks ahead and one back, each half a circle; the scans of a pose are not side by side.
+  SyntheticScene scene = ClosedRoom(16);
+  LaserModel ahead = PanoramicLaser(90), back = PanoramicLaser(90);
+  ahead.first_bearing_rad = back.first_bearing_rad = -0.5 * kPi;
+  ahead.bearing_step_rad = back.bearing_step_rad = kPi / 90;
+  ahead.robot_from_laser = {0.3, 0.05, 0.0};
+  back.robot_from_laser = {-0.3, 0.0, kPi};
+  Building building;
+  building.faces = scene.faces;
+  const World world(std::move(building));
+  RandomStates random(3);
+  SlamGraph graph;
+  int ids[2], id = 0;
+  ASSERT_TRUE(graph.AddLaser(ahead, &ids[0]).ok());
+  ASSERT_TRUE(graph.AddLaser(back, &ids[1]).ok());
+  for (int i = 0; i < 16; ++i) ASSERT_TRUE(graph.AddPose(scene.poses[i], i, &id).ok());
+  for (const LaserModel* laser : {&ahead, &back}) {
+    for (int i = 0; i < 16; ++i) {
+      const Pose2 from = scene.poses[i] * laser->robot_from_laser;
+      std::vector<double> ranges;
+      for (int beam = 0; beam < 90; ++beam) {
+        ranges.push_back(world.CastRay(from.translation(), from.yaw + laser->Bearing(beam)) +
+                         random.Gaussian(0.01));
+      }
+      ASSERT_TRUE(graph.AddScan(i, laser == &ahead ? ids[0] : ids[1], ranges).ok());
+    }
+  }
+  AddChain(scene.poses, 0, 15, &graph);
+  DisturbPoses(0.02, &graph);
+  const double before_m = RmsError(graph, scene.poses, 0, 15);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 15), 0.4 * before_m);
+}
+
+TEST(ReducedSolveTest, FixedPosesStay) {
+  SyntheticScene scene = ClosedRoom(24);
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 23, &graph);
+  for (const int pose : {5, 17}) ASSERT_TRUE(graph.FixPose(pose).ok());
+  std::vector<double> disturbed = graph.poses();
+  RandomStates random(2);
+  for (double& coordinate : disturbed) coordinate += random.Gaussian(0.02);
+  for (const int pose : {5, 17}) {
+    std::copy_n(&graph.poses()[3 * pose], 3, &disturbed[3 * pose]);
+  }
+  graph.poses() = disturbed;
+  graph.ResetPointsFromPoses();
+  const double before_m = RmsError(graph, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.3 * before_m);
+  for (const int pose : {5, 17}) EXPECT_LT(RmsError(graph, scene.poses, pose, pose), 5e-4) << pose;
+}
+
+TEST(ReducedSolveTest, ALongLoopClosureBendsTheHall) {
+  // Both ends of a hall of 80 m are known to each other; on the way the seed bends by 0.1 m.
+  SyntheticScene scene;
+  scene.faces = {{{-45, 1.5}, {45, 1.5}}, {{-45, -1.5}, {45, -1.5}}};
+  for (int x = -42; x < 45; x += 6) scene.faces.push_back({{x * 1.0, 1.0}, {x * 1.0, 1.5}});
+  scene.laser = PanoramicLaser(180);
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i < 161; ++i) scene.poses.emplace_back(-40.0 + 0.5 * i, 0.0, 0.0);
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 160, &graph);
+  ASSERT_TRUE(graph
+                  .AddRelativePose({160, 0, Between(scene.poses[160], scene.poses[0]),
+                                    Eigen::Vector3d(1e-6, 1e-6, 1e-8).asDiagonal()})
+                  .ok());
+  for (int i = 0; i < 161; ++i) {
+    const double share = i / 160.0;
+    graph.poses()[3 * i + 1] += 0.1 * share * share;
+    graph.poses()[3 * i + 2] += 0.2 * share / 80.0;
+  }
+  graph.ResetPointsFromPoses();
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 160, 160), 0.01);
+  for (int i = 0; i < 161; ++i) {
+    EXPECT_NEAR(graph.WorldFromRobot(i).y, 0.0, 0.02) << i;
+    EXPECT_NEAR(graph.WorldFromRobot(i).yaw, 0.0, 2e-3) << i;
+  }
+}
+
+TEST(ReducedSolveTest, HugeCoordinatesLoseNothing) {
+  SyntheticScene scene = ClosedRoom(24);
+  SlamGraph all = MakeGraph(scene), graph;
+  std::vector<Pose2> truth;
+  int id = 0;
+  ASSERT_TRUE(graph.AddLaser(scene.laser, &id).ok());
+  for (int i = 0; i < 24; ++i) {
+    const Pose2& pose = scene.poses[i];
+    truth.emplace_back(pose.x + 1e6, pose.y - 1e6, pose.yaw + 200.0 * kPi);
+    ASSERT_TRUE(graph.AddPose(truth[i], i, &id).ok());
+    const auto first = all.returns().range_m.begin() + 180 * i;
+    ASSERT_TRUE(graph.AddScan(i, 0, std::vector<double>(first, first + 180)).ok());
+  }
+  AddChain(truth, 0, 23, &graph);
+  DisturbPoses(0.02, &graph);
+  const double before_m = RmsError(graph, truth, 0, 23);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, truth, 0, 23), 0.4 * before_m);
+}
+
+TEST(ReducedSolveTest, PosesBeyondAllMeasureDoNoHarm) {
+  SyntheticScene scene = ClosedRoom(6);
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 5, &graph);
+  graph.poses()[3 * 4] = 9e7;
+  graph.poses()[3 * 5 + 1] = -9e7;
+  graph.ResetPointsFromPoses();
+  SolveSoundly(Reduced(), &graph);
+}
+
+TEST(ReducedSolveTest, HalfAndFullCirclesWork) {
+  for (const double view_rad : {kPi, 2.0 * kPi}) {
+    SyntheticScene scene = ClosedRoom(30);
+    scene.laser.first_bearing_rad = -0.5 * view_rad;
+    scene.laser.bearing_step_rad = view_rad / 180;
+    SlamGraph graph = MakeGraph(scene);
+    AddChain(scene.poses, 0, 29, &graph);
+    DisturbPoses(0.02, &graph);
+    const double before_m = RmsError(graph, scene.poses, 0, 29);
+    SolveSoundly(Reduced(), &graph);
+    EXPECT_LT(RmsError(graph, scene.poses, 0, 29), 0.4 * before_m) << view_rad;
+  }
+}
+
+TEST(ReducedSolveTest, AClockwiseLaserMountedUpsideDownWorks) {
+  SyntheticScene scene = ClosedRoom(24);
+  scene.laser.first_bearing_rad = kPi;
+  scene.laser.bearing_step_rad *= -1.0;
+  scene.laser.robot_from_laser = {-0.4, 0.2, -2.5};
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 23, &graph);
+  DisturbPoses(0.02, &graph);
+  const double before_m = RmsError(graph, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), &graph);
+  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.4 * before_m);
+}
+
+TEST(ReducedSolveTest, PolishingDoesNotRaiseTheEnergy) {
+  NoisyRoom plain = DisturbedRoom(), polished = DisturbedRoom();
+  SolverOptions options = Reduced();
+  const SolverSummary without = SolveSoundly(options, &plain.graph);
+  options.reduced.polish_sweeps = 3;
+  const SolverSummary with = SolveSoundly(options, &polished.graph);
+  EXPECT_LE(with.final_marginal_energy, without.final_marginal_energy);
+  EXPECT_GT(with.iterations.size(), without.iterations.size());
+  EXPECT_EQ(with.iterations.back().phase, "scans");
+}
+
+TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {
+  for (const double bad : {kNaN, kInfinity}) {
+    NoisyRoom room = DisturbedRoom();
+    room.graph.poses()[3 * 7 + 1] = bad;
+    const SolverSummary summary = Solve(Reduced(), &room.graph);
+    EXPECT_EQ(summary.termination, TerminationType::kFailure);
+    EXPECT_THAT(summary.message, HasSubstr("pose 7"));
+  }
+}
+
+TEST(ReducedSolveTest, FromAnySeedTheEnergyDoesNotRise) {
+  for (const double sigma : {0.0, 0.005, 0.1, 0.5, 3.0}) {
+    NoisyRoom room = DisturbedRoom(16, sigma);
+    SolveSoundly(Reduced(), &room.graph);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,173 @@
+#include "plumbline/solvers/reduced/reduced_solver.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+NoisyRoom DisturbedRoom(int num_poses = 12, double sigma = 0.02) {
+  NoisyRoomOptions options;
+  options.num_poses = num_poses;
+  NoisyRoom room = MakeNoisyRoom(options);
+  DisturbPoses(sigma, &room.graph);
+  return room;
+}
+
+ReducedResult Minimize(SlamGraph* graph, const ReducedOptions& options = ReducedOptions(),
+                       const ProgressCallback& report = nullptr, int num_threads = 2) {
+  ThreadPool pool(num_threads);
+  return MinimizeOverPatches(SurfaceOf(*graph), FactorOptions(), options, AssociationOptions(),
+                             report, &pool, graph);
+}
+
+TEST(ReducedSolverTest, BringsThePosesCloserToTheTruthAndLeavesThePoints) {
+  NoisyRoom room = DisturbedRoom(24);
+  const std::vector<double> points = room.graph.points();
+  const double before_m = MeanPoseError(room);
+  const ReducedResult result = Minimize(&room.graph);
+  EXPECT_LT(MeanPoseError(room), 0.4 * before_m);
+  EXPECT_EQ(room.graph.points(), points);
+  EXPECT_TRUE(result.converged) << result.stop_reason;
+  EXPECT_FALSE(result.stopped);
+  EXPECT_THAT(result.stop_reason, HasSubstr("within the tolerances"));
+}
+
+TEST(ReducedSolverTest, RoundsTellWhatTheyDid) {
+  NoisyRoom room = DisturbedRoom(24);
+  ReducedOptions options;
+  std::vector<IterationSummary> rows;
+  const ReducedResult result = Minimize(&room.graph, options, [&](const IterationSummary& row) {
+    rows.push_back(row);
+    return true;
+  });
+  ASSERT_GE(result.rounds.size(), 2u);
+  int steps = 0;
+  const double gate = FactorOptions().manifold.robust_gate_sigmas;
+  for (std::size_t i = 0; i < result.rounds.size(); ++i) {
+    const PatchRoundSummary& round = result.rounds[i];
+    EXPECT_DOUBLE_EQ(round.gate_sigmas, i == 0 ? options.first_gate_factor * gate : gate);
+    EXPECT_GT(round.num_patches, 10u);
+    EXPECT_GE(round.num_sightings, 2 * round.num_patches);
+    EXPECT_GE(round.steps, 1);
+    EXPECT_LE(round.steps, options.steps_per_round);
+    EXPECT_GT(round.final_cost, 0.0);
+    for (int step = 0; step < round.steps; ++step) {
+      const IterationSummary& row = rows[steps + step];
+      EXPECT_EQ(row.round, static_cast<int>(i) + 1);
+      EXPECT_GE(row.cost_change, 0.0);
+      EXPECT_LE(row.step_size, 1.0);
+      EXPECT_EQ(row.step_size > 0.0, row.cost_change > 0.0);
+      EXPECT_GT(row.evaluations, 0);
+    }
+    // Before the first step, and after the last.
+    EXPECT_NEAR(round.initial_cost, rows[steps].cost + rows[steps].cost_change,
+                1e-9 * round.initial_cost);
+    steps += round.steps;
+    EXPECT_EQ(round.final_cost, rows[steps - 1].cost);
+  }
+  EXPECT_EQ(static_cast<int>(rows.size()), steps);
+  EXPECT_GT(result.rounds.front().moved_sigmas, 0.5);
+  EXPECT_LE(result.rounds.back().moved_sigmas, options.move_tolerance_sigmas);
+  EXPECT_LT(result.rounds.back().final_cost, result.rounds.front().initial_cost);
+}
+
+TEST(ReducedSolverTest, NoStepRaisesTheCostHoweverFarTheSeedIs) {
+  for (const double sigma : {0.1, 0.5, 1.5, 5.0, 20.0}) {
+    NoisyRoom room = DisturbedRoom(16, sigma);
+    Minimize(&room.graph, ReducedOptions(), [&](const IterationSummary& row) {
+      EXPECT_GE(row.cost_change, 0.0);
+      return true;
+    });
+  }
+}
+
+TEST(ReducedSolverTest, TheEndIsWhereAnotherStartEnds) {
+  // From 1 cm and from 3 cm off: what differs is what the noise of the patches' edges leaves open.
+  NoisyRoom near = DisturbedRoom(24, 0.01), far = DisturbedRoom(24, 0.03);
+  ReducedOptions options;
+  options.max_rounds = 30;
+  options.relative_tolerance = 1e-5;
+  options.move_tolerance_sigmas = 1e-2;
+  options.cg_tolerance = 1e-6;
+  Minimize(&near.graph, options);
+  Minimize(&far.graph, options);
+  for (int i = 0; i < near.graph.num_poses(); ++i) {
+    const Pose2 a = near.graph.WorldFromRobot(i), b = far.graph.WorldFromRobot(i);
+    EXPECT_LT((a.translation() - b.translation()).norm(), 0.005) << i;
+    EXPECT_NEAR(a.yaw, b.yaw, 0.003) << i;
+  }
+}
+
+TEST(ReducedSolverTest, TheLimitOfRoundsAndStepsHolds) {
+  NoisyRoom room = DisturbedRoom();
+  ReducedOptions options;
+  options.max_rounds = 2;
+  options.steps_per_round = 1;
+  options.relative_tolerance = 0.0;
+  options.move_tolerance_sigmas = 0.0;
+  const ReducedResult result = Minimize(&room.graph, options);
+  ASSERT_EQ(result.rounds.size(), 2u);
+  for (const PatchRoundSummary& round : result.rounds) EXPECT_EQ(round.steps, 1);
+  EXPECT_FALSE(result.converged);
+}
+
+TEST(ReducedSolverTest, TheCallbackStopsAfterTheStepItSaw) {
+  for (const int last : {1, 2, 3}) {
+    NoisyRoom room = DisturbedRoom();
+    int calls = 0;
+    const ReducedResult result = Minimize(&room.graph, ReducedOptions(),
+                                          [&](const IterationSummary&) { return ++calls < last; });
+    EXPECT_EQ(calls, last);
+    EXPECT_TRUE(result.stopped);
+    EXPECT_THAT(result.stop_reason, HasSubstr("callback"));
+    EXPECT_EQ(result.rounds.size(), last < 3 ? 1u : 2u);
+  }
+}
+
+TEST(ReducedSolverTest, WithoutSurfacesTheOdometryRules) {
+  NoisyRoom room = DisturbedRoom();
+  MeasuredSurface blind = SurfaceOf(room.graph);
+  for (Eigen::Vector2f& normal : blind.normals) normal.setZero();
+  ThreadPool pool(2);
+  ReducedOptions options;
+  options.cg_tolerance = 1e-8;
+  const ReducedResult result = MinimizeOverPatches(
+      blind, FactorOptions(), options, AssociationOptions(), nullptr, &pool, &room.graph);
+  EXPECT_TRUE(result.converged) << result.stop_reason;
+  EXPECT_EQ(result.rounds.front().num_patches, 0u);
+  // A minimum of the pose terms: no coordinate can be moved to lower them.
+  const PoseTerms terms(room.graph, FactorOptions());
+  const double cost = terms.Cost(room.graph.poses());
+  EXPECT_NEAR(result.rounds.back().final_cost, cost, 1e-9 * cost);
+  for (std::size_t i = 0; i < room.graph.poses().size(); ++i) {
+    for (const double step : {-1e-3, 1e-3}) {
+      std::vector<double> poses = room.graph.poses();
+      poses[i] += step;
+      EXPECT_GT(terms.Cost(poses), cost);
+    }
+  }
+}
+
+TEST(ReducedSolverTest, AnyNumberOfThreadsGivesTheSameBits) {
+  NoisyRoom one = DisturbedRoom(150);
+  const ReducedResult expected = Minimize(&one.graph, ReducedOptions(), nullptr, 1);
+  EXPECT_GT(expected.rounds.front().num_sightings, 1000u);
+  for (const int num_threads : {2, 3, 8}) {
+    NoisyRoom many = DisturbedRoom(150);
+    const ReducedResult result = Minimize(&many.graph, ReducedOptions(), nullptr, num_threads);
+    EXPECT_EQ(many.graph.poses(), one.graph.poses());
+    ASSERT_EQ(result.rounds.size(), expected.rounds.size());
+    EXPECT_EQ(result.rounds.back().final_cost, expected.rounds.back().final_cost);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

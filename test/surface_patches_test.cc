@@ -1,0 +1,324 @@
+#include "plumbline/solvers/reduced/surface_patches.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/test/factor_testing.h"
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+/// A scene cut into patches.
+struct CutScene {
+  SlamGraph graph;
+  MeasuredSurface surface;
+  SurfacePatches cut;
+  double noise_m = 0.0;
+
+  explicit CutScene(const SyntheticScene& scene) : CutScene(MakeGraph(scene), scene) {}
+  CutScene(SlamGraph with_poses, const SyntheticScene& scene) : graph(std::move(with_poses)) {
+    ThreadPool pool(2);
+    ReturnNormalOptions options;
+    options.half_window_m = std::max(0.06, 6.0 * scene.range_sigma_m);
+    surface = MeasureSurface(graph, options, &pool);
+    FactorOptions factors;
+    if (scene.range_sigma_m > 0.0) factors.beam.sigma_range_m = scene.range_sigma_m;
+    noise_m = NoiseOf(factors).StandardDeviation();
+    Cut();
+  }
+
+  void Cut(int num_threads = 2) {
+    ThreadPool pool(num_threads);
+    SurfacePatchOptions options;
+    options.noise_m = noise_m;
+    cut = CutIntoPatches(graph, surface, options, &pool);
+  }
+
+  std::size_t num_patches() const { return cut.patches.size(); }
+  int PoseOf(std::size_t r) const { return graph.scan(graph.returns().scan[r]).pose; }
+  bool HasPatch(std::size_t r) const { return cut.patch_of_return[r] != SurfacePatches::kNone; }
+
+  Eigen::Vector2d End(std::size_t r) const {
+    return graph.WorldFromRobot(PoseOf(r)) * graph.PointInRobot(r);
+  }
+  double Distance(std::size_t r) const {
+    const SurfacePatch& patch = cut.patches[cut.patch_of_return[r]];
+    return patch.normal.dot(End(r) - patch.origin) - patch.offset_m;
+  }
+  double RmsDistance() const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      if (!HasPatch(r)) continue;
+      sum += std::pow(Distance(r), 2);
+      ++count;
+    }
+    return std::sqrt(sum / count);
+  }
+  /// Share of the returns with a normal.
+  double CoveredShare() const {
+    int with_normal = 0, with_patch = 0;
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      with_normal += !surface.normals[r].isZero();
+      with_patch += HasPatch(r);
+    }
+    return static_cast<double>(with_patch) / with_normal;
+  }
+
+  /// What holds for every cut: unit normals, patches of enough returns by more than one pose,
+  /// returns near their patch, none without a normal.
+  void ExpectSound() const {
+    std::vector<std::set<int>> poses(num_patches());
+    std::vector<int> counts(num_patches(), 0);
+    ASSERT_EQ(cut.patch_of_return.size(), graph.num_returns());
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      if (!HasPatch(r)) continue;
+      const int patch = cut.patch_of_return[r];
+      ASSERT_GE(patch, 0);
+      ASSERT_LT(patch, static_cast<int>(num_patches()));
+      EXPECT_FALSE(surface.normals[r].isZero());
+      EXPECT_LE((End(r) - cut.patches[patch].origin).norm(), 0.8 * std::sqrt(0.5) + 1e-6);
+      poses[patch].insert(PoseOf(r));
+      ++counts[patch];
+    }
+    for (std::size_t p = 0; p < num_patches(); ++p) {
+      EXPECT_NEAR(cut.patches[p].normal.norm(), 1.0, 1e-12);
+      EXPECT_GE(counts[p], SurfacePatchOptions().min_points);
+      EXPECT_GT(poses[p].size(), 1u);
+    }
+  }
+};
+
+/// Poses on a line, each looking around.
+std::vector<Pose2> PosesAlong(double from_x, double to_x, int count, double y = 0.0) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < count; ++i) {
+    poses.emplace_back(from_x + (to_x - from_x) * i / std::max(1, count - 1), y, 0.3 * i);
+  }
+  return poses;
+}
+
+/// The scene turned about the world's origin.
+SyntheticScene Turned(SyntheticScene scene, double angle) {
+  const Pose2 turn(0.0, 0.0, angle);
+  for (Face& face : scene.faces) face = {turn * face.a, turn * face.b};
+  for (Disc& disc : scene.discs) disc.center = turn * disc.center;
+  for (Pose2& pose : scene.poses) pose = turn * pose;
+  return scene;
+}
+
+constexpr double kAngles[] = {0.0, 0.35, 0.7853981633974483, 1.5707963267948966, 2.0};
+
+TEST(SurfacePatchesTest, AStraightWallBecomesFewPatchesOnIt) {
+  for (const double range_sigma_m : {0.0, 0.01, 0.03}) {
+    for (const double angle : kAngles) {
+      SyntheticScene scene;
+      scene.faces = {{{-8, 1.5}, {8, 1.5}}};
+      scene.poses = PosesAlong(-8, 8, 33);
+      scene.range_sigma_m = range_sigma_m;
+      const CutScene wall(Turned(scene, angle));
+      wall.ExpectSound();
+      EXPECT_GT(wall.CoveredShare(), 0.97);
+      // A straight line of length l meets about l (|cos| + |sin|) / 0.8 cells of 0.8 m.
+      EXPECT_LE(wall.num_patches(), 40u) << range_sigma_m << " " << angle;
+      EXPECT_LE(wall.RmsDistance(), 1.1 * range_sigma_m + 1e-5);
+      const Eigen::Vector2d across = Pose2(0, 0, angle) * Eigen::Vector2d(0, 1);
+      // Few returns at the wall's very ends may make a line by chance.
+      std::size_t astray = 0;
+      for (std::size_t r = 0; r < wall.graph.num_returns(); ++r) {
+        if (!wall.HasPatch(r)) continue;
+        const SurfacePatch& patch = wall.cut.patches[wall.cut.patch_of_return[r]];
+        astray += std::abs(patch.normal.dot(across)) < std::cos(0.1);
+      }
+      EXPECT_LT(astray, wall.graph.num_returns() / 20);
+    }
+  }
+}
+
+TEST(SurfacePatchesTest, TheSidesOfACornerStayApart) {
+  for (const double angle : kAngles) {
+    SyntheticScene scene;
+    scene.faces = {{{-3, 1}, {1, 1}}, {{1, 1}, {1, -3}}};
+    scene.poses = PosesAlong(-1.5, 0, 8, -0.2);
+    scene.range_sigma_m = 0.005;
+    const CutScene corner(Turned(scene, angle));
+    corner.ExpectSound();
+    EXPECT_GT(corner.CoveredShare(), 0.9);
+    EXPECT_LT(corner.RmsDistance(), 0.01);
+    // A patch holds returns of one side only, but for the last centimetres.
+    int astray = 0, count = 0;
+    for (std::size_t r = 0; r < corner.graph.num_returns(); ++r) {
+      if (!corner.HasPatch(r)) continue;
+      ++count;
+      astray += std::abs(corner.Distance(r)) > 0.03;
+    }
+    EXPECT_LT(astray, count / 100);
+  }
+}
+
+TEST(SurfacePatchesTest, TheFacesOfAThinWallStayApart) {
+  for (const double angle : kAngles) {
+    SyntheticScene scene;
+    scene.faces = {{{-4, 0}, {4, 0}}, {{-4, 0.05}, {4, 0.05}}};
+    scene.poses = PosesAlong(-3, 3, 10, -1.0);
+    for (const Pose2& pose : PosesAlong(-3, 3, 10, 1.0)) scene.poses.push_back(pose);
+    scene.range_sigma_m = 0.005;
+    const CutScene wall(Turned(scene, angle));
+    wall.ExpectSound();
+    EXPECT_GT(wall.CoveredShare(), 0.95);
+    std::vector<std::set<bool>> faces(wall.num_patches());
+    for (std::size_t r = 0; r < wall.graph.num_returns(); ++r) {
+      if (wall.HasPatch(r)) faces[wall.cut.patch_of_return[r]].insert(wall.PoseOf(r) < 10);
+    }
+    for (const std::set<bool>& of_patch : faces) EXPECT_EQ(of_patch.size(), 1u);
+    EXPECT_LT(wall.RmsDistance(), 0.0075);
+  }
+}
+
+TEST(SurfacePatchesTest, BothImagesOfADoubleWallShareALine) {
+  // Half of the poses are wrong by 6 cm: one line per patch lets both sides pull.
+  for (const double angle : kAngles) {
+    for (const double wall_y : {1.0, 1.3, 1.55}) {
+      SyntheticScene scene;
+      scene.faces = {{{-8, wall_y}, {8, wall_y}}};
+      scene.poses = PosesAlong(-8, 8, 40);
+      scene.range_sigma_m = 0.01;
+      scene = Turned(scene, angle);
+      SlamGraph graph = MakeGraph(scene);
+      const Eigen::Vector2d shift = Pose2(0, 0, angle) * Eigen::Vector2d(0, 0.06);
+      for (int i = 0; i < graph.num_poses(); i += 2) {
+        const Pose2 pose = graph.WorldFromRobot(i);
+        graph.SetPose(i, {pose.x + shift.x(), pose.y + shift.y(), pose.yaw});
+      }
+      const CutScene wall(std::move(graph), scene);
+      wall.ExpectSound();
+      EXPECT_GT(wall.CoveredShare(), 0.95) << angle << " " << wall_y;
+      std::vector<int> shifted(wall.num_patches()), unshifted(wall.num_patches());
+      for (std::size_t r = 0; r < wall.graph.num_returns(); ++r) {
+        if (!wall.HasPatch(r)) continue;
+        ++(wall.PoseOf(r) % 2 == 0 ? shifted : unshifted)[wall.cut.patch_of_return[r]];
+      }
+      int shared = 0, alone = 0;
+      for (std::size_t p = 0; p < shifted.size(); ++p) {
+        const int total = shifted[p] + unshifted[p];
+        (5 * std::min(shifted[p], unshifted[p]) > total ? shared : alone) += total;
+      }
+      EXPECT_GT(shared, 9 * alone) << angle << " " << wall_y;
+      EXPECT_NEAR(wall.RmsDistance(), 0.03, 0.01);
+    }
+  }
+}
+
+TEST(SurfacePatchesTest, PatchesResolveACurveThatReturnsTell) {
+  // A round pillar of 1 m, seen from all around.
+  const auto pillar = [](int num_poses, int num_beams, double range_sigma_m) {
+    SyntheticScene scene;
+    scene.discs = {{{0.1, 0.2}, 1.0}};
+    scene.laser = PanoramicLaser(num_beams);
+    scene.range_sigma_m = range_sigma_m;
+    for (int i = 0; i < num_poses; ++i) {
+      const double turn = 2.0 * kPi * i / num_poses;
+      scene.poses.emplace_back(2.5 * std::cos(turn), 2.5 * std::sin(turn), 0.1 * i);
+    }
+    return CutScene(scene);
+  };
+  const CutScene dense = pillar(60, 1440, 0.002);
+  dense.ExpectSound();
+  EXPECT_GT(dense.CoveredShare(), 0.95);
+  EXPECT_LT(dense.RmsDistance(), 0.004);
+  const CutScene sparse = pillar(12, 360, 0.02);
+  sparse.ExpectSound();
+  EXPECT_GT(sparse.num_patches(), 0u);
+  EXPECT_LT(sparse.RmsDistance(), 0.04);
+  EXPECT_GT(dense.num_patches(), 1.5 * sparse.num_patches());
+}
+
+TEST(SurfacePatchesTest, WhatOnePoseSawAloneHasNoPatch) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, 1}, {3, 1}}};
+  scene.poses = {{0, 0, 0.1}};
+  CutScene wall(scene);
+  EXPECT_EQ(wall.num_patches(), 0u);
+  for (const int patch : wall.cut.patch_of_return) EXPECT_EQ(patch, SurfacePatches::kNone);
+  // Nor does another scan of the same pose help.
+  std::vector<double> ranges(scene.laser.num_beams, kInfinity);
+  const std::size_t num_returns = wall.graph.num_returns();
+  for (std::size_t r = 0; r < num_returns; ++r) {
+    ranges[wall.graph.returns().beam[r]] = wall.graph.returns().range_m[r];
+  }
+  ASSERT_TRUE(wall.graph.AddScan(0, 0, ranges).ok());
+  wall.surface = SurfaceOf(wall.graph);
+  wall.Cut();
+  EXPECT_EQ(wall.num_patches(), 0u);
+  // A second pose does.
+  int id = 0;
+  ASSERT_TRUE(wall.graph.AddPose({0, 0, 0.1}, 1.0, &id).ok());
+  ASSERT_TRUE(wall.graph.AddScan(1, 0, ranges).ok());
+  wall.surface = SurfaceOf(wall.graph);
+  wall.Cut();
+  EXPECT_GT(wall.num_patches(), 3u);
+  wall.ExpectSound();
+}
+
+TEST(SurfacePatchesTest, ReturnsWithoutNormalsHaveNoPatch) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, 1}, {3, 1}}};
+  scene.poses = PosesAlong(-1, 1, 6);
+  CutScene wall(scene);
+  for (std::size_t r = 0; r < wall.surface.normals.size(); ++r) {
+    if (r % 3 == 0) wall.surface.normals[r].setZero();
+  }
+  wall.Cut();
+  EXPECT_GT(wall.num_patches(), 3u);
+  wall.ExpectSound();
+  for (Eigen::Vector2f& normal : wall.surface.normals) normal.setZero();
+  wall.Cut();
+  EXPECT_EQ(wall.num_patches(), 0u);
+}
+
+TEST(SurfacePatchesTest, FarFromTheOriginItIsTheSame) {
+  SyntheticScene scene;
+  scene.faces = {{{-8, 1.5}, {8, 1.5}}};
+  scene.poses = PosesAlong(-8, 8, 33);
+  scene.range_sigma_m = 0.01;
+  CutScene wall(scene);
+  const double rms_m = wall.RmsDistance();
+  for (std::size_t i = 0; i < wall.graph.poses().size(); i += 3) {
+    wall.graph.poses()[i] += 1e6;
+    wall.graph.poses()[i + 1] -= 1e6;
+  }
+  wall.Cut();
+  wall.ExpectSound();
+  EXPECT_LE(wall.num_patches(), 40u);
+  EXPECT_NEAR(wall.RmsDistance(), rms_m, 0.1 * rms_m);
+}
+
+TEST(SurfacePatchesTest, AnyNumberOfThreadsGivesTheSameBits) {
+  SyntheticScene scene;
+  scene.faces = {{{-8, 1.5}, {8, 1.5}}, {{-8, -1.2}, {8, -1.2}}};
+  scene.poses = PosesAlong(-8, 8, 300);
+  scene.laser = PanoramicLaser(240);
+  scene.range_sigma_m = 0.01;
+  CutScene hall(scene);
+  hall.Cut(1);
+  const SurfacePatches expected = hall.cut;
+  for (const int num_threads : {2, 3, 8}) {
+    hall.Cut(num_threads);
+    EXPECT_EQ(hall.cut.patch_of_return, expected.patch_of_return);
+    ASSERT_EQ(hall.num_patches(), expected.patches.size());
+    for (std::size_t p = 0; p < hall.num_patches(); ++p) {
+      EXPECT_EQ(hall.cut.patches[p].origin, expected.patches[p].origin);
+      EXPECT_EQ(hall.cut.patches[p].normal, expected.patches[p].normal);
+      EXPECT_EQ(hall.cut.patches[p].offset_m, expected.patches[p].offset_m);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plumbline
