@@ -1,4 +1,4 @@
-// Runs an experiment over many simulated drives and sums up what came of it.
+// Runs an experiment, on simulated drives or on a log, and sums up what came of it.
 
 #include <gflags/gflags.h>
 #include <glog/logging.h>
@@ -6,16 +6,45 @@
 #include <chrono>
 #include <iomanip>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/benchmark/comparison_report.h"
+#include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
+#include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
+#include "plumbline/apps/output_folder.h"
+#include "plumbline/apps/read_log.h"
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solve.h"
 
-DEFINE_string(experiment, "", "What to run: seeding_study");
-DEFINE_string(csv, "", "Table to write, one line per run (empty: none)");
+namespace {
+
+// The comparison's defaults are those of the flags.
+const plumbline::ComparisonOptions& Defaults() {
+  static const plumbline::ComparisonOptions options;
+  return options;
+}
+
+}  // namespace
+
+DEFINE_string(experiment, "", "What to run: seeding_study, solver_comparison or scaling");
+DEFINE_string(csv, "", "seeding_study, scaling: table to write, one line per run (empty: none)");
 DEFINE_int32(buildings, 200, "seeding_study: simulated buildings, one run each");
+DEFINE_string(log, "", "solver_comparison: CARMEN log, plain or .gz (empty: a simulated building)");
+DEFINE_string(relations, "",
+              "solver_comparison: true relative poses of the log ('t1 t2 x y z roll pitch yaw')");
+DEFINE_int32(repeats, Defaults().repeats, "solver_comparison: runs of each solver");
+DEFINE_double(time_limit_s, Defaults().time_limit_s,
+              "solver_comparison: a solver is asked to stop after this time [s]");
+DEFINE_string(output_dir, "", "solver_comparison: folder for the results; made if it is not there");
+DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
 namespace {
@@ -39,11 +68,111 @@ Status SeedingStudy() {
   return Status::Ok();
 }
 
+Status SimulateBuilding(SlamGraph* graph) {
+  SimulatedLog log;
+  PLUMBLINE_RETURN_IF_ERROR(
+      Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), SimulationOptions(), &log));
+  return MakeGraph(log, graph);
+}
+
+// A graph of the log, or of a simulated drive, that is ready for the joint estimation. All threads
+// have ended on return.
+Status MakeSeed(const SolverOptions& solver, SlamGraph* graph) {
+  SeedingOptions seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
+  LogCounts counts;
+  PLUMBLINE_RETURN_IF_ERROR(FLAGS_log.empty() ? SimulateBuilding(graph)
+                                              : ReadLogIntoGraph(FLAGS_log, 0, &counts, graph));
+  ThreadPool pool(solver.num_threads);
+  const std::vector<Eigen::Vector2f> normals =
+      EstimateReturnNormals(*graph, NormalOptionsFor(solver.factors.beam), &pool);
+  SeedingReport report;
+  return SeedGraph(seeding, solver.factors.motion, normals, {}, &pool, graph, &report);
+}
+
+Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
+  options->repeats = FLAGS_repeats;
+  options->time_limit_s = FLAGS_time_limit_s;
+  std::string error;
+  if (!options->Check(&error)) return Status::InvalidArgument("the flags set " + error);
+  if (FLAGS_output_dir.empty()) {
+    return Status::InvalidArgument("--output_dir is missing; see --help");
+  }
+  if (FLAGS_log.empty() && !FLAGS_relations.empty()) {
+    return Status::InvalidArgument("--relations needs --log");
+  }
+  return Status::Ok();
+}
+
+void PrintRun(const SolverRun& run) {
+  std::cout << "  " << run.solver << ", run " << run.repeat << ": ";
+  if (run.failure.empty()) {
+    std::cout << run.num_iterations << " iterations, " << std::fixed << std::setprecision(2)
+              << run.time_s() << " s\n";
+  } else {
+    std::cout << "failed: " << run.failure << '\n';
+  }
+  std::cout << std::flush;
+}
+
+Status WriteComparison(const OutputFolder& output, const Comparison& comparison) {
+  std::cout << ComparisonTable(comparison);
+  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonJson(output.File("solver_comparison.json"), comparison));
+  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonCsv(output.File("solver_comparison.csv"), comparison));
+  if (BestEnergy(comparison.runs) == std::numeric_limits<double>::infinity()) {
+    return Status::Unavailable("no run came to its end");
+  }
+  return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
+}
+
+Status CompareAllSolvers() {
+  Comparison comparison;
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison.options));
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  std::vector<Relation> relations;
+  if (!FLAGS_relations.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
+  }
+  SlamGraph seed;
+  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &seed));
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  comparison.input = FLAGS_log.empty() ? "simulated building" : FLAGS_log;
+  comparison.num_scans = seed.num_scans();
+  comparison.num_returns = seed.num_returns();
+  std::cout << comparison.input << ": " << seed.num_scans() << " scans, " << seed.num_returns()
+            << " returns, seeded; " << solver.num_threads << " threads\n";
+  comparison.solvers = ComparedSolvers(solver);
+  comparison.runs =
+      CompareSolvers(comparison.solvers, relations, comparison.options, PrintRun, &seed);
+  return WriteComparison(output, comparison);
+}
+
+Status Scaling() {
+  std::vector<int> counts;
+  const Status status = ParseScanCounts(FLAGS_scans, &counts);
+  if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  std::cout << ScalingHeader();
+  std::vector<ScalingOutcome> outcomes;
+  for (const int count : counts) {
+    outcomes.push_back(RunScalingCaseInChild(count, solver));
+    std::cout << ScalingRow(outcomes.back()) << std::flush;
+    // Each time the whole table, so that what has been measured outlives the largest sizes.
+    if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteScalingCsv(FLAGS_csv, outcomes));
+  }
+  return Status::Ok();
+}
+
 struct Experiment {
   const char* name;
   Status (*run)();
 };
-constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy}};
+constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
+                                       {"solver_comparison", CompareAllSolvers},
+                                       {"scaling", Scaling}};
 
 Status Run() {
   for (const Experiment& experiment : kExperiments) {
@@ -60,8 +189,16 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
-      "Runs an experiment over many simulated drives and sums up what came of it.\n\n"
-      "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv",
+      "Runs an experiment and sums up what came of it.\n\n"
+      "  seeding_study      right maps and alarms over many simulated drives, half of them "
+      "falsified\n"
+      "  solver_comparison  every solver from one seed: energy over time, memory, map quality\n"
+      "  scaling            time and memory of the joint estimation alone, over the size of a "
+      "simulated building\n\n"
+      "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv\n"
+      "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
+      "--relations=fr079.relations --output_dir=out\n"
+      "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv",
       argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;

@@ -4,6 +4,7 @@
 #include <glog/logging.h>
 
 #include <chrono>
+#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <optional>
@@ -14,8 +15,6 @@
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
 #include "plumbline/apps/graph_poses.h"
-#include "plumbline/apps/io/carmen_log.h"
-#include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/overlay_pictures.h"
 #include "plumbline/apps/io/ply_writer.h"
@@ -24,6 +23,7 @@
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
+#include "plumbline/apps/read_log.h"
 #include "plumbline/apps/run_summary.h"
 #include "plumbline/apps/seeding_progress.h"
 #include "plumbline/apps/seeding_report.h"
@@ -50,13 +50,14 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// The graph mounts all scans alike, which makes nonsense of a second laser on the robot.
-void WarnOfOtherMountings(const LaserMounting& mounting) {
-  const std::string disagreement = mounting.Disagreement();
-  if (disagreement.empty()) return;
-  std::cerr << "warning: " << FLAGS_log << ": " << disagreement
-            << "; all are mounted at the median. Are there two lasers, or the poses of another "
-               "mapper?\n";
+// Runs the tasks side by side; gives the first one's error that failed.
+Status RunAll(const std::vector<std::function<Status()>>& tasks, ThreadPool* pool) {
+  std::vector<Status> results(tasks.size());
+  pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
+    results[begin] = tasks[begin]();
+  });
+  for (const Status& result : results) PLUMBLINE_RETURN_IF_ERROR(result);
+  return Status::Ok();
 }
 
 // One run of the program, step by step.
@@ -102,14 +103,8 @@ class SlamRun {
 
   Status ReadLog() {
     const auto start = Clock::now();
-    CarmenLog log;
-    PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(FLAGS_log, CarmenReadOptions(), &log));
-    for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
-    WarnOfOtherMountings(EstimateLaserMounting(log));
-    PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, FLAGS_max_scans, &graph_));
-    if (graph_.num_returns() == 0) {
-      return Status::InvalidArgument(FLAGS_log + ": no scan has a return within the laser's range");
-    }
+    LogCounts counts;
+    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph_));
     if (!FLAGS_truth.empty()) {
       truth_.emplace();
       PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
@@ -118,12 +113,12 @@ class SlamRun {
     summary_.log = FLAGS_log;
     summary_.num_scans = graph_.num_scans();
     summary_.num_returns = graph_.num_returns();
-    summary_.num_skipped_records = log.num_issues;
+    summary_.num_skipped_records = counts.num_skipped_records;
     summary_.read_time_s = SecondsSince(start);
     std::cout << "Read " << FLAGS_log << ": " << graph_.num_scans() << " scans, "
-              << graph_.num_returns() << " returns, " << log.num_issues << " records skipped, "
-              << log.num_out_of_order << " out of order (" << std::fixed << std::setprecision(2)
-              << summary_.read_time_s << " s)\n";
+              << graph_.num_returns() << " returns, " << counts.num_skipped_records
+              << " records skipped, " << counts.num_out_of_order << " out of order (" << std::fixed
+              << std::setprecision(2) << summary_.read_time_s << " s)\n";
     return Status::Ok();
   }
 
@@ -163,15 +158,19 @@ class SlamRun {
   }
 
   Status WriteResults() {
-    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory.tum"));
-    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(output_.File("points.ply"), graph_));
-    PLUMBLINE_RETURN_IF_ERROR(Picture("map_refined.png", "Refined"));
-    PLUMBLINE_RETURN_IF_ERROR(WriteClosurePicture(output_.File("closures.png"), graph_,
-                                                  summary_.seeding.loops.matches,
-                                                  FLAGS_picture_side_px));
-    PLUMBLINE_RETURN_IF_ERROR(WriteConflictPicture(output_.File("conflicts.png"), graph_,
-                                                   summary_.refined_consistency,
-                                                   FLAGS_picture_side_px));
+    PLUMBLINE_RETURN_IF_ERROR(
+        RunAll({[&] { return Trajectory("trajectory.tum"); },
+                [&] { return Picture("map_refined.png", "Refined"); },
+                [&] {
+                  return WriteClosurePicture(output_.File("closures.png"), graph_,
+                                             summary_.seeding.loops.matches, FLAGS_picture_side_px);
+                },
+                [&] {
+                  return WriteConflictPicture(output_.File("conflicts.png"), graph_,
+                                              summary_.refined_consistency, FLAGS_picture_side_px);
+                },
+                [&] { return WritePointsPly(output_.File("points.ply"), graph_); }},
+               &*pool_));
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
     AddStage("refined, raw ranges");

@@ -87,6 +87,26 @@ TEST(BuildingGeneratorTest, TheRobotTouchesNothing) {
   EXPECT_LT(longest, 2200.0);
 }
 
+TEST(BuildingGeneratorTest, LargeBuildingsGrowWithTheDrive) {
+  std::vector<double> widths;
+  for (const double length_m : {50.0, 1000.0, 4000.0}) {
+    const Building building = GenerateLargeBuilding(length_m, 1);
+    Drive drive;
+    const Status status = Drive::Plan(World(building), DriveOptions(), &drive);
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_GT(drive.length_m(), 0.95 * length_m);  // curves cut the corners
+    EXPECT_LT(drive.length_m(), length_m + 60.0);
+    const auto is_west = [](const Vector2d& a, const Vector2d& b) { return a.x() < b.x(); };
+    const std::vector<Vector2d> corners = CornersOf(building);
+    widths.push_back(std::max_element(corners.begin(), corners.end(), is_west)->x());
+    double east_m = 0.0;  // of the path
+    for (const Waypoint& waypoint : building.path) east_m = std::max(east_m, waypoint.position.x());
+    EXPECT_GT(east_m, widths.back() - 8.0);
+  }
+  EXPECT_LT(widths[0], 35.0);
+  EXPECT_NEAR(widths[2] / widths[1], 4.0, 0.4);
+}
+
 TEST(BuildingGeneratorTest, RepetitiveDoorsKeepToOnePitch) {
   const std::vector<double> pitches = DoorPitches(GenerateBuilding(BuildingKind::kRepetitive, 1));
   ASSERT_GE(pitches.size(), 4u);

@@ -1,5 +1,8 @@
 #include "plumbline/apps/simulation/building_generator.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/noise_source.h"
 
@@ -89,6 +92,23 @@ bool FromString(const std::string& name, BuildingKind* kind) {
     return true;
   }
   return false;
+}
+
+Building GenerateLargeBuilding(double drive_length_m, std::uint64_t seed) {
+  // Four times along a block, twice across it, and every other time into a room: about 100 m.
+  constexpr double kDrivePerBlock = 100.0;
+  NoiseSource source(seed, kStyleStream);
+  FloorStyle style = RandomStyle(&source);
+  const double wing_m = style.block_widths_m.front();
+  const int num_blocks =
+      std::max(1, static_cast<int>(std::lround(drive_length_m / kDrivePerBlock)));
+  style.block_widths_m.assign(num_blocks + 2, wing_m);
+  for (int i = 1; i <= num_blocks; ++i) style.block_widths_m[i] = Draw(9.0, 14.0, &source);
+  style.route = RouteKind::kTour;
+  style.drive_length_m = drive_length_m;
+  Building building = MakeFloor(style, seed);
+  building.name = "large building " + std::to_string(seed);
+  return building;
 }
 
 Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {

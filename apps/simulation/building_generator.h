@@ -27,6 +27,11 @@ bool FromString(const std::string& name, BuildingKind* kind);
 /// the same building.
 Building GenerateBuilding(BuildingKind kind, std::uint64_t seed);
 
+/// Makes an office floor like kRandom, with as many blocks as a drive of at least this length goes
+/// around once; the area grows in proportion to the length, from one block on. What is left of the
+/// drive goes around again. For measuring how cost grows with size.
+Building GenerateLargeBuilding(double drive_length_m, std::uint64_t seed);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_SIMULATION_BUILDING_GENERATOR_H_

@@ -108,6 +108,7 @@ class FloorBuilder {
   Vector2d PositionOf(const Crossing& crossing) const {
     return {cross_x_[crossing.column], corridor_y_[crossing.corridor]};
   }
+  std::vector<Crossing> Tour() const;
   Crossing NextCrossing(const Crossing& last, const Crossing& current, NoiseSource* source) const;
   std::vector<Vector2d> Route() const;
   void VisitRoom(const Vector2d& from, const Vector2d& to, int corridor, NoiseSource* source,
@@ -252,8 +253,12 @@ bool FloorBuilder::IsFree(const Pose2& world_from_box, const Vector2d& size) con
     if ((center - world_from_box.translation()).norm() < radius + 0.5 * size.norm()) return false;
   }
   const Pose2 box_from_world = world_from_box.Inverse();
+  // Most points of a large floor are too far away to be looked at closely.
+  const double reach = 0.5 * size.norm() + kPathMargin + FloorPlan::kMinLength;
+  const Vector2d center = world_from_box.translation();
   return std::none_of(path_points_.begin(), path_points_.end(), [&](const Vector2d& point) {
-    return DistanceToBox(box_from_world * point, size) < kPathMargin;
+    return (point - center).squaredNorm() < reach * reach &&
+           DistanceToBox(box_from_world * point, size) < kPathMargin;
   });
 }
 
@@ -293,6 +298,8 @@ std::vector<Vector2d> FloorBuilder::Route() const {
   std::set<Crossing> visited;
   Crossing last = {-1, 0}, current = {0, 0};
   bool closed = false;
+  const std::vector<Crossing> tour = Tour();
+  std::size_t num_legs = 0;
   while (!closed || LengthOf(route) < style_.drive_length_m) {
     const Vector2d position = PositionOf(current);
     if (last.column >= 0 && last.corridor == current.corridor) {
@@ -300,11 +307,25 @@ std::vector<Vector2d> FloorBuilder::Route() const {
     }
     route.push_back(position);
     closed = !visited.insert(current).second || closed;
-    const Crossing next = NextCrossing(last, current, &source);
+    const Crossing next = style_.route == RouteKind::kTour ? tour[++num_legs % tour.size()]
+                                                           : NextCrossing(last, current, &source);
     last = current;
     current = next;
   }
   return route;
+}
+
+// One round, from the south-western crossing to the last one before it.
+std::vector<Crossing> FloorBuilder::Tour() const {
+  std::vector<Crossing> tour;
+  const int last = static_cast<int>(cross_x_.size()) - 1;
+  for (int column = 0; column < last; ++column) {
+    tour.insert(tour.end(),
+                {{column, 0}, {column + 1, 0}, {column + 1, 1}, {column, 1}, {column, 0}});
+  }
+  tour.push_back({last, 0});
+  for (int column = last; column >= 0; --column) tour.push_back({column, 1});
+  return tour;
 }
 
 Crossing FloorBuilder::NextCrossing(const Crossing& last, const Crossing& current,

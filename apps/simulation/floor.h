@@ -8,6 +8,14 @@
 
 namespace plumbline {
 
+/// How the drive goes from crossing to crossing.
+enum class RouteKind {
+  kWander,  ///< at random, but it never turns back
+  /// Around one block after the other from west to east, back along the northern corridor, and
+  /// again: the part of the floor that it has seen grows steadily.
+  kTour,
+};
+
 /// Sizes of a generated floor, x to the east and y to the north:
 ///
 ///     rooms of the south side                    row 0
@@ -30,6 +38,7 @@ struct FloorStyle {
   double irregularity = 0.0;
   int furniture_per_room = 0;  ///< pieces, as far as there is space for them
   double furniture_per_corridor_m = 0.0;
+  RouteKind route = RouteKind::kWander;
   /// Of going into a room on the way from one cross corridor to the next.
   double visit_probability = 0.0;
   /// The drive ends at the first crossing after this length at which it has closed a loop [m].

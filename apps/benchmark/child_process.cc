@@ -1,0 +1,89 @@
+#include "plumbline/apps/benchmark/child_process.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+Status SystemError(const char* call) {
+  return Status::Unavailable(std::string(call) + ": " + std::strerror(errno));
+}
+
+bool WriteAll(int descriptor, const std::string& text) {
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const ssize_t size = write(descriptor, text.data() + written, text.size() - written);
+    if (size < 0 && errno != EINTR) return false;
+    if (size > 0) written += static_cast<std::size_t>(size);
+  }
+  return true;
+}
+
+std::string ReadAll(int descriptor) {
+  std::string text;
+  char buffer[4096];
+  while (true) {
+    const ssize_t size = read(descriptor, buffer, sizeof(buffer));
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return text;
+    text.append(buffer, static_cast<std::size_t>(size));
+  }
+}
+
+Status StatusOfExit(int wait_status) {
+  if (WIFSIGNALED(wait_status)) {
+    const int number = WTERMSIG(wait_status);
+    return Status::Unavailable("ended by signal " + std::to_string(number) + " (" +
+                               strsignal(number) + ")");
+  }
+  const int code = WEXITSTATUS(wait_status);
+  return code == 0 ? Status::Ok()
+                   : Status::Unavailable("ended with exit code " + std::to_string(code));
+}
+
+// Neither returns nor runs what the caller has registered for its own end.
+[[noreturn]] void DoWork(const std::function<std::string()>& work, int descriptor) {
+  const bool written = WriteAll(descriptor, work());
+  std::cout.flush();
+  _exit(written ? 0 : 1);
+}
+
+}  // namespace
+
+Status RunInChild(const std::function<std::string()>& work, std::string* result) {
+  int ends[2];
+  if (pipe(ends) != 0) return SystemError("pipe");
+  // What is still in a buffer would be written twice.
+  std::cout.flush();
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child < 0) {
+    const Status status = SystemError("fork");
+    close(ends[0]);
+    close(ends[1]);
+    return status;
+  }
+  if (child == 0) {
+    close(ends[0]);
+    DoWork(work, ends[1]);
+  }
+  close(ends[1]);
+  std::string text = ReadAll(ends[0]);
+  close(ends[0]);
+  int wait_status = 0;
+  while (waitpid(child, &wait_status, 0) < 0) {
+    if (errno != EINTR) return SystemError("waitpid");
+  }
+  PLUMBLINE_RETURN_IF_ERROR(StatusOfExit(wait_status));
+  *result = std::move(text);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,175 @@
+#include "plumbline/apps/benchmark/comparison_report.h"
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "plumbline/apps/benchmark/convergence_plot.h"
+#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report_json.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kBytesPerMb = 1e6, kMmPerM = 1e3;
+// The radius at which the README and plumbline_slam give the sharpness of a map [m].
+constexpr double kTableRadius = 0.15;
+
+// A number of a fixed width, or a dash.
+std::string Cell(const std::optional<double>& value, int width, int precision) {
+  std::ostringstream cell;
+  cell << std::fixed << std::setprecision(precision) << std::setw(width);
+  if (value) {
+    cell << *value;
+  } else {
+    cell << '-';
+  }
+  return cell.str();
+}
+
+const MapQuality& QualityAt(const MapSharpness& sharpness, double radius_m) {
+  const SharpnessAtRadius* nearest = &sharpness.radii.front();
+  for (const SharpnessAtRadius& at : sharpness.radii) {
+    if (std::abs(at.radius_m - radius_m) < std::abs(nearest->radius_m - radius_m)) nearest = &at;
+  }
+  return nearest->quality;
+}
+
+std::string TableRow(const SolverFigures& figures, double best_energy) {
+  std::string name = figures.solver;
+  name.resize(34, ' ');
+  if (figures.median_run == nullptr) return name + "failed: " + figures.failures.front() + '\n';
+  const SolverRun& run = *figures.median_run;
+  const MapQuality& quality = QualityAt(run.points, kTableRadius);
+  std::ostringstream row;
+  row << name << std::setw(7) << run.num_rounds << std::setw(7) << run.num_iterations
+      << Cell(figures.time_s, 9, 2) << Cell(run.cpu_time_s(), 8, 2)
+      << Cell(figures.final_energy, 13, 1)
+      << Cell(100.0 * (figures.final_energy / best_energy - 1.0), 9, 3)
+      << Cell(figures.time_ratio, 8, 1) << Cell(figures.peak_memory_bytes / kBytesPerMb, 9, 0)
+      << Cell(figures.memory_ratio, 8, 2)
+      << Cell(run.relations ? std::optional<double>(run.relations->mean_m) : std::nullopt, 11, 4)
+      << Cell(kMmPerM * quality.wall_thickness_m, 10, 2) << Cell(quality.mean_map_entropy, 9, 3);
+  if (!figures.failures.empty()) row << "  (" << figures.failures.size() << " runs failed)";
+  row << "  " << run.termination << '\n';
+  return row.str();
+}
+
+Json OptionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json SharpnessJson(const MapSharpness& sharpness) {
+  Json json = Json::array();
+  for (const SharpnessAtRadius& at : sharpness.radii) {
+    json.push_back({{"radius_m", at.radius_m},
+                    {"wall_thickness_m", at.quality.wall_thickness_m},
+                    {"mean_map_entropy", at.quality.mean_map_entropy}});
+  }
+  return json;
+}
+
+Json RelationsJson(const std::optional<RelationsFigures>& relations) {
+  if (!relations) return nullptr;
+  return {{"mean_m", relations->mean_m},
+          {"std_m", relations->std_m},
+          {"mean_deg", relations->mean_deg},
+          {"std_deg", relations->std_deg}};
+}
+
+Json FiguresJson(const SolverFigures& figures, const std::vector<ComparedSolver>& solvers) {
+  Json json = {{"solver", figures.solver}, {"failures", figures.failures}};
+  if (figures.median_run == nullptr) return json;
+  const SolverRun& run = *figures.median_run;
+  Json reach = Json::object();
+  for (std::size_t i = 0; i < solvers.size(); ++i) {
+    reach[solvers[i].name] = OptionalJson(figures.time_to_reach_s[i]);
+  }
+  json.update({{"termination", run.termination},
+               {"rounds", run.num_rounds},
+               {"iterations", run.num_iterations},
+               {"time_s", figures.time_s},
+               {"cpu_time_s", run.cpu_time_s()},
+               {"final_marginal_energy", figures.final_energy},
+               {"time_to_final_energy_of_s", reach},
+               {"time_over_reduced", OptionalJson(figures.time_ratio)},
+               {"start_memory_bytes", run.start_memory_bytes},
+               {"peak_memory_bytes", figures.peak_memory_bytes},
+               {"memory_over_reduced", OptionalJson(figures.memory_ratio)},
+               {"relations", RelationsJson(run.relations)},
+               {"sharpness_of_raw_ranges", SharpnessJson(run.raw_ranges)},
+               {"sharpness_of_points", SharpnessJson(run.points)}});
+  return json;
+}
+
+}  // namespace
+
+std::string ComparisonTable(const Comparison& comparison) {
+  std::ostringstream table;
+  table << "solver                             rounds  iter.  seconds   CPU s       energy  above "
+           "%  x time"
+           "       MB    x MB  relations m   wall mm  entropy\n";
+  const double best = BestEnergy(comparison.runs);
+  for (const SolverFigures& figures : SumUp(comparison.solvers, comparison.runs)) {
+    table << TableRow(figures, best);
+  }
+  table << "energy: marginal, of the result; above: the best state of any solver. x time: to the "
+           "solver's own final\nenergy (within 0.01 %), over the time of "
+        << comparison.solvers.front().name
+        << " to the same. x MB: peak memory likewise. Wall thickness and\nentropy: optimised "
+           "points, within 0.15 m.\n";
+  return table.str();
+}
+
+Status WriteComparisonCsv(const std::string& path, const Comparison& comparison) {
+  AtomicFile file;
+  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
+  std::ostream& out = file.stream();
+  const double best = BestEnergy(comparison.runs);
+  out << "solver,repeat,iteration,time_s,cpu_time_s,marginal_energy,gap\n" << std::setprecision(12);
+  for (const SolverRun& run : comparison.runs) {
+    if (!run.failure.empty()) continue;
+    for (std::size_t i = 0; i < run.trace.size(); ++i) {
+      const TracePoint& point = run.trace[i];
+      out << '"' << run.solver << "\"," << run.repeat << ',' << i << ',' << point.time_s << ','
+          << point.cpu_time_s << ',' << point.marginal_energy << ',' << point.marginal_energy - best
+          << '\n';
+    }
+  }
+  return file.Commit();
+}
+
+Status WriteComparisonJson(const std::string& path, const Comparison& comparison) {
+  Json solvers = Json::array();
+  for (const SolverFigures& figures : SumUp(comparison.solvers, comparison.runs)) {
+    solvers.push_back(FiguresJson(figures, comparison.solvers));
+  }
+  return WriteJson(path, {{"input", comparison.input},
+                          {"scans", comparison.num_scans},
+                          {"returns", comparison.num_returns},
+                          {"repeats", comparison.options.repeats},
+                          {"time_limit_s", comparison.options.time_limit_s},
+                          {"best_marginal_energy", BestEnergy(comparison.runs)},
+                          {"solvers", solvers},
+                          {"flags", FlagsInForce()}});
+}
+
+Status WriteComparisonPlot(const std::string& path, const Comparison& comparison) {
+  // A tenth of what counts as reaching an energy: the best state itself has a place on the axis.
+  constexpr double kHair = 1e-5;
+  const double best = BestEnergy(comparison.runs);
+  ConvergencePlot plot;
+  plot.title = comparison.input;
+  plot.x_label = "time of the solver [s]";
+  plot.y_label = "marginal energy above the best [fraction; best at 1e-5]";
+  for (const SolverRun& run : comparison.runs) {
+    if (!run.failure.empty() || run.repeat != 1) continue;
+    ConvergenceLine line;
+    line.label = run.solver;
+    for (const TracePoint& point : run.trace) {
+      line.points.emplace_back(point.time_s, point.marginal_energy / best - 1.0 + kHair);
+    }
+    plot.lines.push_back(std::move(line));
+  }
+  return WriteConvergencePlot(path, plot);
+}
+
+}  // namespace plumbline

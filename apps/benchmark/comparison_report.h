@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_APPS_BENCHMARK_COMPARISON_REPORT_H_
+#define PLUMBLINE_APPS_BENCHMARK_COMPARISON_REPORT_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/benchmark/solver_comparison.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// What was compared: the input and all that came of it.
+struct Comparison {
+  std::string input;  ///< log or building
+  int num_scans = 0;
+  std::size_t num_returns = 0;
+  ComparisonOptions options;
+  std::vector<ComparedSolver> solvers;
+  std::vector<SolverRun> runs;
+};
+
+/// A table for people, one row per solver.
+std::string ComparisonTable(const Comparison& comparison);
+
+/// One line per iteration of every run that came to its end, from the seed (iteration 0) to the
+/// result. NotFound or Unavailable if the file cannot be written; so do the other two.
+Status WriteComparisonCsv(const std::string& path, const Comparison& comparison);
+
+/// The figures of every solver, and the program's flags.
+Status WriteComparisonJson(const std::string& path, const Comparison& comparison);
+
+/// A picture of the first run of each solver: how far above the best energy it is, over time.
+Status WriteComparisonPlot(const std::string& path, const Comparison& comparison);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_BENCHMARK_COMPARISON_REPORT_H_

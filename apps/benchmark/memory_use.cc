@@ -1,0 +1,27 @@
+#include "plumbline/apps/benchmark/memory_use.h"
+
+#include <unistd.h>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include <fstream>
+
+namespace plumbline {
+
+std::size_t ResidentMemoryBytes() {
+  std::size_t total_pages = 0, resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
+  return resident_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+void RestartPeakMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  // Linux: sets the peak of the resident set to its present size (man 5 proc).
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+}  // namespace plumbline

@@ -1,0 +1,27 @@
+#ifndef PLUMBLINE_APPS_READ_LOG_H_
+#define PLUMBLINE_APPS_READ_LOG_H_
+
+#include <cstddef>
+#include <string>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// What did not fit into the graph as it stood.
+struct LogCounts {
+  std::size_t num_skipped_records = 0;
+  std::size_t num_out_of_order = 0;
+};
+
+/// Reads the first `max_scans` scans of a CARMEN log (0 = all) into a graph placed by odometry, for
+/// a program: names the first records that it skips, and a doubtful mounting of the laser, on
+/// standard error. Fails like ReadCarmenLog and BuildGraph, and with InvalidArgument if no scan has
+/// a return; what the pointers lead to is then untouched.
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
+                        SlamGraph* graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_READ_LOG_H_

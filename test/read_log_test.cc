@@ -1,0 +1,46 @@
+#include "plumbline/apps/read_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "plumbline/test/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ReadLogTest, ReadsTheFirstScansAndCountsWhatDoesNotFit) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path,
+            "FLASER 2 1 2 0 0 0 0 0 0 1.0 host 0\n"
+            "FLASER 2 1 oops 0 0 0 0 0 0 1.5 host 0\n"
+            "FLASER 2 1 2 1 0 0 1 0 0 3.0 host 0\n"
+            "FLASER 2 1 2 2 0 0 2 0 0 2.0 host 0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  testing::internal::CaptureStderr();
+  const Status status = ReadLogIntoGraph(path, 2, &counts, &graph);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("skipped " + path + ":2: "));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(graph.num_scans(), 2);
+  EXPECT_EQ(graph.num_returns(), 4u);
+  EXPECT_EQ(counts.num_skipped_records, 1u);
+  EXPECT_EQ(counts.num_out_of_order, 1u);
+}
+
+TEST(ReadLogTest, ALogWithoutReturnsIsAnError) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path, "FLASER 2 nan nan 0 0 0 0 0 0 1.0 host 0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr(path + ": no scan has a return"));
+  EXPECT_EQ(graph.num_scans(), 0);
+}
+
+}  // namespace
+}  // namespace plumbline
