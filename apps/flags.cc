@@ -59,8 +59,10 @@ DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_
               "Odometry noise of a step without turning [rad]");
 
 // Associations and rounds.
-DEFINE_string(neighborhood, ToString(Defaults().association.neighborhood),
-              "Neighbourhood of a tangent line: radius, or nearest (the published form)");
+DEFINE_string(
+    neighborhood, ToString(Defaults().association.neighborhood),
+    "Neighbourhood of a tangent line: radius, or nearest (the published form; not with the "
+    "reduced solver)");
 DEFINE_int32(min_neighbors, Defaults().association.min_points, "Fewest points of a neighbourhood");
 DEFINE_int32(max_neighbors, Defaults().association.max_points,
              "Most points of a neighbourhood with --neighborhood=nearest");
@@ -71,17 +73,18 @@ DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
 DEFINE_double(shape_margin_deg, plumbline::RadToDeg(Defaults().association.shape_margin_rad),
               "Regions this close to parallel or orthogonal get a shape term [deg]");
 DEFINE_int32(coarse_rounds, Defaults().rounds.max_coarse_rounds,
-             "Most rounds with wide neighbourhoods, which pull double walls together");
+             "Not reduced: most rounds with wide neighbourhoods, which pull double walls together");
 DEFINE_int32(fine_rounds, Defaults().rounds.max_fine_rounds,
-             "Most rounds with narrow neighbourhoods; each rebuilds the associations");
+             "Not reduced: most rounds with narrow neighbourhoods; each rebuilds the associations");
 DEFINE_double(coarse_radius_m, Defaults().rounds.coarse_radius_m,
-              "Smallest neighbourhood radius in the first coarse round [m]");
-DEFINE_double(fine_radius_m, Defaults().rounds.fine_radius_m,
-              "Smallest neighbourhood radius in the fine rounds [m]");
+              "Not reduced: smallest neighbourhood radius in the first coarse round [m]");
+DEFINE_double(
+    fine_radius_m, Defaults().rounds.fine_radius_m,
+    "Smallest neighbourhood radius of the final tangent lines and of the fine rounds [m]");
 DEFINE_double(coarse_gate_factor, Defaults().rounds.coarse_gate_factor,
-              "Factor on the robust gates in the first coarse round");
+              "Not reduced: factor on the robust gates in the first coarse round");
 DEFINE_double(round_tolerance, Defaults().rounds.relative_tolerance,
-              "Fine rounds end when one gains less [fraction of the marginal energy]");
+              "Not reduced: fine rounds end when one gains less [fraction of the marginal energy]");
 
 // --solver=reduced
 DEFINE_int32(reduced_max_rounds, Defaults().reduced.max_rounds,
@@ -228,6 +231,13 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   if (options->ceres.reduced && options->type != SolverType::kCeres) {
     return Status::InvalidArgument("--reduced is a form of --solver=ceres, not of --solver=" +
                                    FLAGS_solver);
+  }
+  if (options->association.neighborhood == NeighborhoodType::kNearest &&
+      (options->type == SolverType::kReduced || options->ceres.reduced)) {
+    return Status::InvalidArgument(
+        "--neighborhood=nearest goes with --solver=alternating_cg or ceres, which take each "
+        "point's "
+        "neighbours; the reduced solver cuts surfaces into patches");
   }
   options->num_threads = FLAGS_threads;
   options->factors = FactorOptionsFromFlags();

@@ -35,11 +35,22 @@ Status CheckState(const char* name, const std::vector<double>& values, std::size
       " of the graph is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
 }
 
+bool IsOverPatches(const SolverOptions& options) {
+  return options.type == SolverType::kReduced ||
+         (options.type == SolverType::kCeres && options.ceres.reduced);
+}
+
 Status CheckInput(const SolverOptions& options, const SlamGraph& graph) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
   if (options.type == SolverType::kCeres) {
     PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
+  }
+  if (IsOverPatches(options) && options.association.neighborhood != NeighborhoodType::kRadius) {
+    return Status::InvalidArgument(
+        "association.neighborhood = " + std::string(ToString(options.association.neighborhood)) +
+        " goes with solvers that take each point's neighbours; the "
+        "reduced one cuts surfaces into patches");
   }
   PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
@@ -86,7 +97,7 @@ class JointSolver {
     surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
     best_poses_ = graph_->poses();
     summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
-    if (OverPatches()) {
+    if (IsOverPatches(options_)) {
       RunReduced();
     } else {
       RunRounds();
@@ -96,10 +107,6 @@ class JointSolver {
   }
 
  private:
-  bool OverPatches() const {
-    return options_.type == SolverType::kReduced ||
-           (options_.type == SolverType::kCeres && options_.ceres.reduced);
-  }
   const CeresOptions* Ceres() const {
     return options_.type == SolverType::kCeres ? &options_.ceres : nullptr;
   }
@@ -167,21 +174,13 @@ class JointSolver {
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
-  // Exact per-point sweeps; undone if they do not help.
+  // Exact per-point sweeps on the lines at hand, which never raise the energy.
   void Polish(const Energy& energy) {
-    best_poses_ = graph_->poses();
-    best_points_ = graph_->points();
     AlternatingCgOptions sweeps = options_.alternating_cg;
     sweeps.max_sweeps = options_.reduced.polish_sweeps;
     last_inner_ = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_);
-    const double polished = MarginalEnergyUnder(CurrentLines());
-    if (last_inner_.usable && IsImprovement(polished)) {
-      best_energy_ = polished;
-      summary_.displacements = MeasureDisplacements(surface_, options_.factors, &pool_, *graph_);
-    } else {
-      graph_->poses() = best_poses_;
-      graph_->points() = best_points_;
-    }
+    best_energy_ = MarginalEnergyUnder(CurrentLines());
+    summary_.displacements = MeasureDisplacements(surface_, options_.factors, &pool_, *graph_);
   }
 
   void RunRounds() {
@@ -326,7 +325,7 @@ class JointSolver {
     summary_.total_time_s = SecondsSince(start_);
     summary_.termination = Termination();
     std::ostringstream message;
-    if (OverPatches()) {
+    if (IsOverPatches(options_)) {
       message << "energy under the seed's patches " << summary_.seed_patch_energy << " -> "
               << summary_.final_patch_energy << ", ";
     }

@@ -163,14 +163,18 @@ TEST_F(FlagsTest, NamesOfCeresAreTakenInAnyCase) {
 
 TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SetFlag("solver", "ceres");
-  SetFlag("reduced", "true");
   SetFlag("neighborhood", "nearest");
   SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
   const SolverOptions options = FromFlags().solver;
   EXPECT_EQ(options.type, SolverType::kCeres);
-  EXPECT_TRUE(options.ceres.reduced);
   EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
   EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
+  SolverOptions with_patches;
+  SetFlag("reduced", "true");
+  const Status status = SolverOptionsFromFlags(&with_patches);
+  EXPECT_THAT(status.message(), HasSubstr("--neighborhood=nearest"));
+  SetFlag("neighborhood", "radius");
+  EXPECT_TRUE(FromFlags().solver.ceres.reduced);
 }
 
 // A flag that these tests do not know may be one that nothing reads.

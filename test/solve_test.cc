@@ -262,6 +262,13 @@ TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
   ExpectFailure(options, &room.graph, "DOGLEG");
 }
 
+TEST(SolveTest, PatchesHaveNoNearestNeighbors) {
+  NoisyRoom room = DisturbedRoom();
+  SolverOptions options = OptionsFor(SolverType::kReduced);
+  options.association.neighborhood = NeighborhoodType::kNearest;
+  ExpectFailure(options, &room.graph, "association.neighborhood = nearest");
+}
+
 TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   NoisyRoom own = DisturbedRoom();
   const SolverSummary expected = Solve(OptionsFor(SolverType::kReduced), &own.graph);

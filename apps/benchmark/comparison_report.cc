@@ -157,7 +157,7 @@ Status WriteComparisonPlot(const std::string& path, const Comparison& comparison
   constexpr double kHair = 1e-5;
   const double best = BestEnergy(comparison.runs);
   ConvergencePlot plot;
-  plot.title = comparison.input;
+  plot.title = comparison.input.substr(comparison.input.find_last_of('/') + 1);
   plot.x_label = "time of the solver [s]";
   plot.y_label = "marginal energy above the best [fraction; best at 1e-5]";
   for (const SolverRun& run : comparison.runs) {
