@@ -23,7 +23,8 @@ const plumbline::SeedingOptions& SeedingDefaults() {
 
 DEFINE_string(solver, ToString(Defaults().type),
               "Minimiser of the joint energy: reduced, alternating_cg or ceres");
-DEFINE_int32(threads, Defaults().num_threads, "Threads; the result does not depend on it");
+DEFINE_int32(threads, Defaults().num_threads,
+             "Threads; the result does not depend on it, but for the last digits of ceres");
 
 // Sensor and surfaces.
 DEFINE_double(sigma_range_m, Defaults().factors.beam.sigma_range_m,
@@ -63,7 +64,8 @@ DEFINE_string(
     neighborhood, ToString(Defaults().association.neighborhood),
     "Neighbourhood of a tangent line: radius, or nearest (the published form; not with the "
     "reduced solver)");
-DEFINE_int32(min_neighbors, Defaults().association.min_points, "Fewest points of a neighbourhood");
+DEFINE_int32(min_neighbors, Defaults().association.min_points,
+             "Fewest points of a tangent line's neighbourhood");
 DEFINE_int32(max_neighbors, Defaults().association.max_points,
              "Most points of a neighbourhood with --neighborhood=nearest");
 DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
@@ -140,7 +142,7 @@ DEFINE_bool(reduced, Defaults().ceres.reduced,
             "ceres: minimise over poses and the lines of patches, in the rounds of the reduced "
             "solver");
 DEFINE_int32(ceres_max_iterations, Defaults().ceres.max_iterations,
-             "Most iterations of Ceres per round");
+             "Most iterations of Ceres per round; with --reduced, per step");
 DEFINE_double(ceres_function_tolerance, Defaults().ceres.function_tolerance,
               "Ends a round when an iteration gains less [fraction of the cost]");
 

@@ -83,8 +83,7 @@ class JointSolver {
   JointSolver(const SolverOptions& options, SlamGraph* graph)
       : options_(options),
         graph_(graph),
-        fine_radius_m_(
-            std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors))),
+        fine_radius_m_(FineRadius(options)),
         pool_(options.num_threads) {
     summary_.solver = ToString(options.type);
     if (options.type == SolverType::kCeres && options.ceres.reduced) summary_.solver += ", reduced";
@@ -143,8 +142,8 @@ class JointSolver {
   bool LowersPatchEnergy() {
     std::vector<double> poses = best_poses_;
     poses.swap(graph_->poses());
-    const std::vector<double> energies =
-        PatchEnergies(*graph_, surface_, options_.factors, {&best_poses_, &poses}, &pool_);
+    const std::vector<double> energies = PatchEnergies(
+        *graph_, surface_, options_.factors, options_.association, {&best_poses_, &poses}, &pool_);
     graph_->poses().swap(poses);
     summary_.seed_patch_energy = energies[0];
     summary_.final_patch_energy = std::min(energies[0], energies[1]);
@@ -170,15 +169,28 @@ class JointSolver {
     }
     const Energy energy(*graph_, *associations, options_.factors, &pool_);
     RecordTerms(energy, best_poses_, seed_points, &TermSummary::initial_cost);
-    if (options_.reduced.polish_sweeps > 0 && !last_inner_.stopped) Polish(energy);
+    if (options_.reduced.polish_sweeps > 0 && last_inner_.usable && !last_inner_.stopped) {
+      Polish(energy);
+    }
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
-  // Exact per-point sweeps on the lines at hand, which never raise the energy.
+  // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the
+  // poses have become worse than the seed by that.
   void Polish(const Energy& energy) {
+    const std::vector<double> poses = graph_->poses();
+    best_points_ = graph_->points();
     AlternatingCgOptions sweeps = options_.alternating_cg;
     sweeps.max_sweeps = options_.reduced.polish_sweeps;
-    last_inner_ = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_);
+    const auto start = Clock::now();
+    last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_).stopped;
+    summary_.solve_time_s += SecondsSince(start);
+    if (!LowersPatchEnergy()) {
+      graph_->poses() = poses;
+      graph_->points() = best_points_;
+      LowersPatchEnergy();
+      return;
+    }
     best_energy_ = MarginalEnergyUnder(CurrentLines());
     summary_.displacements = MeasureDisplacements(surface_, options_.factors, &pool_, *graph_);
   }
@@ -369,6 +381,10 @@ ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam) {
   ReturnNormalOptions options;
   options.half_window_m = std::max(0.06, 6.0 * beam.sigma_range_m);
   return options;
+}
+
+double FineRadius(const SolverOptions& options) {
+  return std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors));
 }
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {

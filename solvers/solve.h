@@ -14,14 +14,20 @@ namespace plumbline {
 /// The window for surface normals that suits a laser of this range noise [m].
 ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam);
 
+/// Smallest radius [m] of the neighbourhoods that final tangent lines, and with them
+/// MarginalEnergy, are taken from: fine_radius_m, or more where noise would make walls look like
+/// clutter.
+double FineRadius(const SolverOptions& options);
+
 /// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
 /// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
 /// should be right to a few decimetres (SeedGraph brings it there).
 ///
 /// On return the graph holds the best state seen over the rounds, judged by MarginalEnergy; the
 /// reduced solver compares its last state with the given one by PatchEnergies. It is the given
-/// state, bit for bit, if nothing was better. Bad options or a state that is not finite:
-/// termination kFailure, the message names the culprit, and the graph is unchanged.
+/// state, bit for bit, if nothing was better. Bad options, no returns, or a state that is not
+/// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
+/// unchanged.
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
 
 }  // namespace plumbline

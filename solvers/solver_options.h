@@ -37,8 +37,8 @@ struct ReducedOptions {
   /// in the preconditioner's norm.
   double cg_tolerance = 1e-2;
   int max_cg_iterations = 200;
-  /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points and
-  /// their own lines. 0: none.
+  /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
+  /// and their own lines. 0: none.
   int polish_sweeps = 0;
 
   bool Check(std::string* error) const;

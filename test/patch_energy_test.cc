@@ -14,7 +14,8 @@ std::vector<double> EnergiesOf(const SlamGraph& graph,
                                const std::vector<const std::vector<double>*>& states,
                                int num_threads = 2) {
   ThreadPool pool(num_threads);
-  return PatchEnergies(graph, SurfaceOf(graph), FactorOptions(), states, &pool);
+  return PatchEnergies(graph, SurfaceOf(graph), FactorOptions(), AssociationOptions(), states,
+                       &pool);
 }
 
 TEST(PatchEnergyTest, TheTruthIsBetterThanADisturbedStateUnderThePatchesOfEither) {

@@ -44,8 +44,8 @@ SolverSummary SolveSoundly(const SolverOptions& options, SlamGraph* graph) {
     ThreadPool pool(1);
     const MeasuredSurface surface =
         MeasureSurface(seed, NormalOptionsFor(options.factors.beam), &pool);
-    const std::vector<double> energies =
-        PatchEnergies(seed, surface, options.factors, {&poses, &graph->poses()}, &pool);
+    const std::vector<double> energies = PatchEnergies(
+        seed, surface, options.factors, options.association, {&poses, &graph->poses()}, &pool);
     EXPECT_LT(energies[1], energies[0]);
   }
   return summary;

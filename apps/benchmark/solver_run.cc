@@ -223,7 +223,7 @@ double YardstickEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
                        const SolverOptions& options, ThreadPool* pool) {
   return MarginalEnergy(
       graph, surface,
-      LinesFromRadius(graph, surface, options.association, options.rounds.fine_radius_m, pool),
+      LinesFromRadius(graph, surface, options.association, FineRadius(options), pool),
       options.factors, pool);
 }
 

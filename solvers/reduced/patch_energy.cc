@@ -13,11 +13,10 @@ namespace plumbline {
 
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
                                   const FactorOptions& factors,
+                                  const AssociationOptions& association,
                                   const std::vector<const std::vector<double>*>& states,
                                   ThreadPool* pool) {
-  SurfacePatchOptions options;
-  options.noise_m = NoiseOf(factors).StandardDeviation();
-  SurfacePatches cut = CutIntoPatches(graph, surface, options, pool);
+  SurfacePatches cut = CutIntoPatches(graph, surface, PatchOptionsFor(factors, association), pool);
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
   PatchSightings sightings = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);

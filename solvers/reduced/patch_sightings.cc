@@ -61,48 +61,79 @@ ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const MeasuredSurface
                    [&](int a, int b) { return graph.scan(a).pose < graph.scan(b).pose; });
 }
 
-PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int> patch_of_return) {
-  sighting_of_return_ = std::move(patch_of_return);
-  const std::size_t num_poses = graph_.num_poses();
-  // The patches that each pose sees, in ascending order.
-  std::vector<std::vector<int>> patches_of_chunk(ThreadPool::NumChunks(num_poses, kPosesPerChunk));
-  std::vector<std::size_t> first_of_pose(num_poses, 0);
-  const auto for_each_return = [&](std::size_t pose, const auto& body) {
-    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-      const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
-      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        if (sighting_of_return_[r] != SurfacePatches::kNone) body(&sighting_of_return_[r]);
-      }
+template <typename Body>
+void ReturnCompressor::ForEachReturnOnPatch(std::size_t pose, const Body& body) {
+  for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+    const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      if (sighting_of_return_[r] != SurfacePatches::kNone) body(&sighting_of_return_[r]);
     }
-  };
+  }
+}
+
+std::vector<std::vector<int>> ReturnCompressor::ListPatches(
+    std::vector<std::size_t>* first_of_pose) {
+  const std::size_t num_poses = graph_.num_poses();
+  std::vector<std::vector<int>> patches_of_chunk(ThreadPool::NumChunks(num_poses, kPosesPerChunk));
+  first_of_pose->assign(num_poses, 0);
   pool_->ForEachChunk(
       num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         std::vector<int>& patches = patches_of_chunk[chunk];
         for (std::size_t pose = begin; pose < end; ++pose) {
           const std::size_t first = patches.size();
-          for_each_return(pose, [&](const int* patch) {
+          ForEachReturnOnPatch(pose, [&](const int* patch) {
             if (patches.size() == first || patches.back() != *patch) patches.push_back(*patch);
           });
           std::sort(patches.begin() + first, patches.end());
           patches.erase(std::unique(patches.begin() + first, patches.end()), patches.end());
-          first_of_pose[pose] = patches.size() - first;
+          (*first_of_pose)[pose] = patches.size() - first;
         }
       });
-  CountsToOffsets(&first_of_pose);
+  CountsToOffsets(first_of_pose);
+  return patches_of_chunk;
+}
 
+void ReturnCompressor::NameSightings(const std::vector<std::vector<int>>& patches_of_chunk,
+                                     const PatchSightings& sightings) {
+  pool_->ForEachChunk(
+      graph_.num_poses(), kPosesPerChunk,
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        const std::vector<int>& patches = patches_of_chunk[chunk];
+        const std::size_t start = sightings.first_of_pose[begin];
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          const auto first = patches.begin() + (sightings.first_of_pose[pose] - start);
+          const auto last = patches.begin() + (sightings.first_of_pose[pose + 1] - start);
+          int patch = SurfacePatches::kNone, sighting = SurfacePatches::kNone;
+          ForEachReturnOnPatch(pose, [&](int* of_return) {
+            if (*of_return != patch) {
+              patch = *of_return;
+              sighting =
+                  sightings
+                      .of_pose[start + (std::lower_bound(first, last, patch) - patches.begin())];
+            }
+            *of_return = sighting;
+          });
+        }
+      });
+}
+
+PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int> patch_of_return) {
+  sighting_of_return_ = std::move(patch_of_return);
+  const std::size_t num_poses = graph_.num_poses();
   PatchSightings result;
+  const std::vector<std::vector<int>> patches_of_chunk = ListPatches(&result.first_of_pose);
   result.first_of_patch.assign(num_patches, 0);
   for (const std::vector<int>& patches : patches_of_chunk) {
     for (const int patch : patches) ++result.first_of_patch[patch];
   }
   CountsToOffsets(&result.first_of_patch);
-  result.sightings.resize(first_of_pose.back());
-  result.of_pose.resize(first_of_pose.back());
+  result.sightings.resize(result.first_of_pose.back());
+  result.of_pose.resize(result.first_of_pose.back());
   std::vector<std::size_t> next = result.first_of_patch;
   for (std::size_t pose = 0; pose < num_poses; ++pose) {
     const std::vector<int>& patches = patches_of_chunk[pose / kPosesPerChunk];
-    const std::size_t start = first_of_pose[pose / kPosesPerChunk * kPosesPerChunk];
-    for (std::size_t k = first_of_pose[pose]; k < first_of_pose[pose + 1]; ++k) {
+    const std::size_t start = result.first_of_pose[pose / kPosesPerChunk * kPosesPerChunk];
+    for (std::size_t k = result.first_of_pose[pose]; k < result.first_of_pose[pose + 1]; ++k) {
       const int patch = patches[k - start];
       result.of_pose[k] = static_cast<int>(next[patch]);
       PatchSighting& sighting = result.sightings[next[patch]++];
@@ -110,26 +141,7 @@ PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int
       sighting.patch = patch;
     }
   }
-  result.first_of_pose = std::move(first_of_pose);
-
-  pool_->ForEachChunk(
-      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const std::vector<int>& patches = patches_of_chunk[chunk];
-        const std::size_t start = result.first_of_pose[begin];
-        for (std::size_t pose = begin; pose < end; ++pose) {
-          const auto first = patches.begin() + (result.first_of_pose[pose] - start);
-          const auto last = patches.begin() + (result.first_of_pose[pose + 1] - start);
-          int patch = SurfacePatches::kNone, sighting = SurfacePatches::kNone;
-          for_each_return(pose, [&](int* of_return) {
-            if (*of_return != patch) {
-              patch = *of_return;
-              sighting =
-                  result.of_pose[start + (std::lower_bound(first, last, patch) - patches.begin())];
-            }
-            *of_return = sighting;
-          });
-        }
-      });
+  NameSightings(patches_of_chunk, result);
   return result;
 }
 

@@ -80,13 +80,21 @@ class ReturnCompressor {
                const GemanMcClure& loss, PatchSightings* sightings) const;
 
  private:
+  template <typename Body>
+  void ForEachReturnOnPatch(std::size_t pose, const Body& body);
+  // The patches that each pose sees, ascending, in one list per chunk of poses.
+  std::vector<std::vector<int>> ListPatches(std::vector<std::size_t>* first_of_pose);
+  // Turns the patch of every return into its sighting.
+  void NameSightings(const std::vector<std::vector<int>>& patches_of_chunk,
+                     const PatchSightings& sightings);
+
   const SlamGraph& graph_;
   const MeasuredSurface& surface_;
   const SurfaceNoise noise_;
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose
   std::vector<std::size_t> first_scan_of_pose_;
-  std::vector<int> sighting_of_return_;
+  std::vector<int> sighting_of_return_;  // its patch, until the sightings are laid out
 };
 
 }  // namespace plumbline

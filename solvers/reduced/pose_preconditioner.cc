@@ -111,6 +111,7 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system, const PatchSight
   // Rounding must not make a free mode (an island's gauge) indefinite.
   matrix.diagonal() *= 1.0 + 1e-9;
   groups_.compute(matrix);
+  has_groups_ = groups_.info() == Eigen::Success;
 }
 
 void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result) const {
@@ -125,7 +126,11 @@ void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result
     result->segment<3>(at(i)) = carried;
     coarse.segment<3>(at(GroupOf(i))) += RigidMotion(i).transpose() * v.segment<3>(at(i));
   }
-  groups_.solveInPlace(coarse);
+  if (has_groups_) {
+    groups_.solveInPlace(coarse);
+  } else {
+    coarse.setZero();
+  }
   Eigen::Vector3d above = Eigen::Vector3d::Zero();
   for (std::size_t i = n; i-- > 0;) {
     Eigen::Vector3d x = chain_inverse_[i] * result->segment<3>(at(i));

@@ -35,6 +35,7 @@ class PosePreconditioner {
   std::size_t group_size_ = 1;
   std::vector<Eigen::Vector2d> group_center_;
   Eigen::LLT<Eigen::MatrixXd> groups_;
+  bool has_groups_ = false;  // not if rounding has made their matrix indefinite
 };
 
 /// Solves S x = -gradient to a residual of relative_tolerance times the gradient, measured in the

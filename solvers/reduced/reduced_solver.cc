@@ -107,9 +107,8 @@ class PatchMinimizer {
 
   void CutPatches() {
     const auto start = Clock::now();
-    SurfacePatchOptions options;
-    options.noise_m = NoiseOf(factors_).StandardDeviation();
-    SurfacePatches cut = CutIntoPatches(*graph_, surface_, options, pool_);
+    SurfacePatches cut =
+        CutIntoPatches(*graph_, surface_, PatchOptionsFor(factors_, association_), pool_);
     if (factors_.shape.enabled) {
       adjacent_ =
           FindAdjacentPatches(*graph_, surface_, cut, association_.min_segment_length_m, pool_);

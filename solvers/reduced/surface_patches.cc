@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/surface_cells.h"
 
 namespace plumbline {
@@ -127,6 +128,14 @@ class Quadtree {
 };
 
 }  // namespace
+
+SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
+                                    const AssociationOptions& association) {
+  SurfacePatchOptions options;
+  options.max_eigenvalue_ratio = association.max_eigenvalue_ratio;
+  options.noise_m = NoiseOf(factors).StandardDeviation();
+  return options;
+}
 
 SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
                               const SurfacePatchOptions& options, ThreadPool* pool) {

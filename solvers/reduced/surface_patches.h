@@ -7,6 +7,8 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/association/associations.h"
 
 namespace plumbline {
 
@@ -39,6 +41,10 @@ struct SurfacePatchOptions {
   /// Standard deviation of a return off its surface [m].
   double noise_m = 0.0;
 };
+
+/// The patches that suit the noise, and the limit that the tangent lines of single points have.
+SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
+                                    const AssociationOptions& association);
 
 /// Cuts the surfaces that the scans saw, placed by the graph's poses, into patches: cells of a
 /// quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
