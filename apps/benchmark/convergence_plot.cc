@@ -6,10 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <memory>
-#include <ostream>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -27,13 +26,6 @@ constexpr Color kColors[] = {{0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62
                              {0.80, 0.47, 0.65}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
                              {0.00, 0.00, 0.00}, {0.50, 0.50, 0.50}};
 constexpr int kNumMarkers = 4;
-
-struct CairoDeleter {
-  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-  void operator()(cairo_t* context) const { cairo_destroy(context); }
-};
-using Surface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
-using Context = std::unique_ptr<cairo_t, CairoDeleter>;
 
 bool HasPlace(const Eigen::Vector2d& point) {
   return point.allFinite() && point.x() > 0.0 && point.y() > 0.0;
@@ -211,11 +203,6 @@ class Painter {
   const LogAxis x_, y_;
 };
 
-cairo_status_t WriteBytes(void* stream, const unsigned char* data, unsigned int size) {
-  static_cast<std::ostream*>(stream)->write(reinterpret_cast<const char*>(data), size);
-  return CAIRO_STATUS_SUCCESS;  // AtomicFile::Commit reports a failure.
-}
-
 }  // namespace
 
 Status WriteConvergencePlot(const std::string& path, const ConvergencePlot& plot) {
@@ -228,17 +215,10 @@ Status WriteConvergencePlot(const std::string& path, const ConvergencePlot& plot
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   const int num_rows = static_cast<int>((plot.lines.size() + 1) / 2);
   const int height = kTopPx + kPlotHeightPx + kBottomPx + num_rows * kLegendRowPx + 10;
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidthPx, height));
-  const Context context(cairo_create(surface.get()));
+  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, kWidthPx, height));
+  const CairoContext context(cairo_create(surface.get()));
   Painter(plot, context.get()).Paint();
-  cairo_status_t result = cairo_status(context.get());
-  if (result == CAIRO_STATUS_SUCCESS) {
-    result = cairo_surface_write_to_png_stream(surface.get(), WriteBytes, &file.stream());
-  }
-  if (result != CAIRO_STATUS_SUCCESS) {
-    return Status::Unavailable("cannot draw '" + path + "': " + cairo_status_to_string(result));
-  }
-  return file.Commit();
+  return CommitPng(path, surface.get(), context.get(), &file);
 }
 
 }  // namespace plumbline

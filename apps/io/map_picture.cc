@@ -6,11 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <memory>
-#include <ostream>
 #include <vector>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/core/options_check.h"
 
@@ -24,13 +23,6 @@ constexpr int kMinWidthPx = 640;  // room for title and scale bar
 constexpr int kLegendRowPx = 30;
 constexpr double kFontPx = 18.0;
 constexpr double kFadedStrength = 0.75;  // of a map that is the background of overlays
-
-struct CairoDeleter {
-  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
-  void operator()(cairo_t* context) const { cairo_destroy(context); }
-};
-using Surface = std::unique_ptr<cairo_surface_t, CairoDeleter>;
-using Context = std::unique_ptr<cairo_t, CairoDeleter>;
 
 /// Fills the canvas white and puts the density image with its upper left corner at (left, top), its
 /// darkness multiplied by `strength`.
@@ -136,11 +128,6 @@ void DrawLegend(const std::vector<MapOverlay>& overlays, double left, double top
   }
 }
 
-cairo_status_t WriteBytes(void* stream, const unsigned char* data, unsigned int size) {
-  static_cast<std::ostream*>(stream)->write(reinterpret_cast<const char*>(data), size);
-  return CAIRO_STATUS_SUCCESS;  // AtomicFile::Commit reports a failure.
-}
-
 Status CheckInput(const SlamGraph& graph, const MapPictureOptions& options) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("map picture options: " + error);
@@ -175,28 +162,21 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
   const int legend_height = kLegendRowPx * static_cast<int>(options.overlays.size());
   const int height = kHeaderPx + raster.height + kFooterPx + legend_height;
   const int map_left = (width - raster.width) / 2;
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
   DrawDensity(DensityImage(graph, raster), has_overlays ? kFadedStrength : 1.0, raster, map_left,
               kHeaderPx, surface.get());
 
-  const Context context(cairo_create(surface.get()));
+  const CairoContext context(cairo_create(surface.get()));
   DrawTitle(graph, options.title, context.get());
   const int footer_top = kHeaderPx + raster.height;
   DrawScaleBar(raster, kBorderPx, footer_top + 0.5 * kFooterPx, context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
   DrawMap(graph, options.overlays, raster, map_left, context.get());
 
-  cairo_status_t result = cairo_status(context.get());
-  if (result == CAIRO_STATUS_SUCCESS) {
-    result = cairo_surface_write_to_png_stream(surface.get(), WriteBytes, &file.stream());
-  }
-  if (result != CAIRO_STATUS_SUCCESS) {
-    return Status::Unavailable("cannot draw '" + path + "': " + cairo_status_to_string(result));
-  }
-  return file.Commit();
+  return CommitPng(path, surface.get(), context.get(), &file);
 }
 
 }  // namespace plumbline
