@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
@@ -32,36 +33,20 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
   return cost_on_line < loss.Rho(distance * distance / surface_variance) ? remaining : distance;
 }
 
-// Where the robot of one scan is, and its laser on it.
-struct ScanFrame {
-  Pose2 world_from_robot;
-  double c, s;
-  Eigen::Vector2d laser;
-
-  ScanFrame(const SlamGraph& graph, const ScanEntry& scan)
-      : world_from_robot(graph.WorldFromRobot(scan.pose)),
-        c(std::cos(world_from_robot.yaw)),
-        s(std::sin(world_from_robot.yaw)),
-        laser(graph.laser(scan.laser).robot_from_laser.translation()) {}
-
-  Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {
-    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-  }
-};
-
 void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
                  const FactorOptions& factors, int scan_id, SlamGraph* graph) {
   const ScanEntry& scan = graph->scan(scan_id);
-  const ScanFrame frame(*graph, scan);
+  const PoseFrame frame(&graph->poses()[3 * scan.pose]);
+  const Eigen::Vector2d laser = graph->laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
     Eigen::Map<Eigen::Vector2d> point(&graph->points()[2 * r]);
-    point = frame.Rotate(in_robot) + frame.world_from_robot.translation();
+    point = frame.Rotate(in_robot) + frame.translation();
     if (!Associations::HasLine(lines[r])) continue;
     const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
-    const Eigen::Vector2d beam = frame.Rotate(in_robot - frame.laser);
+    const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const double variance = noise.BeamVariance(beam, normal);
     const double distance = normal.dot(point) - lines[r].offset;
     const double moved =
@@ -80,11 +65,12 @@ void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>&
 void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, const SlamGraph& graph,
                  int scan_id, PointDisplacements* displacements) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const ScanFrame frame(graph, scan);
+  const PoseFrame frame(&graph.poses()[3 * scan.pose]);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
-    const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.world_from_robot.translation();
-    const Eigen::Vector2d beam = frame.Rotate(in_robot - frame.laser);
+    const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
+    const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const Eigen::Vector2d moved =
         Eigen::Vector2d(graph.points()[2 * r], graph.points()[2 * r + 1]) - measured;
     const double range_squared = beam.squaredNorm();

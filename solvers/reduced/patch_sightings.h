@@ -2,11 +2,11 @@
 #define PLUMBLINE_SOLVERS_REDUCED_PATCH_SIGHTINGS_H_
 
 #include <Eigen/Core>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/robust_loss.h"
@@ -15,24 +15,7 @@
 
 namespace plumbline {
 
-/// A pose with its rotation at hand.
-struct PoseFrame {
-  double x = 0.0, y = 0.0;
-  double c = 1.0, s = 0.0;
-
-  PoseFrame() = default;
-  explicit PoseFrame(const double* pose)
-      : x(pose[0]), y(pose[1]), c(std::cos(pose[2])), s(std::sin(pose[2])) {}
-
-  /// From the robot's axes to those of the world.
-  Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {
-    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
-  }
-  Eigen::Vector2d RotateBack(const Eigen::Vector2d& v) const {
-    return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
-  }
-  Eigen::Vector2d translation() const { return {x, y}; }
-};
+/// One per pose, from (x, y, yaw) each.
 std::vector<PoseFrame> FramesOf(const std::vector<double>& poses);
 
 /// All that one pose saw of one patch. Returns z_i with weights w_i cost, whatever the pose (R, t)
