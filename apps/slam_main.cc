@@ -29,7 +29,7 @@
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
@@ -124,15 +124,15 @@ class SlamRun {
 
   Status Seed() {
     const auto start = Clock::now();
-    const std::vector<Eigen::Vector2f> normals =
-        EstimateReturnNormals(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
+    surface_ = MeasureSurface(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
       return true;
     };
-    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion, normals,
-                                        progress, &*pool_, &graph_, &summary_.seeding));
+    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion,
+                                        surface_.normals, progress, &*pool_, &graph_,
+                                        &summary_.seeding));
     summary_.seed_time_s = SecondsSince(start);
     bars.Finish();
     std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n"
@@ -147,7 +147,7 @@ class SlamRun {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return true;
     };
-    summary_.solver = Solve(solver_options_, &graph_);
+    summary_.solver = Solve(solver_options_, surface_, &graph_);
     if (!summary_.solver.IsSolutionUsable()) {
       return Status::InvalidArgument(summary_.solver.message);
     }
@@ -215,6 +215,7 @@ class SlamRun {
   std::optional<ThreadPool> pool_;
   const OutputFolder output_{FLAGS_output_dir};
   SlamGraph graph_;
+  MeasuredSurface surface_;
   std::optional<Truth> truth_;
   RunSummary summary_;
 };

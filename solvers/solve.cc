@@ -13,6 +13,7 @@
 #include "plumbline/solvers/point_recovery.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
+#include "plumbline/solvers/solver_input.h"
 
 namespace plumbline {
 namespace {
@@ -23,39 +24,22 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Names the first block of `size` entries that is not finite, or too far away for the cells of
-// surfaces to be numbered.
-Status CheckState(const char* name, const std::vector<double>& values, std::size_t size) {
-  constexpr double kLargest = 1e8;
-  const auto bad = std::find_if(values.begin(), values.end(),
-                                [](double v) { return !(std::abs(v) <= kLargest); });
-  if (bad == values.end()) return Status::Ok();
-  return Status::InvalidArgument(
-      std::string(name) + " " + std::to_string((bad - values.begin()) / size) +
-      " of the graph is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
+Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
+  if (surface.points.size() == graph.num_returns() &&
+      surface.normals.size() == graph.num_returns()) {
+    return Status::Ok();
+  }
+  return Status::InvalidArgument("the graph has " + std::to_string(graph.num_returns()) +
+                                 " returns, but the surface " +
+                                 std::to_string(surface.points.size()) + " points and " +
+                                 std::to_string(surface.normals.size()) + " normals");
 }
 
-bool IsOverPatches(const SolverOptions& options) {
-  return options.type == SolverType::kReduced ||
-         (options.type == SolverType::kCeres && options.ceres.reduced);
-}
-
-Status CheckInput(const SolverOptions& options, const SlamGraph& graph) {
-  std::string error;
-  if (!options.Check(&error)) return Status::InvalidArgument(error);
-  if (options.type == SolverType::kCeres) {
-    PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
-  }
-  if (IsOverPatches(options) && options.association.neighborhood != NeighborhoodType::kRadius) {
-    return Status::InvalidArgument(
-        "association.neighborhood = " + std::string(ToString(options.association.neighborhood)) +
-        " goes with solvers that take each point's neighbours; the "
-        "reduced one cuts surfaces into patches");
-  }
-  PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
-  PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
-  if (graph.num_returns() > 0) return Status::Ok();
-  return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
+SolverSummary Failure(const SolverOptions& options, const Status& status) {
+  SolverSummary failure;
+  failure.solver = ToString(options.type);
+  failure.message = status.message();
+  return failure;
 }
 
 // What a round works with: neighbourhood radius [m] and factor on the robust gates.
@@ -80,11 +64,12 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
 
 class JointSolver {
  public:
-  JointSolver(const SolverOptions& options, SlamGraph* graph)
+  JointSolver(const SolverOptions& options, const MeasuredSurface* surface, SlamGraph* graph)
       : options_(options),
         graph_(graph),
         fine_radius_m_(FineRadius(options)),
-        pool_(options.num_threads) {
+        pool_(options.num_threads),
+        surface_(surface) {
     summary_.solver = ToString(options.type);
     if (options.type == SolverType::kCeres && options.ceres.reduced) summary_.solver += ", reduced";
     summary_.num_poses = graph->num_poses();
@@ -93,10 +78,13 @@ class JointSolver {
   }
 
   SolverSummary Run() {
-    surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
+    if (surface_ == nullptr) {
+      own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
+      surface_ = &own_surface_;
+    }
     best_poses_ = graph_->poses();
     summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
-    if (IsOverPatches(options_)) {
+    if (options_.IsOverPatches()) {
       RunReduced();
     } else {
       RunRounds();
@@ -113,9 +101,10 @@ class JointSolver {
   // Rounds over patches, then the points in closed form.
   void RunReduced() {
     ReducedResult result =
-        MinimizeOverPatches(surface_, options_.factors, options_.reduced, options_.association,
+        MinimizeOverPatches(*surface_, options_.factors, options_.reduced, options_.association,
                             ReportCallback(), &pool_, graph_, Ceres());
     summary_.patch_rounds = std::move(result.rounds);
+    seed_patches_ = std::move(result.first_cut);
     summary_.solve_time_s = result.minimization_time_s;
     summary_.setup_time_s = result.setup_time_s;
     last_inner_.usable = result.usable;
@@ -140,11 +129,9 @@ class JointSolver {
 
   // Whether the graph's poses are better than the seed's, by more than rounding.
   bool LowersPatchEnergy() {
-    std::vector<double> poses = best_poses_;
-    poses.swap(graph_->poses());
-    const std::vector<double> energies = PatchEnergies(
-        *graph_, surface_, options_.factors, options_.association, {&best_poses_, &poses}, &pool_);
-    graph_->poses().swap(poses);
+    const std::vector<double> energies =
+        PatchEnergies(*graph_, *surface_, options_.factors, seed_patches_,
+                      {&best_poses_, &graph_->poses()}, &pool_);
     summary_.seed_patch_energy = energies[0];
     summary_.final_patch_energy = std::min(energies[0], energies[1]);
     const double rounding = kRounding * (energies[0] + static_cast<double>(graph_->num_returns()));
@@ -162,9 +149,9 @@ class JointSolver {
   void FinishReduced(Associations* associations) {
     const std::vector<double> seed_points = graph_->points();
     summary_.displacements =
-        RecoverPoints(surface_, associations->lines, options_.factors, &pool_, graph_);
+        RecoverPoints(*surface_, associations->lines, options_.factors, &pool_, graph_);
     if (options_.factors.shape.enabled) {
-      associations->shape_pairs = FindShapePairs(*graph_, surface_.normals, associations->lines,
+      associations->shape_pairs = FindShapePairs(*graph_, surface_->normals, associations->lines,
                                                  options_.association, &pool_);
     }
     const Energy energy(*graph_, *associations, options_.factors, &pool_);
@@ -192,7 +179,7 @@ class JointSolver {
       return;
     }
     best_energy_ = MarginalEnergyUnder(CurrentLines());
-    summary_.displacements = MeasureDisplacements(surface_, options_.factors, &pool_, *graph_);
+    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
   }
 
   void RunRounds() {
@@ -214,12 +201,12 @@ class JointSolver {
   std::vector<TangentLine> CurrentLines() {
     const auto start = Clock::now();
     std::vector<TangentLine> lines =
-        LinesFromRadius(*graph_, surface_, options_.association, fine_radius_m_, &pool_);
+        LinesFromRadius(*graph_, *surface_, options_.association, fine_radius_m_, &pool_);
     summary_.association_time_s += SecondsSince(start);
     return lines;
   }
   double MarginalEnergyUnder(const std::vector<TangentLine>& lines) {
-    return MarginalEnergy(*graph_, surface_, lines, options_.factors, &pool_);
+    return MarginalEnergy(*graph_, *surface_, lines, options_.factors, &pool_);
   }
 
   // Share of an energy that the rounding of measured points to single precision may change.
@@ -272,7 +259,7 @@ class JointSolver {
     const std::vector<double> points = graph_->points();
     graph_->ResetPointsFromPoses();
     Associations associations =
-        BuildAssociations(*graph_, surface_, options_.association, radius_m, &pool_);
+        BuildAssociations(*graph_, *surface_, options_.association, radius_m, &pool_);
     graph_->points() = points;
     return associations;
   }
@@ -337,7 +324,7 @@ class JointSolver {
     summary_.total_time_s = SecondsSince(start_);
     summary_.termination = Termination();
     std::ostringstream message;
-    if (IsOverPatches(options_)) {
+    if (options_.IsOverPatches()) {
       message << "energy under the seed's patches " << summary_.seed_patch_energy << " -> "
               << summary_.final_patch_energy << ", ";
     }
@@ -364,7 +351,9 @@ class JointSolver {
   const double fine_radius_m_;
   ThreadPool pool_;
   const Clock::time_point start_ = Clock::now();
-  MeasuredSurface surface_;
+  MeasuredSurface own_surface_;
+  const MeasuredSurface* surface_;  // what the caller has measured, or own_surface_
+  SurfacePatches seed_patches_;     // over patches: the surfaces as the seed places them
   SolverSummary summary_;
   InnerResult last_inner_;
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated
@@ -388,14 +377,15 @@ double FineRadius(const SolverOptions& options) {
 }
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
-  const Status status = CheckInput(options, *graph);
-  if (!status.ok()) {
-    SolverSummary failure;
-    failure.solver = ToString(options.type);
-    failure.message = status.message();
-    return failure;
-  }
-  return JointSolver(options, graph).Run();
+  const Status status = CheckSolverInput(options, *graph);
+  return status.ok() ? JointSolver(options, nullptr, graph).Run() : Failure(options, status);
+}
+
+SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
+                    SlamGraph* graph) {
+  Status status = CheckSolverInput(options, *graph);
+  if (status.ok()) status = CheckSurface(surface, *graph);
+  return status.ok() ? JointSolver(options, &surface, graph).Run() : Failure(options, status);
 }
 
 }  // namespace plumbline

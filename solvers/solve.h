@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/solver_options.h"
@@ -29,6 +30,10 @@ double FineRadius(const SolverOptions& options);
 /// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
 /// unchanged.
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
+
+/// The same for a caller that has measured the surfaces already, with the normals that
+/// NormalOptionsFor(options.factors.beam) gives. A surface of another number of returns: kFailure.
+SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface, SlamGraph* graph);
 
 }  // namespace plumbline
 

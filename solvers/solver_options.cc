@@ -65,6 +65,10 @@ bool RoundOptions::Check(std::string* error) const {
   return true;
 }
 
+bool SolverOptions::IsOverPatches() const {
+  return type == SolverType::kReduced || (type == SolverType::kCeres && ceres.reduced);
+}
+
 bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(num_threads, >, 0);
   PLUMBLINE_CHECK_NESTED_OPTIONS(factors);

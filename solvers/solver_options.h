@@ -119,6 +119,9 @@ struct SolverOptions {
   int num_threads = 2;
   ProgressCallback callback;
 
+  /// Whether surfaces are cut into patches and points eliminated, by whichever solver.
+  bool IsOverPatches() const;
+
   bool Check(std::string* error) const;
 };
 

@@ -14,8 +14,12 @@ std::vector<double> EnergiesOf(const SlamGraph& graph,
                                const std::vector<const std::vector<double>*>& states,
                                int num_threads = 2) {
   ThreadPool pool(num_threads);
-  return PatchEnergies(graph, SurfaceOf(graph), FactorOptions(), AssociationOptions(), states,
-                       &pool);
+  const MeasuredSurface surface = SurfaceOf(graph);
+  const FactorOptions factors;
+  return PatchEnergies(
+      graph, surface, factors,
+      CutIntoPatches(graph, surface, PatchOptionsFor(factors, AssociationOptions()), &pool), states,
+      &pool);
 }
 
 TEST(PatchEnergyTest, TheTruthIsBetterThanADisturbedStateUnderThePatchesOfEither) {

@@ -78,7 +78,8 @@ struct CompressedGraph {
       system.Linearize(sightings, patches, terms, poses, frames, &pool);
       const PosePreconditioner preconditioner(system, sightings, frames, &pool);
       Eigen::VectorXd step;
-      SolvePoseSystem(system, sightings, preconditioner, 1e-8, 2000, &pool, &step);
+      SolvePoseSystem(system, sightings, preconditioner, -system.gradient, 1e-8, 2000, &pool,
+                      &step);
       std::vector<double> next = poses;
       for (std::size_t k = 0; k < next.size(); ++k) next[k] += step[static_cast<Eigen::Index>(k)];
       const double next_cost = Cost(next);

@@ -126,8 +126,8 @@ class Drive {
     ThreadPool pool(num_threads);
     const PosePreconditioner preconditioner(system_, sightings_, frames_, &pool);
     Eigen::VectorXd x;
-    *iterations =
-        SolvePoseSystem(system_, sightings_, preconditioner, tolerance, max_iterations, &pool, &x);
+    *iterations = SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient, tolerance,
+                                  max_iterations, &pool, &x);
     return x;
   }
 

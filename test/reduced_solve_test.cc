@@ -45,7 +45,9 @@ SolverSummary SolveSoundly(const SolverOptions& options, SlamGraph* graph) {
     const MeasuredSurface surface =
         MeasureSurface(seed, NormalOptionsFor(options.factors.beam), &pool);
     const std::vector<double> energies = PatchEnergies(
-        seed, surface, options.factors, options.association, {&poses, &graph->poses()}, &pool);
+        seed, surface, options.factors,
+        CutIntoPatches(seed, surface, PatchOptionsFor(options.factors, options.association), &pool),
+        {&poses, &graph->poses()}, &pool);
     EXPECT_LT(energies[1], energies[0]);
   }
   return summary;

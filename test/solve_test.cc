@@ -287,6 +287,28 @@ TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   EXPECT_NE(room.graph.points(), DisturbedRoom().graph.points());
 }
 
+TEST(SolveTest, ASurfaceThatTheCallerHasMeasuredGivesTheSameResult) {
+  const SolverOptions options;
+  NoisyRoom expected = DisturbedRoom();
+  Solve(options, &expected.graph);
+  NoisyRoom room = DisturbedRoom();
+  ThreadPool pool(1);
+  const MeasuredSurface surface =
+      MeasureSurface(room.graph, NormalOptionsFor(options.factors.beam), &pool);
+  EXPECT_TRUE(Solve(options, surface, &room.graph).IsSolutionUsable());
+  EXPECT_EQ(room.graph.poses(), expected.graph.poses());
+  EXPECT_EQ(room.graph.points(), expected.graph.points());
+}
+
+TEST(SolveTest, ASurfaceOfAnotherGraphIsRefused) {
+  NoisyRoom room = DisturbedRoom();
+  const std::vector<double> poses = room.graph.poses();
+  const SolverSummary summary = Solve(SolverOptions(), MeasuredSurface(), &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, testing::HasSubstr("but the surface 0 points and 0 normals"));
+  EXPECT_EQ(room.graph.poses(), poses);
+}
+
 TEST(SolveTest, NormalsSpanSixTimesTheRangeNoise) {
   RangeBeamOptions beam;
   beam.sigma_range_m = 0.001;

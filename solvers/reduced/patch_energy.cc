@@ -7,16 +7,13 @@
 #include "plumbline/solvers/pose_terms.h"
 #include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/pose_system.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
 
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
-                                  const FactorOptions& factors,
-                                  const AssociationOptions& association,
+                                  const FactorOptions& factors, SurfacePatches cut,
                                   const std::vector<const std::vector<double>*>& states,
                                   ThreadPool* pool) {
-  SurfacePatches cut = CutIntoPatches(graph, surface, PatchOptionsFor(factors, association), pool);
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
   PatchSightings sightings = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);

@@ -7,21 +7,20 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
 
 /// Energies of several states of the poses, (x, y, yaw) each, under one and the same association of
-/// returns to patches: the one that the graph's current poses give. Every point is at its optimum,
-/// and every line where all its returns and then the robust weights put it. A return on a patch
+/// returns to patches, as CutIntoPatches gives it. Every point is at its optimum, and every line
+/// where all its returns and then the robust weights put it. A return on a patch
 /// costs rho(d^2 / s^2) / 2, see MarginalEnergy; others cost nothing, in no state. Pose terms are
 /// added, shape terms are not.
 ///
 /// MarginalEnergy gives each state associations of its own: where returns are few, which of them
 /// then count as surface changes the sum by more than the poses do.
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
-                                  const FactorOptions& factors,
-                                  const AssociationOptions& association,
+                                  const FactorOptions& factors, SurfacePatches cut,
                                   const std::vector<const std::vector<double>*>& states,
                                   ThreadPool* pool);
 

@@ -141,9 +141,10 @@ void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result
 }
 
 int SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
-                    const PosePreconditioner& preconditioner, double relative_tolerance,
+                    const PosePreconditioner& preconditioner,
+                    const Eigen::VectorXd& right_hand_side, double relative_tolerance,
                     int max_iterations, ThreadPool* pool, Eigen::VectorXd* x) {
-  Eigen::VectorXd residual = -system.gradient, direction, preconditioned, product;
+  Eigen::VectorXd residual = right_hand_side, direction, preconditioned, product;
   x->setZero(residual.size());
   preconditioner.Apply(residual, &preconditioned);
   direction = preconditioned;

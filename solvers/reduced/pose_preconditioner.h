@@ -38,10 +38,11 @@ class PosePreconditioner {
   bool has_groups_ = false;  // not if rounding has made their matrix indefinite
 };
 
-/// Solves S x = -gradient to a residual of relative_tolerance times the gradient, measured in the
+/// Solves S x = right_hand_side to a residual of relative_tolerance times that, measured in the
 /// preconditioner's norm. Gives the number of iterations.
 int SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
-                    const PosePreconditioner& preconditioner, double relative_tolerance,
+                    const PosePreconditioner& preconditioner,
+                    const Eigen::VectorXd& right_hand_side, double relative_tolerance,
                     int max_iterations, ThreadPool* pool, Eigen::VectorXd* x);
 
 }  // namespace plumbline

@@ -16,7 +16,6 @@
 #include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 #include "plumbline/solvers/reduced/pose_system.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
 namespace {
@@ -113,6 +112,7 @@ class PatchMinimizer {
       adjacent_ =
           FindAdjacentPatches(*graph_, surface_, cut, association_.min_segment_length_m, pool_);
     }
+    if (result_.rounds.empty()) result_.first_cut = cut;
     patches_ = std::move(cut.patches);
     sightings_ = compressor_.LayOut(patches_.size(), std::move(cut.patch_of_return));
     result_.cutting_time_s += SecondsSince(start);
@@ -138,8 +138,8 @@ class PatchMinimizer {
     iteration.phase = "poses";
     iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
     iteration.evaluations =
-        SolvePoseSystem(system_, sightings_, preconditioner, options_.cg_tolerance,
-                        options_.max_cg_iterations, pool_, &step);
+        SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
+                        options_.cg_tolerance, options_.max_cg_iterations, pool_, &step);
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;

@@ -7,6 +7,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
 #include "plumbline/solvers/solver_options.h"
 #include "plumbline/solvers/solver_summary.h"
 
@@ -15,6 +16,7 @@ namespace plumbline {
 /// How a minimisation by rounds of patches went.
 struct ReducedResult {
   std::vector<PatchRoundSummary> rounds;
+  SurfacePatches first_cut;  ///< of the first round: the surfaces as the given poses place them
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that

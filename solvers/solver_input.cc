@@ -1,0 +1,46 @@
+#include "plumbline/solvers/solver_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/ceres_solver.h"
+
+namespace plumbline {
+namespace {
+
+// Names the first block of `size` entries that is not finite, or too far away for the cells of
+// surfaces to be numbered.
+Status CheckState(const char* name, const std::vector<double>& values, std::size_t size) {
+  constexpr double kLargest = 1e8;
+  const auto bad = std::find_if(values.begin(), values.end(),
+                                [](double v) { return !(std::abs(v) <= kLargest); });
+  if (bad == values.end()) return Status::Ok();
+  return Status::InvalidArgument(
+      std::string(name) + " " + std::to_string((bad - values.begin()) / size) +
+      " of the graph is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
+}
+
+}  // namespace
+
+Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  if (options.type == SolverType::kCeres) {
+    PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
+  }
+  if (options.IsOverPatches() && options.association.neighborhood != NeighborhoodType::kRadius) {
+    return Status::InvalidArgument(
+        "association.neighborhood = " + std::string(ToString(options.association.neighborhood)) +
+        " goes with solvers that take each point's neighbours; the "
+        "reduced one cuts surfaces into patches");
+  }
+  PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
+  PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
+  if (graph.num_returns() > 0) return Status::Ok();
+  return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
+}
+
+}  // namespace plumbline
