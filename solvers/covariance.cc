@@ -1,0 +1,138 @@
+#include "plumbline/solvers/covariance.h"
+
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/free_islands.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/pose_preconditioner.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/solver_input.h"
+
+namespace plumbline {
+namespace {
+
+// Of the right-hand side, in the preconditioner's norm: eight digits of the covariance.
+constexpr double kTolerance = 1e-8;
+constexpr int kMaxIterations = 2000;
+
+Status CheckPairs(const SlamGraph& graph, const std::vector<PosePair>& pairs) {
+  for (const PosePair& pair : pairs) {
+    for (const int pose : {pair.a, pair.b}) {
+      if (pose >= 0 && pose < graph.num_poses()) continue;
+      return Status::InvalidArgument("covariance of pose " + std::to_string(pose) +
+                                     ", but the graph has " + std::to_string(graph.num_poses()) +
+                                     " poses");
+    }
+  }
+  return Status::Ok();
+}
+
+// The reduced solver's linear system at the state of a graph.
+class PosteriorSystem {
+ public:
+  PosteriorSystem(const SolverOptions& options, const SlamGraph& graph)
+      : pool_(options.num_threads), frames_(FramesOf(graph.poses())) {
+    const FactorOptions& factors = options.factors;
+    const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
+    SurfacePatches cut =
+        CutIntoPatches(graph, surface, PatchOptionsFor(factors, options.association), &pool_);
+    ReturnCompressor compressor(graph, surface, NoiseOf(factors), &pool_);
+    sightings_ = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
+    const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+    // Weights and lines depend on each other; the second time they are settled.
+    for (int i = 0; i < 2; ++i) {
+      compressor.Weigh(cut.patches, frames_, loss, &sightings_);
+      FitPatchLines(sightings_, frames_, &pool_, &cut.patches);
+    }
+    const PoseTerms terms(graph, factors);
+    free_islands_ = FindFreeIslands(sightings_, terms);
+    system_.Linearize(sightings_, cut.patches, terms, graph.poses(), frames_, &pool_);
+  }
+
+  Status CheckHeld() const {
+    if (free_islands_.empty()) return Status::Ok();
+    return Status::InvalidArgument("nothing ties pose " + std::to_string(free_islands_.front()) +
+                                   " to a fixed pose: its covariance is infinite");
+  }
+
+  // The three columns of the inverse that belong to a pose, rows of all poses.
+  Status Columns(int pose, Eigen::MatrixX3d* columns) {
+    if (!preconditioner_) preconditioner_.emplace(system_, sightings_, frames_, &pool_);
+    columns->resize(system_.gradient.size(), 3);
+    Eigen::VectorXd unit = Eigen::VectorXd::Zero(system_.gradient.size()), x;
+    for (int axis = 0; axis < 3; ++axis) {
+      unit[3 * pose + axis] = 1.0;
+      const int iterations = SolvePoseSystem(system_, sightings_, *preconditioner_, unit,
+                                             kTolerance, kMaxIterations, &pool_, &x);
+      unit[3 * pose + axis] = 0.0;
+      if (iterations == kMaxIterations || !x.allFinite()) {
+        return Status::Unavailable("the covariance of pose " + std::to_string(pose) +
+                                   " did not converge in " + std::to_string(iterations) +
+                                   " iterations");
+      }
+      columns->col(axis) = x;
+    }
+    return Status::Ok();
+  }
+
+ private:
+  ThreadPool pool_;
+  const std::vector<PoseFrame> frames_;
+  PatchSightings sightings_;
+  PoseSystem system_;
+  std::vector<int> free_islands_;
+  std::optional<PosePreconditioner> preconditioner_;
+};
+
+}  // namespace
+
+Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
+                              const std::vector<PosePair>& pairs,
+                              std::vector<Eigen::Matrix3d>* covariances) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
+  PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
+  PosteriorSystem system(options, graph);
+  PLUMBLINE_RETURN_IF_ERROR(system.CheckHeld());
+  std::map<int, std::vector<std::size_t>> pairs_of_pose;
+  for (std::size_t i = 0; i < pairs.size(); ++i) pairs_of_pose[pairs[i].a].push_back(i);
+  std::vector<Eigen::Matrix3d> result(pairs.size());
+  Eigen::MatrixX3d columns;
+  for (const auto& [pose, indices] : pairs_of_pose) {
+    PLUMBLINE_RETURN_IF_ERROR(system.Columns(pose, &columns));
+    for (const std::size_t i : indices) {
+      const Eigen::Matrix3d block = columns.middleRows<3>(3 * pairs[i].b).transpose();
+      // Symmetric but for the last digits of the iteration.
+      result[i] = pairs[i].b == pose ? Eigen::Matrix3d(0.5 * (block + block.transpose())) : block;
+    }
+  }
+  covariances->swap(result);
+  return Status::Ok();
+}
+
+Eigen::Matrix3d RelativePoseCovariance(const Pose2& world_from_a, const Pose2& world_from_b,
+                                       const Eigen::Matrix3d& aa, const Eigen::Matrix3d& ab,
+                                       const Eigen::Matrix3d& bb) {
+  const Pose2 a_from_b = Between(world_from_a, world_from_b);
+  const double c = std::cos(world_from_a.yaw), s = std::sin(world_from_a.yaw);
+  Eigen::Matrix3d by_b;
+  by_b << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+  Eigen::Matrix3d by_a = -by_b;
+  by_a(0, 2) = a_from_b.y;
+  by_a(1, 2) = -a_from_b.x;
+  const Eigen::Matrix3d mixed = by_a * ab * by_b.transpose();
+  return by_a * aa * by_a.transpose() + mixed + mixed.transpose() + by_b * bb * by_b.transpose();
+}
+
+}  // namespace plumbline
