@@ -42,7 +42,7 @@ Status SlamGraph::FixPose(int pose_id) {
   return Status::Ok();
 }
 
-Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
+Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
   const std::string name = "scan " + std::to_string(num_scans());
   if (pose_id < 0 || pose_id >= num_poses()) {
     return Status::InvalidArgument(name + ": no pose with id " + std::to_string(pose_id));
@@ -50,25 +50,64 @@ Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& 
   if (laser_id < 0 || laser_id >= static_cast<int>(lasers_.size())) {
     return Status::InvalidArgument(name + ": no laser with id " + std::to_string(laser_id));
   }
-  const LaserModel& laser = lasers_[laser_id];
-  if (static_cast<int>(ranges.size()) != laser.num_beams) {
-    return Status::InvalidArgument(name + ": " + std::to_string(ranges.size()) +
-                                   " ranges for a laser of " + std::to_string(laser.num_beams) +
-                                   " beams");
-  }
-  ScanEntry entry{pose_id, laser_id, returns_.size(), 0};
-  const Pose2 world_from_laser = WorldFromRobot(pose_id) * laser.robot_from_laser;
-  for (int beam = 0; beam < laser.num_beams; ++beam) {
-    if (!laser.IsReturn(ranges[beam])) continue;
-    returns_.range_m.push_back(ranges[beam]);
-    returns_.bearing_rad.push_back(laser.Bearing(beam));
-    returns_.beam.push_back(beam);
+  return Status::Ok();
+}
+
+void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
+  const Pose2 world_from_laser = WorldFromRobot(pose_id) * lasers_[laser_id].robot_from_laser;
+  for (const Return& r : returns) {
+    returns_.range_m.push_back(r.range_m);
+    returns_.bearing_rad.push_back(r.bearing_rad);
+    returns_.beam.push_back(r.beam);
     returns_.scan.push_back(num_scans());
-    const Eigen::Vector2d end = world_from_laser * BeamEnd(ranges[beam], laser.Bearing(beam));
+    const Eigen::Vector2d end = world_from_laser * BeamEnd(r.range_m, r.bearing_rad);
     points_.insert(points_.end(), {end.x(), end.y()});
   }
-  entry.num_returns = returns_.size() - entry.first_return;
-  scans_.push_back(entry);
+  scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
+}
+
+Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  const LaserModel& laser = lasers_[laser_id];
+  if (static_cast<int>(ranges.size()) != laser.num_beams) {
+    return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": " +
+                                   std::to_string(ranges.size()) + " ranges for a laser of " +
+                                   std::to_string(laser.num_beams) + " beams");
+  }
+  std::vector<Return> returns;
+  for (int beam = 0; beam < laser.num_beams; ++beam) {
+    if (laser.IsReturn(ranges[beam])) returns.push_back({ranges[beam], laser.Bearing(beam), beam});
+  }
+  AppendScan(pose_id, laser_id, returns);
+  return Status::Ok();
+}
+
+Status SlamGraph::AddPoints(int pose_id, int laser_id,
+                            const std::vector<Eigen::Vector2d>& points_in_robot) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  const LaserModel& laser = lasers_[laser_id];
+  const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
+  const double middle_beam = 0.5 * (laser.num_beams - 1);
+  const double middle_rad = laser.first_bearing_rad + middle_beam * laser.bearing_step_rad;
+  std::vector<Return> returns;
+  for (std::size_t i = 0; i < points_in_robot.size(); ++i) {
+    const Eigen::Vector2d point = laser_from_robot * points_in_robot[i];
+    if (!laser.IsReturn(point.norm())) continue;
+    const double from_middle_rad = NormalizeAngle(std::atan2(point.y(), point.x()) - middle_rad);
+    const double beam =
+        laser.num_beams > 1 ? middle_beam + from_middle_rad / laser.bearing_step_rad : 0.0;
+    if (beam < -1.0 || beam > laser.num_beams) {
+      return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": point " +
+                                     std::to_string(i) + " lies outside of the laser's beams");
+    }
+    const int nearest = std::clamp(static_cast<int>(std::lround(beam)), 0, laser.num_beams - 1);
+    returns.push_back({point.norm(), middle_rad + from_middle_rad, nearest});
+  }
+  const double direction = laser.bearing_step_rad < 0.0 ? -1.0 : 1.0;
+  std::stable_sort(returns.begin(), returns.end(), [&](const Return& a, const Return& b) {
+    return direction * a.bearing_rad < direction * b.bearing_rad;
+  });
+  AppendScan(pose_id, laser_id, returns);
   return Status::Ok();
 }
 

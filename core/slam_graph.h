@@ -75,6 +75,13 @@ class SlamGraph {
   /// ids or if ranges.size() differs from the laser's number of beams.
   Status AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
 
+  /// Takes points [m], in the frame of the robot, for the returns of a sweep: one whose motion has
+  /// been taken out, or whose beams are not evenly spaced. They keep their range and bearing from
+  /// the laser's mounting; the beams of its model say which of them are neighbours. Points that are
+  /// not finite, or not within the laser's range, are no returns. Fails on unknown ids, and on a
+  /// point more than a step outside of the fan of beams, naming it.
+  Status AddPoints(int pose_id, int laser_id, const std::vector<Eigen::Vector2d>& points_in_robot);
+
   /// Fails on unknown or equal ids and on motions that are not finite.
   Status AddOdometry(const OdometryConstraint& constraint);
 
@@ -118,6 +125,13 @@ class SlamGraph {
   void ResetPointsFromPoses();
 
  private:
+  struct Return {
+    double range_m, bearing_rad;
+    int beam;
+  };
+  Status CheckScan(int pose_id, int laser_id) const;
+  // In the order of their beams.
+  void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
   Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
   std::vector<FixedPose> gauge_;  // the first pose as it was added

@@ -80,6 +80,45 @@ TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByThePose) {
   EXPECT_NEAR(graph_.WorldFromLaser(0).y, 2.5, 1e-12);
 }
 
+TEST_F(SlamGraphTest, PointsOfASweepAreThoseOfItsRanges) {
+  // The laser of the fixture sits at (0.5, 0) and looks ahead: beams to the right, ahead, left.
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 3.0, 2.0}).ok());
+  const double far = 1000.0, none = std::nan("");
+  ASSERT_TRUE(
+      graph_
+          .AddPoints(first_, laser_,
+                     {{0.5, 2.0}, {none, 1.0}, {0.5, -1.0}, {0.5, 0.0}, {far, 0.0}, {3.5, 0.0}})
+          .ok());
+  ASSERT_EQ(graph_.num_returns(), 6u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(graph_.returns().range_m[3 + k], graph_.returns().range_m[k], 1e-12);
+    EXPECT_NEAR(graph_.returns().bearing_rad[3 + k], graph_.returns().bearing_rad[k], 1e-12);
+    EXPECT_EQ(graph_.returns().beam[3 + k], graph_.returns().beam[k]);
+    EXPECT_EQ(graph_.returns().scan[3 + k], 1);
+    EXPECT_TRUE(graph_.PointInRobot(3 + k).isApprox(graph_.PointInRobot(k)));
+    EXPECT_NEAR(graph_.points()[6 + 2 * k], graph_.points()[2 * k], 1e-12);
+  }
+}
+
+TEST_F(SlamGraphTest, PointsBetweenBeamsKeepTheirBearing) {
+  ASSERT_TRUE(graph_.AddPoints(first_, laser_, {{1.5, 1.2}, {1.5, 0.8}}).ok());
+  EXPECT_THAT(graph_.returns().bearing_rad,
+              ElementsAre(testing::DoubleNear(std::atan2(0.8, 1.0), 1e-12),
+                          testing::DoubleNear(std::atan2(1.2, 1.0), 1e-12)));
+  EXPECT_THAT(graph_.returns().beam, ElementsAre(1, 2));
+}
+
+TEST_F(SlamGraphTest, PointsInOrderOfAFanThatTurnsClockwise) {
+  LaserModel clockwise = ThreeBeamLaser();
+  clockwise.first_bearing_rad = 0.5 * kPi;
+  clockwise.bearing_step_rad = -0.5 * kPi;
+  int laser = 0;
+  ASSERT_TRUE(graph_.AddLaser(clockwise, &laser).ok());
+  ASSERT_TRUE(graph_.AddPoints(first_, laser, {{0.5, -1.0}, {3.5, 0.0}, {0.5, 2.0}}).ok());
+  EXPECT_THAT(graph_.returns().beam, ElementsAre(0, 1, 2));
+  EXPECT_THAT(graph_.returns().range_m, ElementsAre(2.0, 3.0, 1.0));
+}
+
 TEST_F(SlamGraphTest, AScanWithoutReturnsIsAScan) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {0.0, 0.0, 0.0}).ok());
   EXPECT_EQ(graph_.num_scans(), 1);
@@ -106,6 +145,14 @@ TEST_F(SlamGraphTest, BadInputIsNamedAndChangesNothing) {
   ExpectInvalid(graph_.AddScan(-1, laser_, {1.0, 1.0, 1.0}), "scan 0: no pose with id -1");
   ExpectInvalid(graph_.AddScan(0, 1, {1.0, 1.0, 1.0}), "scan 0: no laser with id 1");
   ExpectInvalid(graph_.AddScan(0, laser_, {1.0}), "1 ranges for a laser of 3 beams");
+  ExpectInvalid(graph_.AddPoints(0, 1, {}), "scan 0: no laser with id 1");
+  LaserModel narrow = ThreeBeamLaser();
+  narrow.bearing_step_rad = 0.1;
+  narrow.first_bearing_rad = -0.1;
+  int narrow_id = 0;
+  ASSERT_TRUE(graph_.AddLaser(narrow, &narrow_id).ok());
+  ExpectInvalid(graph_.AddPoints(0, narrow_id, {{2.0, 0.0}, {0.5, 1.0}}),
+                "scan 0: point 1 lies outside of the laser's beams");
   ExpectInvalid(graph_.AddOdometry({0, 7, Pose2()}), "odometry 0 -> 7: no pose with id 7");
   ExpectInvalid(graph_.AddOdometry({1, 1, Pose2()}), "odometry 1 -> 1");
   ExpectInvalid(graph_.AddOdometry({0, 1, Pose2(0, 0, kInfinity)}), "odometry 0 -> 1");
