@@ -21,8 +21,10 @@ const plumbline::SeedingOptions& SeedingDefaults() {
 
 }  // namespace
 
-DEFINE_string(solver, ToString(Defaults().type),
-              "Minimiser of the joint energy: reduced, alternating_cg or ceres");
+DEFINE_string(
+    solver, ToString(Defaults().type),
+    "Minimiser of the joint energy: reduced, alternating_cg or ceres; or of the pose graph "
+    "alone, points riding along: pose_graph (Gauss-Newton) or sgd");
 DEFINE_int32(threads, Defaults().num_threads,
              "Threads; the result does not depend on it, but for the last digits of ceres");
 
@@ -146,6 +148,10 @@ DEFINE_int32(ceres_max_iterations, Defaults().ceres.max_iterations,
 DEFINE_double(ceres_function_tolerance, Defaults().ceres.function_tolerance,
               "Ends a round when an iteration gains less [fraction of the cost]");
 
+// --solver=sgd
+DEFINE_int32(sgd_iterations, Defaults().sgd.max_iterations,
+             "sgd: most iterations; each goes through all edges of the pose graph once");
+
 // Seeding.
 DEFINE_double(key_scan_distance_m, SeedingDefaults().sequential.key_scan_distance_m,
               "Seeding: travel from one key scan to the next [m]");
@@ -260,6 +266,7 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->reduced.relative_tolerance = FLAGS_reduced_tolerance;
   options->reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
   options->reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
+  options->sgd.max_iterations = FLAGS_sgd_iterations;
   options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;
   options->alternating_cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
   options->alternating_cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;

@@ -36,14 +36,19 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
-    RefineByEdges();
-    PLUMBLINE_RETURN_IF_ERROR(RecordMap("pose graph", "map_pose_graph.png"));
-    if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(RefineJointly());
+    if (by_edges_only()) {
+      PLUMBLINE_RETURN_IF_ERROR(RunSolver());
+    } else {
+      RefineByEdges();
+      PLUMBLINE_RETURN_IF_ERROR(RecordMap("pose graph", "map_pose_graph.png"));
+      if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(RefineJointly());
+    }
     return WriteResults();
   }
 
  private:
   bool has_scans() const { return file_.graph.num_returns() > 0; }
+  bool by_edges_only() const { return MovesPosesOnly(options_.solver.type); }
 
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_));
@@ -86,17 +91,21 @@ class PoseGraphRun {
 
   Status RefineJointly() {
     ChooseJointStart();
+    return RunSolver();
+  }
+
+  Status RunSolver() {
     SolverOptions options = options_.solver;
     std::cout << ProgressHeader() << '\n';
     options.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return true;
     };
-    joint_summary_ = Solve(options, &file_.graph);
-    if (!joint_summary_.IsSolutionUsable()) {
-      return Status::InvalidArgument(joint_summary_.message);
+    solver_summary_ = Solve(options, &file_.graph);
+    if (!solver_summary_.IsSolutionUsable()) {
+      return Status::InvalidArgument(solver_summary_.message);
     }
-    std::cout << '\n' << joint_summary_.FullReport() << '\n';
+    std::cout << '\n' << solver_summary_.FullReport() << '\n';
     refined_consistency_ = MeasureConsistency();
     if (refined_consistency_) alarms_ = MapAlarms(*refined_consistency_, file_.graph);
     return Status::Ok();
@@ -127,8 +136,8 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
     if (has_scans()) PrintMap();
     std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
-              << (has_scans() ? ", points.ply, map_given.png, map_pose_graph.png, map_refined.png"
-                              : "")
+              << (has_scans() ? ", points.ply, map_given.png, map_refined.png" : "")
+              << (has_scans() && !by_edges_only() ? ", map_pose_graph.png" : "")
               << (refined_consistency_ ? ", conflicts.png" : "") << ", summary.json\n"
               << std::flush;
     std::cerr << AlarmText(alarms_);
@@ -189,7 +198,7 @@ class PoseGraphRun {
 
   Json JointJson() const {
     Json json = {{"start", joint_starts_as_given_ ? "given" : "pose graph"}};
-    json.update(SolverJson(joint_summary_));
+    json.update(SolverJson(solver_summary_));
     return json;
   }
 
@@ -200,12 +209,14 @@ class PoseGraphRun {
                  {"fixed_poses", file_.graph.fixed_poses().size()},
                  {"edges", file_.graph.relative_poses().size()},
                  {"scans", file_.graph.num_scans()},
-                 {"returns", file_.graph.num_returns()},
-                 {"pose_graph", EdgesJson()}};
-    if (has_scans()) {
-      json["joint"] = JointJson();
-      json["stages"] = StagesJson(stages_);
+                 {"returns", file_.graph.num_returns()}};
+    if (by_edges_only()) {
+      json["solver"] = SolverJson(solver_summary_);
+    } else {
+      json["pose_graph"] = EdgesJson();
+      if (has_scans()) json["joint"] = JointJson();
     }
+    if (has_scans()) json["stages"] = StagesJson(stages_);
     if (refined_consistency_) {
       json["alarm"] = !alarms_.empty();
       json["alarm_reasons"] = AlarmsJson(alarms_);
@@ -223,7 +234,7 @@ class PoseGraphRun {
   std::vector<double> given_poses_;
   bool joint_starts_as_given_ = false;
   PoseGraphSummary edges_summary_;
-  SolverSummary joint_summary_;
+  SolverSummary solver_summary_;
   std::vector<Stage> stages_;
   // Not measured where the scans are not in order of time.
   std::optional<MapConsistency> given_consistency_, refined_consistency_;

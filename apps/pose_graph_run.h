@@ -16,7 +16,8 @@ struct PoseGraphRunOptions {
 };
 
 /// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
-/// attached to its vertices, by edges and scans together. Prints what happens; leaves in the output
+/// attached to its vertices, by edges and scans together; or, with a solver that MovesPosesOnly(),
+/// by nothing but the edges. Prints what happens; leaves in the output
 /// folder
 ///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
 ///   graph.g2o or .toro  the file that came in, with the refined poses

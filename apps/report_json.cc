@@ -60,6 +60,17 @@ Json IterationsJson(const SolverSummary& solver) {
   return json;
 }
 
+Json PoseOnlyJson(const SolverSummary& solver) {
+  return {{"solver", solver.solver},
+          {"termination", ToString(solver.termination)},
+          {"message", solver.message},
+          {"relative_poses", solver.num_relative_poses},
+          {"chi2_seed", solver.seed_chi2},
+          {"chi2_final", solver.final_chi2},
+          {"time_s", {{"total", solver.total_time_s}}},
+          {"iterations", IterationsJson(solver)}};
+}
+
 Json ConflictJson(const FreeSpaceConflict& conflict) {
   return {{"compared", conflict.num_compared},
           {"conflicting", conflict.num_conflicting},
@@ -85,6 +96,7 @@ Json FlagsInForce() {
 }
 
 Json SolverJson(const SolverSummary& solver) {
+  if (solver.num_relative_poses > 0) return PoseOnlyJson(solver);
   return {{"solver", solver.solver},
           {"termination", ToString(solver.termination)},
           {"message", solver.message},

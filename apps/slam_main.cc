@@ -70,9 +70,12 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(Picture("map_odometry.png", "Odometry"));
     AddStage("odometry");
     PLUMBLINE_RETURN_IF_ERROR(Seed());
-    PLUMBLINE_RETURN_IF_ERROR(Picture("map_seed.png", "Seed"));
+    const bool by_pose_graph = MovesPosesOnly(solver_options_.type);
+    if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
+    PLUMBLINE_RETURN_IF_ERROR(
+        Picture("map_seed.png", by_pose_graph ? "Sequential matching" : "Seed"));
     PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
-    AddStage("seed");
+    AddStage(by_pose_graph ? "sequential matching" : "seed");
     PLUMBLINE_RETURN_IF_ERROR(Refine());
     return WriteResults();
   }
@@ -138,6 +141,18 @@ class SlamRun {
     std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n"
               << SeedingText(summary_.seeding, graph_)
               << ConsistencyText("The seed", summary_.seeding.consistency);
+    return Status::Ok();
+  }
+
+  // A solver of pose graphs has the work still to do that the seeding did by its own.
+  Status OpenLoops() {
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      graph_.SetPose(pose, summary_.seeding.sequential_poses[pose]);
+    }
+    graph_.ResetPointsFromPoses();
+    for (const RelativePoseConstraint& edge : summary_.seeding.pose_graph) {
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(edge));
+    }
     return Status::Ok();
   }
 

@@ -11,6 +11,7 @@
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/point_recovery.h"
+#include "plumbline/solvers/pose_only_solve.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
 #include "plumbline/solvers/solver_input.h"
@@ -378,11 +379,14 @@ double FineRadius(const SolverOptions& options) {
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
   const Status status = CheckSolverInput(options, *graph);
-  return status.ok() ? JointSolver(options, nullptr, graph).Run() : Failure(options, status);
+  if (!status.ok()) return Failure(options, status);
+  return MovesPosesOnly(options.type) ? SolvePosesOnly(options, graph)
+                                      : JointSolver(options, nullptr, graph).Run();
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
                     SlamGraph* graph) {
+  if (MovesPosesOnly(options.type)) return Solve(options, graph);
   Status status = CheckSolverInput(options, *graph);
   if (status.ok()) status = CheckSurface(surface, *graph);
   return status.ok() ? JointSolver(options, &surface, graph).Run() : Failure(options, status);

@@ -29,6 +29,9 @@ double FineRadius(const SolverOptions& options);
 /// state, bit for bit, if nothing was better. Bad options, no returns, or a state that is not
 /// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
 /// unchanged.
+///
+/// kPoseGraph and kSgd move the poses by the relative poses alone, see pose_only_solve.h: they need
+/// no returns, but fail likewise without relative poses.
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
 
 /// The same for a caller that has measured the surfaces already, with the normals that

@@ -39,6 +39,11 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
   }
   PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
+  if (MovesPosesOnly(options.type)) {
+    if (!graph.relative_poses().empty()) return Status::Ok();
+    return Status::InvalidArgument("the graph has no relative poses, and the solver " +
+                                   std::string(ToString(options.type)) + " looks at nothing else");
+  }
   if (graph.num_returns() > 0) return Status::Ok();
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
 }

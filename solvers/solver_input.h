@@ -8,7 +8,8 @@
 namespace plumbline {
 
 /// Whether a graph can be solved: InvalidArgument names an option out of range or that does not go
-/// with the others, a pose or point that is not finite or beyond 1e8, or the lack of any return.
+/// with the others, a pose or point that is not finite or beyond 1e8, or the lack of any return
+/// (of any relative pose, for solvers that look at nothing else).
 Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph);
 
 }  // namespace plumbline

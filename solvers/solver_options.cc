@@ -12,19 +12,28 @@ const char* ToString(SolverType type) {
       return "alternating_cg";
     case SolverType::kCeres:
       return "ceres";
+    case SolverType::kPoseGraph:
+      return "pose_graph";
+    case SolverType::kSgd:
+      return "sgd";
   }
   return "";
 }
 
 bool FromString(const std::string& name, SolverType* type) {
   for (const SolverType candidate :
-       {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres}) {
+       {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres,
+        SolverType::kPoseGraph, SolverType::kSgd}) {
     if (name == ToString(candidate)) {
       *type = candidate;
       return true;
     }
   }
   return false;
+}
+
+bool MovesPosesOnly(SolverType type) {
+  return type == SolverType::kPoseGraph || type == SolverType::kSgd;
 }
 
 bool ReducedOptions::Check(std::string* error) const {
@@ -77,6 +86,7 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(reduced);
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
   return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/pose_graph/stochastic_descent.h"
 #include "plumbline/solvers/solver_summary.h"
 
 namespace plumbline {
@@ -16,9 +17,13 @@ enum class SolverType {
   kReduced,        ///< points and lines eliminated exactly; poses by Gauss-Newton
   kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
   kCeres,          ///< one ceres::Problem over all poses and points
+  kPoseGraph,      ///< poses by relative poses alone: Gauss-Newton
+  kSgd,            ///< the same by stochastic gradient descent
 };
 const char* ToString(SolverType type);
 bool FromString(const std::string& name, SolverType* type);
+/// Whether a solver looks at relative poses only, so that points just ride along.
+bool MovesPosesOnly(SolverType type);
 
 /// The reduced solver.
 struct ReducedOptions {
@@ -114,6 +119,7 @@ struct SolverOptions {
   ReducedOptions reduced;
   AlternatingCgOptions alternating_cg;
   CeresOptions ceres;
+  StochasticDescentOptions sgd;
   /// Threads, the calling one included. Results do not depend on it, but for the last digits of
   /// kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;

@@ -62,6 +62,12 @@ std::string ProgressRow(const IterationSummary& it) {
 }
 
 std::string SolverSummary::BriefReport() const {
+  if (num_relative_poses > 0) {
+    return Format(
+        "%s: %s in %.2f s, %zu iterations, %zu poses, %zu relative poses, chi2 %.6e -> %.6e",
+        solver.c_str(), ToString(termination), total_time_s, iterations.size(), num_poses,
+        num_relative_poses, seed_chi2, final_chi2);
+  }
   return Format(
       "%s: %s in %.2f s, %zu rounds, %zu iterations, %zu poses, %zu points, marginal energy %.6e "
       "-> %.6e",
@@ -92,6 +98,8 @@ std::string SolverSummary::RoundTable() const {
 }
 
 std::string SolverSummary::FullReport() const {
+  const std::string end = Format("Termination: %s. ", ToString(termination)) + message + "\n";
+  if (num_relative_poses > 0) return BriefReport() + "\n" + end;
   std::string report = BriefReport() + "\n\n" + RoundTable();
   if (!patch_rounds.empty()) {
     report += Format(
@@ -105,8 +113,7 @@ std::string SolverSummary::FullReport() const {
   for (int t = 0; t < kNumTerms; ++t) report += TermRow(static_cast<Term>(t), terms[t]);
   report += Format("\nTime [s]: association %.2f, setup %.2f, minimisation %.2f, total %.2f\n",
                    association_time_s, setup_time_s, solve_time_s, total_time_s);
-  report += Format("Termination: %s. ", ToString(termination)) + message + "\n";
-  return report;
+  return report + end;
 }
 
 }  // namespace plumbline

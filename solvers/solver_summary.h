@@ -100,6 +100,12 @@ struct SolverSummary {
   double seed_marginal_energy = 0.0;
   double final_marginal_energy = 0.0;
 
+  /// Solvers that move the poses only: how many relative poses they went by, and the sum of their
+  /// squared whitened errors. They have neither rounds nor terms nor marginal energies.
+  std::size_t num_relative_poses = 0;
+  double seed_chi2 = 0.0;
+  double final_chi2 = 0.0;
+
   /// Reduced solver: what decides whether the result is better than the seed, see PatchEnergies.
   double seed_patch_energy = 0.0;
   double final_patch_energy = 0.0;

@@ -79,6 +79,7 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"cg_scan_iterations",
        [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
       {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
+      {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
       {"ceres_max_iterations", [](O o) { return double(o.solver.ceres.max_iterations); }},
       {"ceres_function_tolerance", [](O o) { return o.solver.ceres.function_tolerance; }},
       {"key_scan_distance_m", [](O o) { return o.seeding.sequential.key_scan_distance_m; }},
@@ -167,6 +168,11 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
   const SolverOptions options = FromFlags().solver;
   EXPECT_EQ(options.type, SolverType::kCeres);
+  SetFlag("solver", "pose_graph");
+  EXPECT_EQ(FromFlags().solver.type, SolverType::kPoseGraph);
+  SetFlag("solver", "sgd");
+  EXPECT_EQ(FromFlags().solver.type, SolverType::kSgd);
+  SetFlag("solver", "ceres");
   EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
   EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
   SolverOptions with_patches;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/seeding/scan_matcher.h"
 #include "plumbline/test/factor_testing.h"
 #include "plumbline/test/seeding_testing.h"
@@ -31,15 +32,6 @@ SyntheticScene Corridor(double yaw) {
   scene.faces = {{at(-50.0, 1.0), at(50.0, 1.0)}, {at(-50.0, -1.0), at(50.0, -1.0)}};
   scene.laser.max_range_m = 8.0;
   return scene;
-}
-
-TEST(MatchCovariance, RotatesAxes) {
-  Eigen::Matrix3d in_b;
-  in_b << 4.0, 0.0, 2.0, 0.0, 1.0, 0.0, 2.0, 0.0, 9.0;
-  Eigen::Matrix3d in_a;  // a sees the x axis of b as its y axis
-  in_a << 1.0, 0.0, 0.0, 0.0, 4.0, 2.0, 0.0, 2.0, 9.0;
-  EXPECT_TRUE(RotateAxes(in_b, 0.5 * kPi).isApprox(in_a, 1e-12));
-  EXPECT_TRUE(RotateAxes(RotateAxes(in_b, 0.7), -0.7).isApprox(in_b, 1e-12));
 }
 
 TEST(MatchCovariance, TenPointsCountAsOneAboveAFloor) {

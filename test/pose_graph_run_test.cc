@@ -23,8 +23,9 @@ using testing::HasSubstr;
 class PoseGraphRunTest : public testing::Test {
  protected:
   // Prints nothing.
-  Status Run(const std::string& log) const {
+  Status Run(const std::string& log, SolverType solver = SolverOptions().type) const {
     PoseGraphRunOptions options{folder_ + log, folder_ + "out", 200, SolverOptions()};
+    options.solver.type = solver;
     testing::internal::CaptureStdout();
     const Status status = RunPoseGraph(options);
     testing::internal::GetCapturedStdout();
@@ -127,6 +128,48 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithoutScans) {
   EXPECT_NEAR(figures["chi2_given"], 4.0 * 0.09, 1e-9);
   EXPECT_NEAR(figures["chi2_final"], 4.0 * 0.03, 1e-6);
   EXPECT_EQ(figures["converged"], true);
+}
+
+TEST_F(PoseGraphRunTest, ByEdgesAloneIfTheSolverSaysSo) {
+  WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
+  PoseGraphFile expected;
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "a.g2o", &expected).ok());
+  const PoseGraphSummary edges = RefinePoseGraph(&expected.graph);
+  for (const SolverType solver : {SolverType::kPoseGraph, SolverType::kSgd}) {
+    const Status status = Run("a.g2o", solver);
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_TRUE(Exists("map_given.png") && Exists("map_refined.png") && Exists("points.ply"));
+    EXPECT_FALSE(Exists("map_pose_graph.png"));
+    const nlohmann::json summary = Summary();
+    EXPECT_FALSE(summary.contains("pose_graph") || summary.contains("joint"));
+    EXPECT_EQ(summary["solver"]["solver"], ToString(solver));
+    EXPECT_NEAR(summary["solver"]["chi2_seed"], edges.given_chi2, 1e-6 * edges.given_chi2);
+    EXPECT_LT(summary["solver"]["chi2_final"], 1.1 * edges.final_chi2 + 1.0);
+    EXPECT_GE(summary["solver"]["chi2_final"], 0.999 * edges.final_chi2);
+    EXPECT_FALSE(summary["solver"]["iterations"].empty());
+    EXPECT_EQ(summary["stages"].size(), 3u);
+    PoseGraphFile refined;
+    ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
+    if (solver == SolverType::kSgd) continue;
+    EXPECT_NEAR(refined.graph.WorldFromRobot(5).x, expected.graph.WorldFromRobot(5).x, 1e-9);
+    std::filesystem::remove_all(folder_ + "out");
+  }
+}
+
+TEST_F(PoseGraphRunTest, SgdTakesAGraphWithoutScans) {
+  WriteFile(folder_ + "a.graph",
+            "VERTEX2 4 0 0 0\nVERTEX2 2 1 0 0\nVERTEX2 9 2 0 0\n"
+            "EDGE2 4 2 1 0 0 4 0 4 4 0 0\nEDGE2 2 9 1 0 0 4 0 4 4 0 0\n"
+            "EDGE2 4 9 2.3 0 0 4 0 4 4 0 0\n");
+  ASSERT_TRUE(Run("a.graph", SolverType::kSgd).ok());
+  const nlohmann::json figures = Summary()["solver"];
+  EXPECT_NEAR(figures["chi2_seed"], 4.0 * 0.09, 1e-9);
+  EXPECT_NEAR(figures["chi2_final"], 4.0 * 0.03, 1e-3);
+  EXPECT_EQ(figures["relative_poses"], 3);
+  EXPECT_FALSE(Exists("map_refined.png") || Summary().contains("stages"));
+  // A graph of one pose has no edges.
+  WriteFile(folder_ + "a.graph", "VERTEX2 0 0 0 0\n");
+  EXPECT_THAT(Run("a.graph", SolverType::kSgd).message(), HasSubstr("no relative poses"));
 }
 
 TEST_F(PoseGraphRunTest, FixedVerticesStay) {

@@ -97,5 +97,24 @@ TEST(ScanMatcher, ChecksOptions) {
   EXPECT_NE(error.find("coarse_gate_m = 0.01"), std::string::npos);
 }
 
+TEST(ScanMatcher, MeasuresAFitAsItFindsIt) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.05, 0.0, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  LocalMap map(0.03);
+  map.Rebuild({&surfaces[0]}, {Pose2()});
+  const ScanMatch match = MatchScan(map, surfaces[1], PosePrediction(), ScanMatchOptions());
+  EXPECT_TRUE(match.converged);
+  const ScanMatch fit = MeasureFit(map, surfaces[1], match.world_from_robot, ScanMatchOptions());
+  EXPECT_EQ(fit.world_from_robot.x, match.world_from_robot.x);
+  EXPECT_NEAR(fit.inlier_ratio, match.inlier_ratio, 0.01);
+  EXPECT_NEAR(fit.chi2, match.chi2, 0.05 * match.chi2);
+  EXPECT_TRUE(fit.information.isApprox(match.information, 0.02));
+  ScanMatchOptions hasty;
+  hasty.max_iterations = 1;
+  EXPECT_FALSE(MatchScan(map, surfaces[1], PosePrediction(), hasty).converged);
+  EXPECT_EQ(MeasureFit(LocalMap(0.03), surfaces[1], Pose2(), hasty).inlier_ratio, 0.0);
+}
+
 }  // namespace
 }  // namespace plumbline

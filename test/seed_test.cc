@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
@@ -74,6 +75,16 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   const SlamGraph seeded = Seeded(odometry, 2, &report);
   EXPECT_GT(report.loops.num_closures, 5);
   EXPECT_LT(DistanceM(truth.WorldFromRobot(back), seeded.WorldFromRobot(back)), 0.02);
+
+  // The pose graph that it reports leads from the sequential poses to the seed.
+  std::vector<Pose2> poses = report.sequential_poses;
+  ASSERT_EQ(poses.size(), static_cast<std::size_t>(seeded.num_poses()));
+  EXPECT_GT(DistanceM(truth.WorldFromRobot(back), poses[back]), 0.2);
+  ASSERT_EQ(report.pose_graph.size(), poses.size() - 1 + report.loops.num_closures);
+  OptimizePoseGraph(report.pose_graph, {}, &poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_LT(DistanceM(poses[i], seeded.WorldFromRobot(static_cast<int>(i))), 0.01) << i;
+  }
 }
 
 TEST(Seed, IsTheSameForAnyNumberOfThreads) {

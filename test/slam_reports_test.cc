@@ -90,6 +90,29 @@ TEST_F(SlamReportsTest, ACarriedRobotIsPutRightOrReported) {
   EXPECT_EQ(summary["alarm_reasons"].empty(), !alarm);
 }
 
+TEST_F(SlamReportsTest, MapsALogByItsPoseGraphAlone) {
+  const Outcome simulation =
+      Run("simulate", "--building=random --seed=7 --num_beams=181 --bearing_step_deg=1 --log=" +
+                          folder_ + "a.clf --truth=" + folder_ + "a.tum");
+  ASSERT_EQ(simulation.exit_code, 0) << simulation.err;
+  const auto error_m = [&](const nlohmann::json& summary, std::size_t stage) {
+    return summary["stages"][stage]["mean_pose_error_m"].get<double>();
+  };
+  const std::string truth = "--truth=" + folder_ + "a.tum --solver=";
+  for (const std::string solver : {"pose_graph", "sgd"}) {
+    const Outcome run = Slam("a.clf", truth + solver);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json summary = Summary();
+    EXPECT_EQ(summary["solver"]["solver"], solver);
+    EXPECT_LT(summary["solver"]["chi2_final"], 0.5 * summary["solver"]["chi2_seed"].get<double>());
+    EXPECT_THAT(run.out, AllOf(HasSubstr(" relative poses, chi2 "), HasSubstr("Termination: ")));
+    EXPECT_EQ(summary["stages"][1]["stage"], "sequential matching");
+    // The sequential matching drifts by 3 cm, which the closures take out.
+    EXPECT_LT(error_m(summary, 3), 0.5 * error_m(summary, 1)) << solver;
+    EXPECT_LT(error_m(summary, 3), 0.015) << solver;
+  }
+}
+
 TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
   WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
   const Outcome run = Slam("a.g2o", kQuick);

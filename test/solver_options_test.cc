@@ -30,6 +30,7 @@ TEST(SolverOptionsTest, NamesTheFieldThatIsWrong) {
   expect_refused("num_threads", [](Options* o) { o->num_threads = 0; });
   expect_refused("factors.beam.sigma_range_m",
                  [](Options* o) { o->factors.beam.sigma_range_m = 0; });
+  expect_refused("sgd.max_iterations", [](Options* o) { o->sgd.max_iterations = 0; });
   expect_refused("association.min_points", [](Options* o) { o->association.min_points = 2; });
   expect_refused("rounds.max_coarse_rounds", [](Options* o) { o->rounds.max_coarse_rounds = -1; });
   expect_refused("rounds.max_fine_rounds", [](Options* o) { o->rounds.max_fine_rounds = 0; });
@@ -66,7 +67,8 @@ TEST(SolverOptionsTest, TheLimitsThemselvesAreAllowed) {
 }
 
 TEST(SolverOptionsTest, SolverTypesGoToNamesAndBack) {
-  for (const SolverType type : {SolverType::kAlternatingCg, SolverType::kCeres}) {
+  for (const SolverType type :
+       {SolverType::kAlternatingCg, SolverType::kCeres, SolverType::kPoseGraph, SolverType::kSgd}) {
     SolverType back = type == SolverType::kCeres ? SolverType::kAlternatingCg : SolverType::kCeres;
     EXPECT_TRUE(FromString(ToString(type), &back));
     EXPECT_EQ(back, type);

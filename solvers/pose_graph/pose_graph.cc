@@ -77,18 +77,21 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
   double scale = kCauchyScale;
   while (scale * scale < worst_chi2) scale *= kNarrowing;
   ceres::Solver::Summary summary;
-  int iterations = 0;
+  PoseGraphResult result;
   for (; scale >= kCauchyScale; scale /= kNarrowing) {
     loss.Reset(new ceres::CauchyLoss(scale), ceres::TAKE_OWNERSHIP);
     ceres::Solve(SolverSettings(), &problem, &summary);
     // The first entry is the starting point; there is none if that could not be evaluated.
-    iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    result.iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    for (const ceres::IterationSummary& it : summary.iterations) result.costs.push_back(it.cost);
     if (!summary.IsSolutionUsable()) break;
   }
   if (summary.IsSolutionUsable()) {
     for (std::size_t i = 0; i < blocks.size(); ++i) (*world_from_pose)[i] = Pose2(blocks[i].data());
   }
-  return {iterations, summary.termination_type == ceres::CONVERGENCE, summary.message};
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.stop_reason = summary.message;
+  return result;
 }
 
 double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose) {

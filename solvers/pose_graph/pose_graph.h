@@ -14,6 +14,9 @@ struct PoseGraphResult {
   int iterations = 0;
   bool converged = false;
   std::string stop_reason;
+  /// Of the Gauss-Newton optimisation: half the squared error (under the loss) at the start and
+  /// after each iteration.
+  std::vector<double> costs;
 };
 
 /// Moves the poses to the optimum of the edges: `edges` as they are, `doubtful_edges` under a

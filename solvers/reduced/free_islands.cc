@@ -1,35 +1,10 @@
 #include "plumbline/solvers/reduced/free_islands.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <numeric>
+
+#include "plumbline/solvers/pose_sets.h"
 
 namespace plumbline {
-namespace {
-
-// Disjoint sets of poses, each named by its smallest.
-class PoseSets {
- public:
-  explicit PoseSets(std::size_t num_poses) : parent_(num_poses) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-
-  int Find(int pose) {
-    while (parent_[pose] != pose) pose = parent_[pose] = parent_[parent_[pose]];
-    return pose;
-  }
-  void Join(int a, int b) {
-    a = Find(a);
-    b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
-}  // namespace
-
 std::vector<int> FindFreeIslands(const PatchSightings& sightings, const PoseTerms& terms) {
   const std::size_t num_poses = sightings.num_poses();
   PoseSets sets(num_poses);

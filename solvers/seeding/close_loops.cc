@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
 #include "plumbline/solvers/seeding/odometry_span.h"
@@ -19,12 +20,6 @@ constexpr double kMaxClosureChi2 = 40.0;
 constexpr int kMaxRounds = 5;
 // Candidates between two reports of progress.
 constexpr std::size_t kCandidatesPerReport = 64;
-
-// A broken edge keeps the graph in one piece, and no more.
-Eigen::Matrix3d BrokenCovariance() {
-  constexpr double kSigmaM = 10.0, kSigmaRad = 3.0;
-  return Eigen::Vector3d(kSigmaM * kSigmaM, kSigmaM * kSigmaM, kSigmaRad * kSigmaRad).asDiagonal();
-}
 
 int NumClosuresAcross(int edge, const KeyGraph& keys) {
   return static_cast<int>(std::count_if(
@@ -44,8 +39,7 @@ bool OnlyRepeatsItsEdge(const RelativePoseConstraint& bridge, const KeyGraph& ke
 void Optimize(KeyGraph* keys) {
   std::vector<RelativePoseConstraint> certain, doubtful = keys->closures;
   for (const SequentialEdge& edge : keys->sequential) {
-    (edge.doubtful() && !edge.broken ? doubtful : certain).push_back(edge.constraint);
-    if (edge.broken) certain.back().covariance = BrokenCovariance();
+    (edge.doubtful() && !edge.broken ? doubtful : certain).push_back(edge.InForce());
   }
   OptimizePoseGraph(certain, doubtful, &keys->world_from_key);
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/seeding/close_loops.h"
-#include "plumbline/solvers/seeding/match_covariance.h"
 #include "plumbline/solvers/seeding/odometry_span.h"
 
 namespace plumbline {

@@ -37,6 +37,16 @@ struct SequentialEdge {
   bool doubtful() const { return evidence > 0.0; }
   /// Its far side may be anywhere near by.
   bool untrusted() const { return broken || evidence >= kUntrustedEvidence; }
+  /// What counts of it: a broken edge keeps the graph in one piece, and no more.
+  RelativePoseConstraint InForce() const {
+    RelativePoseConstraint in_force = constraint;
+    constexpr double kSigmaM = 10.0, kSigmaRad = 3.0;
+    constexpr double kVarianceM = kSigmaM * kSigmaM, kVarianceRad = kSigmaRad * kSigmaRad;
+    if (broken) {
+      in_force.covariance = Eigen::Vector3d(kVarianceM, kVarianceM, kVarianceRad).asDiagonal();
+    }
+    return in_force;
+  }
 };
 
 /// The pose graph of the key scans. Constraints name key scans by index.

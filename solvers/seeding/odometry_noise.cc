@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
-#include "plumbline/solvers/seeding/match_covariance.h"
 
 namespace plumbline {
 namespace {

@@ -5,9 +5,15 @@
 #include <vector>
 
 #include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
 #include "plumbline/factors/factor_options.h"
 
 namespace plumbline {
+
+/// Per pose the index into graph.odometry() of the step that leads to it from the pose before; -1
+/// for pose 0. InvalidArgument if one is missing.
+Status FindOdometrySteps(const SlamGraph& graph, std::vector<int>* step_to_pose);
 
 /// What the odometry says of the motion between two poses that are several steps apart.
 struct OdometrySpan {

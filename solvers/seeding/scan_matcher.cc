@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/robust_loss.h"
-#include "plumbline/solvers/seeding/match_covariance.h"
 
 namespace plumbline {
 namespace {
@@ -138,9 +138,26 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
     // have settled: narrowed earlier, it would cut off the ones that still pull the right way.
     const double moved_m = std::hypot(step.x(), step.y()) + lever_m * std::abs(step.z());
     const bool at_fine_gate = gate_m <= options.fine_gate_m;
-    if (at_fine_gate && moved_m < options.step_tolerance_m) break;
+    match.converged = at_fine_gate && moved_m < options.step_tolerance_m;
+    if (match.converged) break;
     if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
   }
+  return match;
+}
+
+ScanMatch MeasureFit(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot,
+                     const ScanMatchOptions& options) {
+  ScanMatch match;
+  match.world_from_robot = world_from_robot;
+  if (scan.empty() || map.points().empty()) return match;
+  std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
+  NormalEquations equations =
+      Linearize(map, scan, world_from_robot, options.fine_gate_m, options.sigma_m, &matches);
+  DropNormalNoise(&equations);
+  match.inlier_ratio =
+      static_cast<double>(equations.num_matched) / static_cast<double>(scan.size());
+  match.information = equations.information;
+  match.chi2 = equations.robust_cost;
   return match;
 }
 

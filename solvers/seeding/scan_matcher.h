@@ -43,12 +43,19 @@ struct ScanMatch {
   double inlier_ratio = 0.0;
   /// Gauss-Newton information of the points alone, world axes about the robot's position.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  /// The last step moved the points by less than the tolerance.
+  bool converged = false;
 };
 
 /// Finds the pose that maximises the posterior of prediction and point-to-line distances. The
 /// result is the prediction itself where the map says nothing.
 ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
                     const PosePrediction& prediction, const ScanMatchOptions& options);
+
+/// How well a scan lies on a map as it stands, by the fine gate, without a prediction: a match that
+/// was found by other means.
+ScanMatch MeasureFit(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot,
+                     const ScanMatchOptions& options);
 
 }  // namespace plumbline
 

@@ -9,6 +9,7 @@
 #include "plumbline/solvers/seeding/correct_odometry.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
+#include "plumbline/solvers/seeding/seed_pose_graph.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 
 namespace plumbline {
@@ -23,6 +24,7 @@ constexpr std::size_t kMaxRepairs = 3;
 struct ClosedLoops {
   LoopClosingReport report;
   std::vector<Pose2> world_from_robot;
+  std::vector<RelativePoseConstraint> pose_graph;
   MapConsistency consistency;
 
   bool Alarm() const {
@@ -107,6 +109,7 @@ Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
         CloseLoops(options.loops, graph, surfaces, progress, pool, &attempt, &result->report));
     result->world_from_robot = PosesFollowingKeyScans(attempt, trajectory->world_from_robot);
     RematchAtBreaks(graph, surfaces, attempt, trajectory->odometry, &result->world_from_robot);
+    result->pose_graph = SeedPoseGraph(attempt, *trajectory, motion);
     result->consistency = MeasureMapConsistency(graph, result->world_from_robot, pool);
     return Status::Ok();
   };
@@ -119,6 +122,8 @@ Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
     PLUMBLINE_RETURN_IF_ERROR(close(std::move(broken), &attempt));
     if (!attempt.Alarm()) best = std::move(attempt);
   }
+  report->sequential_poses = std::move(trajectory->world_from_robot);
+  report->pose_graph = std::move(best.pose_graph);
   trajectory->world_from_robot = std::move(best.world_from_robot);
   report->alarm = best.Alarm();
   report->loops = std::move(best.report);

@@ -32,6 +32,10 @@ struct SeedingReport {
   OdometryNoiseReport odometry_noise;
   LoopClosingReport loops;
   MapConsistency consistency;  ///< of the seed
+  /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
+  std::vector<RelativePoseConstraint> pose_graph;
+  /// world_from_robot of every pose before loops were closed.
+  std::vector<Pose2> sequential_poses;
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
   /// disagree and nothing else ties them together; or it contradicts itself a little (a ratio above
   /// 2), and there are doubtful steps or only loops that had to be left open.

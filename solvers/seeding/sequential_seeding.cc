@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/seeding/local_map.h"
-#include "plumbline/solvers/seeding/match_covariance.h"
+#include "plumbline/solvers/seeding/odometry_span.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 
 namespace plumbline {
@@ -30,23 +31,6 @@ constexpr double kMinInlierRatio = 0.25;
 constexpr double kMapCellM = 0.03;
 
 Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, motion.yaw}; }
-
-// The steps from each pose to the next one; fails where one is missing.
-Status CollectSteps(const SlamGraph& graph, std::vector<int>* step_to_pose) {
-  step_to_pose->assign(graph.num_poses(), -1);
-  for (std::size_t i = 0; i < graph.odometry().size(); ++i) {
-    const OdometryConstraint& step = graph.odometry()[i];
-    if (step.to == step.from + 1) (*step_to_pose)[step.to] = static_cast<int>(i);
-  }
-  for (int pose = 1; pose < graph.num_poses(); ++pose) {
-    if ((*step_to_pose)[pose] < 0) {
-      return Status::InvalidArgument("seeding needs odometry from pose " +
-                                     std::to_string(pose - 1) + " to pose " + std::to_string(pose) +
-                                     ", but the graph has none");
-    }
-  }
-  return Status::Ok();
-}
 
 class SequentialMatcher {
  public:
@@ -180,7 +164,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SeedingProgress& progress, ThreadPool* pool,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
   std::vector<int> step_to_pose;
-  PLUMBLINE_RETURN_IF_ERROR(CollectSteps(graph, &step_to_pose));
+  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
   *report = SequentialSeedingReport();
   report->odometry_sign = CheckOdometrySign(graph, surfaces, pool);
 

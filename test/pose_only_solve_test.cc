@@ -1,0 +1,169 @@
+#include "plumbline/solvers/pose_only_solve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+// The room with an edge from every pose to the next, beside the two that it comes with.
+NoisyRoom RoomWithEdges() {
+  NoisyRoom room = MakeNoisyRoom();
+  const std::vector<OdometryConstraint> steps = room.graph.odometry();
+  for (const OdometryConstraint& step : steps) {
+    EXPECT_TRUE(room.graph
+                    .AddRelativePose(
+                        {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()})
+                    .ok());
+  }
+  DisturbPoses(0.05, &room.graph);
+  return room;
+}
+
+double Chi2(const SlamGraph& graph) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
+  return GraphChi2(graph.relative_poses(), poses);
+}
+
+class PoseOnlySolveTest : public testing::TestWithParam<SolverType> {
+ protected:
+  static SolverOptions Options() {
+    SolverOptions options;
+    options.type = GetParam();
+    return options;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Solvers, PoseOnlySolveTest,
+                         testing::Values(SolverType::kPoseGraph, SolverType::kSgd),
+                         [](const auto& info) { return std::string(ToString(info.param)); });
+
+TEST_P(PoseOnlySolveTest, MovesThePosesToTheOptimumOfTheEdges) {
+  NoisyRoom room = RoomWithEdges();
+  const double seed_chi2 = Chi2(room.graph);
+  const SolverSummary summary = Solve(Options(), &room.graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_EQ(summary.solver, ToString(GetParam()));
+  EXPECT_EQ(summary.num_relative_poses, room.graph.relative_poses().size());
+  EXPECT_EQ(summary.seed_chi2, seed_chi2);
+  EXPECT_EQ(summary.final_chi2, Chi2(room.graph));
+  // Thirteen edges more than hold the eleven free poses: two loops, three degrees of freedom each.
+  EXPECT_LT(summary.final_chi2, 25.0);
+  EXPECT_GT(seed_chi2, 100.0);
+  EXPECT_THAT(summary.message, HasSubstr("chi2 "));
+  EXPECT_THAT(summary.FullReport(), HasSubstr(" relative poses, chi2 "));
+  EXPECT_THAT(summary.FullReport(), testing::Not(HasSubstr("marginal")));
+}
+
+TEST_P(PoseOnlySolveTest, PointsRideAlong) {
+  NoisyRoom room = RoomWithEdges();
+  DisturbPoints(0.1, &room.graph);  // not where the beams end
+  const SlamGraph before = room.graph;
+  ASSERT_TRUE(Solve(Options(), &room.graph).IsSolutionUsable());
+  const auto in_robot = [](const SlamGraph& graph, std::size_t r) -> Eigen::Vector2d {
+    return graph.WorldFromRobot(graph.scan(graph.returns().scan[r]).pose).Inverse() *
+           MapPoint(graph, r);
+  };
+  EXPECT_GT((MapPoint(before, 1500) - MapPoint(room.graph, 1500)).norm(), 1e-3);
+  for (std::size_t r = 0; r < before.num_returns(); r += 37) {
+    EXPECT_LT((in_robot(before, r) - in_robot(room.graph, r)).norm(), 1e-12) << r;
+  }
+}
+
+TEST_P(PoseOnlySolveTest, ReportsEveryIteration) {
+  NoisyRoom room = RoomWithEdges();
+  SolverOptions options = Options();
+  options.sgd.max_iterations = 7;
+  std::vector<IterationSummary> rows;
+  options.callback = [&](const IterationSummary& row) {
+    rows.push_back(row);
+    return true;
+  };
+  const SolverSummary summary = Solve(options, &room.graph);
+  ASSERT_EQ(rows.size(), summary.iterations.size());
+  ASSERT_GT(rows.size(), 1u);
+  EXPECT_LE(rows.size(), GetParam() == SolverType::kSgd ? 7u : 50u);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].iteration, static_cast<int>(i) + 1);
+    EXPECT_EQ(rows[i].phase, "poses");
+    const double before = i > 0 ? rows[i - 1].cost : rows[0].cost + rows[0].cost_change;
+    EXPECT_NEAR(rows[i].cost_change, before - rows[i].cost, 1e-9 * summary.seed_chi2);
+  }
+  EXPECT_NEAR(rows.back().cost, 0.5 * summary.final_chi2, 1e-6);
+}
+
+TEST_P(PoseOnlySolveTest, ReturnsTheGivenStateBitForBitIfNothingIsBetter) {
+  NoisyRoom room = MakeNoisyRoom();
+  SlamGraph perfect;
+  int id = 0;
+  for (const Pose2& pose : room.truth) ASSERT_TRUE(perfect.AddPose(pose, 0.0, &id).ok());
+  // Between() may be off by rounding: this motion is exact.
+  perfect.SetPose(1, perfect.WorldFromRobot(0));
+  ASSERT_TRUE(perfect.AddRelativePose({0, 1, Pose2(), Eigen::Matrix3d::Identity()}).ok());
+  const std::vector<double> poses = perfect.poses();
+  const SolverSummary summary = Solve(Options(), &perfect);
+  EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
+  EXPECT_TRUE(summary.IsSolutionUsable());
+  EXPECT_EQ(perfect.poses(), poses);
+  EXPECT_EQ(summary.final_chi2, summary.seed_chi2);
+  EXPECT_THAT(summary.message, HasSubstr("returned as they were"));
+}
+
+TEST_P(PoseOnlySolveTest, HoldsFixedPosesAndPutsThemBack) {
+  NoisyRoom room = RoomWithEdges();
+  ASSERT_TRUE(room.graph.FixPose(3).ok());
+  const Pose2 fixed = room.graph.WorldFromRobot(3);
+  room.graph.SetPose(3, {9.0, 9.0, 9.0});
+  ASSERT_TRUE(Solve(Options(), &room.graph).IsSolutionUsable());
+  EXPECT_EQ(room.graph.WorldFromRobot(3).x, fixed.x);
+  EXPECT_EQ(room.graph.WorldFromRobot(3).yaw, fixed.yaw);
+}
+
+TEST_P(PoseOnlySolveTest, FailsWithoutRelativePoses) {
+  SyntheticScene scene;
+  scene.faces = {{{2, -1}, {2, 1}}};
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  const std::vector<double> poses = graph.poses();
+  const SolverSummary summary = Solve(Options(), &graph);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr("no relative poses"));
+  EXPECT_THAT(summary.message, HasSubstr(ToString(GetParam())));
+  EXPECT_EQ(graph.poses(), poses);
+}
+
+TEST_P(PoseOnlySolveTest, NamesAStateOrOptionThatIsWrong) {
+  NoisyRoom room = RoomWithEdges();
+  SolverOptions options = Options();
+  options.sgd.max_iterations = 0;
+  EXPECT_THAT(Solve(options, &room.graph).message, HasSubstr("sgd.max_iterations = 0"));
+  room.graph.poses()[3 * 5] = std::numeric_limits<double>::quiet_NaN();
+  const SolverSummary summary = Solve(Options(), &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr("pose 5"));
+}
+
+TEST(PoseOnlySolve, SgdStopsWithTheStateSoFarWhenAskedTo) {
+  NoisyRoom room = RoomWithEdges();
+  SolverOptions options;
+  options.type = SolverType::kSgd;
+  int num_calls = 0;
+  options.callback = [&](const IterationSummary&) { return ++num_calls < 5; };
+  const SolverSummary summary = Solve(options, &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
+  EXPECT_EQ(summary.iterations.size(), 5u);
+  EXPECT_LT(summary.final_chi2, summary.seed_chi2);
+}
+
+}  // namespace
+}  // namespace plumbline
