@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "plumbline/apps/benchmark/comparison_report.h"
+#include "plumbline/apps/benchmark/log_experiment.h"
+#include "plumbline/apps/benchmark/log_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
@@ -34,16 +36,23 @@ const plumbline::ComparisonOptions& Defaults() {
 
 }  // namespace
 
-DEFINE_string(experiment, "", "What to run: seeding_study, solver_comparison or scaling");
+DEFINE_string(experiment, "", "What to run: seeding_study, solver_comparison, scaling or log");
 DEFINE_string(csv, "", "seeding_study, scaling: table to write, one line per run (empty: none)");
 DEFINE_int32(buildings, 200, "seeding_study: simulated buildings, one run each");
-DEFINE_string(log, "", "solver_comparison: CARMEN log, plain or .gz (empty: a simulated building)");
+DEFINE_string(log, "",
+              "solver_comparison, log: CARMEN log, plain or .gz (solver_comparison, empty: a "
+              "simulated building)");
 DEFINE_string(relations, "",
-              "solver_comparison: true relative poses of the log ('t1 t2 x y z roll pitch yaw')");
+              "solver_comparison, log: true relative poses of the log ('t1 t2 x y z roll pitch "
+              "yaw')");
+DEFINE_string(
+    corrected_log, "",
+    "log: the same drive with poses that another mapper corrected, to start from as well");
 DEFINE_int32(repeats, Defaults().repeats, "solver_comparison: runs of each solver");
 DEFINE_double(time_limit_s, Defaults().time_limit_s,
               "solver_comparison: a solver is asked to stop after this time [s]");
-DEFINE_string(output_dir, "", "solver_comparison: folder for the results; made if it is not there");
+DEFINE_string(output_dir, "",
+              "solver_comparison, log: folder for the results; made if it is not there");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
@@ -166,13 +175,41 @@ Status Scaling() {
   return Status::Ok();
 }
 
+Status MapLogByAll() {
+  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
+  if (FLAGS_output_dir.empty()) {
+    return Status::InvalidArgument("--output_dir is missing; see --help");
+  }
+  LogExperimentInputs inputs;
+  inputs.log = FLAGS_log;
+  inputs.relations = FLAGS_relations;
+  inputs.corrected_log = FLAGS_corrected_log;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&inputs.solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&inputs.seeding));
+  LogExperiment experiment;
+  PLUMBLINE_RETURN_IF_ERROR(RunLogExperiment(
+      inputs,
+      [](const LogStart& start, const LogStage& stage) {
+        std::cout << "  " << start.name << ": " << stage.name << '\n' << std::flush;
+      },
+      &experiment));
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  std::cout << LogTables(experiment);
+  PLUMBLINE_RETURN_IF_ERROR(WriteLogJson(output.File("log.json"), experiment));
+  PLUMBLINE_RETURN_IF_ERROR(WriteLogRelationsCsv(output.File("log_relations.csv"), experiment));
+  PLUMBLINE_RETURN_IF_ERROR(WriteLogSharpnessCsv(output.File("log_sharpness.csv"), experiment));
+  return WriteMapFigure(output.File("log_maps.png"), experiment.maps, MapFigureOptions());
+}
+
 struct Experiment {
   const char* name;
   Status (*run)();
 };
 constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
                                        {"solver_comparison", CompareAllSolvers},
-                                       {"scaling", Scaling}};
+                                       {"scaling", Scaling},
+                                       {"log", MapLogByAll}};
 
 Status Run() {
   for (const Experiment& experiment : kExperiments) {
@@ -194,11 +231,14 @@ int main(int argc, char** argv) {
       "falsified\n"
       "  solver_comparison  every solver from one seed: energy over time, memory, map quality\n"
       "  scaling            time and memory of the joint estimation alone, over the size of a "
-      "simulated building\n\n"
+      "simulated building\n"
+      "  log                baselines, seed and result on a log: maps, relations, sharpness\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
-      "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv",
+      "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv\n"
+      "  plumbline_benchmark --experiment=log --log=fr079.clf.gz --relations=fr079.relations "
+      "--output_dir=out",
       argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;

@@ -187,6 +187,7 @@ TEST_F(ProgramsTest, StudiesTheSeeding) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("wrong, SILENT"), HasSubstr("\n4 runs in ")));
   EXPECT_EQ(Lines(ReadFile(folder_ + "study.csv")).size(), 5u);
   ExpectError(Run("benchmark", "--experiment=magic"), "--experiment='magic'");
+  ExpectError(Run("benchmark", "--experiment=log --output_dir=" + folder_ + "out"), "--log");
 }
 
 TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {

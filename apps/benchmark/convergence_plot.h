@@ -18,12 +18,12 @@ struct ConvergenceLine {
 struct ConvergencePlot {
   std::string title;
   std::string x_label, y_label;        ///< with units
-  std::vector<ConvergenceLine> lines;  ///< from the ninth on, colours and markers come again
+  std::vector<ConvergenceLine> lines;  ///< drawn in the order of palette.h
 };
 
-/// Draws the lines as a PNG picture, 1200 pixels wide. Both axes are logarithmic, over whole
-/// decades that hold all points; a point with a coordinate that is not finite and positive has no
-/// place on them and is left out. The legend is below. The same plot gives the same bytes.
+/// Draws the lines as a PNG picture, 1200 pixels wide. Both axes are logarithmic and hold all
+/// points; a point with a coordinate that is not finite and positive has no place on them and is
+/// left out. The legend is below. The same plot gives the same bytes.
 ///
 /// InvalidArgument if there is no point to draw; NotFound or Unavailable if the file cannot be
 /// written.

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <vector>
 
+#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
+#include "plumbline/apps/io/scale_bar.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -66,39 +67,12 @@ std::string WithThousands(std::size_t number) {
   return text;
 }
 
-void DrawText(const std::string& text, double x, double y, cairo_t* context) {
-  cairo_select_font_face(context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(context, kFontPx);
-  cairo_move_to(context, x, y);
-  cairo_show_text(context, text.c_str());
-  cairo_new_path(context);  // Text leaves its end behind as the current point.
-}
-
 void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* context) {
   const std::string numbers = WithThousands(graph.num_scans()) + " scans, " +
                               WithThousands(graph.num_returns()) + " returns";
   cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-  DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kHeaderPx, context);
-}
-
-/// A bar of a round length, about a sixth of the map's width, with its length in m. (x, y) is the
-/// left end of the bar.
-void DrawScaleBar(const MapRaster& raster, double x, double y, cairo_t* context) {
-  const double length_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
-  const double length_px = length_m / raster.pixel_m;
-  constexpr double kTickPx = 5.0;
-  cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-  cairo_set_line_width(context, 2.0);
-  cairo_move_to(context, x, y - kTickPx);
-  cairo_line_to(context, x, y + kTickPx);
-  cairo_move_to(context, x, y);
-  cairo_line_to(context, x + length_px, y);
-  cairo_move_to(context, x + length_px, y - kTickPx);
-  cairo_line_to(context, x + length_px, y + kTickPx);
-  cairo_stroke(context);
-  char label[32];
-  std::snprintf(label, sizeof(label), "%g m", length_m);
-  DrawText(label, x + length_px + 12.0, y + 0.35 * kFontPx, context);
+  DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kHeaderPx,
+           TextAnchor::kLeft, context);
 }
 
 /// The lines and marks on the map area, which cuts them off.
@@ -124,7 +98,8 @@ void DrawLegend(const std::vector<MapOverlay>& overlays, double left, double top
     const double y = top + (row + 0.5) * kLegendRowPx;
     DrawOverlaySample(overlays[row], left + 0.5 * kSampleWidthPx, y, context);
     cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-    DrawText(overlays[row].label, left + kSampleWidthPx + 12.0, y + 0.35 * kFontPx, context);
+    DrawText(overlays[row].label, left + kSampleWidthPx + 12.0, y + 0.35 * kFontPx,
+             TextAnchor::kLeft, context);
   }
 }
 
@@ -153,7 +128,8 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
                        const MapPictureOptions& options) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, options));
   MapRaster raster;
-  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(graph, options.crop_share, options.max_side_px, &raster));
+  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(graph.points(), PosesOf(graph), options.crop_share,
+                                         options.max_side_px, &raster));
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
 
@@ -166,13 +142,17 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
-  DrawDensity(DensityImage(graph, raster), has_overlays ? kFadedStrength : 1.0, raster, map_left,
-              kHeaderPx, surface.get());
+  const std::vector<std::uint32_t> hits = CountHits(graph.points(), raster);
+  DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
+              map_left, kHeaderPx, surface.get());
 
   const CairoContext context(cairo_create(surface.get()));
+  SelectFont(kFontPx, context.get());
   DrawTitle(graph, options.title, context.get());
   const int footer_top = kHeaderPx + raster.height;
-  DrawScaleBar(raster, kBorderPx, footer_top + 0.5 * kFooterPx, context.get());
+  const double bar_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
+  DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
+               context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
   DrawMap(graph, options.overlays, raster, map_left, context.get());
 

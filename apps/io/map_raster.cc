@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 
 namespace plumbline {
 namespace {
 
 constexpr double kMaxExtentM = 1e9;  // no map; keeps pixel arithmetic far from overflow
-
-/// An interval of world coordinates [m].
-struct Interval {
-  double low = 0.0, high = 0.0;
-  double length() const { return high - low; }
-};
 
 /// The smallest of 1, 2, 2.5, 5 times a power of ten that is >= value.
 double RoundUpToNice(double value) {
@@ -28,20 +23,21 @@ double RoundUpToNice(double value) {
 }
 
 /// Range of one coordinate (0 = x, 1 = y) that the picture shows, margin included.
-Interval VisibleInterval(const SlamGraph& graph, int coordinate, double crop_share) {
+Interval VisibleInterval(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+                         int coordinate, double crop_share) {
   // A quantile of a million samples is as good as one of thirty million.
-  const std::size_t stride = 1 + graph.num_returns() / 1000000;
+  const std::size_t stride = 1 + points.size() / 2000000;
   std::vector<double> samples;
-  for (std::size_t i = 0; i < graph.num_returns(); i += stride) {
-    const double value = graph.points()[2 * i + coordinate];
-    if (std::isfinite(value)) samples.push_back(value);
+  for (std::size_t i = coordinate; i < points.size(); i += 2 * stride) {
+    if (std::isfinite(points[i])) samples.push_back(points[i]);
   }
-  Interval interval{graph.poses()[coordinate], graph.poses()[coordinate]};
+  Interval interval{std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
   const auto include = [&interval](double value) {
     interval.low = std::min(interval.low, value);
     interval.high = std::max(interval.high, value);
   };
-  for (std::size_t i = coordinate; i < graph.poses().size(); i += 3) include(graph.poses()[i]);
+  for (const Pose2& pose : trajectory) include(pose.translation()[coordinate]);
   if (!samples.empty()) {
     const std::size_t outside = static_cast<std::size_t>(crop_share * samples.size());
     for (std::size_t rank : {outside, samples.size() - 1 - outside}) {
@@ -51,31 +47,6 @@ Interval VisibleInterval(const SlamGraph& graph, int coordinate, double crop_sha
   }
   const double margin = std::max(0.5, 0.03 * interval.length());
   return {interval.low - margin, interval.high + margin};
-}
-
-/// Number of map points per pixel, row by row.
-std::vector<std::uint32_t> CountHits(const SlamGraph& graph, const MapRaster& raster) {
-  std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
-  for (std::size_t i = 0; i < graph.num_returns(); ++i) {
-    const double column = raster.Column(graph.points()[2 * i]);
-    const double row = raster.Row(graph.points()[2 * i + 1]);
-    // Written so that a coordinate that is not a number fails.
-    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) continue;
-    ++hits[static_cast<std::size_t>(row) * raster.width + static_cast<std::size_t>(column)];
-  }
-  return hits;
-}
-
-/// Number of hits that is drawn black: what the fullest tenth of the pixels that were hit has.
-double BlackLevel(const std::vector<std::uint32_t>& hits) {
-  std::vector<std::uint32_t> positive;
-  for (std::uint32_t count : hits) {
-    if (count > 0) positive.push_back(count);
-  }
-  if (positive.empty()) return 1.0;
-  const auto level = positive.begin() + (positive.size() - 1) * 9 / 10;
-  std::nth_element(positive.begin(), level, positive.end());
-  return *level;
 }
 
 /// Gray value of a pixel with `count` >= 1 hits. Hits on a wall differ by orders of magnitude with
@@ -98,27 +69,57 @@ double RoundDownToNice(double value) {
   return decade;
 }
 
-Status ChooseRaster(const SlamGraph& graph, double crop_share, int max_side_px, MapRaster* raster) {
-  const Interval x = VisibleInterval(graph, 0, crop_share);
-  const Interval y = VisibleInterval(graph, 1, crop_share);
-  for (double edge_m : {x.low, x.high, y.low, y.high}) {
+Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+                  double crop_share, MapExtent* extent) {
+  const MapExtent result{VisibleInterval(points, trajectory, 0, crop_share),
+                         VisibleInterval(points, trajectory, 1, crop_share)};
+  for (double edge_m : {result.x.low, result.x.high, result.y.low, result.y.high}) {
     if (std::abs(edge_m) < kMaxExtentM) continue;
     return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
                                    " m from the origin");
   }
-  // One pixel of the side is lost to snapping the edges to the grid.
-  const double side_m = std::max(x.length(), y.length());
-  raster->pixel_m = std::max(0.01, RoundUpToNice(side_m / (max_side_px - 1)));
-  raster->left_m = std::floor(x.low / raster->pixel_m) * raster->pixel_m;
-  raster->top_m = std::ceil(y.high / raster->pixel_m) * raster->pixel_m;
-  raster->width = static_cast<int>(std::ceil(raster->Column(x.high)));
-  raster->height = static_cast<int>(std::ceil(raster->Row(y.low)));
+  *extent = result;
   return Status::Ok();
 }
 
-std::vector<std::uint8_t> DensityImage(const SlamGraph& graph, const MapRaster& raster) {
-  const std::vector<std::uint32_t> hits = CountHits(graph, raster);
-  const double black_level = BlackLevel(hits);
+Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+                    double crop_share, int max_side_px, MapRaster* raster) {
+  MapExtent extent;
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(points, trajectory, crop_share, &extent));
+  // One pixel of the side is lost to snapping the edges to the grid.
+  const double side_m = std::max(extent.x.length(), extent.y.length());
+  raster->pixel_m = std::max(0.01, RoundUpToNice(side_m / (max_side_px - 1)));
+  raster->left_m = std::floor(extent.x.low / raster->pixel_m) * raster->pixel_m;
+  raster->top_m = std::ceil(extent.y.high / raster->pixel_m) * raster->pixel_m;
+  raster->width = static_cast<int>(std::ceil(raster->Column(extent.x.high)));
+  raster->height = static_cast<int>(std::ceil(raster->Row(extent.y.low)));
+  return Status::Ok();
+}
+
+std::vector<std::uint32_t> CountHits(const std::vector<double>& points, const MapRaster& raster) {
+  std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    const double column = raster.Column(points[i]);
+    const double row = raster.Row(points[i + 1]);
+    // Written so that a coordinate that is not a number fails.
+    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) continue;
+    ++hits[static_cast<std::size_t>(row) * raster.width + static_cast<std::size_t>(column)];
+  }
+  return hits;
+}
+
+double BlackLevel(const std::vector<std::uint32_t>& hits) {
+  std::vector<std::uint32_t> positive;
+  for (std::uint32_t count : hits) {
+    if (count > 0) positive.push_back(count);
+  }
+  if (positive.empty()) return 1.0;
+  const auto level = positive.begin() + (positive.size() - 1) * 9 / 10;
+  std::nth_element(positive.begin(), level, positive.end());
+  return *level;
+}
+
+std::vector<std::uint8_t> DensityImage(const std::vector<std::uint32_t>& hits, double black_level) {
   std::vector<std::uint8_t> gray(hits.size(), 255);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (hits[i] > 0) gray[i] = GrayLevel(hits[i], black_level);

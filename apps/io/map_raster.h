@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -23,13 +23,39 @@ struct MapRaster {
 /// The largest of 1, 2, 2.5, 5 times a power of ten that is <= value, which is positive.
 double RoundDownToNice(double value);
 
-/// A raster for the whole trajectory and all points but a share of crop_share at each side. Fails
-/// on a map that reaches farther than 1e9 m. The graph has poses, all finite.
-Status ChooseRaster(const SlamGraph& graph, double crop_share, int max_side_px, MapRaster* raster);
+/// An interval of world coordinates [m].
+struct Interval {
+  double low = 0.0, high = 0.0;
+  double length() const { return high - low; }
+};
 
-/// Gray value per pixel, row by row: the darker the more map points, on an exposure taken from the
-/// image itself; 255 where there is none. Points that are not finite fall outside.
-std::vector<std::uint8_t> DensityImage(const SlamGraph& graph, const MapRaster& raster);
+/// The part of the world that a map picture shows.
+struct MapExtent {
+  Interval x, y;
+};
+
+/// The extent of the whole trajectory and all points but a share of crop_share at each side, with a
+/// margin. points: x, y [m] in turn; those that are not finite do not count. InvalidArgument if the
+/// map reaches farther than 1e9 m. Needs a pose or a finite point; the poses are finite.
+Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+                  double crop_share, MapExtent* extent);
+
+/// A raster over that extent, with pixels of a nice size on a grid through the world's origin.
+/// Fails like FindExtent.
+Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+                    double crop_share, int max_side_px, MapRaster* raster);
+
+/// Number of points (x, y [m] in turn) per pixel, row by row. Points that are not finite fall
+/// outside.
+std::vector<std::uint32_t> CountHits(const std::vector<double>& points, const MapRaster& raster);
+
+/// Number of hits to be drawn black: what the fullest tenth of the pixels that were hit has. Maps
+/// that are to be compared share the level of all their hits together.
+double BlackLevel(const std::vector<std::uint32_t>& hits);
+
+/// Gray value per pixel: the darker the more hits, black from black_level on; 255 where there is
+/// none.
+std::vector<std::uint8_t> DensityImage(const std::vector<std::uint32_t>& hits, double black_level);
 
 }  // namespace plumbline
 
