@@ -8,8 +8,6 @@
 #include "plumbline/apps/alarm.h"
 #include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
-#include "plumbline/apps/io/overlay_pictures.h"
-#include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/output_folder.h"
@@ -136,10 +134,14 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
     if (has_scans()) PrintMap();
     std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
-              << (has_scans() ? ", points.ply, map_given.png, map_refined.png" : "")
-              << (has_scans() && !by_edges_only() ? ", map_pose_graph.png" : "")
-              << (refined_consistency_ ? ", conflicts.png" : "") << ", summary.json\n"
-              << std::flush;
+              << ", summary.json\n";
+    if (has_scans()) {
+      std::cout << (by_edges_only() ? "  map_given.png                                     "
+                                    : "  map_given.png, map_pose_graph.png                 ")
+                << "pictures of the way there\n"
+                << MapFilesText(refined_consistency_.has_value());
+    }
+    std::cout << std::flush;
     std::cerr << AlarmText(alarms_);
     return Status::Ok();
   }
@@ -156,17 +158,15 @@ class PoseGraphRun {
   }
 
   Status WriteMap() {
-    PLUMBLINE_RETURN_IF_ERROR(WritePointsPly(output_.File("points.ply"), file_.graph));
+    const RefinedMap map{&file_.graph, &given_poses_, "as given",
+                         refined_consistency_ ? &*refined_consistency_ : nullptr};
+    PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
     const std::vector<double> optimised = file_.graph.points();
     file_.graph.ResetPointsFromPoses();
     AddStage("refined, raw ranges");
     file_.graph.points() = optimised;
-    if (refined_consistency_) {
-      PLUMBLINE_RETURN_IF_ERROR(WriteConflictPicture(output_.File("conflicts.png"), file_.graph,
-                                                     *refined_consistency_,
-                                                     options_.picture_side_px));
-    }
-    return RecordMap("refined, optimised points", "map_refined.png");
+    AddStage("refined, optimised points");
+    return Status::Ok();
   }
 
   // What a stage's map looks like and how good it is; nothing without scans.
@@ -175,7 +175,7 @@ class PoseGraphRun {
     AddStage(stage);
     MapPictureOptions options;
     options.title = stage;
-    options.max_side_px = options_.picture_side_px;
+    options.max_side_px = options_.outputs.picture_side_px;
     return WriteMapPicture(output_.File(picture), file_.graph, options);
   }
 

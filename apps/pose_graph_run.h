@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plumbline/apps/run_outputs.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/solver_options.h"
 
@@ -11,7 +12,7 @@ namespace plumbline {
 struct PoseGraphRunOptions {
   std::string log;
   std::string output_dir;
-  int picture_side_px = 0;
+  RunOutputOptions outputs;
   SolverOptions solver;
 };
 
@@ -22,9 +23,9 @@ struct PoseGraphRunOptions {
 ///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
 ///   graph.g2o or .toro  the file that came in, with the refined poses
 ///   summary.json        figures
-/// and with scans also points.ply and a picture of each stage; if they are in order of time, it is
-/// measured whether the map contradicts itself (conflicts.png), with a warning on standard error if
-/// the refined map does. A failed Status names the culprit.
+/// and with scans also what MapWriteTasks names and a picture of each stage; if they are in order
+/// of time, it is measured whether the map contradicts itself (conflicts.png), with a warning on
+/// standard error if the refined map does. A failed Status names the culprit.
 Status RunPoseGraph(const PoseGraphRunOptions& options);
 
 }  // namespace plumbline

@@ -4,7 +4,6 @@
 #include <glog/logging.h>
 
 #include <chrono>
-#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <optional>
@@ -17,13 +16,13 @@
 #include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/overlay_pictures.h"
-#include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/read_log.h"
+#include "plumbline/apps/run_outputs.h"
 #include "plumbline/apps/run_summary.h"
 #include "plumbline/apps/seeding_progress.h"
 #include "plumbline/apps/seeding_report.h"
@@ -36,8 +35,10 @@
 DEFINE_string(log, "", "CARMEN log to map, or pose graph (g2o, TORO) to refine; plain or .gz");
 DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
-DEFINE_int32(picture_side_px, plumbline::MapPictureOptions().max_side_px,
+DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
              "Longer side of the pictures, at most [px]");
+DEFINE_double(map_resolution_m, plumbline::RunOutputOptions().map_resolution_m,
+              "Side of a cell of the occupancy grid, map.pgm [m]");
 DEFINE_string(truth, "", "True trajectory (TUM) of a simulated log, to measure errors against");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
 
@@ -48,16 +49,6 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Runs the tasks side by side; gives the first one's error that failed.
-Status RunAll(const std::vector<std::function<Status()>>& tasks, ThreadPool* pool) {
-  std::vector<Status> results(tasks.size());
-  pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
-    results[begin] = tasks[begin]();
-  });
-  for (const Status& result : results) PLUMBLINE_RETURN_IF_ERROR(result);
-  return Status::Ok();
 }
 
 // One run of the program, step by step.
@@ -72,6 +63,7 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(Seed());
     const bool by_pose_graph = MovesPosesOnly(solver_options_.type);
     if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
+    seed_poses_ = graph_.poses();
     PLUMBLINE_RETURN_IF_ERROR(
         Picture("map_seed.png", by_pose_graph ? "Sequential matching" : "Seed"));
     PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
@@ -92,6 +84,10 @@ class SlamRun {
     }
     PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver_options_));
     PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding_options_));
+    outputs_.picture_side_px = FLAGS_picture_side_px;
+    outputs_.map_resolution_m = FLAGS_map_resolution_m;
+    std::string error;
+    if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
     pool_.emplace(solver_options_.num_threads);
     return Status::Ok();
   }
@@ -101,7 +97,7 @@ class SlamRun {
       return Status::InvalidArgument("--max_scans and --truth go with a CARMEN log, but " +
                                      FLAGS_log + " is a pose graph");
     }
-    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, FLAGS_picture_side_px, solver_options_});
+    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_});
   }
 
   Status ReadLog() {
@@ -173,19 +169,14 @@ class SlamRun {
   }
 
   Status WriteResults() {
-    PLUMBLINE_RETURN_IF_ERROR(
-        RunAll({[&] { return Trajectory("trajectory.tum"); },
-                [&] { return Picture("map_refined.png", "Refined"); },
-                [&] {
-                  return WriteClosurePicture(output_.File("closures.png"), graph_,
-                                             summary_.seeding.loops.matches, FLAGS_picture_side_px);
-                },
-                [&] {
-                  return WriteConflictPicture(output_.File("conflicts.png"), graph_,
-                                              summary_.refined_consistency, FLAGS_picture_side_px);
-                },
-                [&] { return WritePointsPly(output_.File("points.ply"), graph_); }},
-               &*pool_));
+    const RefinedMap map{&graph_, &seed_poses_, "seed", &summary_.refined_consistency};
+    std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
+    tasks.push_back([&] { return Trajectory("trajectory.tum"); });
+    tasks.push_back([&] {
+      return WriteClosurePicture(output_.File("closures.png"), graph_,
+                                 summary_.seeding.loops.matches, outputs_.picture_side_px);
+    });
+    PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
     AddStage("refined, raw ranges");
@@ -201,12 +192,11 @@ class SlamRun {
               << ConsistencyText("The refined map", summary_.refined_consistency)
               << "\nPeak memory " << PeakMemoryBytes() / 1000000 << " MB. Results in "
               << output_.path()
-              << ":\n  map_odometry.png, map_seed.png, map_refined.png   pictures\n"
-                 "  closures.png                                      loops closed and refused\n"
-                 "  conflicts.png                                     where the refined map "
-                 "contradicts itself\n"
+              << ":\n  map_odometry.png, map_seed.png                    pictures of the way "
+                 "there\n"
+              << MapFilesText(true)
+              << "  closures.png                                      loops closed and refused\n"
                  "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
-                 "  points.ply                                        every return, optimised\n"
                  "  summary.json                                      options and figures\n"
               << std::flush;
     std::cerr << AlarmText(summary_.alarms);
@@ -215,7 +205,7 @@ class SlamRun {
   Status Picture(const std::string& name, const std::string& title) const {
     MapPictureOptions options;
     options.title = title;
-    options.max_side_px = FLAGS_picture_side_px;
+    options.max_side_px = outputs_.picture_side_px;
     return WriteMapPicture(output_.File(name), graph_, options);
   }
   Status Trajectory(const std::string& name) const {
@@ -227,10 +217,12 @@ class SlamRun {
 
   SolverOptions solver_options_;
   SeedingOptions seeding_options_;
+  RunOutputOptions outputs_;
   std::optional<ThreadPool> pool_;
   const OutputFolder output_{FLAGS_output_dir};
   SlamGraph graph_;
   MeasuredSurface surface_;
+  std::vector<double> seed_poses_;
   std::optional<Truth> truth_;
   RunSummary summary_;
 };

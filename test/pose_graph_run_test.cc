@@ -24,7 +24,7 @@ class PoseGraphRunTest : public testing::Test {
  protected:
   // Prints nothing.
   Status Run(const std::string& log, SolverType solver = SolverOptions().type) const {
-    PoseGraphRunOptions options{folder_ + log, folder_ + "out", 200, SolverOptions()};
+    PoseGraphRunOptions options{folder_ + log, folder_ + "out", {200, 0.05}, SolverOptions()};
     options.solver.type = solver;
     testing::internal::CaptureStdout();
     const Status status = RunPoseGraph(options);
@@ -47,7 +47,8 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   WriteFile(folder_ + "a.g2o", text);
   const Status status = Run("a.g2o");
   ASSERT_TRUE(status.ok()) << status.message();
-  for (const char* name : {"points.ply", "map_given.png", "map_pose_graph.png", "map_refined.png",
+  for (const char* name : {"points.ply", "points.pcd", "map.pgm", "map.yaml", "before_after.png",
+                           "map_given.png", "map_pose_graph.png", "map_refined.png",
                            "conflicts.png", "summary.json", "trajectory.tum", "graph.g2o"}) {
     EXPECT_TRUE(Exists(name)) << name;
   }
@@ -123,7 +124,7 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithoutScans) {
   ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.toro", &refined).ok());
   EXPECT_NEAR(refined.graph.WorldFromRobot(1).x, 1.1, 1e-6);
   EXPECT_NEAR(refined.graph.WorldFromRobot(2).x, 2.2, 1e-6);
-  EXPECT_FALSE(Exists("points.ply") || Exists("map_refined.png"));
+  EXPECT_FALSE(Exists("points.ply") || Exists("map_refined.png") || Exists("map.pgm"));
   const nlohmann::json figures = Summary()["pose_graph"];
   EXPECT_NEAR(figures["chi2_given"], 4.0 * 0.09, 1e-9);
   EXPECT_NEAR(figures["chi2_final"], 4.0 * 0.03, 1e-6);

@@ -121,9 +121,11 @@ TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("(g2o): 12 poses, 12 edges, 12 scans"),
                              HasSubstr("The given map is consistent"),
                              HasSubstr("The refined map is consistent")));
-  EXPECT_THAT(FilesOf("out"), testing::ElementsAre("conflicts.png", "graph.g2o", "map_given.png",
-                                                   "map_pose_graph.png", "map_refined.png",
-                                                   "points.ply", "summary.json", "trajectory.tum"));
+  EXPECT_THAT(
+      FilesOf("out"),
+      testing::ElementsAre("before_after.png", "conflicts.png", "graph.g2o", "map.pgm", "map.yaml",
+                           "map_given.png", "map_pose_graph.png", "map_refined.png", "points.pcd",
+                           "points.ply", "summary.json", "trajectory.tum"));
   EXPECT_EQ(Summary()["alarm"], false);
   EXPECT_EQ(Summary()["joint"]["solver"], "reduced");
   EXPECT_EQ(Summary()["flags"]["fine_rounds"], 1);

@@ -83,12 +83,12 @@ Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& t
 }
 
 Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
-                    double crop_share, int max_side_px, MapRaster* raster) {
+                    double crop_share, int max_side_px, MapRaster* raster, double min_pixel_m) {
   MapExtent extent;
   PLUMBLINE_RETURN_IF_ERROR(FindExtent(points, trajectory, crop_share, &extent));
   // One pixel of the side is lost to snapping the edges to the grid.
   const double side_m = std::max(extent.x.length(), extent.y.length());
-  raster->pixel_m = std::max(0.01, RoundUpToNice(side_m / (max_side_px - 1)));
+  raster->pixel_m = std::max(min_pixel_m, RoundUpToNice(side_m / (max_side_px - 1)));
   raster->left_m = std::floor(extent.x.low / raster->pixel_m) * raster->pixel_m;
   raster->top_m = std::ceil(extent.y.high / raster->pixel_m) * raster->pixel_m;
   raster->width = static_cast<int>(std::ceil(raster->Column(extent.x.high)));

@@ -40,10 +40,11 @@ struct MapExtent {
 Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
                   double crop_share, MapExtent* extent);
 
-/// A raster over that extent, with pixels of a nice size on a grid through the world's origin.
-/// Fails like FindExtent.
+/// A raster over that extent, with pixels of a nice size, at least min_pixel_m, on a grid through
+/// the world's origin. Fails like FindExtent.
 Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
-                    double crop_share, int max_side_px, MapRaster* raster);
+                    double crop_share, int max_side_px, MapRaster* raster,
+                    double min_pixel_m = 0.01);
 
 /// Number of points (x, y [m] in turn) per pixel, row by row. Points that are not finite fall
 /// outside.

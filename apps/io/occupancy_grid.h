@@ -1,0 +1,61 @@
+#ifndef PLUMBLINE_APPS_IO_OCCUPANCY_GRID_H_
+#define PLUMBLINE_APPS_IO_OCCUPANCY_GRID_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+enum class Occupancy : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// Square cells on a grid through the world's origin.
+struct OccupancyGrid {
+  double resolution_m = 0.0;            ///< side of a cell
+  double left_m = 0.0, bottom_m = 0.0;  ///< world coordinates of the lower left corner
+  int width = 0, height = 0;
+  std::vector<Occupancy> cells;  ///< row by row, the one with the smallest y first
+
+  Occupancy At(int column, int row) const {
+    return cells[static_cast<std::size_t>(row) * width + column];
+  }
+};
+
+struct OccupancyGridOptions {
+  double resolution_m = 0.05;
+  /// Refuses larger grids [cells]; a cell takes five bytes while the grid is built.
+  double max_cells = 4e8;
+
+  bool Check(std::string* error) const;
+};
+
+/// Finds out where a robot could drive, from all scans of a graph and its map points.
+///
+/// *Surface*: a scan touches the cells its map points lie in, and those between two points up to
+/// 0.3 m apart that one surface joins, so that walls are closed where beams are farther apart than
+/// a cell.
+/// *Free space*: between two neighbouring beams a scan looks through all cells whose centres lie
+/// before the line through the two map points; not those that this line touches, so that beams
+/// which graze a wall do not wear it off, and nothing where the beams are more than 0.3 m apart or
+/// one of them goes more than 0.3 m farther than the other. A beam without a return tells nothing:
+/// glass and black cloth look like open space.
+/// *Verdict*: occupied if at least a quarter of the scans that tell about a cell touch it, so that
+/// people who pass disappear, and a surface at the border of two cells stays in one of them; free
+/// otherwise; unknown if no scan tells anything, or exactly as much for either. An occupied cell
+/// that rests on one scan and has no occupied neighbour is a stray return: unknown.
+///
+/// The grid holds the whole trajectory and all but the farthest 0.01 % of the points at each side.
+/// Time grows with the length of what the scans outline, not with the area they see.
+///
+/// InvalidArgument on options out of range, a graph without poses or with poses that are not
+/// finite, and a map that needs more than max_cells. Points that are not finite are left out.
+Status BuildOccupancyGrid(const SlamGraph& graph, const OccupancyGridOptions& options,
+                          OccupancyGrid* grid);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_OCCUPANCY_GRID_H_

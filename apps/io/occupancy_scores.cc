@@ -1,0 +1,92 @@
+#include "plumbline/apps/io/occupancy_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace plumbline {
+namespace {
+
+std::int64_t CellOf(double coordinate) { return static_cast<std::int64_t>(std::floor(coordinate)); }
+
+// The first cell along one axis whose centre lies behind the coordinate, cut off at [0, size].
+int FirstCentre(double coordinate, int size) {
+  return static_cast<int>(std::min(std::max(coordinate + 0.5, 0.0), static_cast<double>(size)));
+}
+
+// How far along a line, in shares of its length, the borders of cells lie that it crosses.
+struct Crossings {
+  Crossings(double from, double length, std::int64_t cell)
+      : direction(length < 0.0 ? -1 : 1),
+        next((cell + (length < 0.0 ? 0.0 : 1.0) - from) / length),
+        step(direction / length) {}
+
+  const int direction;
+  double next, step;
+};
+
+}  // namespace
+
+OccupancyScores::OccupancyScores(int width, int height)
+    : width_(width), height_(height), differences_(static_cast<std::size_t>(width + 1) * height) {
+  BeginScan();
+}
+
+void OccupancyScores::Add(std::int64_t x, std::int64_t y, std::int32_t amount) {
+  if (x < 0 || x >= width_ || y < 0 || y >= height_) return;
+  const std::size_t cell = static_cast<std::size_t>(y) * (width_ + 1) + x;
+  if (std::find(recent_.begin(), recent_.end(), cell) != recent_.end()) return;
+  recent_[num_added_++ % recent_.size()] = cell;
+  std::int32_t* difference = &differences_[cell];
+  difference[0] += amount;
+  difference[1] -= amount;
+}
+
+void OccupancyScores::AddToCell(const Eigen::Vector2d& point, std::int32_t amount) {
+  Add(CellOf(point.x()), CellOf(point.y()), amount);
+}
+
+void OccupancyScores::AddToLine(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                std::int32_t amount) {
+  std::int64_t x = CellOf(from.x()), y = CellOf(from.y());
+  const std::int64_t last_x = CellOf(to.x()), last_y = CellOf(to.y());
+  std::int64_t num_steps = std::abs(last_x - x) + std::abs(last_y - y);
+  if (num_steps == 0) return;
+  Crossings columns(from.x(), to.x() - from.x(), x), rows(from.y(), to.y() - from.y(), y);
+  // Counted, so that rounding cannot lead past the end.
+  for (; num_steps > 0; --num_steps) {
+    const bool along_x = y == last_y || (x != last_x && columns.next < rows.next);
+    Crossings& axis = along_x ? columns : rows;
+    (along_x ? x : y) += axis.direction;
+    axis.next += axis.step;
+    Add(x, y, amount);
+  }
+}
+
+void OccupancyScores::AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const bool up = from.y() < to.y();
+  const Eigen::Vector2d& low = up ? from : to;
+  const Eigen::Vector2d& high = up ? to : from;
+  const int end = FirstCentre(high.y(), height_);
+  int row = FirstCentre(low.y(), height_);
+  if (row >= end) return;
+  // What is to the right of an edge that leads up is inside a clockwise outline.
+  const std::int32_t amount = up ? 1 : -1;
+  const double slope = (high.x() - low.x()) / (high.y() - low.y());
+  double x = low.x() + (row + 0.5 - low.y()) * slope;
+  std::int32_t* differences = &differences_[static_cast<std::size_t>(row) * (width_ + 1)];
+  for (; row < end; ++row) {
+    differences[FirstCentre(x, width_)] += amount;
+    differences += width_ + 1;
+    x += slope;
+  }
+}
+
+void OccupancyScores::Row(int y, std::vector<std::int32_t>* scores) const {
+  const std::int32_t* differences = &differences_[static_cast<std::size_t>(y) * (width_ + 1)];
+  scores->resize(width_);
+  std::int32_t sum = 0;
+  for (int x = 0; x < width_; ++x) (*scores)[x] = sum += differences[x];
+}
+
+}  // namespace plumbline

@@ -1,0 +1,50 @@
+#include "plumbline/apps/io/pcd_writer.h"
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+
+#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/little_endian.h"
+
+namespace plumbline {
+namespace {
+
+// What the file's coordinates are relative to [m], a multiple of 10 km.
+Eigen::Vector2d Offset(const SlamGraph& graph) {
+  constexpr double kStepM = 10000.0;
+  if (graph.num_poses() == 0) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d start = graph.WorldFromRobot(0).translation();
+  // Plus zero: no "-0" in the header.
+  return {kStepM * std::round(start.x() / kStepM) + 0.0,
+          kStepM * std::round(start.y() / kStepM) + 0.0};
+}
+
+}  // namespace
+
+Status WritePointsPcd(const std::string& path, const SlamGraph& graph) {
+  const Eigen::Vector2d offset = Offset(graph);
+  if (!offset.allFinite()) {
+    return Status::InvalidArgument("'" + path + "': the first pose is not finite");
+  }
+  AtomicFile file;
+  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
+  file.stream().precision(17);
+  file.stream() << "# .PCD v0.7 - Point Cloud Data file format\n"
+                << "# map points of Plumbline [m], world point = VIEWPOINT + point, z = 0\n"
+                << "VERSION 0.7\nFIELDS x y z scan\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+                << "WIDTH " << graph.num_returns() << "\nHEIGHT 1\n"
+                << "VIEWPOINT " << offset.x() << ' ' << offset.y() << " 0 1 0 0 0\n"
+                << "POINTS " << graph.num_returns() << "\nDATA binary\n";
+  const auto store = [&graph, &offset](std::size_t i, unsigned char* out) {
+    out = StoreFloat(static_cast<float>(graph.points()[2 * i] - offset.x()), out);
+    out = StoreFloat(static_cast<float>(graph.points()[2 * i + 1] - offset.y()), out);
+    out = StoreFloat(0.0f, out);
+    return StoreLittleEndian(static_cast<std::uint32_t>(graph.returns().scan[i]), out);
+  };
+  constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + sizeof(std::uint32_t);
+  WriteRecords(graph.num_returns(), kBytesPerPoint, store, &file.stream());
+  return file.Commit();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,48 @@
+#ifndef PLUMBLINE_APPS_RUN_OUTPUTS_H_
+#define PLUMBLINE_APPS_RUN_OUTPUTS_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/output_folder.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+
+namespace plumbline {
+
+/// What every run that has scans is asked for.
+struct RunOutputOptions {
+  int picture_side_px = 2400;      ///< longer side of a picture's map, at most
+  double map_resolution_m = 0.05;  ///< side of a cell of map.pgm
+
+  bool Check(std::string* error) const;
+};
+
+/// The refined map of a run, to be written.
+struct RefinedMap {
+  const SlamGraph* graph = nullptr;
+  const std::vector<double>* poses_before = nullptr;  ///< of the start, as SlamGraph::poses()
+  std::string before_title;                           ///< what the start was
+  const MapConsistency* consistency = nullptr;        ///< null where it was not measured
+};
+
+using WriteTask = std::function<Status()>;
+
+/// The tasks that write map_refined.png, before_after.png, points.ply, points.pcd, map.pgm with
+/// map.yaml and, if the consistency was measured, conflicts.png, the longest first. They refer to
+/// what they are given and do not change it; each may run on a thread of its own.
+std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
+                                     const OutputFolder& output);
+
+/// Lines for people: what the files of MapWriteTasks are.
+std::string MapFilesText(bool with_conflicts);
+
+/// Runs the tasks side by side; gives the error of the first one that failed.
+Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_OUTPUTS_H_

@@ -1,0 +1,91 @@
+#include "plumbline/apps/run_outputs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plumbline/test/noisy_room.h"
+#include "plumbline/test/ros_map_reader.h"
+#include "plumbline/test/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+class RunOutputsTest : public testing::Test {
+ protected:
+  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.graph.poses()) {}
+
+  Status Write(const std::string& folder, const MapConsistency* consistency, int num_threads) {
+    const RefinedMap map{&room_.graph, &poses_before_, "seed", consistency};
+    RunOutputOptions options;
+    options.picture_side_px = 300;
+    options.map_resolution_m = 0.1;
+    const OutputFolder output(folder_ + folder);
+    EXPECT_TRUE(output.Make().ok());
+    ThreadPool pool(num_threads);
+    return RunAll(MapWriteTasks(map, options, output), &pool);
+  }
+
+  const std::string folder_ = TempFolder();
+  NoisyRoom room_;
+  const std::vector<double> poses_before_;
+};
+
+TEST_F(RunOutputsTest, WritesTheSameFilesWithAnyNumberOfThreads) {
+  const MapConsistency consistency;
+  ASSERT_TRUE(Write("one", &consistency, 1).ok());
+  ASSERT_TRUE(Write("three", &consistency, 3).ok());
+  const std::vector<std::string> names = {"before_after.png", "conflicts.png",   "map.pgm",
+                                          "map.yaml",         "map_refined.png", "points.pcd",
+                                          "points.ply"};
+  EXPECT_EQ(NumFilesIn(folder_ + "one"), static_cast<int>(names.size()));
+  for (const std::string& name : names) {
+    const std::string content = ReadFile(folder_ + "one/" + name);
+    EXPECT_FALSE(content.empty()) << name;
+    EXPECT_TRUE(content == ReadFile(folder_ + "three/" + name)) << name;
+    EXPECT_THAT(MapFilesText(true), HasSubstr(name));
+  }
+  EXPECT_EQ(ServeMap(folder_ + "one/map.yaml").resolution, 0.1);
+}
+
+TEST_F(RunOutputsTest, NoPictureOfConflictsThatWereNotMeasured) {
+  ASSERT_TRUE(Write("out", nullptr, 2).ok());
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out/conflicts.png"));
+  EXPECT_THAT(MapFilesText(false), testing::Not(HasSubstr("conflicts.png")));
+}
+
+TEST_F(RunOutputsTest, AnErrorOfOneTaskLetsTheOthersEnd) {
+  std::atomic<int> num_done{0};
+  const auto fine = [&num_done] {
+    ++num_done;
+    return Status::Ok();
+  };
+  ThreadPool pool(2);
+  const Status status = RunAll({fine, [] { return Status::NotFound("first"); }, fine,
+                                [] { return Status::NotFound("second"); }, fine},
+                               &pool);
+  EXPECT_EQ(status.message(), "first");
+  EXPECT_EQ(num_done, 3);
+}
+
+TEST_F(RunOutputsTest, OptionsOutOfRangeAreNamed) {
+  RunOutputOptions options;
+  std::string error;
+  EXPECT_TRUE(options.Check(&error));
+  options.map_resolution_m = 0.0;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("resolution_m = 0"));
+  options = RunOutputOptions();
+  options.picture_side_px = 40000;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("max_side_px = 40000"));
+}
+
+}  // namespace
+}  // namespace plumbline
