@@ -131,7 +131,8 @@ Status WriteComparison(const OutputFolder& output, const Comparison& comparison)
   if (BestEnergy(comparison.runs) == std::numeric_limits<double>::infinity()) {
     return Status::Unavailable("no run came to its end");
   }
-  return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
+  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonPlot(output.File("solver_comparison.png"), comparison));
+  return WriteComparisonPage(output.File("report.html"), comparison);
 }
 
 Status CompareAllSolvers() {

@@ -1,6 +1,7 @@
 #include "plumbline/apps/pose_graph_run.h"
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <vector>
@@ -10,7 +11,9 @@
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/number_text.h"
 #include "plumbline/apps/output_folder.h"
+#include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
@@ -32,6 +35,7 @@ class PoseGraphRun {
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Read());
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    given_poses_ = file_.graph.poses();
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
     if (by_edges_only()) {
@@ -58,7 +62,6 @@ class PoseGraphRun {
   }
 
   void RefineByEdges() {
-    given_poses_ = file_.graph.poses();
     edges_summary_ = RefinePoseGraph(&file_.graph);
     std::cout << edges_summary_.BriefReport() << '\n';
   }
@@ -132,11 +135,15 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_));
     if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteMap());
     PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
-    if (has_scans()) PrintMap();
+    if (has_scans()) {
+      PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+      PrintMap();
+    }
     std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
               << ", summary.json\n";
     if (has_scans()) {
-      std::cout << (by_edges_only() ? "  map_given.png                                     "
+      std::cout << "  report.html                                       all of it to look at\n"
+                << (by_edges_only() ? "  map_given.png                                     "
                                     : "  map_given.png, map_pose_graph.png                 ")
                 << "pictures of the way there\n"
                 << MapFilesText(refined_consistency_.has_value());
@@ -158,8 +165,10 @@ class PoseGraphRun {
   }
 
   Status WriteMap() {
+    maps_.push_back({"refined", output_.File("map_refined.png"), MapArea()});
     const RefinedMap map{&file_.graph, &given_poses_, "as given",
-                         refined_consistency_ ? &*refined_consistency_ : nullptr};
+                         refined_consistency_ ? &*refined_consistency_ : nullptr,
+                         &maps_.back().area};
     PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
     const std::vector<double> optimised = file_.graph.points();
     file_.graph.ResetPointsFromPoses();
@@ -176,7 +185,8 @@ class PoseGraphRun {
     MapPictureOptions options;
     options.title = stage;
     options.max_side_px = options_.outputs.picture_side_px;
-    return WriteMapPicture(output_.File(picture), file_.graph, options);
+    maps_.push_back({stage, output_.File(picture), MapArea()});
+    return WriteMapPicture(output_.File(picture), file_.graph, options, &maps_.back().area);
   }
 
   void AddStage(const std::string& name) {
@@ -227,6 +237,43 @@ class PoseGraphRun {
     return WriteJson(output_.File("summary.json"), json);
   }
 
+  // Of each state: its name, and what is wrong with the edges there.
+  std::vector<std::vector<std::string>> EdgeRows() const {
+    const std::vector<RelativePoseConstraint>& edges = file_.graph.relative_poses();
+    const double refined_chi2 = GraphChi2(edges, PosesOf(file_.graph));
+    if (by_edges_only()) {
+      return {{"given", ShortText(solver_summary_.seed_chi2)},
+              {"refined", ShortText(refined_chi2)}};
+    }
+    return {{"given", ShortText(edges_summary_.given_chi2)},
+            {"optimum of the edges", ShortText(edges_summary_.final_chi2)},
+            {"edges and scans together", ShortText(refined_chi2)}};
+  }
+
+  Status WriteReport() const {
+    HtmlReport report;
+    report.title = std::filesystem::path(options_.log).filename().string();
+    report.subtitle = WithThousands(file_.graph.num_poses()) + " poses, " +
+                      WithThousands(file_.graph.relative_poses().size()) + " edges, " +
+                      WithThousands(file_.graph.num_scans()) + " scans, " +
+                      WithThousands(file_.graph.num_returns()) + " returns";
+    AddVerdict(alarms_, refined_consistency_ ? "No sign that the map contradicts itself." : "",
+               &report);
+    AddStages(stages_, &report);
+    report.tables.push_back(
+        {"Edges of the graph", {"State", "Sum of squared whitened errors"}, EdgeRows(), ""});
+    if (refined_consistency_) {
+      AddConsistency({{"Given", *given_consistency_}, {"Refined", *refined_consistency_}}, &report);
+      report.pictures = {
+          {"Places that one scan shows and another looked through", output_.File("conflicts.png")}};
+    }
+    if (!by_edges_only()) report.durations = {{"Edges of the graph", edges_summary_.time_s}};
+    AddSolver(solver_summary_, &report);
+    AddOptionsInForce(&report);
+    report.maps = maps_;
+    return WriteHtmlReport(output_.File("report.html"), report);
+  }
+
   const PoseGraphRunOptions& options_;
   ThreadPool pool_;
   const OutputFolder output_;
@@ -239,6 +286,7 @@ class PoseGraphRun {
   // Not measured where the scans are not in order of time.
   std::optional<MapConsistency> given_consistency_, refined_consistency_;
   std::vector<Alarm> alarms_;
+  std::vector<ReportMap> maps_;
 };
 
 }  // namespace

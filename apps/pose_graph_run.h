@@ -23,9 +23,9 @@ struct PoseGraphRunOptions {
 ///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
 ///   graph.g2o or .toro  the file that came in, with the refined poses
 ///   summary.json        figures
-/// and with scans also what MapWriteTasks names and a picture of each stage; if they are in order
-/// of time, it is measured whether the map contradicts itself (conflicts.png), with a warning on
-/// standard error if the refined map does. A failed Status names the culprit.
+/// and with scans also report.html, what MapWriteTasks names and a picture of each stage; if they
+/// are in order of time, it is measured whether the map contradicts itself (conflicts.png), with a
+/// warning on standard error if the refined map does. A failed Status names the culprit.
 Status RunPoseGraph(const PoseGraphRunOptions& options);
 
 }  // namespace plumbline

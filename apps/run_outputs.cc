@@ -14,11 +14,11 @@
 namespace plumbline {
 namespace {
 
-Status WriteRefinedPicture(const std::string& path, const SlamGraph& graph, int max_side_px) {
+Status WriteRefinedPicture(const std::string& path, const RefinedMap& map, int max_side_px) {
   MapPictureOptions options;
   options.title = "Refined";
   options.max_side_px = max_side_px;
-  return WriteMapPicture(path, graph, options);
+  return WriteMapPicture(path, *map.graph, options, map.picture_area);
 }
 
 Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_side_px) {
@@ -54,8 +54,8 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
       [=] {
         return WriteBeforeAfter(output.File("before_after.png"), map, options.picture_side_px);
       },
-      [=, &graph] {
-        return WriteRefinedPicture(output.File("map_refined.png"), graph, options.picture_side_px);
+      [=] {
+        return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
       },
       [=, &graph] { return WriteRobotMap(output.File("map"), graph, options.map_resolution_m); },
       [=, &graph] { return WritePointsPly(output.File("points.ply"), graph); },

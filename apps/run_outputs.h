@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -27,6 +28,7 @@ struct RefinedMap {
   const std::vector<double>* poses_before = nullptr;  ///< of the start, as SlamGraph::poses()
   std::string before_title;                           ///< what the start was
   const MapConsistency* consistency = nullptr;        ///< null where it was not measured
+  MapArea* picture_area = nullptr;  ///< becomes where map_refined.png shows the map; may be null
 };
 
 using WriteTask = std::function<Status()>;

@@ -22,6 +22,8 @@
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/read_log.h"
+#include "plumbline/apps/report/html_report.h"
+#include "plumbline/apps/report/run_report.h"
 #include "plumbline/apps/run_outputs.h"
 #include "plumbline/apps/run_summary.h"
 #include "plumbline/apps/seeding_progress.h"
@@ -169,44 +171,59 @@ class SlamRun {
   }
 
   Status WriteResults() {
-    const RefinedMap map{&graph_, &seed_poses_, "seed", &summary_.refined_consistency};
+    maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
+    const RefinedMap map{&graph_, &seed_poses_, "seed", &summary_.refined_consistency,
+                         &maps_.back().area};
     std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
     tasks.push_back([&] { return Trajectory("trajectory.tum"); });
     tasks.push_back([&] {
       return WriteClosurePicture(output_.File("closures.png"), graph_,
                                  summary_.seeding.loops.matches, outputs_.picture_side_px);
     });
-    PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
+    const Status maps_written = RunAll(tasks, &*pool_);
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
     AddStage("refined, raw ranges");
     graph_.points() = optimised;
     AddStage("refined, optimised points");
     PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
+    PLUMBLINE_RETURN_IF_ERROR(maps_written);
+    PLUMBLINE_RETURN_IF_ERROR(WriteReport());
     PrintResults();
     return Status::Ok();
   }
 
+  Status WriteReport() const {
+    HtmlReport report = MakeRunReport(summary_);
+    report.maps = maps_;
+    report.pictures = {
+        {"Loops closed and refused", output_.File("closures.png")},
+        {"Places that one scan shows and another looked through", output_.File("conflicts.png")}};
+    return WriteHtmlReport(output_.File("report.html"), report);
+  }
+
   void PrintResults() const {
-    std::cout << StageTable(summary_.stages)
-              << ConsistencyText("The refined map", summary_.refined_consistency)
-              << "\nPeak memory " << PeakMemoryBytes() / 1000000 << " MB. Results in "
-              << output_.path()
-              << ":\n  map_odometry.png, map_seed.png                    pictures of the way "
-                 "there\n"
-              << MapFilesText(true)
-              << "  closures.png                                      loops closed and refused\n"
-                 "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
-                 "  summary.json                                      options and figures\n"
-              << std::flush;
+    std::cout
+        << StageTable(summary_.stages)
+        << ConsistencyText("The refined map", summary_.refined_consistency) << "\nPeak memory "
+        << PeakMemoryBytes() / 1000000 << " MB. Results in " << output_.path()
+        << ":\n  report.html                                       all of it to look at, in a "
+           "browser\n"
+           "  map_odometry.png, map_seed.png                    pictures of the way there\n"
+        << MapFilesText(true)
+        << "  closures.png                                      loops closed and refused\n"
+           "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
+           "  summary.json                                      options and figures\n"
+        << std::flush;
     std::cerr << AlarmText(summary_.alarms);
   }
 
-  Status Picture(const std::string& name, const std::string& title) const {
+  Status Picture(const std::string& name, const std::string& title) {
     MapPictureOptions options;
     options.title = title;
     options.max_side_px = outputs_.picture_side_px;
-    return WriteMapPicture(output_.File(name), graph_, options);
+    maps_.push_back({title, output_.File(name), MapArea()});
+    return WriteMapPicture(output_.File(name), graph_, options, &maps_.back().area);
   }
   Status Trajectory(const std::string& name) const {
     return WriteTumTrajectory(output_.File(name), TrajectoryOf(graph_));
@@ -225,6 +242,7 @@ class SlamRun {
   std::vector<double> seed_poses_;
   std::optional<Truth> truth_;
   RunSummary summary_;
+  std::vector<ReportMap> maps_;
 };
 
 }  // namespace

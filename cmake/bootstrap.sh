@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Installs what the build needs and the system lacks. Debian and its kin only: elsewhere it says
-# what is wanted and leaves the rest to CMake.
+# Usage: cmake/bootstrap.sh [--tests]
+# Installs what the build needs and the system lacks; with --tests also the browser, some 300 MB,
+# that the test of report.html runs in. Debian and its kin only: elsewhere it says what is wanted and
+# leaves the rest to CMake.
 set -euo pipefail
 
 packages=(
@@ -9,6 +11,7 @@ packages=(
   libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev      # programs
   libgtest-dev libgmock-dev                                                         # tests
 )
+if [[ ${1:-} == --tests ]]; then packages+=(chromium chromium-driver python3-selenium); fi
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2

@@ -61,6 +61,30 @@ void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>&
   }
 }
 
+// Counts one point in both histograms; lengths that are not finite go to the last bins.
+void Count(double moved_m, double beam_sigmas, PointDisplacements* displacements) {
+  using Bins = PointDisplacements;
+  int sigma_bin = Bins::kNumSigmaBins - 1, octave = Bins::kNumOctaves - 1;
+  if (beam_sigmas < sigma_bin * Bins::kSigmasPerBin) {
+    sigma_bin = static_cast<int>(beam_sigmas / Bins::kSigmasPerBin);
+  }
+  if (moved_m < Bins::kFirstOctaveM) {
+    octave = 0;
+  } else if (std::isfinite(moved_m)) {
+    octave = std::min(octave, 1 + std::ilogb(moved_m / Bins::kFirstOctaveM));
+  }
+  ++displacements->sigma_counts[sigma_bin];
+  ++displacements->octave_counts[octave];
+}
+
+void Add(const PointDisplacements& part, PointDisplacements* total) {
+  total->mean_m += part.mean_m;
+  total->max_m = std::max(total->max_m, part.max_m);
+  total->max_beam_sigmas = std::max(total->max_beam_sigmas, part.max_beam_sigmas);
+  for (int i = 0; i < part.kNumSigmaBins; ++i) total->sigma_counts[i] += part.sigma_counts[i];
+  for (int i = 0; i < part.kNumOctaves; ++i) total->octave_counts[i] += part.octave_counts[i];
+}
+
 // Adds up; `mean_m` as a sum.
 void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, const SlamGraph& graph,
                  int scan_id, PointDisplacements* displacements) {
@@ -82,6 +106,7 @@ void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, cons
     displacements->mean_m += moved.norm();
     displacements->max_m = std::max(displacements->max_m, moved.norm());
     displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
+    Count(moved.norm(), beam_sigmas, displacements);
   }
 }
 
@@ -112,11 +137,7 @@ PointDisplacements MeasureDisplacements(const MeasuredSurface& surface,
                        }
                      });
   PointDisplacements total;
-  for (const PointDisplacements& part : parts) {
-    total.mean_m += part.mean_m;
-    total.max_m = std::max(total.max_m, part.max_m);
-    total.max_beam_sigmas = std::max(total.max_beam_sigmas, part.max_beam_sigmas);
-  }
+  for (const PointDisplacements& part : parts) Add(part, &total);
   total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph.num_returns()));
   return total;
 }

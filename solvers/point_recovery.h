@@ -1,6 +1,8 @@
 #ifndef PLUMBLINE_SOLVERS_POINT_RECOVERY_H_
 #define PLUMBLINE_SOLVERS_POINT_RECOVERY_H_
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
@@ -17,6 +19,17 @@ struct PointDisplacements {
   double max_m = 0.0;
   /// Largest length in standard deviations of the point's own beam, sqrt(u^T C^-1 u).
   double max_beam_sigmas = 0.0;
+
+  /// Points per bin of that length, each kSigmasPerBin wide; the last one has no upper end.
+  static constexpr double kSigmasPerBin = 0.25;
+  static constexpr int kNumSigmaBins = 17;
+  std::array<std::size_t, kNumSigmaBins> sigma_counts{};
+
+  /// Points per bin of distance: below kFirstOctaveM, then up to twice that and so on, so that the
+  /// bins suit any sensor; the last one has no upper end.
+  static constexpr double kFirstOctaveM = 0.25e-3;
+  static constexpr int kNumOctaves = 12;
+  std::array<std::size_t, kNumOctaves> octave_counts{};
 };
 
 /// Puts every point of the graph at the minimum of its beam and manifold term for fixed poses and

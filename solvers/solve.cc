@@ -196,6 +196,7 @@ class JointSolver {
                    (!kept || before - best_energy_ <= options_.rounds.relative_tolerance * before);
       if (converged_) break;
     }
+    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
   }
 
   // The lines that the current poses give.

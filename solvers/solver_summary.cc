@@ -17,14 +17,8 @@ std::string Format(const char* format, ...) {
   return buffer;
 }
 
-// Root mean square of the whitened residuals behind a cost of one half of their squared sum.
-double WhitenedRms(double cost, const TermSummary& term) {
-  const double num_residuals = static_cast<double>(term.count) * term.residuals_per_block;
-  return num_residuals > 0.0 ? std::sqrt(2.0 * cost / num_residuals) : 0.0;
-}
-
 std::string TermRow(Term term, const TermSummary& summary) {
-  const double rms = WhitenedRms(summary.final_cost, summary);
+  const double rms = summary.WhitenedRms();
   std::string row = Format("  %-14s %10zu %14.6e %14.6e %9.3f", ToString(term), summary.count,
                            summary.initial_cost, summary.final_cost, rms);
   if (summary.sigma > 0.0) row += Format(" %10.5f %s", rms * summary.sigma, summary.unit.c_str());
@@ -32,6 +26,11 @@ std::string TermRow(Term term, const TermSummary& summary) {
 }
 
 }  // namespace
+
+double TermSummary::WhitenedRms() const {
+  const double num_residuals = static_cast<double>(count) * residuals_per_block;
+  return num_residuals > 0.0 ? std::sqrt(2.0 * final_cost / num_residuals) : 0.0;
+}
 
 const char* ToString(TerminationType type) {
   switch (type) {

@@ -77,6 +77,9 @@ struct TermSummary {
   int residuals_per_block = 0;
   double sigma = 0.0;  ///< of one residual, in `unit`; 0 where the residuals have several units
   std::string unit;
+
+  /// Root mean square of the whitened residuals at the end; 0 without any.
+  double WhitenedRms() const;
 };
 
 struct SolverSummary {
@@ -110,7 +113,7 @@ struct SolverSummary {
   double seed_patch_energy = 0.0;
   double final_patch_energy = 0.0;
 
-  /// Reduced solver: how far the points are from the measured ends of their beams.
+  /// How far the points are from the measured ends of their beams.
   PointDisplacements displacements;
 
   double association_time_s = 0.0;

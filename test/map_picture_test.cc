@@ -64,6 +64,20 @@ TEST_F(MapPictureTest, PixelsAreOfOneSizeInBothDirections) {
   EXPECT_GT(picture.Count(IsWhite), picture.width * picture.height * 9 / 10);
 }
 
+TEST_F(MapPictureTest, TellsWhereTheMapIs) {
+  MapArea area;
+  ASSERT_TRUE(WriteMapPicture(path_, MakeGraph(10.0), options_, &area).ok());
+  const Picture picture(path_);
+  const Box dot = picture.Around(IsGreen);  // at (0, 0)
+  EXPECT_NEAR(area.left_px + area.raster.Column(0.0), dot.center_x(), 1.0);
+  EXPECT_NEAR(area.top_px + area.raster.Row(0.0), dot.center_y(), 1.0);
+  EXPECT_EQ(area.raster.pixel_m, 0.01);
+  EXPECT_LT(area.top_px + area.raster.height, picture.height);
+  const MapArea before = area;
+  EXPECT_FALSE(WriteMapPicture(path_, SlamGraph(), options_, &area).ok());
+  EXPECT_EQ(area.raster.width, before.raster.width);
+}
+
 TEST_F(MapPictureTest, LargeMapsTakeCoarserPixelsOfANiceSize) {
   // 206 m and 6.18 m of margin at both sides over 2400 px need 9.1 cm: 10 cm.
   const Picture picture = Draw(MakeGraph(200.0));

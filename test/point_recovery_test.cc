@@ -142,6 +142,46 @@ TEST(PointRecoveryTest, NoPointMovesBeyondTheGate) {
   }
 }
 
+TEST(PointRecoveryTest, EveryPointIsInOneBinOfEitherHistogram) {
+  LinedRoom lined(0.08);
+  const FactorOptions factors;
+  const PointDisplacements displacements = lined.Recover(factors);
+  PointDisplacements expected;
+  for (std::size_t r = 0; r < lined.lines.size(); ++r) {
+    const Eigen::Vector2d moved = lined.Moved(r);
+    const double sigmas = std::sqrt(moved.dot(lined.Covariance(r, factors).inverse() * moved));
+    ++expected.sigma_counts[std::min(16, static_cast<int>(sigmas / 0.25))];
+    int octave = 0;
+    for (double upper_m = 0.25e-3; octave < 11 && moved.norm() >= upper_m; upper_m *= 2.0) ++octave;
+    ++expected.octave_counts[octave];
+  }
+  // Single precision may carry a point or two across an edge.
+  std::size_t sum = 0, num_filled = 0;
+  for (int i = 0; i < PointDisplacements::kNumSigmaBins; ++i) {
+    EXPECT_NEAR(displacements.sigma_counts[i], expected.sigma_counts[i], 2.0) << i;
+    sum += displacements.sigma_counts[i];
+    num_filled += displacements.sigma_counts[i] > 0;
+  }
+  EXPECT_EQ(sum, lined.lines.size());
+  EXPECT_GT(num_filled, 5u);
+  sum = 0;
+  for (int i = 0; i < PointDisplacements::kNumOctaves; ++i) {
+    EXPECT_NEAR(displacements.octave_counts[i], expected.octave_counts[i], 2.0) << i;
+    sum += displacements.octave_counts[i];
+  }
+  EXPECT_EQ(sum, lined.lines.size());
+}
+
+TEST(PointRecoveryTest, LengthsBeyondAllBinsAreInTheLast) {
+  LinedRoom lined(0.0);
+  for (double& coordinate : lined.room.graph.points()) coordinate += 50.0;
+  ThreadPool pool(2);
+  const PointDisplacements displacements =
+      MeasureDisplacements(lined.surface, FactorOptions(), &pool, lined.room.graph);
+  EXPECT_EQ(displacements.sigma_counts.back(), lined.lines.size());
+  EXPECT_EQ(displacements.octave_counts.back(), lined.lines.size());
+}
+
 TEST(PointRecoveryTest, DistantLinesMoveNothing) {
   LinedRoom lined(0.0);
   for (TangentLine& line : lined.lines) line.offset += 3.0;
@@ -160,6 +200,8 @@ TEST(PointRecoveryTest, AnyNumberOfThreadsGivesTheSameBits) {
     EXPECT_EQ(many.room.graph.points(), one.room.graph.points());
     EXPECT_EQ(displacements.mean_m, expected.mean_m);
     EXPECT_EQ(displacements.max_m, expected.max_m);
+    EXPECT_EQ(displacements.sigma_counts, expected.sigma_counts);
+    EXPECT_EQ(displacements.octave_counts, expected.octave_counts);
   }
 }
 

@@ -125,7 +125,7 @@ TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
       FilesOf("out"),
       testing::ElementsAre("before_after.png", "conflicts.png", "graph.g2o", "map.pgm", "map.yaml",
                            "map_given.png", "map_pose_graph.png", "map_refined.png", "points.pcd",
-                           "points.ply", "summary.json", "trajectory.tum"));
+                           "points.ply", "report.html", "summary.json", "trajectory.tum"));
   EXPECT_EQ(Summary()["alarm"], false);
   EXPECT_EQ(Summary()["joint"]["solver"], "reduced");
   EXPECT_EQ(Summary()["flags"]["fine_rounds"], 1);

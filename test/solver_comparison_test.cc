@@ -123,7 +123,12 @@ TEST(SolverComparisonTest, FilesHoldEveryIterationAndEveryFigure) {
   EXPECT_EQ(json["solvers"][2]["failures"][0], "ended by signal 9 (Killed)");
   ASSERT_TRUE(WriteComparisonPlot(folder + "a.png", comparison).ok());
   EXPECT_EQ(Picture(folder + "a.png").width, 1200);
-  EXPECT_EQ(NumFilesIn(folder), 3);
+  ASSERT_TRUE(WriteComparisonPage(folder + "a.html", comparison).ok());
+  EXPECT_THAT(ReadFile(folder + "a.html"),
+              AllOf(HasSubstr("<th scope=\"row\">slow</th><td>200</td><td>100.000 %</td>"),
+                    HasSubstr("<td>failed: ended by signal 9 (Killed)</td>"),
+                    HasSubstr("{\"label\":\"slow\",\"points\":[[")));
+  EXPECT_EQ(NumFilesIn(folder), 4);
 }
 
 TEST(SolverComparisonTest, AllSolversRunFromOneSeed) {

@@ -1,11 +1,16 @@
 #include "plumbline/apps/benchmark/comparison_report.h"
 
 #include <cmath>
+#include <cstddef>
 #include <iomanip>
 #include <sstream>
+#include <utility>
 
 #include "plumbline/apps/benchmark/convergence_plot.h"
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/number_text.h"
+#include "plumbline/apps/report/html_report.h"
+#include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/report_json.h"
 
 namespace plumbline {
@@ -53,6 +58,50 @@ std::string TableRow(const SolverFigures& figures, double best_energy) {
   if (!figures.failures.empty()) row << "  (" << figures.failures.size() << " runs failed)";
   row << "  " << run.termination << '\n';
   return row.str();
+}
+
+std::string InputName(const Comparison& comparison) {
+  return comparison.input.substr(comparison.input.find_last_of('/') + 1);
+}
+
+// How far above the best energy a state is: what the plots show. A tenth of what counts as reaching
+// an energy is added, so that the best state itself has a place on a logarithmic axis.
+constexpr char kGapLabel[] = "marginal energy above the best [fraction; best at 1e-5]";
+double PlottedGap(const TracePoint& point, double best_energy) {
+  return point.marginal_energy / best_energy - 1.0 + 1e-5;
+}
+
+bool IsPlotted(const SolverRun& run) { return run.failure.empty() && run.repeat == 1; }
+
+ReportTable PageTable(const Comparison& comparison) {
+  ReportTable table{"Solvers",
+                    {"Solver", "Energy", "Above the best", "Seconds", "Time ratio", "Peak memory",
+                     "Wall thickness", "Relations", "Outcome"},
+                    {},
+                    "Time ratio: time to the solver's own final energy (within 0.01 %), over that "
+                    "of the first solver to the same."};
+  const double best = BestEnergy(comparison.runs);
+  const auto text = [](const std::optional<double>& value, int digits) {
+    return value ? FixedText(*value, digits) : "-";
+  };
+  for (const SolverFigures& figures : SumUp(comparison.solvers, comparison.runs)) {
+    if (figures.median_run == nullptr) {
+      std::vector<std::string> row(table.header.size(), "-");
+      row.front() = figures.solver;
+      row.back() = "failed: " + figures.failures.front();
+      table.rows.push_back(std::move(row));
+      continue;
+    }
+    const SolverRun& run = *figures.median_run;
+    table.rows.push_back(
+        {figures.solver, FixedText(figures.final_energy, 0),
+         FixedText(100.0 * (figures.final_energy / best - 1.0), 3) + " %",
+         FixedText(figures.time_s, 2), text(figures.time_ratio, 1),
+         FixedText(figures.peak_memory_bytes / kBytesPerMb, 0) + " MB",
+         FixedText(kMmPerM * QualityAt(run.points, kTableRadius).wall_thickness_m, 2) + " mm",
+         run.relations ? FixedText(run.relations->mean_m, 4) + " m" : "-", run.termination});
+  }
+  return table;
 }
 
 Json OptionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
@@ -153,23 +202,43 @@ Status WriteComparisonJson(const std::string& path, const Comparison& comparison
 }
 
 Status WriteComparisonPlot(const std::string& path, const Comparison& comparison) {
-  // A tenth of what counts as reaching an energy: the best state itself has a place on the axis.
-  constexpr double kHair = 1e-5;
   const double best = BestEnergy(comparison.runs);
   ConvergencePlot plot;
-  plot.title = comparison.input.substr(comparison.input.find_last_of('/') + 1);
+  plot.title = InputName(comparison);
   plot.x_label = "time of the solver [s]";
-  plot.y_label = "marginal energy above the best [fraction; best at 1e-5]";
+  plot.y_label = kGapLabel;
   for (const SolverRun& run : comparison.runs) {
-    if (!run.failure.empty() || run.repeat != 1) continue;
+    if (!IsPlotted(run)) continue;
     ConvergenceLine line;
     line.label = run.solver;
     for (const TracePoint& point : run.trace) {
-      line.points.emplace_back(point.time_s, point.marginal_energy / best - 1.0 + kHair);
+      line.points.emplace_back(point.time_s, PlottedGap(point, best));
     }
     plot.lines.push_back(std::move(line));
   }
   return WriteConvergencePlot(path, plot);
+}
+
+Status WriteComparisonPage(const std::string& path, const Comparison& comparison) {
+  HtmlReport page;
+  page.title = "Solvers compared: " + InputName(comparison);
+  page.subtitle = WithThousands(comparison.num_scans) + " scans, " +
+                  WithThousands(comparison.num_returns) + " returns";
+  page.tables = {PageTable(comparison)};
+  ReportPlot plot{"Energy over time", kGapLabel, {}, "The first run of each solver."};
+  const double best = BestEnergy(comparison.runs);
+  for (const SolverRun& run : comparison.runs) {
+    if (!IsPlotted(run)) continue;
+    ReportCurve curve{run.solver, {}};
+    for (std::size_t i = 0; i < run.trace.size(); ++i) {
+      curve.points.push_back(
+          {run.trace[i].time_s, static_cast<double>(i), PlottedGap(run.trace[i], best)});
+    }
+    plot.curves.push_back(std::move(curve));
+  }
+  page.plots = {plot};
+  AddOptionsInForce(&page);
+  return WriteHtmlReport(path, page);
 }
 
 }  // namespace plumbline

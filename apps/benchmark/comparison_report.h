@@ -23,7 +23,7 @@ struct Comparison {
 std::string ComparisonTable(const Comparison& comparison);
 
 /// One line per iteration of every run that came to its end, from the seed (iteration 0) to the
-/// result. NotFound or Unavailable if the file cannot be written; so do the other two.
+/// result. NotFound or Unavailable if the file cannot be written; so do the others.
 Status WriteComparisonCsv(const std::string& path, const Comparison& comparison);
 
 /// The figures of every solver, and the program's flags.
@@ -31,6 +31,9 @@ Status WriteComparisonJson(const std::string& path, const Comparison& comparison
 
 /// A picture of the first run of each solver: how far above the best energy it is, over time.
 Status WriteComparisonPlot(const std::string& path, const Comparison& comparison);
+
+/// The table and the plot as a page to look at in a browser, and the program's flags.
+Status WriteComparisonPage(const std::string& path, const Comparison& comparison);
 
 }  // namespace plumbline
 

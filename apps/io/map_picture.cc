@@ -12,6 +12,7 @@
 #include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
+#include "plumbline/apps/number_text.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -59,12 +60,6 @@ void DrawTrajectory(const SlamGraph& graph, const MapRaster& raster, cairo_t* co
   cairo_arc(context, raster.Column(start.x), raster.Row(start.y), 6.0, 0.0, 2.0 * kPi);
   cairo_set_source_rgb(context, 0.1, 0.6, 0.2);
   cairo_fill(context);
-}
-
-std::string WithThousands(std::size_t number) {
-  std::string text = std::to_string(number);
-  for (int i = static_cast<int>(text.size()) - 3; i > 0; i -= 3) text.insert(i, ",");
-  return text;
 }
 
 void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* context) {
@@ -125,7 +120,7 @@ bool MapPictureOptions::Check(std::string* error) const {
 }
 
 Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
-                       const MapPictureOptions& options) {
+                       const MapPictureOptions& options, MapArea* area) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, options));
   MapRaster raster;
   PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(graph.points(), PosesOf(graph), options.crop_share,
@@ -156,7 +151,9 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
   DrawMap(graph, options.overlays, raster, map_left, context.get());
 
-  return CommitPng(path, surface.get(), context.get(), &file);
+  PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
+  if (area != nullptr) *area = {raster, map_left, kHeaderPx};
+  return Status::Ok();
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/apps/io/map_overlay.h"
+#include "plumbline/apps/io/map_raster.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -20,6 +21,13 @@ struct MapPictureOptions {
   bool Check(std::string* error) const;
 };
 
+/// Where the map is in its picture: column 0 and row 0 of the raster are at the pixel (left_px,
+/// top_px), and the strips for title and legend lie around it.
+struct MapArea {
+  MapRaster raster;
+  int left_px = 0, top_px = 0;
+};
+
 /// Draws the map points of a graph as a PNG picture: x to the right, y up, equal scale.
 ///
 /// Points are a density image, the darker the more returns fall into a pixel, on an exposure taken
@@ -31,9 +39,9 @@ struct MapPictureOptions {
 ///
 /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
 /// finite or a map larger than 1e9 m; points that are not finite are left out. NotFound or
-/// Unavailable if the file cannot be written.
+/// Unavailable if the file cannot be written. Sets *area, if given, on success only.
 Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
-                       const MapPictureOptions& options);
+                       const MapPictureOptions& options, MapArea* area = nullptr);
 
 }  // namespace plumbline
 

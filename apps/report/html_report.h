@@ -1,0 +1,102 @@
+#ifndef PLUMBLINE_APPS_REPORT_HTML_REPORT_H_
+#define PLUMBLINE_APPS_REPORT_HTML_REPORT_H_
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/io/map_picture.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// A figure that stands at the top, as "wall thickness", "23.2 mm", "odometry: 50.2 mm".
+struct ReportFigure {
+  std::string label, value, note;
+};
+
+/// A map for the viewer, which lays all of them over each other by their place in the world.
+struct ReportMap {
+  std::string name;
+  std::string png_path;  ///< as WriteMapPicture has written it
+  MapArea area;          ///< as it has told
+};
+
+struct ReportTable {
+  std::string title;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;  ///< as wide as the header
+  std::string note;                            ///< below the table; may be empty
+};
+
+struct ReportPicture {
+  std::string title;
+  std::string png_path;
+};
+
+struct ReportDuration {
+  std::string phase;
+  double time_s = 0.0;
+};
+
+struct ReportCurvePoint {
+  double time_s = 0.0;
+  double iteration = 0.0;
+  double value = 0.0;
+};
+
+struct ReportCurve {
+  std::string label;
+  std::vector<ReportCurvePoint> points;  ///< joined in their order
+};
+
+/// Curves over time or iterations, as the reader likes. An axis that spans more than two decades
+/// is logarithmic; points that are not finite have no place on it.
+struct ReportPlot {
+  std::string title;
+  std::string value_label;
+  std::vector<ReportCurve> curves;
+  std::string note;
+};
+
+struct ReportHistogram {
+  std::string title;
+  std::string x_label;              ///< with unit
+  std::vector<double> lower_edges;  ///< of the bins, rising; the last bin has no upper end
+  std::vector<std::size_t> counts;  ///< one per edge
+  std::string note;
+};
+
+struct ReportOption {
+  std::string name, value, default_value, description;
+};
+
+/// What a report shows. All texts are plain and may hold anything; what is empty is left out.
+struct HtmlReport {
+  std::string title;
+  std::string subtitle;
+  std::vector<std::string> alarms;  ///< why the result is probably wrong
+  std::string all_clear;            ///< shown where there is no alarm
+  std::vector<ReportFigure> figures;
+  /// In the order in which they came about: the viewer compares the first with the last, until the
+  /// reader chooses others.
+  std::vector<ReportMap> maps;
+  std::vector<ReportTable> tables;
+  std::vector<ReportPlot> plots;
+  std::vector<ReportHistogram> histograms;
+  std::vector<ReportDuration> durations;
+  std::vector<ReportPicture> pictures;
+  std::vector<ReportOption> options;
+};
+
+/// Writes a report as one HTML file that holds all it shows, pictures included: it needs neither a
+/// server nor a network, and forbids itself to use one. The same report gives the same bytes.
+///
+/// InvalidArgument on a table row that is not as wide as its header, on histograms without an edge
+/// per count, on a map without a pixel size, and on a picture that is no PNG; NotFound or
+/// Unavailable if a picture cannot be read or the report cannot be written.
+Status WriteHtmlReport(const std::string& path, const HtmlReport& report);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_REPORT_HTML_REPORT_H_

@@ -1,0 +1,188 @@
+#include "plumbline/apps/report/report_sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/apps/command_line.h"
+#include "plumbline/apps/number_text.h"
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kMmPerM = 1e3, kPercent = 1e2;
+
+std::string Mm(double length_m) {
+  return std::isfinite(length_m) ? FixedText(kMmPerM * length_m, 1) + " mm" : "-";
+}
+
+// A figure of the last stage, and what it was at the first.
+ReportFigure LastAndFirst(const std::string& label, const std::string& last,
+                          const std::string& first, const std::string& name_of_first) {
+  return {label, last, name_of_first + ": " + first};
+}
+
+// A round's costs are those of its own associations: the curve of each begins anew.
+ReportPlot ConvergencePlotOf(const SolverSummary& solver) {
+  ReportPlot plot;
+  plot.title = "Convergence";
+  plot.value_label = "energy";
+  plot.note =
+      "Associations are rebuilt in every round, so energies compare within a round, not between "
+      "rounds.";
+  int round = 0;
+  for (const IterationSummary& it : solver.iterations) {
+    if (plot.curves.empty() || it.round != round) {
+      round = it.round;
+      plot.curves.push_back({"round " + std::to_string(round), {}});
+      plot.curves.back().points.push_back(
+          {it.total_time_s - it.iteration_time_s, it.iteration - 1.0, it.cost + it.cost_change});
+    }
+    plot.curves.back().points.push_back(
+        {it.total_time_s, static_cast<double>(it.iteration), it.cost});
+  }
+  return plot;
+}
+
+void AddDisplacements(const PointDisplacements& moved, HtmlReport* report) {
+  std::size_t num_points = 0;
+  for (const std::size_t count : moved.sigma_counts) num_points += count;
+  if (num_points == 0) return;
+  report->figures.push_back({"Points moved", Mm(moved.mean_m),
+                             "mean; up to " + FixedText(moved.max_beam_sigmas, 1) + " sigmas"});
+  ReportHistogram sigmas{
+      "Displacement of points, in sigmas",
+      "standard deviations of the beam",
+      {},
+      {moved.sigma_counts.begin(), moved.sigma_counts.end()},
+      "Points without a surface stay at the ends of their beams: they are in the "
+      "first bin."};
+  for (int i = 0; i < moved.kNumSigmaBins; ++i) {
+    sigmas.lower_edges.push_back(i * moved.kSigmasPerBin);
+  }
+  ReportHistogram lengths{"Displacement of points, in mm",
+                          "mm from the end of the beam",
+                          {0.0},
+                          {moved.octave_counts.begin(), moved.octave_counts.end()},
+                          "Each bin is twice as wide as the one before."};
+  for (int i = 1; i < moved.kNumOctaves; ++i) {
+    lengths.lower_edges.push_back(kMmPerM * std::ldexp(moved.kFirstOctaveM, i - 1));
+  }
+  report->histograms.push_back(std::move(sigmas));
+  report->histograms.push_back(std::move(lengths));
+}
+
+ReportTable TermsTable(const SolverSummary& solver) {
+  ReportTable table{"Energy by term",
+                    {"Term", "Residuals", "Before", "After", "RMS [sigma]", "RMS"},
+                    {},
+                    "Half the sum of squared whitened residuals, under the last associations."};
+  for (int t = 0; t < kNumTerms; ++t) {
+    const TermSummary& term = solver.terms[t];
+    if (term.count == 0) continue;
+    const double rms = term.WhitenedRms();
+    table.rows.push_back(
+        {ToString(static_cast<Term>(t)), WithThousands(term.count), ShortText(term.initial_cost),
+         ShortText(term.final_cost), FixedText(rms, 3),
+         term.sigma > 0.0 ? FixedText(rms * term.sigma, 5) + " " + term.unit : ""});
+  }
+  return table;
+}
+
+std::string ConflictText(const FreeSpaceConflict& conflict) {
+  if (conflict.num_compared == 0) return "-";
+  return FixedText(kPercent * conflict.Share(), 2) + " % of " +
+         WithThousands(conflict.num_compared);
+}
+
+}  // namespace
+
+void AddVerdict(const std::vector<Alarm>& alarms, const std::string& all_clear,
+                HtmlReport* report) {
+  for (const Alarm& alarm : alarms) {
+    report->alarms.push_back("Around " + alarm.place.Text() + ": " + alarm.reason + ".");
+  }
+  report->all_clear = all_clear;
+}
+
+void AddStages(const std::vector<Stage>& stages, HtmlReport* report) {
+  if (stages.empty()) return;
+  const Stage& first = stages.front();
+  const Stage& last = stages.back();
+  ReportTable table{"Map quality by stage", {"Stage", "Wall thickness", "Map entropy"}, {}, ""};
+  const auto thickness = [](const Stage& stage) {
+    return stage.quality.num_samples > 0 ? Mm(stage.quality.wall_thickness_m) : "-";
+  };
+  const auto entropy = [](const Stage& stage) {
+    return stage.quality.num_samples > 0 ? FixedText(stage.quality.mean_map_entropy, 3) : "-";
+  };
+  if (first.error) {
+    for (const char* column : {"Pose error", "Heading error", "Map error"}) {
+      table.header.push_back(column);
+    }
+  }
+  for (const Stage& stage : stages) {
+    std::vector<std::string> row = {stage.name, thickness(stage), entropy(stage)};
+    if (stage.error) {
+      row.push_back(Mm(stage.error->mean_pose_error_m));
+      row.push_back(FixedText(RadToDeg(stage.error->mean_pose_error_rad), 3) + " deg");
+      row.push_back(Mm(stage.error->mean_point_error_m));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.note = "Smaller is sharper, for both. Measured without truth, clutter included.";
+  report->tables.push_back(std::move(table));
+  report->figures.push_back(
+      LastAndFirst("Wall thickness", thickness(last), thickness(first), first.name));
+  report->figures.push_back(LastAndFirst("Map entropy", entropy(last), entropy(first), first.name));
+  if (last.error && first.error) {
+    report->figures.push_back(LastAndFirst("Pose error", Mm(last.error->mean_pose_error_m),
+                                           Mm(first.error->mean_pose_error_m), first.name));
+  }
+}
+
+void AddSolver(const SolverSummary& solver, HtmlReport* report) {
+  report->tables.push_back(TermsTable(solver));
+  if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
+  AddDisplacements(solver.displacements, report);
+  report->figures.push_back({"Joint estimation", FixedText(solver.total_time_s, 2) + " s",
+                             solver.solver + ", " + ToString(solver.termination)});
+  const double known_s = solver.association_time_s + solver.setup_time_s + solver.solve_time_s;
+  report->durations.push_back({"Joint estimation: associations", solver.association_time_s});
+  if (solver.setup_time_s > 0.0) {
+    report->durations.push_back({"Joint estimation: setting up", solver.setup_time_s});
+  }
+  report->durations.push_back({"Joint estimation: minimisation", solver.solve_time_s});
+  report->durations.push_back({"Joint estimation: energies, points and the rest",
+                               std::max(0.0, solver.total_time_s - known_s)});
+}
+
+void AddConsistency(const std::vector<std::pair<std::string, MapConsistency>>& maps,
+                    HtmlReport* report) {
+  ReportTable table{
+      "Free-space conflicts",
+      {"Map", "Worst place", "Within a pass", "Between passes"},
+      {},
+      "Returns of one scan that another scan looked through. Worst place: times what people, doors "
+      "and noise explain; a map that goes far beyond contradicts itself."};
+  for (const auto& [name, map] : maps) {
+    const bool is_known = map.within_pass.num_compared + map.between_passes.num_compared > 0;
+    table.rows.push_back({name, is_known ? FixedText(map.Ratio(), 1) + " times" : "-",
+                          ConflictText(map.within_pass), ConflictText(map.between_passes)});
+  }
+  report->tables.push_back(std::move(table));
+}
+
+void AddOptionsInForce(HtmlReport* report) {
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
+    const bool is_number = flag.type == "double";
+    const auto text = [is_number](const std::string& value) {
+      return is_number ? ShortText(std::stod(value)) : value;
+    };
+    report->options.push_back(
+        {flag.name, text(flag.current_value), text(flag.default_value), flag.description});
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,56 @@
+#include "plumbline/apps/report/run_report.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "plumbline/apps/number_text.h"
+#include "plumbline/apps/report/report_sections.h"
+#include "plumbline/apps/seeding_report.h"
+
+namespace plumbline {
+namespace {
+
+void AddLoops(const LoopClosingReport& loops, HtmlReport* report) {
+  report->figures.push_back({"Loops closed", WithThousands(loops.num_closures),
+                             WithThousands(loops.num_candidates) + " places tried"});
+  ReportTable table{"Loop closures", {"Verdict", "Matches"}, {}, ""};
+  for (const auto& [verdict, count] : CountVerdicts(loops)) {
+    std::string name = ToString(verdict);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    table.rows.push_back({name, WithThousands(count)});
+  }
+  if (table.rows.empty()) table.rows.push_back({"no place matched another", "0"});
+  const auto num_unresolved = std::count_if(loops.doubts.begin(), loops.doubts.end(),
+                                            [](const auto& step) { return step.IsUnresolved(); });
+  table.note = WithThousands(loops.doubts.size()) + " doubtful steps, " +
+               WithThousands(num_unresolved) + " of them unresolved.";
+  report->tables.push_back(std::move(table));
+}
+
+}  // namespace
+
+HtmlReport MakeRunReport(const RunSummary& summary) {
+  constexpr double kBytesPerMb = 1e6;
+  HtmlReport report;
+  report.title = std::filesystem::path(summary.log).filename().string();
+  report.subtitle = WithThousands(summary.num_scans) + " scans, " +
+                    WithThousands(summary.num_returns) + " returns, " +
+                    WithThousands(summary.num_skipped_records) + " records skipped";
+  AddVerdict(summary.alarms, "No sign that the map contradicts itself.", &report);
+  AddStages(summary.stages, &report);
+  AddLoops(summary.seeding.loops, &report);
+  AddConsistency({{"Seed", summary.seeding.consistency}, {"Refined", summary.refined_consistency}},
+                 &report);
+  report.durations = {{"Reading", summary.read_time_s},
+                      {"Seeding: normals, matching, loop closure", summary.seed_time_s}};
+  AddSolver(summary.solver, &report);
+  report.figures.push_back(
+      {"Peak memory", FixedText(static_cast<double>(PeakMemoryBytes()) / kBytesPerMb, 0) + " MB",
+       "whole run"});
+  AddOptionsInForce(&report);
+  return report;
+}
+
+}  // namespace plumbline
