@@ -3,19 +3,24 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
 #include <limits>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "plumbline/apps/benchmark/ablation.h"
 #include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
+#include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
 #include "plumbline/apps/output_folder.h"
@@ -36,15 +41,18 @@ const plumbline::ComparisonOptions& Defaults() {
 
 }  // namespace
 
-DEFINE_string(experiment, "", "What to run: seeding_study, solver_comparison, scaling or log");
+DEFINE_string(experiment, "",
+              "What to run, one or more of these with commas: seeding_study, solver_comparison, "
+              "scaling, log, synthetic, ablation");
 DEFINE_string(csv, "", "seeding_study, scaling: table to write, one line per run (empty: none)");
 DEFINE_int32(buildings, 200, "seeding_study: simulated buildings, one run each");
-DEFINE_string(log, "",
-              "solver_comparison, log: CARMEN log, plain or .gz (solver_comparison, empty: a "
-              "simulated building)");
+DEFINE_string(
+    log, "",
+    "solver_comparison, log, ablation: CARMEN log, plain or .gz (solver_comparison, empty: "
+    "a simulated building; ablation, empty: none)");
 DEFINE_string(relations, "",
-              "solver_comparison, log: true relative poses of the log ('t1 t2 x y z roll pitch "
-              "yaw')");
+              "solver_comparison, log, ablation: true relative poses of the log ('t1 t2 x y z roll "
+              "pitch yaw')");
 DEFINE_string(
     corrected_log, "",
     "log: the same drive with poses that another mapper corrected, to start from as well");
@@ -52,7 +60,8 @@ DEFINE_int32(repeats, Defaults().repeats, "solver_comparison: runs of each solve
 DEFINE_double(time_limit_s, Defaults().time_limit_s,
               "solver_comparison: a solver is asked to stop after this time [s]");
 DEFINE_string(output_dir, "",
-              "solver_comparison, log: folder for the results; made if it is not there");
+              "All but seeding_study and scaling: folder for the results; made if it is not there");
+DEFINE_int32(seeds, 30, "synthetic, ablation: seeds of buildings and noise, 1 to this");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
@@ -203,6 +212,67 @@ Status MapLogByAll() {
   return WriteMapFigure(output.File("log_maps.png"), experiment.maps, MapFigureOptions());
 }
 
+Status Synthetic() {
+  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
+  if (FLAGS_output_dir.empty()) {
+    return Status::InvalidArgument("--output_dir is missing; see --help");
+  }
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  ThreadPool pool(solver.num_threads);
+  const std::vector<SyntheticNoise> noises = SyntheticNoises();
+  std::vector<SyntheticOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, &pool, &outcomes));
+  std::cout << SyntheticTable(noises, outcomes) << std::flush;
+  constexpr int kCharted = 1;  // the middle one of the levels of range noise
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticCsv(output.File("synthetic.csv"), noises, outcomes));
+  PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticJson(output.File("synthetic.json"), noises, outcomes));
+  PLUMBLINE_RETURN_IF_ERROR(WritePoseErrorChart(output.File("synthetic_pose_error.png"),
+                                                noises[kCharted], kCharted, outcomes));
+  PLUMBLINE_RETURN_IF_ERROR(WriteMapErrorChart(output.File("synthetic_map_error.png"),
+                                               noises[kCharted], kCharted, outcomes));
+  return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted]);
+}
+
+Status Ablation() {
+  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
+  if (FLAGS_output_dir.empty()) {
+    return Status::InvalidArgument("--output_dir is missing; see --help");
+  }
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  AblationInput log{{}, {}, {}, solver};
+  if (!FLAGS_relations.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &log.relations));
+  }
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  std::vector<AblationTable> tables;
+  const auto add = [&](const AblationTable& table) {
+    tables.push_back(table);
+    std::cout << AblationText(table) << '\n' << std::flush;
+  };
+  ThreadPool pool(solver.num_threads);
+  AblationTable table;
+  PLUMBLINE_RETURN_IF_ERROR(AblateSyntheticDrives(FLAGS_seeds, solver, &pool, &table));
+  add(table);
+  constexpr int kNumBuildings = 7;
+  PLUMBLINE_RETURN_IF_ERROR(
+      AblateBuildings(std::min(FLAGS_seeds, kNumBuildings), solver, &pool, &table));
+  add(table);
+  if (!FLAGS_log.empty()) {
+    LogCounts counts;
+    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, 0, &counts, &log.seed));
+    const std::string name = FLAGS_log.substr(FLAGS_log.find_last_of('/') + 1);
+    PLUMBLINE_RETURN_IF_ERROR(AblateLog(name, std::move(log), &table));
+    add(table);
+  }
+  PLUMBLINE_RETURN_IF_ERROR(WriteAblationCsv(output.File("ablation.csv"), tables));
+  return WriteAblationJson(output.File("ablation.json"), tables);
+}
+
 struct Experiment {
   const char* name;
   Status (*run)();
@@ -210,14 +280,33 @@ struct Experiment {
 constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
                                        {"solver_comparison", CompareAllSolvers},
                                        {"scaling", Scaling},
-                                       {"log", MapLogByAll}};
+                                       {"log", MapLogByAll},
+                                       {"synthetic", Synthetic},
+                                       {"ablation", Ablation}};
 
-Status Run() {
+Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
-    if (FLAGS_experiment == experiment.name) return experiment.run();
+    if (name == experiment.name) {
+      *found = &experiment;
+      return Status::Ok();
+    }
   }
-  return Status::InvalidArgument("--experiment='" + FLAGS_experiment +
+  return Status::InvalidArgument("--experiment='" + name +
                                  "': there is none of that name; see --help");
+}
+
+// All names are looked up before anything runs.
+Status Run() {
+  std::vector<const Experiment*> wanted(1);
+  std::istringstream names(FLAGS_experiment);
+  for (std::string name; std::getline(names, name, ',');) {
+    PLUMBLINE_RETURN_IF_ERROR(FindExperiment(name, &wanted.back()));
+    wanted.push_back(nullptr);
+  }
+  wanted.pop_back();
+  if (wanted.empty()) return FindExperiment("", nullptr);
+  for (const Experiment* experiment : wanted) PLUMBLINE_RETURN_IF_ERROR(experiment->run());
+  return Status::Ok();
 }
 
 }  // namespace
@@ -233,13 +322,17 @@ int main(int argc, char** argv) {
       "  solver_comparison  every solver from one seed: energy over time, memory, map quality\n"
       "  scaling            time and memory of the joint estimation alone, over the size of a "
       "simulated building\n"
-      "  log                baselines, seed and result on a log: maps, relations, sharpness\n\n"
+      "  log                baselines, seed and result on a log: maps, relations, sharpness\n"
+      "  synthetic          pose and map errors of several algorithms on short drives with few "
+      "scans\n"
+      "  ablation           what each part of the joint estimation contributes, on these drives, "
+      "on simulated buildings and on a log\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
       "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv\n"
-      "  plumbline_benchmark --experiment=log --log=fr079.clf.gz --relations=fr079.relations "
-      "--output_dir=out",
+      "  plumbline_benchmark --experiment=synthetic,log,ablation --log=fr079.clf.gz "
+      "--relations=fr079.relations --output_dir=out",
       argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;

@@ -70,6 +70,10 @@ DEFINE_int32(min_neighbors, Defaults().association.min_points,
              "Fewest points of a tangent line's neighbourhood");
 DEFINE_int32(max_neighbors, Defaults().association.max_points,
              "Most points of a neighbourhood with --neighborhood=nearest");
+DEFINE_bool(several_poses, Defaults().association.several_poses,
+            "A tangent line needs points of more than one pose");
+DEFINE_double(patch_size_m, Defaults().association.patch_size_m,
+              "reduced: side of the largest patch; patches are split down to an eighth of it [m]");
 DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
               "Neighbourhoods rounder than this are no surface [smaller over larger variance]");
 DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
@@ -95,6 +99,8 @@ DEFINE_int32(reduced_max_rounds, Defaults().reduced.max_rounds,
              "reduced: most rounds; each cuts the surfaces into patches anew");
 DEFINE_int32(reduced_steps, Defaults().reduced.steps_per_round,
              "reduced: Gauss-Newton steps per round, at most");
+DEFINE_bool(reduced_lines_follow, Defaults().reduced.lines_follow,
+            "reduced: tangent lines follow the poses; otherwise they are fixed within a round");
 DEFINE_double(reduced_first_gate_factor, Defaults().reduced.first_gate_factor,
               "reduced: factor on the robust gate in the first round");
 DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
@@ -250,6 +256,8 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->num_threads = FLAGS_threads;
   options->factors = FactorOptionsFromFlags();
   options->association.min_points = FLAGS_min_neighbors;
+  options->association.several_poses = FLAGS_several_poses;
+  options->association.patch_size_m = FLAGS_patch_size_m;
   options->association.max_points = FLAGS_max_neighbors;
   options->association.max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
   options->association.min_segment_length_m = FLAGS_min_segment_length_m;
@@ -262,6 +270,7 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->rounds.relative_tolerance = FLAGS_round_tolerance;
   options->reduced.max_rounds = FLAGS_reduced_max_rounds;
   options->reduced.steps_per_round = FLAGS_reduced_steps;
+  options->reduced.lines_follow = FLAGS_reduced_lines_follow;
   options->reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
   options->reduced.relative_tolerance = FLAGS_reduced_tolerance;
   options->reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;

@@ -37,6 +37,12 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
         " goes with solvers that take each point's neighbours; the "
         "reduced one cuts surfaces into patches");
   }
+  if (options.type == SolverType::kCeres && options.ceres.reduced &&
+      !options.reduced.lines_follow) {
+    return Status::InvalidArgument(
+        "reduced.lines_follow = false goes with the built-in steps; lines are parameters of Ceres' "
+        "reduced problem");
+  }
   PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
   if (MovesPosesOnly(options.type)) {

@@ -38,6 +38,9 @@ struct ReducedOptions {
   /// moves returns across their surfaces, relative to those of the pose before, by less than this:
   /// root mean square in standard deviations of a return.
   double move_tolerance_sigmas = 0.1;
+  /// The lines follow the poses: refitted exactly after each step, which knows that they will be.
+  /// Otherwise they are fixed within a round, as in the published alternation, and the poses creep.
+  bool lines_follow = true;
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
   /// in the preconditioner's norm.
   double cg_tolerance = 1e-2;

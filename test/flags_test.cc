@@ -56,6 +56,7 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"odom_rotation_floor_rad", [](O o) { return o.solver.factors.motion.rotation_floor_rad; }},
       {"min_neighbors", [](O o) { return double(o.solver.association.min_points); }},
       {"max_neighbors", [](O o) { return double(o.solver.association.max_points); }},
+      {"patch_size_m", [](O o) { return o.solver.association.patch_size_m; }},
       {"max_eigenvalue_ratio", [](O o) { return o.solver.association.max_eigenvalue_ratio; }},
       {"min_segment_length_m", [](O o) { return o.solver.association.min_segment_length_m; }},
       {"shape_margin_deg", [](O o) { return RadToDeg(o.solver.association.shape_margin_rad); }},
@@ -166,7 +167,11 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SetFlag("solver", "ceres");
   SetFlag("neighborhood", "nearest");
   SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
+  SetFlag("several_poses", "false");
+  SetFlag("reduced_lines_follow", "false");
   const SolverOptions options = FromFlags().solver;
+  EXPECT_FALSE(options.association.several_poses);
+  EXPECT_FALSE(options.reduced.lines_follow);
   EXPECT_EQ(options.type, SolverType::kCeres);
   SetFlag("solver", "pose_graph");
   EXPECT_EQ(FromFlags().solver.type, SolverType::kPoseGraph);
@@ -185,7 +190,8 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
 
 // A flag that these tests do not know may be one that nothing reads.
 TEST_F(FlagsTest, EveryFlagIsTestedHere) {
-  std::vector<std::string> known = {"solver", "reduced", "neighborhood", "shape"};
+  std::vector<std::string> known = {"solver", "reduced",       "neighborhood",
+                                    "shape",  "several_poses", "reduced_lines_follow"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
   for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {

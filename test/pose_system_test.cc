@@ -253,6 +253,23 @@ TEST(PoseSystemTest, FittedLinesCostLeastOfAllLines) {
   EXPECT_NEAR(cost, total, 1e-10 * total);
 }
 
+TEST(PoseSystemTest, HeldLinesCostWhatTheySayAndCoupleNothing) {
+  RandomProblem problem(9, 12);
+  ThreadPool pool(1);
+  double total = 0.0;
+  for (std::size_t p = 0; p < problem.patches.size(); ++p) {
+    SurfacePatch& patch = problem.patches[p];
+    patch.offset_m += 0.05;  // off where it fits best
+    total += CostOfLine(problem, p, std::atan2(patch.normal.y(), patch.normal.x()), patch.offset_m);
+  }
+  const double cost = PatchLineCost(problem.sightings, problem.Frames(), problem.patches, &pool);
+  EXPECT_NEAR(cost, total, 1e-10 * total);
+  const double fitted = FitPatchLines(problem.sightings, problem.Frames(), &pool, &problem.patches);
+  EXPECT_LT(fitted, cost);
+  EXPECT_NEAR(PatchLineCost(problem.sightings, problem.Frames(), problem.patches, &pool), fitted,
+              1e-10 * fitted);
+}
+
 TEST(PoseSystemTest, ALineWithoutWeightStaysAndMovesNothing) {
   RandomProblem problem(9, 12);
   for (PatchSighting& s : problem.sightings.sightings) {

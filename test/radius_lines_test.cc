@@ -147,7 +147,13 @@ TEST(RadiusLinesTest, ClutterHasNone) {
 
 TEST(RadiusLinesTest, ASingleScanHasNone) {
   SyntheticScene scene = NoisyScene({{{-2.0, 1.5}, {2.0, 1.5}}}, {{0.0, 0.0, 0.0}});
-  EXPECT_EQ(CountLines(LinesOf(MakeGraph(scene))), 0u);
+  const SlamGraph single = MakeGraph(scene);
+  EXPECT_EQ(CountLines(LinesOf(single)), 0u);
+  AssociationOptions of_one_pose;
+  of_one_pose.several_poses = false;
+  ThreadPool pool(1);
+  EXPECT_GT(CountLines(LinesFromRadius(single, SurfaceOf(single), of_one_pose, kRadius, &pool)),
+            0u);
   scene.poses.push_back({0.0, 0.0, 0.0});
   EXPECT_GT(CountLines(LinesOf(MakeGraph(scene))), 0u);
 }

@@ -116,6 +116,20 @@ TEST(ReducedSolveTest, APerfectSeedInAClosedRoomComesBackBitForBit) {
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(graph.poses()[i], poses[i], 1e-3);
 }
 
+TEST(ReducedSolveTest, LinesThatStayHoldThePosesBack) {
+  NoisyRoom follow = DisturbedRoom(), stay = DisturbedRoom();
+  SolverOptions options = Reduced();
+  options.reduced.max_rounds = 1;
+  const SolverSummary following = SolveSoundly(options, &follow.graph);
+  options.reduced.lines_follow = false;
+  const SolverSummary staying = SolveSoundly(options, &stay.graph);
+  EXPECT_LT(staying.final_patch_energy, staying.seed_patch_energy);
+  EXPECT_LT(following.final_patch_energy, staying.final_patch_energy);
+  options.type = SolverType::kCeres;
+  options.ceres.reduced = true;
+  EXPECT_THAT(Solve(options, &stay.graph).message, HasSubstr("lines_follow"));
+}
+
 TEST(ReducedSolveTest, SolvingAgainFindsLittleToDo) {
   NoisyRoom room = DisturbedRoom();
   SolveSoundly(Reduced(), &room.graph);

@@ -31,6 +31,7 @@ TEST(SolverOptionsTest, NamesTheFieldThatIsWrong) {
   expect_refused("factors.beam.sigma_range_m",
                  [](Options* o) { o->factors.beam.sigma_range_m = 0; });
   expect_refused("sgd.max_iterations", [](Options* o) { o->sgd.max_iterations = 0; });
+  expect_refused("association.patch_size_m", [](Options* o) { o->association.patch_size_m = 0.0; });
   expect_refused("association.min_points", [](Options* o) { o->association.min_points = 2; });
   expect_refused("rounds.max_coarse_rounds", [](Options* o) { o->rounds.max_coarse_rounds = -1; });
   expect_refused("rounds.max_fine_rounds", [](Options* o) { o->rounds.max_fine_rounds = 0; });

@@ -266,6 +266,25 @@ TEST(SurfacePatchesTest, WhatOnePoseSawAloneHasNoPatch) {
   wall.ExpectSound();
 }
 
+TEST(SurfacePatchesTest, OptionsAllowASinglePoseAndSetTheSize) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, 1}, {3, 1}}};
+  scene.poses = {{0, 0, 0.1}};
+  scene.range_sigma_m = 0.01;
+  const SlamGraph graph = MakeGraph(scene);
+  AssociationOptions association;
+  association.several_poses = false;
+  std::size_t num_patches[2];
+  ThreadPool pool(1);
+  for (int i = 0; i < 2; ++i) {
+    association.patch_size_m = i == 0 ? 0.4 : 1.6;
+    const SurfacePatchOptions options = PatchOptionsFor(FactorOptions(), association);
+    num_patches[i] = CutIntoPatches(graph, SurfaceOf(graph), options, &pool).patches.size();
+  }
+  EXPECT_GT(num_patches[1], 2u);
+  EXPECT_GT(num_patches[0], 1.5 * static_cast<double>(num_patches[1]));
+}
+
 TEST(SurfacePatchesTest, ReturnsWithoutNormalsHaveNoPatch) {
   SyntheticScene scene;
   scene.faces = {{{-3, 1}, {3, 1}}};

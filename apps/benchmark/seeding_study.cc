@@ -25,12 +25,7 @@ SimulationOptions SimulationOf(const SeedingCase& run) {
   SimulationOptions options;
   options.scan_period_s = 0.45;  // a scan every 0.18 m
   options.seed = run.seed;
-  OdometryNoise& noise = options.odometry_noise;
-  for (double* error : {&noise.rotation_per_rotation, &noise.rotation_per_translation_rad_m,
-                        &noise.translation_per_translation, &noise.translation_per_rotation_m_rad,
-                        &noise.heading_drift_rad_m, &noise.scale_error}) {
-    *error *= run.odometry_factor;
-  }
+  options.odometry_noise = Scaled(options.odometry_noise, run.odometry_factor);
   return options;
 }
 

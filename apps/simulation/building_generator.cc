@@ -28,7 +28,7 @@ FloorStyle RandomStyle(NoiseSource* source) {
   style.corridor_width_m = Draw(2.0, 2.6, source);
   style.cross_corridor_width_m = Draw(1.8, 2.6, source);
   style.room_width_m = Draw(3.6, 5.0, source);
-  style.irregularity = 1.0;
+  style.irregularity = style.slant = 1.0;
   style.furniture_per_room = 6;
   style.furniture_per_corridor_m = 0.15;
   style.visit_probability = 0.5;

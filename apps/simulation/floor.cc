@@ -177,7 +177,7 @@ void FloorBuilder::DrawRooms(const Row& row) {
     NoiseSource source(seed_, kRoomStream + (style_.irregularity > 0.0 ? index : 0));
     // The partition to the next room, which one in three bends at its far end.
     const double shift = style_.irregularity * 0.4 * (source.Uniform() - 0.5) * mean_width;
-    const bool bends = source.Uniform() < style_.irregularity / 3.0;
+    const bool bends = source.Uniform() < style_.slant / 3.0;
     const bool last = i + 1 == num_rooms;
     const double bend = bends && !last ? source.Uniform() - 0.5 : 0.0;
     const double east = last ? row.east : row.west + (i + 1) * mean_width + shift;
@@ -225,7 +225,7 @@ void FloorBuilder::FurnishRoom(Room* room) {
       PutBox({middle.x() + along * (free_width - length), y, 0.0}, size);
     } else {
       const double side = kind < 0.8 ? -1.0 : 1.0;
-      const double lean = style_.irregularity * 0.2 * std::max(0.0, std::abs(turn) - 0.3);
+      const double lean = style_.slant * 0.2 * std::max(0.0, std::abs(turn) - 0.3);
       PutBox({middle.x() + side * 0.5 * (free_width - depth - 0.1),
               middle.y() + far * along * (free_depth - length), 0.5 * kPi + lean},
              size);

@@ -36,6 +36,9 @@ struct FloorStyle {
   double door_width_m = 0.95;     ///< each room has one, to the corridor
   /// From 0: all rooms of a row are alike, furniture included, to 1: no two are.
   double irregularity = 0.0;
+  /// From 0: everything but pillars is at right angles, to 1: one partition in three bends, and
+  /// furniture leans.
+  double slant = 0.0;
   int furniture_per_room = 0;  ///< pieces, as far as there is space for them
   double furniture_per_corridor_m = 0.0;
   RouteKind route = RouteKind::kWander;

@@ -140,6 +140,16 @@ bool OdometryNoise::Check(std::string* error) const {
   return true;
 }
 
+OdometryNoise Scaled(const OdometryNoise& noise, double factor) {
+  OdometryNoise scaled = noise;
+  for (double* error : {&scaled.rotation_per_rotation, &scaled.rotation_per_translation_rad_m,
+                        &scaled.translation_per_translation, &scaled.translation_per_rotation_m_rad,
+                        &scaled.heading_drift_rad_m, &scaled.scale_error}) {
+    *error *= factor;
+  }
+  return scaled;
+}
+
 bool DriveFault::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(at_path_m, >=, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(distance_m, >=, 0.0);

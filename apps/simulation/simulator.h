@@ -40,6 +40,9 @@ struct OdometryNoise {
   bool Check(std::string* error) const;
 };
 
+/// All errors of an odometry times a factor >= 0.
+OdometryNoise Scaled(const OdometryNoise& noise, double factor);
+
 /// Something that goes wrong once; a distance of 0 changes nothing.
 struct DriveFault {
   double at_path_m = 0.0;   ///< where on the path, counted from its start [m]

@@ -20,6 +20,7 @@ bool FromString(const std::string& name, NeighborhoodType* type) {
 
 bool AssociationOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(min_points, >=, 3);
+  PLUMBLINE_CHECK_FINITE_OPTION(patch_size_m, >, 0.0);
   PLUMBLINE_CHECK_OPTION(max_points, >=, min_points);
   PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
   PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);

@@ -26,6 +26,12 @@ struct AssociationOptions {
   NeighborhoodType neighborhood = NeighborhoodType::kRadius;
   /// Fewest points that make a tangent line; a radius grows until it holds as many.
   int min_points = 10;
+  /// A line needs points of more than one pose: those of a single one tie it to nothing but its own
+  /// noise.
+  bool several_poses = true;
+  /// Reduced solver only: side [m] of the largest cell that may be one patch; cells are split down
+  /// to an eighth of it.
+  double patch_size_m = 0.8;
   /// kNearest only: most points of a neighbourhood.
   int max_points = 50;
   /// A neighbourhood counts as line-like up to this ratio of its smaller to its larger variance.

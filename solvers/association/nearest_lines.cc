@@ -69,7 +69,7 @@ class NearestLineFitter {
     const double radius_squared =
         neighborhood_scale_m_ * std::sqrt(neighbors->back().squared_distance);
     PointMoments moments;  // about the point itself
-    bool several_scans = false;
+    bool enough_poses = !options_.several_poses;
     for (const PointIndex::Neighbor& neighbor : *neighbors) {
       const std::size_t j = neighbor.point;
       if (neighbor.squared_distance > radius_squared && moments.weight >= options_.min_points) {
@@ -78,9 +78,9 @@ class NearestLineFitter {
       if (map_.normals[i].dot(map_.normals[j]) < min_normal_cosine_) continue;
       const Eigen::Vector2d offset = map_.point(j) - map_.point(i);
       moments.Add(offset.x(), offset.y());
-      several_scans = several_scans || map_.scans[j] != map_.scans[i];
+      enough_poses = enough_poses || map_.scans[j] != map_.scans[i];
     }
-    if (!several_scans || moments.weight < options_.min_points) return {0.0, 0.0, 0.0};
+    if (!enough_poses || moments.weight < options_.min_points) return {0.0, 0.0, 0.0};
     return LineThrough(moments, i);
   }
 

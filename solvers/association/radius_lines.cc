@@ -24,7 +24,7 @@ enum class Verdict { kLine, kNotALine, kTooSparse };
 Verdict FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
                 const AssociationOptions& options, TangentLine* line) {
   PointMoments sum;
-  bool several_poses = cell.several_poses;
+  bool enough_poses = cell.several_poses || !options.several_poses;
   for (int dx = -2; dx <= 2; ++dx) {
     for (int dy = -2; dy <= 2; ++dy) {
       if (std::abs(dx * dy) == 4) continue;
@@ -34,11 +34,11 @@ Verdict FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
         if (id == SurfaceCells::kNone) continue;
         const SurfaceCell& other = cells[id];
         sum += other.moments.Shifted(dx * cells.cell_m(), dy * cells.cell_m());
-        several_poses = several_poses || other.several_poses || other.pose != cell.pose;
+        enough_poses = enough_poses || other.several_poses || other.pose != cell.pose;
       }
     }
   }
-  if (sum.weight < options.min_points || !several_poses) return Verdict::kTooSparse;
+  if (sum.weight < options.min_points || !enough_poses) return Verdict::kTooSparse;
   const LineFit fit = FitLine(sum);
   if (fit.EigenvalueRatio() > options.max_eigenvalue_ratio) return Verdict::kNotALine;
   const Eigen::Vector2d centroid = cells.Center(cell.key) + fit.centroid;

@@ -66,21 +66,25 @@ struct Linearized {
   }
 };
 
-// Moments of one patch's sightings in the world, about the patch's origin.
-PointMoments WorldMoments(const PatchSightings& sightings, std::size_t patch,
-                          const Eigen::Vector2d& origin, const std::vector<PoseFrame>& frames) {
+// Moments of the sightings of patch `p` in the world, about the patch's origin, and what its shape
+// terms add to them.
+PointMoments WorldMoments(const PatchSightings& sightings, std::size_t p, const SurfacePatch& patch,
+                          const std::vector<PoseFrame>& frames) {
   PointMoments moments;
-  for (std::size_t i = sightings.first_of_patch[patch]; i < sightings.first_of_patch[patch + 1];
-       ++i) {
+  for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1]; ++i) {
     const PatchSighting& s = sightings.sightings[i];
     const PoseFrame& f = frames[s.pose];
-    const Eigen::Vector2d p = f.Rotate(s.centroid) + f.translation() - origin;
-    moments.Add(p.x(), p.y(), s.weight);
+    const Eigen::Vector2d point = f.Rotate(s.centroid) + f.translation() - patch.origin;
+    moments.Add(point.x(), point.y(), s.weight);
     const double cc = f.c * f.c, ss = f.s * f.s, cs = f.c * f.s;
     moments.xx += cc * s.xx - 2.0 * cs * s.xy + ss * s.yy;
     moments.xy += cs * (s.xx - s.yy) + (cc - ss) * s.xy;
     moments.yy += ss * s.xx + 2.0 * cs * s.xy + cc * s.yy;
   }
+  // The shape terms are quadratic in the normal, as the scatter is.
+  moments.xx += patch.shape_xx;
+  moments.xy += patch.shape_xy;
+  moments.yy += patch.shape_yy;
   return moments;
 }
 
@@ -93,18 +97,31 @@ double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFram
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t p = begin; p < end; ++p) {
                          SurfacePatch& patch = (*patches)[p];
-                         PointMoments moments = WorldMoments(sightings, p, patch.origin, frames);
+                         const PointMoments moments = WorldMoments(sightings, p, patch, frames);
                          if (moments.weight <= 0.0) continue;
-                         // The shape terms are quadratic in the normal, as the scatter is.
-                         moments.xx += patch.shape_xx;
-                         moments.xy += patch.shape_xy;
-                         moments.yy += patch.shape_yy;
                          const LineFit fit = FitLine(moments);
                          patch.normal = fit.normal;
                          patch.offset_m = fit.normal.dot(fit.centroid);
                          costs[chunk] += 0.5 * moments.weight * fit.smaller_eigenvalue;
                        }
                      });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+double PatchLineCost(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                     const std::vector<SurfacePatch>& patches, ThreadPool* pool) {
+  std::vector<double> costs(ThreadPool::NumChunks(patches.size(), kPatchesPerChunk), 0.0);
+  pool->ForEachChunk(
+      patches.size(), kPatchesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          const Eigen::Vector2d& n = patches[p].normal;
+          const double c = patches[p].offset_m;
+          const PointMoments m = WorldMoments(sightings, p, patches[p], frames);
+          costs[chunk] +=
+              0.5 * (n.x() * n.x() * m.xx + 2.0 * n.x() * n.y() * m.xy + n.y() * n.y() * m.yy -
+                     2.0 * c * (n.x() * m.x + n.y() * m.y) + c * c * m.weight);
+        }
+      });
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
@@ -201,6 +218,10 @@ void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>&
                    [](const PoseCoupling& a, const PoseCoupling& b) {
                      return std::tie(a.from, a.to) < std::tie(b.from, b.to);
                    });
+}
+
+void PoseSystem::HoldLines() {
+  for (LineCoupling& coupling : line_coupling) coupling.rows.setZero();
 }
 
 void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,

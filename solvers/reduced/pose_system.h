@@ -17,6 +17,10 @@ namespace plumbline {
 double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
                      ThreadPool* pool, std::vector<SurfacePatch>* patches);
 
+/// The cost of all sightings at the lines as they are.
+double PatchLineCost(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                     const std::vector<SurfacePatch>& patches, ThreadPool* pool);
+
 /// A 3 x 3 block off the diagonal of a symmetric matrix: rows of pose `to`, columns of pose `from`.
 struct PoseCoupling {
   int from = 0;
@@ -47,6 +51,9 @@ struct PoseSystem {
   void Linearize(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,
                  const PoseTerms& terms, const std::vector<double>& poses,
                  const std::vector<PoseFrame>& frames, ThreadPool* pool);
+
+  /// S = B from here on: the lines stay where they are, whatever the poses do.
+  void HoldLines();
 
   /// result = S v.
   void Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,

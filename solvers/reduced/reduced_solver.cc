@@ -80,6 +80,9 @@ class PatchMinimizer {
       if (factors_.shape.enabled) {
         SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &patches_);
       }
+      if (row.steps == 0 && !options_.lines_follow) {
+        FitPatchLines(sightings_, frames_, pool_, &patches_);
+      }
       cost_ = Cost(graph_->poses(), frames_);
       if (row.steps == 0) row.initial_cost = cost_;
       const StepOutcome outcome = Step();
@@ -118,13 +121,16 @@ class PatchMinimizer {
     result_.cutting_time_s += SecondsSince(start);
   }
 
-  // Refits the lines.
+  // Refits the lines, if they follow.
   double Cost(const std::vector<double>& poses, const std::vector<PoseFrame>& frames) {
-    return FitPatchLines(sightings_, frames, pool_, &patches_) + terms_.Cost(poses);
+    const double cost = options_.lines_follow ? FitPatchLines(sightings_, frames, pool_, &patches_)
+                                              : PatchLineCost(sightings_, frames, patches_, pool_);
+    return cost + terms_.Cost(poses);
   }
 
   StepOutcome Step() {
     system_.Linearize(sightings_, patches_, terms_, graph_->poses(), frames_, pool_);
+    if (!options_.lines_follow) system_.HoldLines();
     const std::vector<double> poses = graph_->poses();
     const double cost = cost_;
     move_poses_();

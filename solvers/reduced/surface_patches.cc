@@ -9,10 +9,10 @@
 namespace plumbline {
 namespace {
 
-// Cells of 0.1 m: shorter stretches of surface have no direction beside a laser's noise. Up to
-// 0.8 m: straight surface that is longer gains nothing from being one patch.
-constexpr double kFinestCellM = 0.1;
+// By default from 0.1 m, since shorter stretches of surface have no direction beside a laser's
+// noise, up to 0.8 m.
 constexpr int kNumLevels = 4;
+constexpr double kLargestOverFinest = 8.0;
 
 // The grid is turned against the walls, by atan(1/2), so that none runs along an edge between
 // cells: noise would decide which side its returns belong to.
@@ -81,7 +81,9 @@ class Quadtree {
 
   Partition Choose(const SurfaceCell& cell, const Partition& quarters) const {
     const PointMoments& moments = cell.moments;
-    if (moments.weight < options_.min_points || !cell.several_poses) return Split(quarters);
+    if (moments.weight < options_.min_points || (options_.several_poses && !cell.several_poses)) {
+      return Split(quarters);
+    }
     const LineFit fit = FitLine(moments);
     if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Split(quarters);
     const Partition whole{fit.smaller_eigenvalue * moments.weight, moments.weight, 1, true};
@@ -132,6 +134,8 @@ class Quadtree {
 SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
                                     const AssociationOptions& association) {
   SurfacePatchOptions options;
+  options.several_poses = association.several_poses;
+  options.largest_m = association.patch_size_m;
   options.max_eigenvalue_ratio = association.max_eigenvalue_ratio;
   options.noise_m = NoiseOf(factors).StandardDeviation();
   return options;
@@ -140,7 +144,7 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
 SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
                               const SurfacePatchOptions& options, ThreadPool* pool) {
   SurfaceGrid grid;
-  grid.cell_m = kFinestCellM;
+  grid.cell_m = options.largest_m / kLargestOverFinest;
   grid.octant_yaw_rad = DominantDirection(graph, surface, pool);
   grid.cell_yaw_rad = grid.octant_yaw_rad + kGridTurnRad;
   SurfacePatches result;

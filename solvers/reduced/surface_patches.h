@@ -34,8 +34,9 @@ struct SurfacePatches {
 };
 
 struct SurfacePatchOptions {
-  /// Fewest returns of a patch. They must come from more than one pose.
-  int min_points = 5;
+  int min_points = 5;         ///< fewest returns of a patch
+  bool several_poses = true;  ///< they must come from more than one pose
+  double largest_m = 0.8;     ///< side of the largest cell; the smallest is an eighth of it
   /// A patch counts as a line up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;
   /// Standard deviation of a return off its surface [m].

@@ -1,0 +1,75 @@
+#ifndef PLUMBLINE_APPS_BENCHMARK_SYNTHETIC_EXPERIMENT_H_
+#define PLUMBLINE_APPS_BENCHMARK_SYNTHETIC_EXPERIMENT_H_
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "plumbline/apps/benchmark/map_errors.h"
+#include "plumbline/apps/benchmark/synthetic_drive.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+
+namespace plumbline {
+
+/// What makes a map of a drive. All get the same data, and are told the noise of the laser.
+enum class Mapper {
+  kOdometry,
+  kPointToPoint,  ///< pairwise ICP, Besl & McKay: A method for registration of 3-D shapes (1992)
+  kPointToLine,   ///< pairwise ICP, point to line
+  kStochasticDescent,  ///< pose graph by stochastic gradient descent, Olson et al. (2006)
+  kPoseGraph,          ///< the same edges by Gauss-Newton
+  kSeed,               ///< Plumbline's starting point
+  kPlumbline,          ///< poses and points
+  kKnownWalls,         ///< what no mapper can beat, see LocaliseAgainstTruth
+  kTruePoses,          ///< raw ranges placed by the true poses
+};
+constexpr int kNumMappers = 9;
+const char* ToString(Mapper mapper);
+
+/// Three levels of range noise, and one at which pairwise ICP errs as much as it was published to.
+std::vector<SyntheticNoise> SyntheticNoises();
+
+/// The map of every mapper, in order of the enum. InvalidArgument if a mapper refuses the drive.
+Status MakeMaps(const SyntheticDrive& drive, const SyntheticNoise& noise,
+                std::array<MapEstimate, kNumMappers>* maps);
+
+/// What one mapper made of one drive.
+struct SyntheticOutcome {
+  /// A pose further off has lost the building's topology: half of the way to a neighbouring wall.
+  static constexpr double kFailureM = 0.5;
+  /// Map errors are kept as means over this many stretches of returns, in order of time.
+  static constexpr int kNumStretches = 64;
+
+  std::uint64_t seed = 1;
+  int noise = 0;  ///< index
+  Mapper mapper = Mapper::kOdometry;
+  MeanAndVariance pose_m, heading_rad, point_m;
+  double max_pose_m = 0.0;
+  std::vector<double> pose_errors_m;   ///< per pose
+  std::vector<double> point_errors_m;  ///< per stretch
+
+  bool Failed() const { return !(max_pose_m <= kFailureM); }
+};
+
+/// Runs the seeds 1 to num_seeds at every noise and with every mapper; outcomes are in this order.
+/// Spreads the drives over the threads; the result does not depend on their number. Fails with the
+/// first drive that fails.
+Status RunSyntheticExperiment(int num_seeds, const std::vector<SyntheticNoise>& noises,
+                              ThreadPool* pool, std::vector<SyntheticOutcome>* outcomes);
+
+/// The figures of one mapper at one noise, over the seeds. Failures are among them, and counted.
+struct SyntheticSummary {
+  int noise = 0;
+  Mapper mapper = Mapper::kOdometry;
+  int num_runs = 0, num_failures = 0;
+  Quartiles pose_mean_m, pose_variance_m2, point_mean_m, point_variance_m2, heading_mean_rad;
+};
+
+/// In order of noise and mapper.
+std::vector<SyntheticSummary> SummariseOutcomes(const std::vector<SyntheticOutcome>& outcomes);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_BENCHMARK_SYNTHETIC_EXPERIMENT_H_

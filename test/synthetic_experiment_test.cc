@@ -1,0 +1,69 @@
+#include "plumbline/apps/benchmark/synthetic_experiment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace plumbline {
+namespace {
+
+const SyntheticNoise kNoise{"30 mm", 0.03, 0.0017, 1.0};
+
+TEST(SyntheticExperiment, CountsFailuresAndKeepsThem) {
+  std::vector<SyntheticOutcome> outcomes(3);
+  const double means_m[] = {0.01, 0.02, 4.0}, largest_m[] = {0.02, 0.5, 9.0};
+  for (int i = 0; i < 3; ++i) {
+    outcomes[i].mapper = Mapper::kPlumbline;
+    outcomes[i].pose_m.mean = means_m[i];
+    outcomes[i].max_pose_m = largest_m[i];
+  }
+  std::vector<SyntheticSummary> summaries = SummariseOutcomes(outcomes);
+  ASSERT_EQ(summaries.size(), 1u);
+  EXPECT_EQ(summaries[0].num_runs, 3);
+  EXPECT_EQ(summaries[0].num_failures, 1);
+  EXPECT_DOUBLE_EQ(summaries[0].pose_mean_m.median, 0.02);
+  EXPECT_DOUBLE_EQ(summaries[0].pose_mean_m.high, 2.01);
+  outcomes[0].max_pose_m = std::nan("");  // a map that is not one
+  EXPECT_EQ(SummariseOutcomes(outcomes)[0].num_failures, 2);
+}
+
+TEST(SyntheticExperiment, TheJointEstimateIsBetterThanMatchingScans) {
+  ThreadPool pool(2);
+  std::vector<SyntheticOutcome> outcomes;
+  ASSERT_TRUE(RunSyntheticExperiment(4, {kNoise}, &pool, &outcomes).ok());
+  ASSERT_EQ(outcomes.size(), 4u * kNumMappers);
+  const std::vector<SyntheticSummary> summaries = SummariseOutcomes(outcomes);
+  const auto of = [&](Mapper mapper) { return summaries[static_cast<int>(mapper)]; };
+  const SyntheticSummary joint = of(Mapper::kPlumbline);
+  EXPECT_EQ(joint.num_failures, 0);
+  EXPECT_LT(joint.pose_mean_m.median, 0.3 * of(Mapper::kPointToPoint).pose_mean_m.median);
+  EXPECT_LT(joint.pose_mean_m.median, of(Mapper::kSeed).pose_mean_m.median);
+  EXPECT_LT(joint.point_mean_m.median, 0.75 * of(Mapper::kTruePoses).point_mean_m.median);
+  EXPECT_LT(joint.point_mean_m.median, 0.75 * of(Mapper::kPoseGraph).point_mean_m.median);
+  EXPECT_LT(of(Mapper::kKnownWalls).pose_mean_m.median, joint.pose_mean_m.median);
+  EXPECT_EQ(of(Mapper::kOdometry).num_failures, 4);
+  EXPECT_EQ(of(Mapper::kTruePoses).pose_mean_m.high, 0.0);
+}
+
+TEST(SyntheticExperiment, IsTheSameOnAnyNumberOfThreads) {
+  std::vector<SyntheticOutcome> expected, outcomes;
+  ThreadPool one(1), three(3);
+  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, &one, &expected).ok());
+  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, &three, &outcomes).ok());
+  ASSERT_EQ(outcomes.size(), expected.size());
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    EXPECT_EQ(outcomes[i].seed, expected[i].seed);
+    EXPECT_EQ(outcomes[i].pose_errors_m, expected[i].pose_errors_m);
+    EXPECT_EQ(outcomes[i].point_m.mean, expected[i].point_m.mean);
+  }
+}
+
+TEST(SyntheticExperiment, FailsWithADriveThatFails) {
+  ThreadPool pool(1);
+  std::vector<SyntheticOutcome> outcomes(1);
+  EXPECT_FALSE(RunSyntheticExperiment(1, {{"bad", -1.0, 0.002, 1.0}}, &pool, &outcomes).ok());
+  EXPECT_EQ(outcomes.size(), 1u);
+}
+
+}  // namespace
+}  // namespace plumbline
