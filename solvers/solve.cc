@@ -106,6 +106,7 @@ class JointSolver {
                             ReportCallback(), &pool_, graph_, Ceres());
     summary_.patch_rounds = std::move(result.rounds);
     seed_patches_ = std::move(result.first_cut);
+    last_patches_ = std::move(result.last_cut);
     summary_.solve_time_s = result.minimization_time_s;
     summary_.setup_time_s = result.setup_time_s;
     last_inner_.usable = result.usable;
@@ -146,9 +147,22 @@ class JointSolver {
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
+  // A return without a line of its own (too far from others, or at a grazing angle) has that of its
+  // patch.
+  void AddPatchLines(std::vector<TangentLine>* lines) const {
+    for (std::size_t r = 0; r < lines->size(); ++r) {
+      const int id = last_patches_.patch_of_return[r];
+      if (id == SurfacePatches::kNone || Associations::HasLine((*lines)[r])) continue;
+      const SurfacePatch& patch = last_patches_.patches[id];
+      const double offset = patch.offset_m + patch.normal.dot(patch.origin);
+      (*lines)[r] = {patch.normal.x(), patch.normal.y(), offset};
+    }
+  }
+
   // The final points, and the costs per term before and after, under the final lines.
   void FinishReduced(Associations* associations) {
     const std::vector<double> seed_points = graph_->points();
+    AddPatchLines(&associations->lines);
     summary_.displacements =
         RecoverPoints(*surface_, associations->lines, options_.factors, &pool_, graph_);
     if (options_.factors.shape.enabled) {
@@ -356,6 +370,7 @@ class JointSolver {
   MeasuredSurface own_surface_;
   const MeasuredSurface* surface_;  // what the caller has measured, or own_surface_
   SurfacePatches seed_patches_;     // over patches: the surfaces as the seed places them
+  SurfacePatches last_patches_;     // and as the result does
   SolverSummary summary_;
   InnerResult last_inner_;
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated

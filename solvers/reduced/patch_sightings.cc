@@ -145,6 +145,14 @@ PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int
   return result;
 }
 
+std::vector<int> ReturnCompressor::PatchOfReturn(const PatchSightings& sightings) const {
+  std::vector<int> patches = sighting_of_return_;
+  for (int& entry : patches) {
+    if (entry != SurfacePatches::kNone) entry = sightings.sightings[entry].patch;
+  }
+  return patches;
+}
+
 double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
                                const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
                                PatchSightings* sightings) const {

@@ -56,6 +56,9 @@ class ReturnCompressor {
   /// Lays out the sightings, all of weight zero.
   PatchSightings LayOut(std::size_t num_patches, std::vector<int> patch_of_return);
 
+  /// What LayOut took over.
+  std::vector<int> PatchOfReturn(const PatchSightings& sightings) const;
+
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the patch's line,
   /// s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the returns,
   /// 1/2 sum rho(d^2 / s^2), at the lines and poses given.

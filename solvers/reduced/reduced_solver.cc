@@ -56,6 +56,8 @@ class PatchMinimizer {
       const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
+    result_.last_cut.patch_of_return = compressor_.PatchOfReturn(sightings_);
+    result_.last_cut.patches = std::move(patches_);
     return std::move(result_);
   }
 

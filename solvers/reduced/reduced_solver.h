@@ -17,6 +17,7 @@ namespace plumbline {
 struct ReducedResult {
   std::vector<PatchRoundSummary> rounds;
   SurfacePatches first_cut;  ///< of the first round: the surfaces as the given poses place them
+  SurfacePatches last_cut;   ///< of the last round, with the lines that suit the final poses
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that

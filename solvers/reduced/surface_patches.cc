@@ -1,8 +1,10 @@
 #include "plumbline/solvers/reduced/surface_patches.h"
 
+#include <cmath>
 #include <cstddef>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/surface_cells.h"
 
@@ -42,23 +44,49 @@ class Quadtree {
     }
   }
 
-  /// Appends the patches; gives the one of each of the finest cells.
-  std::vector<int> Cut(const SurfaceGrid& grid, std::vector<SurfacePatch>* patches) {
+  std::vector<SurfacePatch> Cut(const SurfaceGrid& grid) {
     ChooseFromBelow();
-    std::vector<int> patch_of_parent, patch_of_cell;
+    std::vector<SurfacePatch> patches;
+    patch_of_cell_.resize(levels_.size());
     for (std::size_t level = levels_.size(); level-- > 0;) {
       const SurfaceCells& cells = levels_[level];
-      patch_of_cell.assign(cells.size(), SurfacePatches::kNone);
+      patch_of_cell_[level].assign(cells.size(), SurfacePatches::kNone);
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const bool is_top = level + 1 == levels_.size();
-        if (!is_top) patch_of_cell[i] = patch_of_parent[cells[i].parent];
-        if (patch_of_cell[i] != SurfacePatches::kNone || !partitions_[level][i].whole) continue;
-        patch_of_cell[i] = static_cast<int>(patches->size());
-        patches->push_back(MakePatch(cells, i, grid));
+        int& patch = patch_of_cell_[level][i];
+        if (!is_top) patch = patch_of_cell_[level + 1][cells[i].parent];
+        if (patch != SurfacePatches::kNone || !partitions_[level][i].whole) continue;
+        patch = static_cast<int>(patches.size());
+        patches.push_back(MakePatch(cells, i, grid));
       }
-      patch_of_parent.swap(patch_of_cell);
     }
-    return patch_of_parent;
+    return patches;
+  }
+
+  int PatchOfCell(int finest) const { return patch_of_cell_.front()[finest]; }
+
+  /// The patch whose line passes by a point within max_distance_m and faces the laser: the nearest
+  /// one of the smallest cell around the point that has any. in_grid: the point in the grid's axes.
+  int PatchAt(const Eigen::Vector2d& in_grid, const Eigen::Vector2d& point,
+              const Eigen::Vector2d& laser, double max_distance_m,
+              const std::vector<SurfacePatch>& patches) const {
+    int nearest = SurfacePatches::kNone;
+    double nearest_m = max_distance_m;
+    for (std::size_t level = 0; nearest == SurfacePatches::kNone && level < levels_.size();
+         ++level) {
+      const SurfaceCellKey key = levels_[level].KeyOf(in_grid.x(), in_grid.y(), 0);
+      for (const int cell : levels_[level].Square(key.x, key.y)) {
+        if (cell == SurfaceCells::kNone) continue;
+        const int id = patch_of_cell_[level][cell];
+        if (id == SurfacePatches::kNone) continue;
+        const SurfacePatch& patch = patches[id];
+        const double distance_m = std::abs(patch.Distance(point));
+        if (distance_m >= nearest_m || patch.normal.dot(laser - point) <= 0.0) continue;
+        nearest = id;
+        nearest_m = distance_m;
+      }
+    }
+    return nearest;
   }
 
  private:
@@ -127,7 +155,34 @@ class Quadtree {
   const SurfacePatchOptions& options_;
   std::vector<SurfaceCells> levels_;                // from the finest
   std::vector<std::vector<Partition>> partitions_;  // of each cell of each level
+  std::vector<std::vector<int>> patch_of_cell_;     // the same
 };
+
+// Far away or at a grazing angle, a return has too few neighbours for a normal of its own, but
+// says as much of where the laser is as any other.
+void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surface,
+                             const Quadtree& quadtree, const SurfaceGrid& grid, double noise_m,
+                             ThreadPool* pool, SurfacePatches* result) {
+  constexpr double kMaxSigmas = 3.0;
+  constexpr std::size_t kScansPerChunk = 16;
+  const double grid_pose[3] = {0.0, 0.0, grid.cell_yaw_rad};
+  const PoseFrame grid_axes(grid_pose);
+  pool->ForEachChunk(
+      graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          const ScanEntry& scan = graph.scan(static_cast<int>(s));
+          const PoseFrame frame(&graph.poses()[3 * scan.pose]);
+          const Eigen::Vector2d laser = graph.WorldFromLaser(static_cast<int>(s)).translation();
+          for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+            if (!surface.normals[r].isZero(0.0f)) continue;
+            const Eigen::Vector2d point =
+                frame.Rotate(surface.points[r].cast<double>()) + frame.translation();
+            result->patch_of_return[r] = quadtree.PatchAt(grid_axes.RotateBack(point), point, laser,
+                                                          kMaxSigmas * noise_m, result->patches);
+          }
+        }
+      });
+}
 
 }  // namespace
 
@@ -149,15 +204,18 @@ SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& sur
   grid.cell_yaw_rad = grid.octant_yaw_rad + kGridTurnRad;
   SurfacePatches result;
   const SurfaceCells cells = SortIntoCells(graph, surface, grid, pool, &result.patch_of_return);
-  const std::vector<int> patch_of_cell = Quadtree(cells, options).Cut(grid, &result.patches);
+  Quadtree quadtree(cells, options);
+  result.patches = quadtree.Cut(grid);
   constexpr std::size_t kReturnsPerChunk = 65536;
   pool->ForEachChunk(
       graph.num_returns(), kReturnsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r) {
           int& patch = result.patch_of_return[r];
-          patch = patch == SurfaceCells::kNone ? SurfacePatches::kNone : patch_of_cell[patch];
+          patch =
+              patch == SurfaceCells::kNone ? SurfacePatches::kNone : quadtree.PatchOfCell(patch);
         }
       });
+  AddReturnsWithoutNormal(graph, surface, quadtree, grid, options.noise_m, pool, &result);
   return result;
 }
 

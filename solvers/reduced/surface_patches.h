@@ -21,6 +21,10 @@ struct SurfacePatch {
   /// Shape terms, 1/2 normal^T [xx xy; xy yy] normal; see patch_shape.h.
   double shape_xx = 0.0, shape_xy = 0.0, shape_yy = 0.0;
 
+  /// Of a point of the world from the line [m], positive where the normal points to.
+  double Distance(const Eigen::Vector2d& point) const {
+    return normal.dot(point - origin) - offset_m;
+  }
   Eigen::Vector2d ShapeTimes(const Eigen::Vector2d& v) const {
     return {shape_xx * v.x() + shape_xy * v.y(), shape_xy * v.x() + shape_yy * v.y()};
   }
@@ -51,6 +55,8 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
 /// quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
 /// quarters explain its returns better than its own, by more than they owe to their number. So the
 /// size follows the data: sparse and noisy returns share long lines, dense ones resolve a curve.
+/// Returns without a normal have no say in that, and then join the nearest line that faces their
+/// laser within three standard deviations of the noise.
 /// Bitwise the same for any number of threads.
 SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
                               const SurfacePatchOptions& options, ThreadPool* pool);
