@@ -17,12 +17,15 @@
 #include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
+#include "plumbline/apps/benchmark/replay.h"
+#include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
+#include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/read_log.h"
 #include "plumbline/apps/simulation/building_generator.h"
@@ -43,13 +46,13 @@ const plumbline::ComparisonOptions& Defaults() {
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-              "scaling, log, synthetic, ablation");
+              "scaling, log, synthetic, ablation, replay");
 DEFINE_string(csv, "", "seeding_study, scaling: table to write, one line per run (empty: none)");
 DEFINE_int32(buildings, 200, "seeding_study: simulated buildings, one run each");
 DEFINE_string(
     log, "",
-    "solver_comparison, log, ablation: CARMEN log, plain or .gz (solver_comparison, empty: "
-    "a simulated building; ablation, empty: none)");
+    "solver_comparison, log, ablation, replay: CARMEN log, plain or .gz (empty: a simulated "
+    "building; ablation: none)");
 DEFINE_string(relations, "",
               "solver_comparison, log, ablation: true relative poses of the log ('t1 t2 x y z roll "
               "pitch yaw')");
@@ -62,6 +65,8 @@ DEFINE_double(time_limit_s, Defaults().time_limit_s,
 DEFINE_string(output_dir, "",
               "All but seeding_study and scaling: folder for the results; made if it is not there");
 DEFINE_int32(seeds, 30, "synthetic, ablation: seeds of buildings and noise, 1 to this");
+DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
+             "replay: scans that arrive between two solves");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
@@ -95,7 +100,7 @@ Status SimulateBuilding(SlamGraph* graph) {
 
 // A graph of the log, or of a simulated drive, that is ready for the joint estimation. All threads
 // have ended on return.
-Status MakeSeed(const SolverOptions& solver, SlamGraph* graph) {
+Status MakeSeed(const SolverOptions& solver, SeedingReport* report, SlamGraph* graph) {
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
   LogCounts counts;
@@ -104,8 +109,7 @@ Status MakeSeed(const SolverOptions& solver, SlamGraph* graph) {
   ThreadPool pool(solver.num_threads);
   const std::vector<Eigen::Vector2f> normals =
       EstimateReturnNormals(*graph, NormalOptionsFor(solver.factors.beam), &pool);
-  SeedingReport report;
-  return SeedGraph(seeding, solver.factors.motion, normals, {}, &pool, graph, &report);
+  return SeedGraph(seeding, solver.factors.motion, normals, {}, &pool, graph, report);
 }
 
 Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
@@ -154,7 +158,8 @@ Status CompareAllSolvers() {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
   }
   SlamGraph seed;
-  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &seed));
+  SeedingReport report;
+  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &report, &seed));
   const OutputFolder output(FLAGS_output_dir);
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
   comparison.input = FLAGS_log.empty() ? "simulated building" : FLAGS_log;
@@ -273,6 +278,38 @@ Status Ablation() {
   return WriteAblationJson(output.File("ablation.json"), tables);
 }
 
+void PrintStep(const ReplayStep& step) {
+  std::cout << "  " << step.num_poses << " scans, " << step.num_closures
+            << " closures: " << ToString(step.solve) << ", " << std::fixed << std::setprecision(3)
+            << step.time_s << " s\n"
+            << std::flush;
+}
+
+Status ReplayDrive() {
+  if (FLAGS_output_dir.empty()) {
+    return Status::InvalidArgument("--output_dir is missing; see --help");
+  }
+  ReplayOptions options;
+  options.batch_poses = FLAGS_batch_scans;
+  if (FLAGS_batch_scans <= 0) return Status::InvalidArgument("--batch_scans must be > 0");
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  SlamGraph seed;
+  SeedingReport report;
+  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &report, &seed));
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  Replay replay;
+  PLUMBLINE_RETURN_IF_ERROR(RunReplay(solver, options, seed, report, PrintStep, &replay));
+  std::cout << ReplayTable(replay);
+  for (int pose = 0; pose < seed.num_poses(); ++pose) {
+    seed.SetPose(pose, replay.world_from_robot[pose]);
+  }
+  PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output.File("trajectory.tum"), TrajectoryOf(seed)));
+  PLUMBLINE_RETURN_IF_ERROR(WriteReplayCsv(output.File("replay.csv"), replay));
+  return WriteReplayChart(output.File("replay.png"), replay);
+}
+
 struct Experiment {
   const char* name;
   Status (*run)();
@@ -282,7 +319,8 @@ constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
                                        {"scaling", Scaling},
                                        {"log", MapLogByAll},
                                        {"synthetic", Synthetic},
-                                       {"ablation", Ablation}};
+                                       {"ablation", Ablation},
+                                       {"replay", ReplayDrive}};
 
 Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
@@ -326,13 +364,16 @@ int main(int argc, char** argv) {
       "  synthetic          pose and map errors of several algorithms on short drives with few "
       "scans\n"
       "  ablation           what each part of the joint estimation contributes, on these drives, "
-      "on simulated buildings and on a log\n\n"
+      "on simulated buildings and on a log\n"
+      "  replay             a host that maps while driving: time of each solve, and how the end "
+      "compares to solving all at once\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
       "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv\n"
       "  plumbline_benchmark --experiment=synthetic,log,ablation --log=fr079.clf.gz "
-      "--relations=fr079.relations --output_dir=out",
+      "--relations=fr079.relations --output_dir=out\n"
+      "  plumbline_benchmark --experiment=replay --log=fr079.clf.gz --output_dir=out",
       argc, argv);
   const plumbline::Status status = plumbline::Run();
   if (status.ok()) return 0;

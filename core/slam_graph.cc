@@ -111,6 +111,25 @@ Status SlamGraph::AddPoints(int pose_id, int laser_id,
   return Status::Ok();
 }
 
+Status SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
+  if (scan_id < 0 || scan_id >= other.num_scans()) {
+    return Status::InvalidArgument("scan " + std::to_string(num_scans()) +
+                                   ": the other graph has no scan with id " +
+                                   std::to_string(scan_id));
+  }
+  if (pose_id < 0 || pose_id >= num_poses()) return CheckScan(pose_id, 0);
+  int laser_id = 0;
+  PLUMBLINE_RETURN_IF_ERROR(AddLaser(other.LaserOfScan(scan_id), &laser_id));
+  const ScanEntry entry = other.scans_[scan_id];
+  std::vector<Return> returns;
+  for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
+    returns.push_back(
+        {other.returns_.range_m[r], other.returns_.bearing_rad[r], other.returns_.beam[r]});
+  }
+  AppendScan(pose_id, laser_id, returns);
+  return Status::Ok();
+}
+
 Status SlamGraph::CheckEdge(const char* kind, int from, int to, const Pose2& motion) const {
   const std::string name =
       std::string(kind) + " " + std::to_string(from) + " -> " + std::to_string(to);

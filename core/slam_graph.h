@@ -82,6 +82,10 @@ class SlamGraph {
   /// point more than a step outside of the fan of beams, naming it.
   Status AddPoints(int pose_id, int laser_id, const std::vector<Eigen::Vector2d>& points_in_robot);
 
+  /// Takes over a sweep of another graph with its laser: the same returns, placed by the current
+  /// pose. Fails on unknown ids.
+  Status AddScanOf(const SlamGraph& other, int scan_id, int pose_id);
+
   /// Fails on unknown or equal ids and on motions that are not finite.
   Status AddOdometry(const OdometryConstraint& constraint);
 

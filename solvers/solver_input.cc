@@ -11,12 +11,9 @@
 namespace plumbline {
 namespace {
 
-// Names the first block of `size` entries that is not finite, or too far away for the cells of
-// surfaces to be numbered.
+// Names the first block of `size` entries that is not within reach.
 Status CheckState(const char* name, const std::vector<double>& values, std::size_t size) {
-  constexpr double kLargest = 1e8;
-  const auto bad = std::find_if(values.begin(), values.end(),
-                                [](double v) { return !(std::abs(v) <= kLargest); });
+  const auto bad = std::find_if_not(values.begin(), values.end(), IsWithinReach);
   if (bad == values.end()) return Status::Ok();
   return Status::InvalidArgument(
       std::string(name) + " " + std::to_string((bad - values.begin()) / size) +

@@ -1,11 +1,17 @@
 #ifndef PLUMBLINE_SOLVERS_SOLVER_INPUT_H_
 #define PLUMBLINE_SOLVERS_SOLVER_INPUT_H_
 
+#include <cmath>
+
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/solver_options.h"
 
 namespace plumbline {
+
+/// Whether a coordinate of the state [m or rad] is finite, and near enough for the cells of
+/// surfaces to be numbered.
+inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e8; }
 
 /// Whether a graph can be solved: InvalidArgument names an option out of range or that does not go
 /// with the others, a pose or point that is not finite or beyond 1e8, or the lack of any return

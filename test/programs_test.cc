@@ -13,6 +13,7 @@ namespace plumbline {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -188,6 +189,19 @@ TEST_F(ProgramsTest, StudiesTheSeeding) {
   EXPECT_EQ(Lines(ReadFile(folder_ + "study.csv")).size(), 5u);
   ExpectError(Run("benchmark", "--experiment=magic"), "--experiment='magic'");
   ExpectError(Run("benchmark", "--experiment=log --output_dir=" + folder_ + "out"), "--log");
+}
+
+TEST_F(ProgramsTest, ReplaysALog) {
+  SimulateLog(50);
+  const std::string replay = "--experiment=replay --log=" + folder_ + "a.clf ";
+  ExpectError(Run("benchmark", replay), "--output_dir");
+  ExpectError(Run("benchmark", replay + "--output_dir=" + folder_ + "out --batch_scans=0"),
+              "--batch_scans");
+  const Outcome run = Run("benchmark", replay + "--output_dir=" + folder_ + "out --batch_scans=20");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("difference  energy"));
+  EXPECT_THAT(FilesOf("out"), ElementsAre("replay.csv", "replay.png", "trajectory.tum"));
+  EXPECT_EQ(Lines(Result("out", "replay.csv")).size(), 1u + 3u + 1u);
 }
 
 TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {

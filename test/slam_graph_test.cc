@@ -224,6 +224,32 @@ TEST_F(SlamGraphTest, TheFirstPoseIsFixedUnlessAnotherIsNamed) {
   ExpectInvalid(graph_.FixPose(-1), "fixed pose: no pose with id -1");
 }
 
+TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, kInfinity, 3.0}).ok());
+  ASSERT_TRUE(graph_.AddPoints(second_, laser_, {{2.5, 0.1}, {2.6, 0.2}, {3.0, -0.4}}).ok());
+  SlamGraph other;
+  int pose = 0;
+  ExpectInvalid(other.AddScanOf(graph_, 0, 0), "scan 0: no pose with id 0");
+  ASSERT_TRUE(other.AddPose(Pose2(7.0, 8.0, 0.0), 0.0, &pose).ok());
+  ASSERT_TRUE(other.AddScanOf(graph_, 1, pose).ok());
+  ASSERT_TRUE(other.AddScanOf(other, 0, pose).ok());  // from itself, too
+  ExpectInvalid(other.AddScanOf(graph_, 2, pose), "the other graph has no scan with id 2");
+  ExpectInvalid(other.AddScanOf(graph_, -1, pose), "the other graph has no scan with id -1");
+  ASSERT_EQ(other.num_scans(), 2);
+  ASSERT_EQ(other.num_returns(), 6u);
+  EXPECT_EQ(other.LaserOfScan(1), ThreeBeamLaser());
+  for (std::size_t r = 0; r < 6; ++r) {
+    const std::size_t from = graph_.scan(1).first_return + r % 3;
+    EXPECT_EQ(other.returns().range_m[r], graph_.returns().range_m[from]);
+    EXPECT_EQ(other.returns().bearing_rad[r], graph_.returns().bearing_rad[from]);
+    EXPECT_EQ(other.returns().beam[r], graph_.returns().beam[from]);
+    EXPECT_EQ(other.returns().scan[r], static_cast<int>(r / 3));
+    const Eigen::Vector2d expected = Pose2(7.0, 8.0, 0.0) * other.PointInRobot(r);
+    EXPECT_NEAR(other.points()[2 * r], expected.x(), 1e-12);
+    EXPECT_NEAR(other.points()[2 * r + 1], expected.y(), 1e-12);
+  }
+}
+
 TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
   graph_.SetOdometryMotion(0, Pose2(-1.0, 0.0, 0.0));

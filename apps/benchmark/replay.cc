@@ -1,0 +1,215 @@
+#include "plumbline/apps/benchmark/replay.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "plumbline/apps/graph_poses.h"
+#include "plumbline/core/options_check.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/solve.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Maps a drive as it comes in.
+class Host {
+ public:
+  Host(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& drive,
+       const SeedingReport& report)
+      : solver_(solver),
+        options_(options),
+        drive_(drive),
+        sequential_poses_(report.sequential_poses),
+        steps_(report.pose_graph.begin(), report.pose_graph.begin() + drive.num_poses() - 1),
+        closures_(report.pose_graph.begin() + drive.num_poses() - 1, report.pose_graph.end()) {}
+
+  bool HasArrived() const { return graph_.num_poses() == drive_.num_poses(); }
+
+  // The next batch: poses, scans, constraints.
+  Status Receive() {
+    const int first = graph_.num_poses();
+    const int end = std::min(first + options_.batch_poses, drive_.num_poses());
+    for (int pose = first; pose < end; ++pose) PLUMBLINE_RETURN_IF_ERROR(AddPose(pose));
+    for (const OdometryConstraint& c : drive_.odometry()) {
+      if (ArrivesIn(first, end, c)) PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry(c));
+    }
+    for (const RelativePoseConstraint& c : drive_.relative_poses()) {
+      if (ArrivesIn(first, end, c)) PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(c));
+    }
+    const std::vector<Pose2> poses = PosesOf(graph_);
+    num_news_ = 0;
+    for (const RelativePoseConstraint& c : closures_) {
+      if (!ArrivesIn(first, end, c)) continue;
+      arrived_closures_.push_back(c);
+      if (EdgeChi2(c, poses) > options_.max_closure_chi2) ++num_news_;
+    }
+    ++batch_;
+    return Status::Ok();
+  }
+
+  // What the batch asks for.
+  Status Refine(ReplayStep* step) {
+    return num_news_ > 0 ? Run(ReplayedSolve::kLoops, step) : Run(ReplayedSolve::kWindow, step);
+  }
+  Status Finish(ReplayStep* step) {
+    num_news_ = 0;
+    return Run(ReplayedSolve::kFinal, step);
+  }
+
+  const SlamGraph& graph() const { return graph_; }
+
+ private:
+  template <typename Constraint>
+  static bool ArrivesIn(int first, int end, const Constraint& constraint) {
+    const int later = std::max(constraint.from, constraint.to);
+    return later >= first && later < end;
+  }
+
+  Status AddPose(int pose) {
+    Pose2 world_from_robot = drive_.WorldFromRobot(0);
+    if (pose > 0) {
+      world_from_robot = graph_.WorldFromRobot(pose - 1) *
+                         Between(sequential_poses_[pose - 1], sequential_poses_[pose]);
+    }
+    int id = 0;
+    PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(world_from_robot, drive_.timestamp_s(pose), &id));
+    for (int& scan = next_scan_; scan < drive_.num_scans() && drive_.scan(scan).pose == pose;
+         ++scan) {
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddScanOf(drive_, scan, id));
+    }
+    return Status::Ok();
+  }
+
+  Status Run(ReplayedSolve solve, ReplayStep* step) {
+    const auto start = Clock::now();
+    if (solve == ReplayedSolve::kLoops) CloseLoops();
+    const SolverSummary summary = solve == ReplayedSolve::kWindow
+                                      ? SolveWindow(solver_, options_.window, &graph_)
+                                      : Solve(solver_, &graph_);
+    *step = {batch_,
+             graph_.num_poses(),
+             solve,
+             static_cast<int>(arrived_closures_.size()),
+             num_news_,
+             SecondsSince(start),
+             summary.seed_marginal_energy,
+             summary.final_marginal_energy};
+    if (summary.IsSolutionUsable()) return Status::Ok();
+    return Status::Unavailable("batch " + std::to_string(batch_) + ": " + summary.message);
+  }
+
+  // The shape that the map has by now, with the uncertainty of its steps, under all closures.
+  void CloseLoops() {
+    std::vector<Pose2> poses = PosesOf(graph_);
+    std::vector<RelativePoseConstraint> steps(steps_.begin(), steps_.begin() + poses.size() - 1);
+    for (RelativePoseConstraint& step : steps) {
+      step.from_from_to = Between(poses[step.from], poses[step.to]);
+    }
+    OptimizePoseGraph(steps, arrived_closures_, &poses);
+    for (std::size_t i = 0; i < poses.size(); ++i) graph_.SetPose(static_cast<int>(i), poses[i]);
+    graph_.ResetPointsFromPoses();
+  }
+
+  const SolverOptions& solver_;
+  const ReplayOptions& options_;
+  const SlamGraph& drive_;
+  const std::vector<Pose2>& sequential_poses_;
+  const std::vector<RelativePoseConstraint> steps_;     // from each pose to the next
+  const std::vector<RelativePoseConstraint> closures_;  // of the whole drive
+  SlamGraph graph_;
+  std::vector<RelativePoseConstraint> arrived_closures_;
+  int next_scan_ = 0;
+  int batch_ = 0;
+  int num_news_ = 0;  // closures of this batch that the poses contradict
+};
+
+Status CheckInput(const SlamGraph& seed, const SeedingReport& report) {
+  const std::size_t num_poses = seed.num_poses();
+  for (int scan = 1; scan < seed.num_scans(); ++scan) {
+    if (seed.scan(scan).pose >= seed.scan(scan - 1).pose) continue;
+    return Status::InvalidArgument("a replay needs scans in the order of their poses, but scan " +
+                                   std::to_string(scan) + " is not");
+  }
+  if (num_poses > 0 && report.sequential_poses.size() == num_poses &&
+      report.pose_graph.size() + 1 >= num_poses) {
+    return Status::Ok();
+  }
+  return Status::InvalidArgument("a replay needs the report of its own seed: the graph has " +
+                                 std::to_string(num_poses) + " poses, the report " +
+                                 std::to_string(report.sequential_poses.size()));
+}
+
+Status SolveBatch(const SolverOptions& solver, SlamGraph* graph, Replay* replay) {
+  const auto start = Clock::now();
+  const SolverSummary summary = Solve(solver, graph);
+  replay->batch_time_s = SecondsSince(start);
+  replay->batch_energy = summary.final_marginal_energy;
+  return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
+}
+
+void Compare(const std::vector<Pose2>& batch, Replay* replay) {
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const double difference_m =
+        (replay->world_from_robot[i].translation() - batch[i].translation()).norm();
+    replay->mean_difference_m += difference_m / batch.size();
+    replay->max_difference_m = std::max(replay->max_difference_m, difference_m);
+  }
+}
+
+}  // namespace
+
+const char* ToString(ReplayedSolve solve) {
+  switch (solve) {
+    case ReplayedSolve::kWindow:
+      return "window";
+    case ReplayedSolve::kLoops:
+      return "loops";
+    case ReplayedSolve::kFinal:
+      return "final";
+  }
+  return "?";
+}
+
+bool ReplayOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(batch_poses, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_closure_chi2, >, 0.0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(window);
+  return true;
+}
+
+Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& seed,
+                 const SeedingReport& report, const std::function<void(const ReplayStep&)>& done,
+                 Replay* replay) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  PLUMBLINE_RETURN_IF_ERROR(CheckInput(seed, report));
+  Replay result;
+  Host host(solver, options, seed, report);
+  ReplayStep step;
+  const auto keep = [&] {
+    result.steps.push_back(step);
+    if (done) done(step);
+  };
+  while (!host.HasArrived()) {
+    PLUMBLINE_RETURN_IF_ERROR(host.Receive());
+    PLUMBLINE_RETURN_IF_ERROR(host.Refine(&step));
+    keep();
+  }
+  PLUMBLINE_RETURN_IF_ERROR(host.Finish(&step));
+  keep();
+  result.world_from_robot = PosesOf(host.graph());
+  SlamGraph batch = seed;
+  PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, &batch, &result));
+  Compare(PosesOf(batch), &result);
+  *replay = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,73 @@
+#ifndef PLUMBLINE_APPS_BENCHMARK_REPLAY_H_
+#define PLUMBLINE_APPS_BENCHMARK_REPLAY_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/sliding_window.h"
+#include "plumbline/solvers/solver_options.h"
+
+namespace plumbline {
+
+/// How a host that maps while driving is replayed.
+struct ReplayOptions {
+  int batch_poses = 100;  ///< that arrive between two solves
+  /// A closure is news if its squared Mahalanobis length at the current poses is above this; of
+  /// closures that these poses agree with, one of a thousand is (three degrees of freedom).
+  double max_closure_chi2 = 16.27;
+  WindowOptions window;
+
+  bool Check(std::string* error) const;
+};
+
+enum class ReplayedSolve {
+  kWindow,  ///< the newest poses
+  kLoops,   ///< a closure was news: the pose graph of all poses, then all poses and points
+  kFinal,   ///< all poses and points, once more at the end of the drive
+};
+const char* ToString(ReplayedSolve solve);
+
+/// One solve, and when it took place.
+struct ReplayStep {
+  int batch = 0;  ///< from 1; the final solve has that of the last one
+  int num_poses = 0;
+  ReplayedSolve solve = ReplayedSolve::kWindow;
+  int num_closures = 0;  ///< that have arrived
+  int num_news = 0;      ///< of these, with this batch and not as the poses had it
+  double time_s = 0.0;   ///< pose graph included
+  /// Marginal energy of what was solved, before and after.
+  double initial_energy = 0.0;
+  double final_energy = 0.0;
+};
+
+struct Replay {
+  std::vector<ReplayStep> steps;
+  std::vector<Pose2> world_from_robot;  ///< after the final solve
+  /// All at once, from the seed.
+  double batch_time_s = 0.0;
+  double batch_energy = 0.0;
+  double mean_difference_m = 0.0;  ///< of the poses of replay and batch solution
+  double max_difference_m = 0.0;
+
+  /// Final energy over that of the batch solution.
+  double EnergyRatio() const { return steps.back().final_energy / batch_energy; }
+};
+
+/// Replays a drive whose scans have been matched: poses arrive with their scans and odometry,
+/// chained to the last refined pose by the sequential matching. A closure arrives with the later of
+/// its poses. What is timed is the back end: matching and search for closures are not.
+///
+/// seed: of the whole drive, one pose after the other, and its scans in the order of the poses.
+/// report: as SeedGraph left it. `done` is called after each step. InvalidArgument on bad options
+/// and a report of another graph, Unavailable if a solve fails.
+Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& seed,
+                 const SeedingReport& report, const std::function<void(const ReplayStep&)>& done,
+                 Replay* replay);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_BENCHMARK_REPLAY_H_

@@ -1,0 +1,203 @@
+#include "plumbline/solvers/sliding_window.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+#include "plumbline/core/options_check.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/window_context.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kOutside = -1;
+// A prior gives way a little. This is stiff enough for what the energy gains by that, and loses
+// again since fixed poses stay, to be no more than rounding.
+constexpr double kFixedSigma = 1e-6;  // [m] and [rad]
+
+Status CheckPose(const SlamGraph& graph, int pose) {
+  const double* state = graph.poses().data() + 3 * pose;
+  if (std::all_of(state, state + 3, IsWithinReach)) return Status::Ok();
+  return Status::InvalidArgument("pose " + std::to_string(pose) +
+                                 " of the graph is not finite, or beyond 1e8 m or rad");
+}
+
+Status CheckPoints(const SlamGraph& graph, int scan_id) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const auto first = graph.points().begin() + 2 * scan.first_return;
+  if (std::all_of(first, first + 2 * scan.num_returns, IsWithinReach)) return Status::Ok();
+  return Status::InvalidArgument("a point of scan " + std::to_string(scan_id) +
+                                 " is not finite, or beyond 1e8 m");
+}
+
+Status CheckFreePoses(const std::vector<int>& free_poses, const SlamGraph& graph) {
+  if (free_poses.empty()) return Status::InvalidArgument("there are no free poses to solve for");
+  std::vector<char> seen(graph.num_poses());
+  for (const int pose : free_poses) {
+    const std::string name = "free pose " + std::to_string(pose);
+    if (pose < 0 || pose >= graph.num_poses()) {
+      return Status::InvalidArgument(name + ": the graph has " + std::to_string(graph.num_poses()) +
+                                     " poses");
+    }
+    if (seen[pose]) return Status::InvalidArgument(name + " is named twice");
+    seen[pose] = true;
+    PLUMBLINE_RETURN_IF_ERROR(CheckPose(graph, pose));
+  }
+  return Status::Ok();
+}
+
+// The free poses of a graph and those that hold the map around them, as a graph of their own. Poses
+// and scans keep their order.
+class Window {
+ public:
+  Window(const SlamGraph& graph, const std::vector<int>& free_poses,
+         const std::vector<int>& fixed_poses)
+      : is_free_(graph.num_poses()), part_of_pose_(graph.num_poses(), kOutside) {
+    for (const int pose : free_poses) is_free_[pose] = true;
+    poses_.resize(free_poses.size() + fixed_poses.size());
+    std::copy(free_poses.begin(), free_poses.end(), poses_.begin());
+    std::copy(fixed_poses.begin(), fixed_poses.end(), poses_.begin() + free_poses.size());
+    std::sort(poses_.begin(), poses_.end());
+  }
+
+  Status Extract(const SlamGraph& graph) {
+    for (const int pose : poses_) {
+      PLUMBLINE_RETURN_IF_ERROR(CheckPose(graph, pose));
+      PLUMBLINE_RETURN_IF_ERROR(
+          part_.AddPose(graph.WorldFromRobot(pose), graph.timestamp_s(pose), &part_of_pose_[pose]));
+    }
+    PLUMBLINE_RETURN_IF_ERROR(FixPoses(graph));
+    PLUMBLINE_RETURN_IF_ERROR(AddScans(graph));
+    return AddConstraints(graph);
+  }
+
+  SlamGraph* part() { return &part_; }
+
+  // Takes over what has become of the free poses and of their points.
+  void WriteBack(SlamGraph* graph) const {
+    for (const int pose : poses_) {
+      if (is_free_[pose]) graph->SetPose(pose, part_.WorldFromRobot(part_of_pose_[pose]));
+    }
+    for (std::size_t s = 0; s < scans_.size(); ++s) {
+      const ScanEntry& to = graph->scan(scans_[s]);
+      if (is_free_[to.pose]) CopyPoints(part_.scan(s), part_.points(), to, &graph->points());
+    }
+  }
+
+ private:
+  static void CopyPoints(const ScanEntry& from, const std::vector<double>& from_points,
+                         const ScanEntry& to, std::vector<double>* to_points) {
+    std::copy_n(from_points.begin() + 2 * from.first_return, 2 * from.num_returns,
+                to_points->begin() + 2 * to.first_return);
+  }
+
+  // Free poses that the graph holds somewhere are held there, the others where they are.
+  Status FixPoses(const SlamGraph& graph) {
+    for (const FixedPose& fixed : graph.fixed_poses()) {
+      if (!is_free_[fixed.pose]) continue;
+      const int pose = part_of_pose_[fixed.pose];
+      part_.SetPose(pose, fixed.world_from_robot);
+      PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(pose));
+      part_.SetPose(pose, graph.WorldFromRobot(fixed.pose));
+    }
+    for (const int pose : poses_) {
+      if (!is_free_[pose]) PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[pose]));
+    }
+    return Status::Ok();
+  }
+
+  Status AddScans(const SlamGraph& graph) {
+    for (int s = 0; s < graph.num_scans(); ++s) {
+      const ScanEntry& from = graph.scan(s);
+      const int pose = part_of_pose_[from.pose];
+      if (pose == kOutside) continue;
+      PLUMBLINE_RETURN_IF_ERROR(CheckPoints(graph, s));
+      PLUMBLINE_RETURN_IF_ERROR(part_.AddScanOf(graph, s, pose));
+      CopyPoints(from, graph.points(), part_.scan(static_cast<int>(scans_.size())),
+                 &part_.points());
+      scans_.push_back(s);
+    }
+    return Status::Ok();
+  }
+
+  // What joins fixed poses says nothing of the free ones.
+  bool Joins(int from, int to) const {
+    return part_of_pose_[from] != kOutside && part_of_pose_[to] != kOutside &&
+           (is_free_[from] || is_free_[to]);
+  }
+
+  Status AddConstraints(const SlamGraph& graph) {
+    const auto add = [this](auto constraint, auto method) {
+      if (!Joins(constraint.from, constraint.to)) return Status::Ok();
+      constraint.from = part_of_pose_[constraint.from];
+      constraint.to = part_of_pose_[constraint.to];
+      return (part_.*method)(constraint);
+    };
+    for (const OdometryConstraint& c : graph.odometry()) {
+      PLUMBLINE_RETURN_IF_ERROR(add(c, &SlamGraph::AddOdometry));
+    }
+    for (const RelativePoseConstraint& c : graph.relative_poses()) {
+      PLUMBLINE_RETURN_IF_ERROR(add(c, &SlamGraph::AddRelativePose));
+    }
+    return Status::Ok();
+  }
+
+  std::vector<char> is_free_;      // per pose of the graph
+  std::vector<int> part_of_pose_;  // likewise: its id in the part
+  std::vector<int> poses_;         // per pose of the part: its id in the graph
+  std::vector<int> scans_;         // likewise per scan
+  SlamGraph part_;
+};
+
+SolverSummary Failure(const SolverOptions& options, const Status& status) {
+  SolverSummary failure;
+  failure.solver = ToString(options.type);
+  failure.message = status.message();
+  return failure;
+}
+
+}  // namespace
+
+bool WindowOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_free_poses, >, 0);
+  PLUMBLINE_CHECK_OPTION(max_fixed_poses, >=, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fixed_spacing_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fixed_turn_rad, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_fixed_distance_m, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(min_common_share, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(min_common_share, <=, 1.0);
+  return true;
+}
+
+SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
+                          SlamGraph* graph) {
+  std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph->num_poses()));
+  std::iota(newest.begin(), newest.end(), graph->num_poses() - static_cast<int>(newest.size()));
+  return SolvePoses(options, window, newest, graph);
+}
+
+SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
+                         const std::vector<int>& free_poses, SlamGraph* graph) {
+  std::string error;
+  if (!window.Check(&error)) return Failure(options, Status::InvalidArgument("window." + error));
+  Status status = CheckFreePoses(free_poses, *graph);
+  if (!status.ok()) return Failure(options, status);
+  const std::vector<int> fixed_poses = ChooseFixedPoses(window, *graph, free_poses);
+  Window part(*graph, free_poses, fixed_poses);
+  status = part.Extract(*graph);
+  if (!status.ok()) return Failure(options, status);
+  SolverOptions part_options = options;
+  if (!fixed_poses.empty()) {
+    PosePriorOptions& prior = part_options.factors.prior;
+    prior.sigma_translation_m = std::min(prior.sigma_translation_m, kFixedSigma);
+    prior.sigma_rotation_rad = std::min(prior.sigma_rotation_rad, kFixedSigma);
+  }
+  const SolverSummary summary = Solve(part_options, part.part());
+  if (summary.IsSolutionUsable()) part.WriteBack(graph);
+  return summary;
+}
+
+}  // namespace plumbline

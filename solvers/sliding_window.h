@@ -1,0 +1,56 @@
+#ifndef PLUMBLINE_SOLVERS_SLIDING_WINDOW_H_
+#define PLUMBLINE_SOLVERS_SLIDING_WINDOW_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+/// What of a growing graph is refined at a time. Poses that may move are "free"; "fixed" ones hold
+/// the map around them.
+struct WindowOptions {
+  /// SolveWindow: the newest poses that may move. Several times as many as arrive between two
+  /// calls, so that each is refined again once its surroundings have been seen from further on.
+  int num_free_poses = 300;
+  /// Older poses that count, at most, the nearest ones first. The other ends of constraints on free
+  /// poses come on top.
+  int max_fixed_poses = 300;
+  /// Of all poses in a cell of this size [m] that look the same way to within fixed_turn_rad [rad],
+  /// one is enough: they saw the same.
+  double fixed_spacing_m = 0.25;
+  double fixed_turn_rad = 0.35;
+  /// Poses farther than this [m] from every free one do not count: it bounds the search.
+  double max_fixed_distance_m = 20.0;
+  /// Nor do those with less than this share of their returns near returns of free poses, in (0, 1].
+  double min_common_share = 0.2;
+
+  bool Check(std::string* error) const;
+};
+
+/// Refines the newest poses, and their points, against the map of older ones, which stay as they
+/// are bit for bit. Like Solve, but its time does not grow with the drive, except for one pass over
+/// the lists of poses, scans and constraints. With a window as long as the graph it is Solve.
+///
+/// Loops are not for a window: a closure that older poses have to give way to asks for Solve, after
+/// a pose graph if they are off by more than a few decimetres.
+///
+/// The summary speaks of the window: its free and fixed poses, all their returns, and the
+/// constraints on free poses. That energy is never worse than before. Poses that FixPose named are
+/// held where they were fixed (beside older ones with prior sigmas of 1e-6 at most). Free poses
+/// that nothing ties to fixed ones keep the first of them. Fails, with the graph unchanged, like
+/// Solve, and on a graph without poses.
+SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
+                          SlamGraph* graph);
+
+/// The same for any set of poses: those that are new, or that something has changed for.
+/// num_free_poses does not matter here. Fails on an empty set, unknown and repeated ids.
+SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
+                         const std::vector<int>& free_poses, SlamGraph* graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SLIDING_WINDOW_H_

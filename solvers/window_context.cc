@@ -1,0 +1,172 @@
+#include "plumbline/solvers/window_context.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <set>
+#include <unordered_set>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/core/point_index.h"
+#include "plumbline/solvers/solver_input.h"
+
+namespace plumbline {
+namespace {
+
+// Two returns saw the same place if their cells touch: the map may be off by some decimetres.
+constexpr double kPlaceM = 0.5;
+
+// The scans of every pose, in one list.
+struct ScansByPose {
+  std::vector<int> scans;
+  std::vector<std::size_t> first;  // per pose, and the end
+
+  explicit ScansByPose(const SlamGraph& graph)
+      : scans(graph.num_scans()), first(graph.num_poses() + 1) {
+    for (int s = 0; s < graph.num_scans(); ++s) ++first[graph.scan(s).pose + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<std::size_t> next = first;
+    for (int s = 0; s < graph.num_scans(); ++s) scans[next[graph.scan(s).pose]++] = s;
+  }
+};
+
+// Where returns of some poses lie. Points out of reach lie nowhere.
+class SeenPlaces {
+ public:
+  void Add(const Eigen::Vector2d& point) {
+    if (!IsInReach(point) || !hit_.insert(Cell(point, 0, 0)).second) return;
+    for (int dx = -1; dx <= 1; ++dx) {
+      for (int dy = -1; dy <= 1; ++dy) near_.insert(Cell(point, dx, dy));
+    }
+  }
+  bool Contains(const Eigen::Vector2d& point) const {
+    return IsInReach(point) && near_.count(Cell(point, 0, 0)) > 0;
+  }
+
+ private:
+  static bool IsInReach(const Eigen::Vector2d& point) {
+    return IsWithinReach(point.x()) && IsWithinReach(point.y());
+  }
+  static std::uint64_t Cell(const Eigen::Vector2d& point, int dx, int dy) {
+    const auto x = static_cast<std::int64_t>(std::floor(point.x() / kPlaceM)) + dx;
+    const auto y = static_cast<std::int64_t>(std::floor(point.y() / kPlaceM)) + dy;
+    return (static_cast<std::uint64_t>(x) << 32) ^ (static_cast<std::uint64_t>(y) & 0xffffffffu);
+  }
+
+  std::unordered_set<std::uint64_t> hit_;   // cells with a return
+  std::unordered_set<std::uint64_t> near_;  // those and the ones around them
+};
+
+class ContextSearch {
+ public:
+  ContextSearch(const WindowOptions& options, const SlamGraph& graph,
+                const std::vector<int>& free_poses)
+      : options_(options), graph_(graph), scans_(graph), is_free_(graph.num_poses()) {
+    for (const int pose : free_poses) {
+      is_free_[pose] = true;
+      ForEachPoint(pose, [this](const Eigen::Vector2d& point) { seen_.Add(point); });
+    }
+  }
+
+  std::vector<int> Run(const std::vector<int>& free_poses) {
+    std::set<int> chosen = Neighbors();
+    int num_left = options_.max_fixed_poses;
+    for (const auto& [squared_distance, pose] : NearestFirst(free_poses)) {
+      if (num_left == 0) break;
+      if (!IsFirstOfItsKind(pose) || !SawTheSame(pose)) continue;
+      if (chosen.insert(pose).second) --num_left;
+    }
+    return {chosen.begin(), chosen.end()};
+  }
+
+ private:
+  template <typename Body>
+  void ForEachPoint(int pose, const Body& body) const {
+    for (std::size_t i = scans_.first[pose]; i < scans_.first[pose + 1]; ++i) {
+      const ScanEntry& scan = graph_.scan(scans_.scans[i]);
+      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+        body(Eigen::Vector2d(graph_.points()[2 * r], graph_.points()[2 * r + 1]));
+      }
+    }
+  }
+
+  // The other ends of constraints on free poses.
+  std::set<int> Neighbors() const {
+    std::set<int> neighbors;
+    const auto add = [&](int from, int to) {
+      if (is_free_[from] == is_free_[to]) return;
+      neighbors.insert(is_free_[from] ? to : from);
+    };
+    for (const OdometryConstraint& c : graph_.odometry()) add(c.from, c.to);
+    for (const RelativePoseConstraint& c : graph_.relative_poses()) add(c.from, c.to);
+    return neighbors;
+  }
+
+  // The other poses by their squared distance [m^2] from the nearest free one.
+  std::vector<std::pair<double, int>> NearestFirst(const std::vector<int>& free_poses) const {
+    std::vector<double> positions;
+    Eigen::AlignedBox2d reach;
+    for (const int pose : free_poses) {
+      const Eigen::Vector2d position = graph_.WorldFromRobot(pose).translation();
+      positions.insert(positions.end(), {position.x(), position.y()});
+      reach.extend(position);
+    }
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(options_.max_fixed_distance_m);
+    reach = Eigen::AlignedBox2d(reach.min() - margin, reach.max() + margin);
+    const PointIndex index(std::move(positions));
+    std::vector<std::pair<double, int>> candidates;
+    std::vector<PointIndex::Neighbor> nearest;
+    const double limit = options_.max_fixed_distance_m * options_.max_fixed_distance_m;
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      const Pose2 world_from_robot = graph_.WorldFromRobot(pose);
+      if (is_free_[pose] || !IsFinite(world_from_robot)) continue;
+      if (!reach.contains(world_from_robot.translation())) continue;
+      index.FindNearest(world_from_robot.translation(), 1, &nearest);
+      const double squared_distance = nearest.front().squared_distance;
+      if (squared_distance <= limit) candidates.push_back({squared_distance, pose});
+    }
+    std::sort(candidates.begin(), candidates.end());
+    return candidates;
+  }
+
+  // Whether no pose before stood there and looked that way.
+  bool IsFirstOfItsKind(int pose) {
+    const Pose2 at = graph_.WorldFromRobot(pose);
+    return kinds_
+        .insert({std::floor(at.x / options_.fixed_spacing_m),
+                 std::floor(at.y / options_.fixed_spacing_m),
+                 std::floor(NormalizeAngle(at.yaw) / options_.fixed_turn_rad)})
+        .second;
+  }
+
+  bool SawTheSame(int pose) const {
+    std::size_t num_common = 0, num_points = 0;
+    ForEachPoint(pose, [&](const Eigen::Vector2d& point) {
+      ++num_points;
+      if (seen_.Contains(point)) ++num_common;
+    });
+    return num_common > 0 && num_common >= options_.min_common_share * num_points;
+  }
+
+  const WindowOptions& options_;
+  const SlamGraph& graph_;
+  const ScansByPose scans_;
+  std::vector<char> is_free_;
+  SeenPlaces seen_;
+  std::set<std::array<double, 3>> kinds_;
+};
+
+}  // namespace
+
+std::vector<int> ChooseFixedPoses(const WindowOptions& options, const SlamGraph& graph,
+                                  const std::vector<int>& free_poses) {
+  return ContextSearch(options, graph, free_poses).Run(free_poses);
+}
+
+}  // namespace plumbline

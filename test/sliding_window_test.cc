@@ -1,0 +1,295 @@
+#include "plumbline/solvers/sliding_window.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "plumbline/solvers/reduced/patch_energy.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/noisy_room.h"
+#include "plumbline/test/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kNumPoses = 24;
+
+// A drive around a room, at the truth.
+NoisyRoom LongDrive() {
+  NoisyRoomOptions options;
+  options.num_poses = kNumPoses;
+  return MakeNoisyRoom(options);
+}
+
+// Moves some poses by the same amount [m] and [rad] to one side and then to the other, and their
+// points with them.
+void Displace(const std::vector<int>& poses, double amount, SlamGraph* graph) {
+  for (const int pose : poses) {
+    const double by = pose % 2 == 0 ? amount : -amount;
+    graph->SetPose(pose, graph->WorldFromRobot(pose) * Pose2(by, -by, by));
+  }
+  graph->ResetPointsFromPoses();
+}
+
+std::vector<int> Range(int first, int end) {
+  std::vector<int> range(end - first);
+  std::iota(range.begin(), range.end(), first);
+  return range;
+}
+
+double WorstError(const NoisyRoom& room, const std::vector<int>& poses) {
+  double worst_m = 0.0;
+  for (const int pose : poses) {
+    worst_m = std::max(worst_m, DistanceM(room.graph.WorldFromRobot(pose), room.truth[pose]));
+  }
+  return worst_m;
+}
+
+SolverOptions Options(SolverType type = SolverType::kReduced, int num_threads = 1) {
+  SolverOptions options;
+  options.type = type;
+  options.num_threads = num_threads;
+  return options;
+}
+
+WindowOptions Newest(int num_free_poses) {
+  WindowOptions window;
+  window.num_free_poses = num_free_poses;
+  window.fixed_spacing_m = 0.1;
+  return window;
+}
+
+// All but `free_poses` and their points are the same bits.
+void ExpectOthersUntouched(const SlamGraph& before, const SlamGraph& after,
+                           const std::vector<int>& free_poses) {
+  std::vector<char> is_free(before.num_poses());
+  for (const int pose : free_poses) is_free[pose] = true;
+  for (std::size_t i = 0; i < before.poses().size(); ++i) {
+    if (!is_free[i / 3]) {
+      EXPECT_EQ(before.poses()[i], after.poses()[i]) << "pose " << i / 3;
+    }
+  }
+  for (std::size_t i = 0; i < before.points().size(); ++i) {
+    const int pose = before.scan(before.returns().scan[i / 2]).pose;
+    if (!is_free[pose]) {
+      ASSERT_EQ(before.points()[i], after.points()[i]) << "a point of " << pose;
+    }
+  }
+}
+
+TEST(SlidingWindowTest, TheNewestPosesFindTheirPlaceAndOlderOnesStay) {
+  NoisyRoom room = LongDrive();
+  const std::vector<int> newest = Range(16, kNumPoses);
+  Displace(newest, 0.05, &room.graph);
+  const SlamGraph before = room.graph;
+  const SolverSummary summary = SolveWindow(Options(), Newest(8), &room.graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_LT(summary.final_patch_energy, summary.seed_patch_energy);
+  EXPECT_GT(WorstError({before, room.truth}, newest), 0.06);
+  EXPECT_LT(WorstError(room, newest), 0.01);
+  EXPECT_NE(room.graph.points().back(), before.points().back());
+  ExpectOthersUntouched(before, room.graph, newest);
+}
+
+// The energy of the whole map falls, too.
+TEST(SlidingWindowTest, AWindowImprovesTheWholeMap) {
+  NoisyRoom room = LongDrive();
+  Displace(Range(16, kNumPoses), 0.02, &room.graph);
+  const SlamGraph before = room.graph;
+  ASSERT_TRUE(SolveWindow(Options(), Newest(8), &room.graph).IsSolutionUsable());
+  ThreadPool pool(1);
+  const FactorOptions factors;
+  const SurfacePatches cut = CutIntoPatches(before, SurfaceOf(before),
+                                            PatchOptionsFor(factors, AssociationOptions()), &pool);
+  const std::vector<double> energies = PatchEnergies(before, SurfaceOf(before), factors, cut,
+                                                     {&before.poses(), &room.graph.poses()}, &pool);
+  EXPECT_LT(energies[1], 0.7 * energies[0]);
+}
+
+TEST(SlidingWindowTest, AnySetOfPosesCanBeSolvedFor) {
+  for (const SolverType type :
+       {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres}) {
+    NoisyRoom room = LongDrive();
+    const std::vector<int> changed = {17, 4, 5};  // in any order
+    Displace(changed, 0.03, &room.graph);
+    const SlamGraph before = room.graph;
+    const SolverSummary summary = SolvePoses(Options(type), WindowOptions(), changed, &room.graph);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    EXPECT_LT(WorstError(room, changed), 0.01) << ToString(type);
+    ExpectOthersUntouched(before, room.graph, changed);
+  }
+}
+
+TEST(SlidingWindowTest, AWindowAsLongAsTheGraphIsSolve) {
+  for (const SolverType type : {SolverType::kReduced, SolverType::kAlternatingCg}) {
+    NoisyRoom room = MakeNoisyRoom();
+    DisturbPoses(0.02, &room.graph);
+    ASSERT_TRUE(room.graph.FixPose(3).ok());
+    room.graph.SetPose(3, room.graph.WorldFromRobot(3) * Pose2(0.01, 0.0, 0.0));
+    SlamGraph whole = room.graph;
+    const SolverSummary expected = Solve(Options(type), &whole);
+    const SolverSummary summary = SolveWindow(Options(type), WindowOptions(), &room.graph);
+    EXPECT_EQ(room.graph.poses(), whole.poses()) << ToString(type);
+    EXPECT_EQ(room.graph.points(), whole.points()) << ToString(type);
+    EXPECT_EQ(summary.message, expected.message);
+    EXPECT_EQ(summary.final_marginal_energy, expected.final_marginal_energy);
+  }
+}
+
+TEST(SlidingWindowTest, TheResultDoesNotDependOnTheNumberOfThreads) {
+  NoisyRoom room = LongDrive();
+  Displace(Range(12, kNumPoses), 0.03, &room.graph);
+  SlamGraph other = room.graph;
+  ASSERT_TRUE(SolveWindow(Options(), Newest(12), &room.graph).IsSolutionUsable());
+  ASSERT_TRUE(SolveWindow(Options(SolverType::kReduced, 3), Newest(12), &other).IsSolutionUsable());
+  EXPECT_EQ(room.graph.poses(), other.poses());
+  EXPECT_EQ(room.graph.points(), other.points());
+}
+
+TEST(SlidingWindowTest, AWindowAtItsOptimumIsLeftAlone) {
+  NoisyRoom room = LongDrive();
+  SolverSummary summary;
+  for (int i = 0; i < 20 && summary.termination != TerminationType::kNoImprovement; ++i) {
+    const SlamGraph before = room.graph;
+    summary = SolveWindow(Options(), Newest(8), &room.graph);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    EXPECT_LE(summary.final_patch_energy, summary.seed_patch_energy);
+    if (summary.termination == TerminationType::kNoImprovement) {
+      EXPECT_EQ(room.graph.poses(), before.poses());
+      EXPECT_EQ(room.graph.points(), before.points());
+    }
+  }
+  EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
+}
+
+TEST(SlidingWindowTest, TheCallbackCanStopIt) {
+  NoisyRoom room = LongDrive();
+  Displace(Range(16, kNumPoses), 0.05, &room.graph);
+  SolverOptions options = Options();
+  int num_calls = 0;
+  options.callback = [&](const IterationSummary&) { return ++num_calls < 1; };
+  const SolverSummary summary = SolveWindow(options, Newest(8), &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
+  EXPECT_EQ(num_calls, 1);
+}
+
+TEST(SlidingWindowTest, AWindowIsNoLargerThanItsOptionsSay) {
+  NoisyRoom room = LongDrive();
+  WindowOptions window = Newest(5);
+  window.max_fixed_poses = 6;
+  const SolverSummary summary = SolveWindow(Options(), window, &room.graph);
+  // One fixed pose for the odometry, one for the closure of the last pose to the first.
+  EXPECT_LE(summary.num_poses, 5u + 6u + 2u);
+  EXPECT_GE(summary.num_poses, 5u + 6u);
+}
+
+// A closure of the host counts although its other end is far away.
+TEST(SlidingWindowTest, ConstraintsOnOlderPosesCount) {
+  SlamGraph graph;
+  int pose = 0, laser = 0;
+  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(4), &laser).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose({50.0 * i, 0.0, 0.0}, i, &pose).ok());
+  ASSERT_TRUE(graph.AddScan(2, laser, {1.0, 1.0, 1.0, 1.0}).ok());
+  ASSERT_TRUE(
+      graph.AddRelativePose({0, 2, Pose2(100.2, 0.1, 0.0), Eigen::Matrix3d::Identity() * 1e-4})
+          .ok());
+  WindowOptions window = Newest(1);
+  window.max_fixed_poses = 0;
+  const SolverSummary summary = SolveWindow(Options(), window, &graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_NEAR(graph.WorldFromRobot(2).x, 100.2, 1e-6);
+  EXPECT_NEAR(graph.WorldFromRobot(2).y, 0.1, 1e-6);
+  EXPECT_NEAR(graph.points()[1], 0.1, 1e-6);
+  EXPECT_EQ(graph.WorldFromRobot(1).x, 50.0);
+}
+
+TEST(SlidingWindowTest, PosesWithoutScansAndScansWithoutReturnsFollowTheirOdometry) {
+  NoisyRoom room = LongDrive();
+  SlamGraph& graph = room.graph;
+  const Pose2 step(0.2, 0.0, 0.1);
+  int pose = 0;
+  for (const bool has_scan : {false, true}) {
+    ASSERT_TRUE(graph.AddPose({5.0, 5.0, 0.0}, 100.0 + has_scan, &pose).ok());
+    ASSERT_TRUE(graph.AddOdometry({pose - 1, pose, step}).ok());
+    if (has_scan) {
+      ASSERT_TRUE(graph.AddScan(pose, 0, std::vector<double>(180, 1e9)).ok());
+    }
+  }
+  const SolverSummary summary = SolveWindow(Options(), Newest(2), &graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  const Pose2 expected = graph.WorldFromRobot(pose - 2) * step * step;
+  EXPECT_LT(DistanceM(graph.WorldFromRobot(pose), expected), 1e-4);
+}
+
+TEST(SlidingWindowTest, AnIslandKeepsItsFirstPose) {
+  // The second half drives through a room of its own that nothing ties to the first.
+  SyntheticScene scene = Room();
+  const SyntheticScene first_room = scene;
+  for (const Face& face : first_room.faces) {
+    scene.faces.push_back({face.a + Eigen::Vector2d(20, 0), face.b + Eigen::Vector2d(20, 0)});
+  }
+  scene.range_sigma_m = 0.005;
+  for (int i = 0; i < 12; ++i) {
+    scene.poses.push_back({(i < 6 ? -1.0 : 19.0) + 0.2 * (i % 6), 0.05 * i, 0.1 * i});
+  }
+  NoisyRoom room{MakeGraph(scene), scene.poses};
+  Displace({7, 8, 9, 10, 11}, 0.02, &room.graph);
+  const SlamGraph before = room.graph;
+  const SolverSummary summary = SolveWindow(Options(), Newest(6), &room.graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_EQ(summary.num_poses, 6u);
+  EXPECT_LT(DistanceM(room.graph.WorldFromRobot(6), room.truth[6]), 1e-3);
+  EXPECT_LT(WorstError(room, Range(6, 12)), 0.01);
+  ExpectOthersUntouched(before, room.graph, Range(6, 12));
+}
+
+TEST(SlidingWindowTest, BadInputIsNamedAndChangesNothing) {
+  NoisyRoom room = MakeNoisyRoom();
+  SlamGraph& graph = room.graph;
+  const auto expect_failure = [&](const std::vector<int>& poses, const WindowOptions& window,
+                                  const SolverOptions& options, const char* message) {
+    const SlamGraph before = graph;
+    const SolverSummary summary = SolvePoses(options, window, poses, &graph);
+    EXPECT_EQ(summary.termination, TerminationType::kFailure);
+    EXPECT_THAT(summary.message, HasSubstr(message));
+    EXPECT_EQ(graph.points(), before.points());
+  };
+  const WindowOptions good;
+  expect_failure({}, good, Options(), "no free poses");
+  expect_failure({1, 12}, good, Options(), "free pose 12: the graph has 12 poses");
+  expect_failure({-1}, good, Options(), "free pose -1");
+  expect_failure({5, 6, 5}, good, Options(), "free pose 5 is named twice");
+  expect_failure({8}, good, Options(SolverType::kReduced, 0), "num_threads");
+  WindowOptions bad;
+  bad.fixed_turn_rad = 0.0;
+  expect_failure({8}, bad, Options(), "window.fixed_turn_rad");
+
+  graph.points()[2 * graph.scan(4).first_return] = 1e300;
+  expect_failure({4}, good, Options(), "a point of scan 4 is not finite");
+  expect_failure({5}, good, Options(), "a point of scan 4 is not finite");
+  graph.SetPose(2, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+  expect_failure({2}, good, Options(), "pose 2 of the graph is not finite");
+  expect_failure({1}, good, Options(), "pose 2 of the graph is not finite");  // its neighbour
+}
+
+TEST(SlidingWindowTest, AGraphWithoutPosesOrReturnsIsAnError) {
+  SlamGraph graph;
+  EXPECT_THAT(SolveWindow(Options(), Newest(5), &graph).message, HasSubstr("no free poses"));
+  EXPECT_THAT(SolveWindow(Options(), Newest(0), &graph).message,
+              HasSubstr("window.num_free_poses"));
+  int pose = 0;
+  ASSERT_TRUE(graph.AddPose({1.0, 2.0, 3.0}, 0.0, &pose).ok());
+  const SolverSummary summary = SolveWindow(Options(), Newest(5), &graph);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr("no laser returns"));
+}
+
+}  // namespace
+}  // namespace plumbline
