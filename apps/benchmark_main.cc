@@ -28,6 +28,8 @@
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/read_log.h"
+#include "plumbline/apps/report/html_report.h"
+#include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/core/return_normals.h"
@@ -62,8 +64,10 @@ DEFINE_string(
 DEFINE_int32(repeats, Defaults().repeats, "solver_comparison: runs of each solver");
 DEFINE_double(time_limit_s, Defaults().time_limit_s,
               "solver_comparison: a solver is asked to stop after this time [s]");
-DEFINE_string(output_dir, "",
-              "All but seeding_study and scaling: folder for the results; made if it is not there");
+DEFINE_string(
+    output_dir, "",
+    "Folder for the results, report.html among them; made if it is not there (empty: none, "
+    "for seeding_study and scaling only)");
 DEFINE_int32(seeds, 30, "synthetic, ablation: seeds of buildings and noise, 1 to this");
 DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
              "replay: scans that arrive between two solves");
@@ -72,7 +76,12 @@ DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans,
 namespace plumbline {
 namespace {
 
-Status SeedingStudy() {
+void Print(const std::string& title, const std::string& text, HtmlReport* page) {
+  std::cout << text << std::flush;
+  page->texts.push_back({title, text});
+}
+
+Status SeedingStudy(HtmlReport* page) {
   if (FLAGS_buildings <= 0) return Status::InvalidArgument("--buildings must be > 0");
   SolverOptions solver;
   SeedingOptions seeding;
@@ -85,9 +94,9 @@ Status SeedingStudy() {
       RunSeedingStudy(SeedingCases(FLAGS_buildings), seeding, solver.factors, &pool, &outcomes));
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
   if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSeedingCsv(FLAGS_csv, outcomes));
-  std::cout << SeedingTable(outcomes) << outcomes.size() << " runs in " << std::fixed
-            << std::setprecision(1) << duration.count() << " s on " << pool.num_threads()
-            << " threads\n";
+  Print("Seeding study", SeedingTable(outcomes), page);
+  std::cout << outcomes.size() << " runs in " << std::fixed << std::setprecision(1)
+            << duration.count() << " s on " << pool.num_threads() << " threads\n";
   return Status::Ok();
 }
 
@@ -137,18 +146,18 @@ void PrintRun(const SolverRun& run) {
   std::cout << std::flush;
 }
 
-Status WriteComparison(const OutputFolder& output, const Comparison& comparison) {
+Status WriteComparison(const OutputFolder& output, const Comparison& comparison, HtmlReport* page) {
   std::cout << ComparisonTable(comparison);
   PLUMBLINE_RETURN_IF_ERROR(WriteComparisonJson(output.File("solver_comparison.json"), comparison));
   PLUMBLINE_RETURN_IF_ERROR(WriteComparisonCsv(output.File("solver_comparison.csv"), comparison));
   if (BestEnergy(comparison.runs) == std::numeric_limits<double>::infinity()) {
     return Status::Unavailable("no run came to its end");
   }
-  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonPlot(output.File("solver_comparison.png"), comparison));
-  return WriteComparisonPage(output.File("report.html"), comparison);
+  AddComparison(comparison, page);
+  return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
 }
 
-Status CompareAllSolvers() {
+Status CompareAllSolvers(HtmlReport* page) {
   Comparison comparison;
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison.options));
@@ -170,27 +179,31 @@ Status CompareAllSolvers() {
   comparison.solvers = ComparedSolvers(solver);
   comparison.runs =
       CompareSolvers(comparison.solvers, relations, comparison.options, PrintRun, &seed);
-  return WriteComparison(output, comparison);
+  return WriteComparison(output, comparison, page);
 }
 
-Status Scaling() {
+Status Scaling(HtmlReport* page) {
   std::vector<int> counts;
   const Status status = ParseScanCounts(FLAGS_scans, &counts);
   if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  std::cout << ScalingHeader();
+  std::string table = ScalingHeader();
+  std::cout << table;
   std::vector<ScalingOutcome> outcomes;
   for (const int count : counts) {
     outcomes.push_back(RunScalingCaseInChild(count, solver));
-    std::cout << ScalingRow(outcomes.back()) << std::flush;
+    const std::string row = ScalingRow(outcomes.back());
+    std::cout << row << std::flush;
+    table += row;
     // Each time the whole table, so that what has been measured outlives the largest sizes.
     if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteScalingCsv(FLAGS_csv, outcomes));
   }
+  page->texts.push_back({"Time and memory over size", table});
   return Status::Ok();
 }
 
-Status MapLogByAll() {
+Status MapLogByAll(HtmlReport* page) {
   if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   if (FLAGS_output_dir.empty()) {
     return Status::InvalidArgument("--output_dir is missing; see --help");
@@ -210,14 +223,16 @@ Status MapLogByAll() {
       &experiment));
   const OutputFolder output(FLAGS_output_dir);
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
-  std::cout << LogTables(experiment);
+  Print("Mappers on one log", LogTables(experiment), page);
   PLUMBLINE_RETURN_IF_ERROR(WriteLogJson(output.File("log.json"), experiment));
   PLUMBLINE_RETURN_IF_ERROR(WriteLogRelationsCsv(output.File("log_relations.csv"), experiment));
   PLUMBLINE_RETURN_IF_ERROR(WriteLogSharpnessCsv(output.File("log_sharpness.csv"), experiment));
+  page->pictures.push_back(
+      {"The same returns, mapped in several ways", output.File("log_maps.png")});
   return WriteMapFigure(output.File("log_maps.png"), experiment.maps, MapFigureOptions());
 }
 
-Status Synthetic() {
+Status Synthetic(HtmlReport* page) {
   if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
   if (FLAGS_output_dir.empty()) {
     return Status::InvalidArgument("--output_dir is missing; see --help");
@@ -228,7 +243,7 @@ Status Synthetic() {
   const std::vector<SyntheticNoise> noises = SyntheticNoises();
   std::vector<SyntheticOutcome> outcomes;
   PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, &pool, &outcomes));
-  std::cout << SyntheticTable(noises, outcomes) << std::flush;
+  Print("Short drives with few scans", SyntheticTable(noises, outcomes), page);
   constexpr int kCharted = 1;  // the middle one of the levels of range noise
   const OutputFolder output(FLAGS_output_dir);
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
@@ -238,10 +253,13 @@ Status Synthetic() {
                                                 noises[kCharted], kCharted, outcomes));
   PLUMBLINE_RETURN_IF_ERROR(WriteMapErrorChart(output.File("synthetic_map_error.png"),
                                                noises[kCharted], kCharted, outcomes));
+  page->pictures.push_back({"Errors of the poses", output.File("synthetic_pose_error.png")});
+  page->pictures.push_back({"Errors of the map points", output.File("synthetic_map_error.png")});
+  page->pictures.push_back({"The maps of one drive", output.File("synthetic_maps.png")});
   return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted]);
 }
 
-Status Ablation() {
+Status Ablation(HtmlReport* page) {
   if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
   if (FLAGS_output_dir.empty()) {
     return Status::InvalidArgument("--output_dir is missing; see --help");
@@ -257,7 +275,7 @@ Status Ablation() {
   std::vector<AblationTable> tables;
   const auto add = [&](const AblationTable& table) {
     tables.push_back(table);
-    std::cout << AblationText(table) << '\n' << std::flush;
+    Print("What each part contributes", AblationText(table) + '\n', page);
   };
   ThreadPool pool(solver.num_threads);
   AblationTable table;
@@ -285,7 +303,7 @@ void PrintStep(const ReplayStep& step) {
             << std::flush;
 }
 
-Status ReplayDrive() {
+Status ReplayDrive(HtmlReport* page) {
   if (FLAGS_output_dir.empty()) {
     return Status::InvalidArgument("--output_dir is missing; see --help");
   }
@@ -301,7 +319,8 @@ Status ReplayDrive() {
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
   Replay replay;
   PLUMBLINE_RETURN_IF_ERROR(RunReplay(solver, options, seed, report, PrintStep, &replay));
-  std::cout << ReplayTable(replay);
+  Print("A host that maps while driving", ReplayTable(replay), page);
+  page->pictures.push_back({"Time of each solve", output.File("replay.png")});
   for (int pose = 0; pose < seed.num_poses(); ++pose) {
     seed.SetPose(pose, replay.world_from_robot[pose]);
   }
@@ -312,7 +331,7 @@ Status ReplayDrive() {
 
 struct Experiment {
   const char* name;
-  Status (*run)();
+  Status (*run)(HtmlReport* page);
 };
 constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
                                        {"solver_comparison", CompareAllSolvers},
@@ -343,8 +362,15 @@ Status Run() {
   }
   wanted.pop_back();
   if (wanted.empty()) return FindExperiment("", nullptr);
-  for (const Experiment* experiment : wanted) PLUMBLINE_RETURN_IF_ERROR(experiment->run());
-  return Status::Ok();
+  HtmlReport page;
+  page.title = "Experiments: " + FLAGS_experiment;
+  page.subtitle = FLAGS_log;
+  for (const Experiment* experiment : wanted) PLUMBLINE_RETURN_IF_ERROR(experiment->run(&page));
+  if (FLAGS_output_dir.empty()) return Status::Ok();
+  AddOptionsInForce(&page);
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  return WriteHtmlReport(output.File("report.html"), page);
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ class HtmlReportTest : public testing::Test {
     report.figures = {{text, text, text}};
     report.maps = {Map(text)};
     report.tables = {{text, {text, text}, {{text, text}}, text}};
+    report.texts = {{text, text}};
     report.plots = {{text, text, {{text, {{0.5, 1.0, 7.0}}}}, text}};
     report.histograms = {{text, text, {0.0, 0.5}, {3, 4}, text}};
     report.durations = {{text, 1.5}};
@@ -94,6 +95,12 @@ TEST_F(HtmlReportTest, HoldsItsPicturesAndAsksForNothing) {
   std::smatch match;
   EXPECT_FALSE(std::regex_search(html, match, foreign)) << match.str();
   EXPECT_THAT(html, Not(HasSubstr("https:")));
+}
+
+TEST_F(HtmlReportTest, PrintedLinesKeepTheirColumns) {
+  HtmlReport report;
+  report.texts = {{"Table", "a    1\nb  < 22\n"}};
+  EXPECT_THAT(Write(report), HasSubstr("<pre>a    1\nb  &lt; 22\n</pre>"));
 }
 
 TEST_F(HtmlReportTest, MapsKnowTheirPlace) {

@@ -123,7 +123,9 @@ TEST(SolverComparisonTest, FilesHoldEveryIterationAndEveryFigure) {
   EXPECT_EQ(json["solvers"][2]["failures"][0], "ended by signal 9 (Killed)");
   ASSERT_TRUE(WriteComparisonPlot(folder + "a.png", comparison).ok());
   EXPECT_EQ(Picture(folder + "a.png").width, 1200);
-  ASSERT_TRUE(WriteComparisonPage(folder + "a.html", comparison).ok());
+  HtmlReport page;
+  AddComparison(comparison, &page);
+  ASSERT_TRUE(WriteHtmlReport(folder + "a.html", page).ok());
   EXPECT_THAT(ReadFile(folder + "a.html"),
               AllOf(HasSubstr("<th scope=\"row\">slow</th><td>200</td><td>100.000 %</td>"),
                     HasSubstr("<td>failed: ended by signal 9 (Killed)</td>"),

@@ -9,8 +9,6 @@
 #include "plumbline/apps/benchmark/convergence_plot.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/number_text.h"
-#include "plumbline/apps/report/html_report.h"
-#include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/report_json.h"
 
 namespace plumbline {
@@ -74,7 +72,7 @@ double PlottedGap(const TracePoint& point, double best_energy) {
 bool IsPlotted(const SolverRun& run) { return run.failure.empty() && run.repeat == 1; }
 
 ReportTable PageTable(const Comparison& comparison) {
-  ReportTable table{"Solvers",
+  ReportTable table{"Solvers compared: " + InputName(comparison),
                     {"Solver", "Energy", "Above the best", "Seconds", "Time ratio", "Peak memory",
                      "Wall thickness", "Relations", "Outcome"},
                     {},
@@ -219,12 +217,8 @@ Status WriteComparisonPlot(const std::string& path, const Comparison& comparison
   return WriteConvergencePlot(path, plot);
 }
 
-Status WriteComparisonPage(const std::string& path, const Comparison& comparison) {
-  HtmlReport page;
-  page.title = "Solvers compared: " + InputName(comparison);
-  page.subtitle = WithThousands(comparison.num_scans) + " scans, " +
-                  WithThousands(comparison.num_returns) + " returns";
-  page.tables = {PageTable(comparison)};
+void AddComparison(const Comparison& comparison, HtmlReport* page) {
+  page->tables.push_back(PageTable(comparison));
   ReportPlot plot{"Energy over time", kGapLabel, {}, "The first run of each solver."};
   const double best = BestEnergy(comparison.runs);
   for (const SolverRun& run : comparison.runs) {
@@ -236,9 +230,7 @@ Status WriteComparisonPage(const std::string& path, const Comparison& comparison
     }
     plot.curves.push_back(std::move(curve));
   }
-  page.plots = {plot};
-  AddOptionsInForce(&page);
-  return WriteHtmlReport(path, page);
+  page->plots.push_back(plot);
 }
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/apps/benchmark/solver_comparison.h"
+#include "plumbline/apps/report/html_report.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -32,8 +33,8 @@ Status WriteComparisonJson(const std::string& path, const Comparison& comparison
 /// A picture of the first run of each solver: how far above the best energy it is, over time.
 Status WriteComparisonPlot(const std::string& path, const Comparison& comparison);
 
-/// The table and the plot as a page to look at in a browser, and the program's flags.
-Status WriteComparisonPage(const std::string& path, const Comparison& comparison);
+/// Adds the table and the plot to a page to look at in a browser.
+void AddComparison(const Comparison& comparison, HtmlReport* page);
 
 }  // namespace plumbline
 

@@ -186,7 +186,7 @@ Status WritePoseErrorChart(const std::string& path, const SyntheticNoise& noise,
                            const std::vector<SyntheticOutcome>& outcomes) {
   LineChart chart;
   chart.title = "Noise: " + Describe(noise);
-  chart.x_label = "pose";
+  chart.x_label = "pose index";
   chart.y_label = "error of its position [m], median and quartiles";
   chart.log_y = true;
   for (const Mapper mapper : kCharted) {

@@ -77,23 +77,51 @@ std::map<Cell, double> SumWindows(const std::map<Cell, double>& blocks) {
   return windows;
 }
 
+bool Overlap(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double size_m) {
+  return (a - b).cwiseAbs().maxCoeff() < size_m * (1.0 - 1e-9);
+}
+
+Eigen::Vector2d CenterOf(const Cell& window, double size_m) {
+  const double block_m = size_m / kBlocksPerWindow;
+  return {window.first * block_m + 0.5 * size_m, window.second * block_m + 0.5 * size_m};
+}
+
+// Where the differences in a window are, in the mean: what is to be seen is better not at its edge.
+Eigen::Vector2d Centroid(const std::map<Cell, double>& blocks, const Eigen::Vector2d& center,
+                         double size_m) {
+  const double block_m = size_m / kBlocksPerWindow;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double total = 0.0;
+  for (const auto& [block, difference] : blocks) {
+    const Eigen::Vector2d middle((block.first + 0.5) * block_m, (block.second + 0.5) * block_m);
+    if ((middle - center).cwiseAbs().maxCoeff() > 0.5 * size_m) continue;
+    sum += difference * middle;
+    total += difference;
+  }
+  return sum / total;
+}
+
 }  // namespace
 
 std::vector<MapWindow> ChooseDetails(const std::vector<double>& before,
                                      const std::vector<double>& after, int count, double size_m) {
-  std::map<Cell, double> windows = SumWindows(SumBlocks(CollectCells(before, after), size_m));
+  const std::map<Cell, double> blocks = SumBlocks(CollectCells(before, after), size_m);
+  std::map<Cell, double> windows = SumWindows(blocks);
   std::vector<MapWindow> chosen;
   while (static_cast<int>(chosen.size()) < count && !windows.empty()) {
     const auto best =
         std::max_element(windows.begin(), windows.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
     const Cell at = best->first;
-    const double block_m = size_m / kBlocksPerWindow;
-    chosen.push_back(
-        {{at.first * block_m + 0.5 * size_m, at.second * block_m + 0.5 * size_m}, size_m, size_m});
+    const Eigen::Vector2d on_grid = CenterOf(at, size_m);
+    const Eigen::Vector2d centered = Centroid(blocks, on_grid, size_m);
+    const bool is_free = std::none_of(chosen.begin(), chosen.end(), [&](const MapWindow& other) {
+      return Overlap(other.center_m, centered, size_m);
+    });
+    chosen.push_back({is_free ? centered : on_grid, size_m, size_m});
     for (auto it = windows.begin(); it != windows.end();) {
-      const bool overlaps = std::abs(it->first.first - at.first) < kBlocksPerWindow &&
-                            std::abs(it->first.second - at.second) < kBlocksPerWindow;
+      const bool overlaps =
+          it->first == at || Overlap(CenterOf(it->first, size_m), chosen.back().center_m, size_m);
       it = overlaps ? windows.erase(it) : std::next(it);
     }
   }

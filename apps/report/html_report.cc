@@ -164,6 +164,18 @@ std::string TablesHtml(const std::vector<ReportTable>& tables) {
   return html;
 }
 
+std::string TextsHtml(const std::vector<ReportText>& texts) {
+  std::string html;
+  for (const ReportText& text : texts) {
+    html += Card(text.title,
+                 "<div class=\"scroll\" tabindex=\"0\" role=\"region\"" +
+                     Attribute("aria-label", text.title) + ">" +
+                     Element("pre", "", EscapeHtml(text.text)) + "</div>",
+                 "", true);
+  }
+  return html;
+}
+
 // A place that the script fills with chart number `index` of a kind.
 std::string ChartCard(const std::string& kind, std::size_t index, const std::string& title,
                       const std::string& note) {
@@ -254,7 +266,7 @@ Status WriteHtmlReport(const std::string& path, const HtmlReport& report) {
   values["alarms"] = AlarmsHtml(report.alarms);
   values["all_clear"] = report.alarms.empty() ? EscapeHtml(report.all_clear) : "";
   values["figures"] = FiguresHtml(report.figures);
-  values["tables"] = TablesHtml(report.tables);
+  values["tables"] = TablesHtml(report.tables) + TextsHtml(report.texts);
   values["charts"] = ChartsHtml(report);
   values["data"] = ScriptJson(ChartsJson(report));
   values["durations"] = DurationsHtml(report.durations);

@@ -29,6 +29,12 @@ struct ReportTable {
   std::string note;                            ///< below the table; may be empty
 };
 
+/// Lines set in columns of a fixed width, as a program prints them.
+struct ReportText {
+  std::string title;
+  std::string text;
+};
+
 struct ReportPicture {
   std::string title;
   std::string png_path;
@@ -82,6 +88,7 @@ struct HtmlReport {
   /// reader chooses others.
   std::vector<ReportMap> maps;
   std::vector<ReportTable> tables;
+  std::vector<ReportText> texts;
   std::vector<ReportPlot> plots;
   std::vector<ReportHistogram> histograms;
   std::vector<ReportDuration> durations;
