@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "plumbline/apps/calibration_report.h"
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/seeding_report.h"
 
@@ -94,6 +95,7 @@ Status WriteRunSummary(const std::string& path, const RunSummary& summary) {
                             {"refined", ConsistencyJson(summary.refined_consistency)}}},
                           {"seeding", SeedingJson(summary)},
                           {"solver", SolverJson(summary.solver)},
+                          {"calibration", CalibrationJson(summary.calibration)},
                           {"stages", StagesJson(summary.stages)},
                           {"peak_memory_bytes", PeakMemoryBytes()},
                           {"flags", FlagsInForce()}});

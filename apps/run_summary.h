@@ -8,6 +8,7 @@
 #include "plumbline/apps/alarm.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solver_summary.h"
 
@@ -23,6 +24,7 @@ struct RunSummary {
   double seed_time_s = 0.0;  ///< normals included
   SeedingReport seeding;
   SolverSummary solver;
+  Calibration calibration;  ///< empty if none was asked for
   MapConsistency refined_consistency;
   std::vector<Alarm> alarms;
   std::vector<Stage> stages;

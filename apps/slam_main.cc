@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plumbline/apps/alarm.h"
+#include "plumbline/apps/calibration_report.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
 #include "plumbline/apps/graph_poses.h"
@@ -31,6 +32,7 @@
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
@@ -42,6 +44,9 @@ DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
 DEFINE_double(map_resolution_m, plumbline::RunOutputOptions().map_resolution_m,
               "Side of a cell of the occupancy grid, map.pgm [m]");
 DEFINE_string(truth, "", "True trajectory (TUM) of a simulated log, to measure errors against");
+DEFINE_string(calibrate, "",
+              "Sensor parameters to estimate along with the map, separated by commas: mounting, "
+              "range_bias, range_scale, odometry_scale");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
 
 namespace plumbline {
@@ -90,14 +95,17 @@ class SlamRun {
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
     std::string error;
     if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
+    const Status parsed = ParseCalibration(FLAGS_calibrate, &calibration_options_);
+    if (!parsed.ok()) return Status::InvalidArgument("--calibrate: " + parsed.message());
     pool_.emplace(solver_options_.num_threads);
     return Status::Ok();
   }
 
   Status RefinePoseGraphFile() const {
-    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty()) {
-      return Status::InvalidArgument("--max_scans and --truth go with a CARMEN log, but " +
-                                     FLAGS_log + " is a pose graph");
+    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || calibration_options_.IsOn()) {
+      return Status::InvalidArgument(
+          "--max_scans, --truth and --calibrate go with a CARMEN log, but " + FLAGS_log +
+          " is a pose graph");
     }
     return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_});
   }
@@ -160,11 +168,16 @@ class SlamRun {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return true;
     };
-    summary_.solver = Solve(solver_options_, surface_, &graph_);
+    summary_.solver = calibration_options_.IsOn()
+                          ? SolveWithCalibration(solver_options_, calibration_options_, &graph_,
+                                                 &summary_.calibration)
+                          : Solve(solver_options_, surface_, &graph_);
     if (!summary_.solver.IsSolutionUsable()) {
       return Status::InvalidArgument(summary_.solver.message);
     }
-    std::cout << '\n' << summary_.solver.FullReport() << '\n';
+    std::cout << '\n'
+              << summary_.solver.FullReport() << '\n'
+              << CalibrationText(summary_.calibration);
     summary_.refined_consistency = MeasureMapConsistency(graph_, PosesOf(graph_), &*pool_);
     summary_.alarms = RunAlarms(summary_.seeding, summary_.refined_consistency, graph_);
     return Status::Ok();
@@ -235,6 +248,7 @@ class SlamRun {
   SolverOptions solver_options_;
   SeedingOptions seeding_options_;
   RunOutputOptions outputs_;
+  CalibrationOptions calibration_options_;
   std::optional<ThreadPool> pool_;
   const OutputFolder output_{FLAGS_output_dir};
   SlamGraph graph_;

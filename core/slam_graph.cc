@@ -180,6 +180,12 @@ Eigen::Vector2d SlamGraph::PointInRobot(std::size_t r) const {
          BeamEnd(returns_.range_m[r], returns_.bearing_rad[r]);
 }
 
+void SlamGraph::SetRange(std::size_t r, double range_m) {
+  const LaserModel& laser = LaserOfScan(returns_.scan[r]);
+  returns_.range_m[r] =
+      std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0));
+}
+
 void SlamGraph::ResetPointsFromPoses() {
   for (int s = 0; s < num_scans(); ++s) {
     const ScanEntry& entry = scans_[s];

@@ -105,6 +105,7 @@ class SlamGraph {
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
 
   const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
+  int num_lasers() const { return static_cast<int>(lasers_.size()); }
   const LaserModel& laser(int laser_id) const { return lasers_[laser_id]; }
   const LaserModel& LaserOfScan(int scan_id) const { return lasers_[scans_[scan_id].laser]; }
   Pose2 WorldFromLaser(int scan_id) const;
@@ -124,6 +125,15 @@ class SlamGraph {
   const std::vector<double>& poses() const { return poses_; }
   std::vector<double>& points() { return points_; }
   const std::vector<double>& points() const { return points_; }
+
+  /// Corrects where a laser sits on the robot. Needs a known id and a finite pose. Moves no map
+  /// point: see ResetPointsFromPoses.
+  void SetMounting(int laser_id, const Pose2& robot_from_laser) {
+    lasers_[laser_id].robot_from_laser = robot_from_laser;
+  }
+  /// Corrects the range [m] of a return, which stays one: beyond what its laser takes for a return,
+  /// the range is the nearest that it does. Needs a finite range. Moves no map point.
+  void SetRange(std::size_t return_id, double range_m);
 
   /// Puts every map point where its measurement and the current pose say.
   void ResetPointsFromPoses();

@@ -257,5 +257,20 @@ TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   EXPECT_EQ(graph_.odometry()[0].to, 1);
 }
 
+TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
+  graph_.SetMounting(laser_, Pose2(0.0, 0.0, 0.0));
+  graph_.SetRange(1, 3.0);
+  graph_.ResetPointsFromPoses();
+  ExpectPoint(0, 2.0, 2.0);
+  ExpectPoint(1, 1.0, 5.0);
+  // A return stays one.
+  graph_.SetRange(0, -1.0);
+  EXPECT_EQ(graph_.returns().range_m[0], graph_.laser(laser_).min_range_m);
+  graph_.SetRange(0, 100.0);
+  EXPECT_TRUE(graph_.laser(laser_).IsReturn(graph_.returns().range_m[0]));
+  EXPECT_NEAR(graph_.returns().range_m[0], 10.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -131,5 +131,20 @@ TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
   EXPECT_EQ(Summary()["flags"]["fine_rounds"], 1);
 }
 
+TEST_F(SlamReportsTest, CalibrationIsReported) {
+  SimulateLog(60);
+  Outcome run = Slam("a.clf", std::string(kQuick) + " --calibrate=mounting,range_bias");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("Calibration"), HasSubstr("  mounting_yaw_rad  ")));
+  const nlohmann::json parameters = Summary()["calibration"]["parameters"];
+  EXPECT_EQ(parameters.size(), 4u);
+  EXPECT_EQ(parameters["range_bias_m"]["determined"], true);
+  EXPECT_NEAR(parameters["range_bias_m"]["value"], 0.0, 0.005);
+
+  run = Slam("a.clf", "--calibrate=mounting,clock");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("--calibrate: 'clock' is nothing to calibrate"));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -4,12 +4,20 @@
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
+
+/// Puts every line where all its returns and then the robust weights put it, whatever poses it came
+/// from, and gives the robust cost of the returns there; the sightings then have its weights.
+double SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame>& frames,
+                   double gate_sigmas, ThreadPool* pool, PatchSightings* sightings,
+                   std::vector<SurfacePatch>* patches);
 
 /// Energies of several states of the poses, (x, y, yaw) each, under one and the same association of
 /// returns to patches, as CutIntoPatches gives it. Every point is at its optimum, and every line

@@ -37,6 +37,12 @@ struct LineInRobot {
   }
 };
 
+// A return against the line of its patch, in the frame of its robot.
+struct Residual {
+  Eigen::Vector2d z, beam, normal;  // the return, seen from robot and laser [m]; of the line
+  double distance, variance;        // from the line [m]; of that [m^2]
+};
+
 }  // namespace
 
 std::vector<PoseFrame> FramesOf(const std::vector<double>& poses) {
@@ -153,6 +159,32 @@ std::vector<int> ReturnCompressor::PatchOfReturn(const PatchSightings& sightings
   return patches;
 }
 
+template <typename Body>
+void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<SurfacePatch>& patches,
+                                       const PoseFrame& frame, const PatchSightings& sightings,
+                                       const Body& body) const {
+  for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+    const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
+    const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
+    int current = SurfacePatches::kNone;
+    LineInRobot line(SurfacePatch(), frame);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      if (sighting_of_return_[r] == SurfacePatches::kNone) continue;
+      if (sighting_of_return_[r] != current) {
+        current = sighting_of_return_[r];
+        line = LineInRobot(patches[sightings.sightings[current].patch], frame);
+      }
+      Residual residual;
+      residual.z = surface_.points[r].cast<double>();
+      residual.beam = residual.z - laser;
+      residual.normal = line.normal;
+      residual.variance = noise_.surface_variance + noise_.BeamVariance(residual.beam, line.normal);
+      residual.distance = line.normal.dot(residual.z) + line.offset;
+      body(current, residual);
+    }
+  }
+}
+
 double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
                                const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
                                PatchSightings* sightings) const {
@@ -166,33 +198,17 @@ double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
       sighting.centroid.setZero();
     }
     double cost = 0.0;
-    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-      const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
-      const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
-      int current = SurfacePatches::kNone;
-      PatchSighting* sighting = nullptr;
-      LineInRobot line(SurfacePatch(), frames[pose]);
-      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        if (sighting_of_return_[r] == SurfacePatches::kNone) continue;
-        if (sighting_of_return_[r] != current) {
-          current = sighting_of_return_[r];
-          sighting = &sightings->sightings[current];
-          line = LineInRobot(patches[sighting->patch], frames[pose]);
-        }
-        const Eigen::Vector2d z = surface_.points[r].cast<double>();
-        const double variance =
-            noise_.surface_variance + noise_.BeamVariance(z - laser, line.normal);
-        const double distance = line.normal.dot(z) + line.offset;
-        const double squared = distance * distance / variance;
-        const double weight = loss.Weight(squared) / variance;
-        cost += 0.5 * loss.Rho(squared);
-        sighting->weight += weight;
-        sighting->centroid += weight * z;
-        sighting->xx += weight * z.x() * z.x();
-        sighting->xy += weight * z.x() * z.y();
-        sighting->yy += weight * z.y() * z.y();
-      }
-    }
+    ForEachResidual(pose, patches, frames[pose], *sightings, [&](int index, const Residual& r) {
+      const double squared = r.distance * r.distance / r.variance;
+      const double weight = loss.Weight(squared) / r.variance;
+      cost += 0.5 * loss.Rho(squared);
+      PatchSighting& sighting = sightings->sightings[index];
+      sighting.weight += weight;
+      sighting.centroid += weight * r.z;
+      sighting.xx += weight * r.z.x() * r.z.x();
+      sighting.xy += weight * r.z.x() * r.z.y();
+      sighting.yy += weight * r.z.y() * r.z.y();
+    });
     for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
          ++k) {
       Center(&sightings->sightings[sightings->of_pose[k]]);
@@ -206,6 +222,29 @@ double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
                         }
                       });
   return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<SurfacePatch>& patches,
+                                                      const std::vector<PoseFrame>& frames,
+                                                      const GemanMcClure& loss,
+                                                      const PatchSightings& sightings) const {
+  std::vector<RangeSlope> slopes(sightings.sightings.size());
+  pool_->ForEachChunk(
+      graph_.num_poses(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          ForEachResidual(pose, patches, frames[pose], sightings,
+                          [&](int index, const Residual& r) {
+                            const double weight =
+                                loss.Weight(r.distance * r.distance / r.variance) / r.variance;
+                            const double slope = r.normal.dot(r.beam.normalized());
+                            slopes[index].weight += weight * slope;
+                            slopes[index].moment += weight * slope * r.z;
+                            slopes[index].curvature += weight * slope * slope;
+                            slopes[index].gradient += weight * slope * r.distance;
+                          });
+        }
+      });
+  return slopes;
 }
 
 }  // namespace plumbline

@@ -46,6 +46,15 @@ struct PatchSightings {
   std::size_t num_poses() const { return first_of_pose.size() - 1; }
 };
 
+/// How the returns of one sighting answer to a change of all ranges: with the distance d of each
+/// from its patch's line, its weight w, and the slope g = dd / drange, the cosine of incidence.
+struct RangeSlope {
+  double weight = 0.0;                               ///< sum of w g [1/m^2]
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  ///< sum of w g z [1/m], frame of the robot
+  double curvature = 0.0;                            ///< sum of w g^2 [1/m^2]
+  double gradient = 0.0;                             ///< sum of w g d [1/m]
+};
+
 /// Turns millions of returns into sightings, again and again as the weights follow the residuals.
 class ReturnCompressor {
  public:
@@ -65,7 +74,18 @@ class ReturnCompressor {
   double Weigh(const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
                const GemanMcClure& loss, PatchSightings* sightings) const;
 
+  /// One per sighting, with the weights that Weigh gives to the same lines and poses.
+  std::vector<RangeSlope> RangeSlopes(const std::vector<SurfacePatch>& patches,
+                                      const std::vector<PoseFrame>& frames,
+                                      const GemanMcClure& loss,
+                                      const PatchSightings& sightings) const;
+
  private:
+  // Calls body(sighting, return) for every return of a pose that lies on a patch.
+  template <typename Body>
+  void ForEachResidual(std::size_t pose, const std::vector<SurfacePatch>& patches,
+                       const PoseFrame& frame, const PatchSightings& sightings,
+                       const Body& body) const;
   template <typename Body>
   void ForEachReturnOnPatch(std::size_t pose, const Body& body);
   // The patches that each pose sees, ascending, in one list per chunk of poses.

@@ -148,32 +148,32 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
                               const std::vector<SurfacePatch>& patches,
                               const std::vector<PoseFrame>& frames, ThreadPool* pool) {
   line_coupling.resize(sightings.sightings.size());
-  pool->ForEachChunk(
-      patches.size(), kPatchesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-          const std::size_t first = sightings.first_of_patch[p];
-          const std::size_t last = sightings.first_of_patch[p + 1];
-          const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
-          Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
-          line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
-          for (std::size_t i = first; i < last; ++i) {
-            const PatchSighting& sighting = sightings.sightings[i];
-            const Linearized linear(sighting, patches[p], frames[sighting.pose]);
-            line_block += linear.LineBlock();
-            line_coupling[i] = {linear.CrossBlock(), sighting.pose, sighting.patch};
-          }
-          // K_p = (cross block) L^-T with line_block = L L^T.
-          const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
-          if (llt.info() != Eigen::Success) {
-            for (std::size_t i = first; i < last; ++i) line_coupling[i].rows.setZero();
-            continue;
-          }
-          const Eigen::Matrix2d upper_inverse = Eigen::Matrix2d(llt.matrixU())
-                                                    .triangularView<Eigen::Upper>()
-                                                    .solve(Eigen::Matrix2d::Identity());
-          for (std::size_t i = first; i < last; ++i) line_coupling[i].rows *= upper_inverse;
-        }
-      });
+  line_whitening.assign(patches.size(), Eigen::Matrix2d::Zero());
+  pool->ForEachChunk(patches.size(), kPatchesPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t p = begin; p < end; ++p) {
+                         const std::size_t first = sightings.first_of_patch[p];
+                         const std::size_t last = sightings.first_of_patch[p + 1];
+                         const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
+                         Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
+                         line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
+                         for (std::size_t i = first; i < last; ++i) {
+                           const PatchSighting& sighting = sightings.sightings[i];
+                           const Linearized linear(sighting, patches[p], frames[sighting.pose]);
+                           line_block += linear.LineBlock();
+                           line_coupling[i] = {linear.CrossBlock(), sighting.pose, sighting.patch};
+                         }
+                         // K_p = (cross block) L^-T with line_block = L L^T.
+                         const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
+                         if (llt.info() == Eigen::Success) {
+                           line_whitening[p] = Eigen::Matrix2d(llt.matrixU())
+                                                   .triangularView<Eigen::Upper>()
+                                                   .solve(Eigen::Matrix2d::Identity());
+                         }
+                         for (std::size_t i = first; i < last; ++i)
+                           line_coupling[i].rows *= line_whitening[p];
+                       }
+                     });
   pool->ForEachChunk(
       frames.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t pose = begin; pose < end; ++pose) {

@@ -45,7 +45,10 @@ struct PoseSystem {
   std::vector<Eigen::Matrix3d> by_sightings;  ///< what the sightings give to it
   std::vector<PoseCoupling> couplings;        ///< of B, from < to, in order of (from, to)
   std::vector<LineCoupling> line_coupling;    ///< per sighting
-  Eigen::VectorXd gradient;                   ///< 3 per pose
+  /// Per patch: L^-T, where L L^T is what the returns say of its line, by angle of the normal [rad]
+  /// and offset [m]; zero if they do not determine it.
+  std::vector<Eigen::Matrix2d> line_whitening;
+  Eigen::VectorXd gradient;  ///< 3 per pose
 
   /// At poses and the lines that fit them best.
   void Linearize(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,

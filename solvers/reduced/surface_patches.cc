@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/surface_noise.h"
@@ -149,6 +150,12 @@ class Quadtree {
     patch.origin = world_from_grid * cells.Center(cells[i].key);
     patch.normal = world_from_grid * fit.normal;
     patch.offset_m = fit.normal.dot(fit.centroid);
+    // A line has two normals; that of a surface faces where its returns were seen from.
+    const double facing_rad = grid.octant_yaw_rad + cells[i].key.octant * 0.25 * kPi;
+    if (patch.normal.dot(Eigen::Vector2d(std::cos(facing_rad), std::sin(facing_rad))) < 0.0) {
+      patch.normal = -patch.normal;
+      patch.offset_m = -patch.offset_m;
+    }
     return patch;
   }
 

@@ -1,0 +1,312 @@
+#include "plumbline/solvers/calibration.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/options_check.h"
+#include "plumbline/core/return_normals.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/calibrated_graph.h"
+#include "plumbline/solvers/reduced/calibration_system.h"
+#include "plumbline/solvers/reduced/free_islands.h"
+#include "plumbline/solvers/reduced/patch_energy.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/solver_input.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Cutting the surfaces anew moves a parameter by some tenths of its standard deviation: smaller
+// steps say nothing.
+constexpr double kSettledSigmas = 0.5;
+
+std::vector<int> ActiveParameters(const CalibrationOptions& options) {
+  std::vector<int> active;
+  if (options.laser_mounting) active = {kMountingX, kMountingY, kMountingYaw};
+  if (options.range_bias) active.push_back(kRangeBias);
+  if (options.range_scale) active.push_back(kLogRangeScale);
+  if (options.odometry_scale) active.push_back(kLogOdometryScale);
+  return active;
+}
+
+CalibrationVector PriorSigmas(const CalibrationOptions& options) {
+  CalibrationVector sigmas;
+  sigmas << options.sigma_mounting_m, options.sigma_mounting_m, options.sigma_mounting_rad,
+      options.sigma_range_bias_m, options.sigma_range_scale, options.sigma_odometry_scale;
+  return sigmas;
+}
+
+Status CheckMountings(const SlamGraph& graph) {
+  const Pose2& first = graph.laser(0).robot_from_laser;
+  for (int i = 1; i < graph.num_lasers(); ++i) {
+    const Pose2& other = graph.laser(i).robot_from_laser;
+    if (other.x == first.x && other.y == first.y && other.yaw == first.yaw) continue;
+    return Status::InvalidArgument("laser " + std::to_string(i) +
+                                   " is mounted differently from laser 0: laser_mounting and "
+                                   "range_scale can be calibrated for one mounting only");
+  }
+  return Status::Ok();
+}
+
+// A calibrated graph on given patches: everything that its energy and its linear system consist of.
+class PatchedState {
+ public:
+  PatchedState(const CalibratedGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+               const SurfacePatches& cut, const FactorOptions& factors, double gate_sigmas,
+               ThreadPool* pool)
+      : graph_(graph),
+        pool_(pool),
+        loss_(GemanMcClure::FromGate(gate_sigmas)),
+        surface_(MeasureSurface(graph.graph(), normals, pool)),
+        compressor_(graph.graph(), surface_, graph.Noise(factors), pool),
+        sightings_(compressor_.LayOut(cut.patches.size(), cut.patch_of_return)),
+        patches_(cut.patches),
+        frames_(FramesOf(graph.graph().poses())),
+        terms_(graph.Terms(factors)) {
+    energy_ = SettleLines(compressor_, frames_, gate_sigmas, pool, &sightings_, &patches_) +
+              terms_.Cost(graph.graph().poses());
+  }
+  PatchedState(const PatchedState&) = delete;
+  PatchedState& operator=(const PatchedState&) = delete;
+
+  double energy() const { return energy_; }
+
+  Status FindStep(const std::vector<int>& active, const CalibrationVector& prior_sigmas,
+                  CalibrationStep* step) {
+    const std::vector<int> islands = FindFreeIslands(sightings_, terms_);
+    if (!islands.empty()) {
+      return Status::InvalidArgument("nothing ties pose " + std::to_string(islands.front()) +
+                                     " to a fixed pose: there is no calibrating with it");
+    }
+    // The lines that are best for the weights at hand have no gradient.
+    FitPatchLines(sightings_, frames_, pool_, &patches_);
+    PoseSystem poses;
+    poses.Linearize(sightings_, patches_, terms_, graph_.graph().poses(), frames_, pool_);
+    const CalibrationSystem system(graph_, terms_, sightings_,
+                                   compressor_.RangeSlopes(patches_, frames_, loss_, sightings_),
+                                   patches_, frames_, poses);
+    return SolveCalibrationStep(system, poses, sightings_, frames_, active, prior_sigmas,
+                                graph_.theta(), pool_, step);
+  }
+
+  CalibrationMatrix Covariance(const CalibrationStep& step) const {
+    return ObservedCovariance(graph_, terms_, step);
+  }
+
+ private:
+  const CalibratedGraph& graph_;
+  ThreadPool* pool_;
+  const GemanMcClure loss_;
+  const MeasuredSurface surface_;
+  ReturnCompressor compressor_;
+  PatchSightings sightings_;
+  std::vector<SurfacePatch> patches_;
+  const std::vector<PoseFrame> frames_;
+  const PoseTerms terms_;
+  double energy_ = 0.0;
+};
+
+class Calibrator {
+ public:
+  Calibrator(const SolverOptions& options, const CalibrationOptions& calibration, SlamGraph* graph)
+      : options_(options),
+        calibration_(calibration),
+        active_(ActiveParameters(calibration)),
+        prior_sigmas_(PriorSigmas(calibration)),
+        pool_(options.num_threads),
+        given_mounting_(graph->laser(0).robot_from_laser),
+        given_poses_(graph->poses()),
+        graph_(graph) {}
+
+  // Moves poses and parameters until these settle.
+  Status Settle(Calibration* result) {
+    while (result->steps < calibration_.max_steps && !result->settled) {
+      bool moved = false;
+      PLUMBLINE_RETURN_IF_ERROR(MoveOnce(result->steps == 0, &moved, result));
+      if (!moved) break;
+      ++result->steps;
+    }
+    return Status::Ok();
+  }
+
+  // What the parameters are, and how well the graph's final state determines them.
+  Status Report(Calibration* result) {
+    graph_.WeighMotions();
+    CalibrationStep step;
+    const Cut cut = CutSurfaces();
+    PatchedState state(graph_, cut.normals, cut.patches, options_.factors, FinalGate(), &pool_);
+    PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
+    const CalibrationMatrix covariance = state.Covariance(step);
+    for (const int p : active_) {
+      CalibratedParameter parameter = Describe(p);
+      parameter.prior_sigma = prior_sigmas_[p];
+      parameter.sigma = std::sqrt(std::max(0.0, covariance(p, p)));
+      result->parameters.push_back(std::move(parameter));
+    }
+    return Status::Ok();
+  }
+
+  // The given poses, carried along to the parameters found.
+  void StartOver() {
+    const CalibrationVector theta = graph_.theta();
+    Undo();
+    graph_.Set(theta, graph_.Carried(theta, given_poses_));
+  }
+
+  void Undo() { graph_.Set(CalibrationVector::Zero(), given_poses_); }
+
+ private:
+  struct Cut {
+    std::vector<Eigen::Vector2f> normals;
+    SurfacePatches patches;
+  };
+
+  double FinalGate() const { return options_.factors.manifold.robust_gate_sigmas; }
+
+  Cut CutSurfaces() {
+    const SlamGraph& graph = graph_.graph();
+    MeasuredSurface surface =
+        MeasureSurface(graph, NormalOptionsFor(options_.factors.beam), &pool_);
+    SurfacePatches patches = CutIntoPatches(
+        graph, surface, PatchOptionsFor(options_.factors, options_.association), &pool_);
+    return {std::move(surface.normals), std::move(patches)};
+  }
+
+  double PriorEnergy() const {
+    return 0.5 * graph_.theta().cwiseQuotient(prior_sigmas_).squaredNorm();
+  }
+
+  // One Gauss-Newton step, shortened until it lowers the energy under the same patches.
+  Status MoveOnce(bool first, bool* moved, Calibration* result) {
+    graph_.WeighMotions();
+    const double gate = FinalGate() * (first ? options_.reduced.first_gate_factor : 1.0);
+    const Cut cut = CutSurfaces();
+    CalibrationStep step;
+    double energy = 0.0;
+    {
+      PatchedState state(graph_, cut.normals, cut.patches, options_.factors, gate, &pool_);
+      energy = state.energy() + PriorEnergy();
+      PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
+    }
+    const CalibrationVector theta = graph_.theta();
+    const std::vector<double> poses = graph_.graph().poses();
+    constexpr int kMaxHalvings = 4;
+    double length = 1.0;
+    for (int attempt = 0; attempt <= kMaxHalvings && !*moved; ++attempt, length *= 0.5) {
+      std::vector<double> tried = poses;
+      for (std::size_t i = 0; i < tried.size(); ++i) {
+        tried[i] += length * step.poses[static_cast<Eigen::Index>(i)];
+      }
+      const CalibrationVector to = theta + length * step.theta;
+      graph_.Set(to, graph_.Carried(to, tried));
+      const PatchedState state(graph_, cut.normals, cut.patches, options_.factors, gate, &pool_);
+      *moved = state.energy() + PriorEnergy() < energy;
+      if (!*moved) graph_.Set(theta, poses);
+    }
+    result->settled = !first && IsSmall(step);
+    return Status::Ok();
+  }
+
+  bool IsSmall(const CalibrationStep& step) const {
+    return std::all_of(active_.begin(), active_.end(), [&](int p) {
+      return std::abs(step.theta[p]) <= kSettledSigmas * std::sqrt(step.covariance(p, p));
+    });
+  }
+
+  CalibratedParameter Describe(int p) const {
+    const double theta = graph_.theta()[p];
+    switch (p) {
+      case kMountingX:
+        return {"mounting_x_m", given_mounting_.x, given_mounting_.x + theta};
+      case kMountingY:
+        return {"mounting_y_m", given_mounting_.y, given_mounting_.y + theta};
+      case kMountingYaw:
+        return {"mounting_yaw_rad", given_mounting_.yaw, given_mounting_.yaw + theta};
+      case kRangeBias:
+        return {"range_bias_m", 0.0, theta};
+      case kLogRangeScale:
+        return {"range_scale", 1.0, std::exp(theta)};
+      default:
+        return {"odometry_scale", 1.0, std::exp(theta)};
+    }
+  }
+
+  const SolverOptions& options_;
+  const CalibrationOptions& calibration_;
+  const std::vector<int> active_;
+  const CalibrationVector prior_sigmas_;
+  ThreadPool pool_;
+  const Pose2 given_mounting_;
+  const std::vector<double> given_poses_;
+  CalibratedGraph graph_;
+};
+
+}  // namespace
+
+bool CalibrationOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_mounting_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_mounting_rad, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_bias_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_scale, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_odometry_scale, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_steps, >, 0);
+  return true;
+}
+
+SolverSummary SolveWithCalibration(const SolverOptions& options,
+                                   const CalibrationOptions& calibration_options, SlamGraph* graph,
+                                   Calibration* calibration) {
+  *calibration = Calibration();
+  if (!calibration_options.IsOn()) return Solve(options, graph);
+  SolverSummary summary;
+  summary.solver = ToString(options.type);
+  std::string error;
+  Status status = CheckSolverInput(options, *graph);
+  if (status.ok() && !calibration_options.Check(&error)) status = Status::InvalidArgument(error);
+  if (status.ok() && (calibration_options.laser_mounting || calibration_options.range_scale)) {
+    status = CheckMountings(*graph);
+  }
+  if (!status.ok()) {
+    summary.message = status.message();
+    return summary;
+  }
+  const std::vector<double> given_points = graph->points();
+  Calibrator calibrator(options, calibration_options, graph);
+  Calibration result;
+  const auto start = Clock::now();
+  status = calibrator.Settle(&result);
+  if (status.ok()) {
+    // Not from the poses at hand: there would be next to nothing left for Solve to improve on.
+    calibrator.StartOver();
+    graph->ResetPointsFromPoses();
+    summary = Solve(options, graph);
+    if (summary.IsSolutionUsable()) status = calibrator.Report(&result);
+  }
+  if (!status.ok()) {
+    summary = SolverSummary();
+    summary.solver = ToString(options.type);
+    summary.message = status.message();
+  }
+  if (!summary.IsSolutionUsable()) {
+    calibrator.Undo();
+    graph->points() = given_points;
+    return summary;
+  }
+  result.time_s =
+      std::chrono::duration<double>(Clock::now() - start).count() - summary.total_time_s;
+  *calibration = std::move(result);
+  return summary;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,180 @@
+#include "plumbline/solvers/reduced/calibration_system.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "plumbline/solvers/reduced/pose_preconditioner.h"
+
+namespace plumbline {
+namespace {
+
+// Of the right-hand side, in the preconditioner's norm: what the data say of a parameter is a
+// difference of two numbers that may share the first digits.
+constexpr double kTolerance = 1e-4;
+constexpr int kMaxIterations = 2000;
+
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// The residual of an edge at the graph's poses, with its derivatives.
+struct LinearEdge {
+  Eigen::Vector3d residual;
+  RowMajor3d by_from, by_to;
+  CalibrationRows by_theta;
+
+  LinearEdge(const CalibratedGraph& graph, const PoseEdge& edge, bool is_odometry) {
+    const double* from = &graph.graph().poses()[3 * edge.from];
+    const double* to = &graph.graph().poses()[3 * edge.to];
+    edge.residual.Evaluate(from, to, residual.data(), by_from.data(), by_to.data());
+    by_theta = by_from * graph.CarriedBy(edge.from) + by_to * graph.CarriedBy(edge.to);
+    if (!is_odometry) return;
+    // U (t / scale - what the odometry read), t the motion by the poses.
+    by_theta.col(kLogOdometryScale) -= edge.residual.sqrt_information.leftCols<2>() *
+                                       Between(Pose2(from), Pose2(to)).translation();
+  }
+};
+
+// S^-1 times the columns.
+Status SolveColumns(const PoseSystem& poses, const PatchSightings& sightings,
+                    const std::vector<PoseFrame>& frames, const Eigen::MatrixXd& columns,
+                    ThreadPool* pool, Eigen::MatrixXd* solved) {
+  const PosePreconditioner preconditioner(poses, sightings, frames, pool);
+  solved->resize(columns.rows(), columns.cols());
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    Eigen::VectorXd x;
+    const int iterations = SolvePoseSystem(poses, sightings, preconditioner, columns.col(i),
+                                           kTolerance, kMaxIterations, pool, &x);
+    if (iterations == kMaxIterations || !x.allFinite()) {
+      return Status::Unavailable("the calibration's linear system did not converge in " +
+                                 std::to_string(iterations) + " iterations");
+    }
+    solved->col(i) = x;
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+CalibrationSystem::CalibrationSystem(const CalibratedGraph& graph, const PoseTerms& terms,
+                                     const PatchSightings& sightings,
+                                     const std::vector<RangeSlope>& slopes,
+                                     const std::vector<SurfacePatch>& patches,
+                                     const std::vector<PoseFrame>& frames,
+                                     const PoseSystem& poses) {
+  border.setZero(3 * static_cast<Eigen::Index>(frames.size()), kNumCalibrationParameters);
+  AddPoseTerms(graph, terms);
+  AddRangeBias(std::exp(graph.theta()[kLogRangeScale]), sightings, slopes, patches, frames, poses);
+}
+
+void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms) {
+  const auto add = [&](int pose, const RowMajor3d& by_pose, const CalibrationRows& by_theta) {
+    border.middleRows<3>(3 * pose) += by_pose.transpose() * by_theta;
+  };
+  for (const PosePrior& prior : terms.priors) {
+    Eigen::Vector3d residual;
+    RowMajor3d by_pose;
+    prior.residual.Evaluate(&graph.graph().poses()[3 * prior.pose], residual.data(),
+                            by_pose.data());
+    const CalibrationRows by_theta = by_pose * graph.CarriedBy(prior.pose);
+    add(prior.pose, by_pose, by_theta);
+    information += by_theta.transpose() * by_theta;
+    gradient += by_theta.transpose() * residual;
+  }
+  for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
+    for (const PoseEdge& edge : *edges) {
+      const LinearEdge linear(graph, edge, edges == &terms.motions);
+      add(edge.from, linear.by_from, linear.by_theta);
+      add(edge.to, linear.by_to, linear.by_theta);
+      information += linear.by_theta.transpose() * linear.by_theta;
+      gradient += linear.by_theta.transpose() * linear.residual;
+    }
+  }
+}
+
+void CalibrationSystem::AddRangeBias(double range_scale, const PatchSightings& sightings,
+                                     const std::vector<RangeSlope>& slopes,
+                                     const std::vector<SurfacePatch>& patches,
+                                     const std::vector<PoseFrame>& frames,
+                                     const PoseSystem& poses) {
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const SurfacePatch& patch = patches[p];
+    const std::size_t first = sightings.first_of_patch[p], last = sightings.first_of_patch[p + 1];
+    const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+    Eigen::Vector2d by_line = Eigen::Vector2d::Zero();
+    for (std::size_t i = first; i < last; ++i) {
+      const int pose = sightings.sightings[i].pose;
+      const RangeSlope& slope = slopes[i];
+      const PoseFrame& frame = frames[pose];
+      const double weight = range_scale * slope.weight;
+      const Eigen::Vector2d moment = range_scale * frame.Rotate(slope.moment);
+      information(kRangeBias, kRangeBias) += range_scale * range_scale * slope.curvature;
+      gradient[kRangeBias] += range_scale * slope.gradient;
+      by_line += Eigen::Vector2d(
+          tangent.dot(moment + weight * (frame.translation() - patch.origin)), -weight);
+      border.col(kRangeBias).segment<3>(3 * pose) += Eigen::Vector3d(
+          weight * patch.normal.x(), weight * patch.normal.y(), -tangent.dot(moment));
+    }
+    const Eigen::Vector2d whitened = poses.line_whitening[p].transpose() * by_line;
+    information(kRangeBias, kRangeBias) -= whitened.squaredNorm();
+    for (std::size_t i = first; i < last; ++i) {
+      const LineCoupling& coupling = poses.line_coupling[i];
+      border.col(kRangeBias).segment<3>(3 * coupling.pose) -= coupling.rows * whitened;
+    }
+  }
+}
+
+Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
+                            const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                            const std::vector<int>& active, const CalibrationVector& prior_sigmas,
+                            const CalibrationVector& theta, ThreadPool* pool,
+                            CalibrationStep* step) {
+  const auto size = static_cast<Eigen::Index>(active.size());
+  // Of each active parameter and, last, of the poses' gradient.
+  Eigen::MatrixXd border(poses.gradient.size(), size + 1), solved;
+  for (Eigen::Index i = 0; i < size; ++i) border.col(i) = system.border.col(active[i]);
+  border.col(size) = poses.gradient;
+  PLUMBLINE_RETURN_IF_ERROR(SolveColumns(poses, sightings, frames, border, pool, &solved));
+  Eigen::MatrixXd schur = -border.leftCols(size).transpose() * solved.leftCols(size);
+  Eigen::VectorXd descent = border.leftCols(size).transpose() * solved.col(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index j = 0; j < size; ++j) schur(i, j) += system.information(active[i], active[j]);
+    const double prior = 1.0 / (prior_sigmas[active[i]] * prior_sigmas[active[i]]);
+    schur(i, i) += prior;
+    descent[i] -= system.gradient[active[i]] + prior * theta[active[i]];
+  }
+  // Symmetric but for the last digits of the iteration.
+  const Eigen::LLT<Eigen::MatrixXd> llt(0.5 * (schur + schur.transpose()));
+  if (llt.info() != Eigen::Success) {
+    return Status::Unavailable("the calibration's linear system is not positive definite");
+  }
+  const Eigen::VectorXd change = llt.solve(descent);
+  const Eigen::MatrixXd covariance = llt.solve(Eigen::MatrixXd::Identity(size, size));
+  *step = CalibrationStep();
+  step->response.setZero(border.rows(), kNumCalibrationParameters);
+  step->poses = -solved.col(size) - solved.leftCols(size) * change;
+  for (Eigen::Index i = 0; i < size; ++i) {
+    step->theta[active[i]] = change[i];
+    step->response.col(active[i]) = -solved.col(i);
+    for (Eigen::Index j = 0; j < size; ++j) {
+      step->covariance(active[i], active[j]) = covariance(i, j);
+    }
+  }
+  return Status::Ok();
+}
+
+CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseTerms& terms,
+                                     const CalibrationStep& step) {
+  CalibrationMatrix excess = CalibrationMatrix::Zero();
+  for (const PoseEdge& edge : terms.motions) {
+    const LinearEdge linear(graph, edge, true);
+    const CalibrationRows by_theta = linear.by_theta +
+                                     linear.by_from * step.response.middleRows<3>(3 * edge.from) +
+                                     linear.by_to * step.response.middleRows<3>(3 * edge.to);
+    const CalibrationVector score = by_theta.transpose() * linear.residual;
+    excess += score * score.transpose() - by_theta.transpose() * by_theta;
+  }
+  return step.covariance + step.covariance * excess * step.covariance;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,66 @@
+#ifndef PLUMBLINE_SOLVERS_REDUCED_CALIBRATION_SYSTEM_H_
+#define PLUMBLINE_SOLVERS_REDUCED_CALIBRATION_SYSTEM_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/reduced/calibrated_graph.h"
+#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/surface_patches.h"
+
+namespace plumbline {
+
+/// The border that a calibration adds to the Gauss-Newton system of the poses, lines eliminated
+/// there, too:
+///   [ S         border      ] [ dx     ]     [ pose gradient ]
+///   [ border^T  information ] [ dtheta ] = - [ gradient      ]
+/// with poses that CalibratedGraph carries along.
+struct CalibrationSystem {
+  CalibrationMatrix information = CalibrationMatrix::Zero();
+  CalibrationVector gradient = CalibrationVector::Zero();
+  Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> border;  ///< 3 rows per pose
+
+  /// At the graph's state and the lines that fit it best, to which `poses` belongs. slopes: of the
+  /// sightings.
+  CalibrationSystem(const CalibratedGraph& graph, const PoseTerms& terms,
+                    const PatchSightings& sightings, const std::vector<RangeSlope>& slopes,
+                    const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
+                    const PoseSystem& poses);
+
+ private:
+  void AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms);
+  void AddRangeBias(double range_scale, const PatchSightings& sightings,
+                    const std::vector<RangeSlope>& slopes, const std::vector<SurfacePatch>& patches,
+                    const std::vector<PoseFrame>& frames, const PoseSystem& poses);
+};
+
+struct CalibrationStep {
+  CalibrationVector theta = CalibrationVector::Zero();
+  Eigen::VectorXd poses;                                     ///< on top of being carried along
+  CalibrationMatrix covariance = CalibrationMatrix::Zero();  ///< of theta, if all sigmas are right
+  /// How the poses follow theta, beyond being carried along; 3 rows per pose.
+  Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> response;
+};
+
+/// Solves the bordered system for the poses and the `active` parameters, ascending; of the others
+/// the step is zero and the covariance, too. prior_sigmas: of the active ones, about theta = 0.
+/// Unavailable if conjugate gradients do not get there.
+Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
+                            const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
+                            const std::vector<int>& active, const CalibrationVector& prior_sigmas,
+                            const CalibrationVector& theta, ThreadPool* pool,
+                            CalibrationStep* step);
+
+/// The covariance of theta if the odometry errs as its residuals show and not as its sigmas say:
+/// the sum of squares of what each motion contributes to the gradient of theta takes the place of
+/// what the sigmas expect of it. Motions count as independent.
+CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseTerms& terms,
+                                     const CalibrationStep& step);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_REDUCED_CALIBRATION_SYSTEM_H_

@@ -1,0 +1,164 @@
+#include "plumbline/solvers/reduced/calibration_system.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/reduced/patch_energy.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kGateSigmas = 1e3;  // all returns count in full
+
+// Weights that do not depend on the state: then the energy is what the system is the derivative of.
+FactorOptions EvenWeights() {
+  FactorOptions factors;
+  factors.beam.sigma_range_m = 1e-4;
+  factors.beam.sigma_bearing_rad = 1e-5;
+  factors.manifold.sigma_m = 0.01;
+  return factors;
+}
+
+// Poses and patches of a room, to be calibrated.
+class CalibrationSystemTest : public testing::Test {
+ protected:
+  void Make(double range_sigma_m, double odometry_sigma) {
+    NoisyRoomOptions options;
+    options.range_sigma_m = range_sigma_m;
+    options.odometry_sigma = odometry_sigma;
+    graph_ = MakeNoisyRoom(options).graph;
+    calibrated_.emplace(&graph_);
+    // Away from zero, where factors and exponents could hide.
+    CalibrationVector theta;
+    theta << 0.01, -0.02, 0.03, 0.015, 0.02, -0.01;
+    calibrated_->Set(theta, graph_.poses());
+    const MeasuredSurface surface = SurfaceOf(graph_);
+    cut_ = CutIntoPatches(graph_, surface, PatchOptionsFor(factors_, AssociationOptions()), &pool_);
+    // Without a normal, next to a corner, some are on the line of the other wall: not exact data.
+    for (std::size_t r = 0; r < surface.normals.size(); ++r) {
+      if (surface.normals[r].isZero()) cut_.patch_of_return[r] = SurfacePatches::kNone;
+    }
+  }
+
+  // At the parameters and poses of the moment, the lines refitted.
+  double Energy() {
+    const MeasuredSurface surface = MeasureSurface(graph_, ReturnNormalOptions(), &pool_);
+    ReturnCompressor compressor(graph_, surface, calibrated_->Noise(factors_), &pool_);
+    sightings_ = compressor.LayOut(cut_.patches.size(), cut_.patch_of_return);
+    patches_ = cut_.patches;
+    frames_ = FramesOf(graph_.poses());
+    SettleLines(compressor, frames_, kGateSigmas, &pool_, &sightings_, &patches_);
+    const GemanMcClure loss = GemanMcClure::FromGate(kGateSigmas);
+    slopes_ = compressor.RangeSlopes(patches_, frames_, loss, sightings_);
+    return compressor.Weigh(patches_, frames_, loss, &sightings_) +
+           calibrated_->Terms(factors_).Cost(graph_.poses());
+  }
+
+  double EnergyAt(const CalibrationVector& theta, const Eigen::VectorXd& moved) {
+    const CalibrationVector before = calibrated_->theta();
+    const std::vector<double> poses = graph_.poses();
+    std::vector<double> tried = poses;
+    for (std::size_t i = 0; i < tried.size(); ++i) tried[i] += moved[static_cast<int>(i)];
+    calibrated_->Set(theta, calibrated_->Carried(theta, tried));
+    const double energy = Energy();
+    calibrated_->Set(before, poses);
+    return energy;
+  }
+
+  CalibrationSystem Linearize() {
+    Energy();
+    const PoseTerms terms = calibrated_->Terms(factors_);
+    pose_system_.Linearize(sightings_, patches_, terms, graph_.poses(), frames_, &pool_);
+    return CalibrationSystem(*calibrated_, terms, sightings_, slopes_, patches_, frames_,
+                             pose_system_);
+  }
+
+  const FactorOptions factors_ = EvenWeights();
+  ThreadPool pool_{2};
+  SlamGraph graph_;
+  std::optional<CalibratedGraph> calibrated_;
+  SurfacePatches cut_;
+  PatchSightings sightings_;
+  std::vector<RangeSlope> slopes_;
+  std::vector<SurfacePatch> patches_;
+  std::vector<PoseFrame> frames_;
+  PoseSystem pose_system_;
+};
+
+TEST_F(CalibrationSystemTest, GradientOfEveryParameter) {
+  Make(0.01, 0.01);
+  const CalibrationSystem system = Linearize();
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(static_cast<int>(graph_.poses().size()));
+  for (int p = 0; p < kNumCalibrationParameters; ++p) {
+    constexpr double kStep = 1e-4;
+    const CalibrationVector step = kStep * CalibrationVector::Unit(p);
+    const double numeric = (EnergyAt(calibrated_->theta() + step, still) -
+                            EnergyAt(calibrated_->theta() - step, still)) /
+                           (2.0 * kStep);
+    // Measured points are single precision.
+    EXPECT_NEAR(system.gradient[p], numeric,
+                5e-3 * std::abs(numeric) + 0.05 * std::sqrt(system.information(p, p)))
+        << "parameter " << p;
+    EXPECT_GT(std::abs(numeric), 0.0);
+  }
+}
+
+// With exact data at the truth the energy is the quadratic form of the bordered system.
+TEST_F(CalibrationSystemTest, CurvatureOfPosesAndParametersTogether) {
+  Make(0.0, 0.0);
+  calibrated_->Set(CalibrationVector::Zero(), graph_.poses());
+  const CalibrationSystem system = Linearize();
+  const auto size = static_cast<int>(graph_.poses().size());
+  RandomStates random(3);
+  const double base = Energy();
+  for (int p = 0; p < kNumCalibrationParameters; ++p) {
+    constexpr double kStep = 1e-3;
+    Eigen::VectorXd v(size), product;
+    for (int i = 0; i < size; ++i) v[i] = i < 3 ? 0.0 : random.Gaussian(0.3);
+    pose_system_.Apply(sightings_, v, &pool_, &product);
+    const double expected =
+        v.dot(product) + 2.0 * v.dot(system.border.col(p)) + system.information(p, p);
+    const double energy = EnergyAt(kStep * CalibrationVector::Unit(p), kStep * v) - base;
+    EXPECT_NEAR(energy, 0.5 * kStep * kStep * expected, 0.02 * energy) << "parameter " << p;
+    // The mixed part alone, which the poses' own curvature could hide.
+    const double mixed = EnergyAt(kStep * CalibrationVector::Unit(p), kStep * v) -
+                         EnergyAt(-kStep * CalibrationVector::Unit(p), kStep * v);
+    EXPECT_NEAR(mixed, 2.0 * kStep * kStep * v.dot(system.border.col(p)),
+                0.02 * std::abs(mixed) + 0.01 * energy)
+        << "parameter " << p;
+  }
+}
+
+TEST_F(CalibrationSystemTest, SolutionFulfilsTheBorderedSystem) {
+  Make(0.01, 0.01);
+  const CalibrationSystem system = Linearize();
+  CalibrationVector prior_sigmas;
+  prior_sigmas << 0.1, 0.1, 0.1, 0.05, 0.01, 0.05;
+  const CalibrationVector theta = calibrated_->theta();
+  const std::vector<int> active = {kMountingX, kRangeBias, kLogOdometryScale};
+  CalibrationStep step;
+  ASSERT_TRUE(SolveCalibrationStep(system, pose_system_, sightings_, frames_, active, prior_sigmas,
+                                   theta, &pool_, &step)
+                  .ok());
+  Eigen::VectorXd product;
+  pose_system_.Apply(sightings_, step.poses, &pool_, &product);
+  const Eigen::VectorXd poses = product + system.border * step.theta + pose_system_.gradient;
+  EXPECT_LT(poses.norm(), 1e-2 * pose_system_.gradient.norm());
+  for (const int p : active) {
+    const double row = system.border.col(p).dot(step.poses) +
+                       system.information.row(p).dot(step.theta) + system.gradient[p] +
+                       (theta[p] + step.theta[p]) / (prior_sigmas[p] * prior_sigmas[p]);
+    EXPECT_NEAR(row * std::sqrt(step.covariance(p, p)), 0.0, 0.05) << "parameter " << p;
+    EXPECT_LT(step.covariance(p, p), prior_sigmas[p] * prior_sigmas[p]);
+  }
+  EXPECT_EQ(step.theta[kMountingY], 0.0);
+  EXPECT_EQ(step.covariance(kLogRangeScale, kLogRangeScale), 0.0);
+}
+
+}  // namespace
+}  // namespace plumbline

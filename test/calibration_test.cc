@@ -1,0 +1,253 @@
+#include "plumbline/solvers/calibration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/factor_testing.h"
+#include "plumbline/test/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kOdometrySigma = 0.003;  // [m] and [rad] per step
+
+// Poses on an ellipse in a room with a partition, or along a straight line.
+SlamGraph MakeDrive(bool straight, int num_poses, unsigned seed) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, -2}, {3, -2}}, {{3, -2}, {3, 2}},  {{3, 2}, {-3, 2}},
+                 {{-3, 2}, {-3, -2}}, {{0, 0.9}, {0, 2}}, {{-1.5, -1.2}, {-0.7, -1.2}}};
+  scene.laser = PanoramicLaser(180);
+  scene.laser.robot_from_laser = {0.1, -0.05, 0.3};
+  scene.range_sigma_m = 0.012;
+  for (int i = 0; i < num_poses; ++i) {
+    const double turn = 4.0 * kPi * i / num_poses;
+    scene.poses.push_back(straight
+                              ? Pose2(-2.0 + 4.0 * i / num_poses, 0.3, 0.0)
+                              : Pose2(1.8 * std::cos(turn), 0.5 * std::sin(turn),
+                                      std::atan2(0.5 * std::cos(turn), -1.8 * std::sin(turn))));
+  }
+  SlamGraph graph = MakeGraph(scene, seed);
+  RandomStates random(seed);
+  for (int i = 0; i + 1 < num_poses; ++i) {
+    const Pose2 noise(random.Gaussian(kOdometrySigma), random.Gaussian(kOdometrySigma),
+                      random.Gaussian(kOdometrySigma));
+    const Pose2 step = Between(scene.poses[i], scene.poses[i + 1]);
+    EXPECT_TRUE(graph
+                    .AddOdometry(
+                        {i, i + 1, Pose2(step.x + noise.x, step.y + noise.y, step.yaw + noise.yaw)})
+                    .ok());
+  }
+  return graph;
+}
+
+// What is wrong with the sensors of a graph as it is given to the solver.
+struct Fault {
+  Pose2 mounting;  // added
+  double range_bias_m = 0.0, range_scale = 1.0, odometry_scale = 1.0;
+};
+const Fault kFault{{-0.05, 0.05, DegToRad(2.0)}, 0.03, 1.01, 1.03};
+
+void Inject(const Fault& fault, SlamGraph* graph) {
+  const Pose2 mounting = graph->laser(0).robot_from_laser;
+  graph->SetMounting(0, {mounting.x + fault.mounting.x, mounting.y + fault.mounting.y,
+                         mounting.yaw + fault.mounting.yaw});
+  for (std::size_t r = 0; r < graph->num_returns(); ++r) {
+    graph->SetRange(r, graph->returns().range_m[r] / fault.range_scale - fault.range_bias_m);
+  }
+  for (std::size_t i = 0; i < graph->odometry().size(); ++i) {
+    const Pose2 step = graph->odometry()[i].from_from_to;
+    graph->SetOdometryMotion(
+        i, {step.x / fault.odometry_scale, step.y / fault.odometry_scale, step.yaw});
+  }
+  graph->ResetPointsFromPoses();
+}
+
+std::map<std::string, double> Truth(const Fault& fault) {
+  return {{"mounting_x_m", 0.1},
+          {"mounting_y_m", -0.05},
+          {"mounting_yaw_rad", 0.3},
+          {"range_bias_m", fault.range_bias_m},
+          {"range_scale", fault.range_scale},
+          {"odometry_scale", fault.odometry_scale}};
+}
+
+SolverOptions Options() {
+  SolverOptions options;
+  MotionOptions& motion = options.factors.motion;
+  motion.rotation_per_rotation = motion.rotation_per_translation_rad_m = 0.0;
+  motion.translation_per_translation = motion.translation_per_rotation_m_rad = 0.0;
+  motion.translation_floor_m = motion.rotation_floor_rad = kOdometrySigma;
+  return options;
+}
+
+// Sum of squares of the errors of the parameters, in their own standard deviations.
+double Calibrate(const Fault& fault, const SolverOptions& options,
+                 const CalibrationOptions& calibration_options, unsigned seed, int* count) {
+  SlamGraph graph = MakeDrive(false, 80, seed);
+  Inject(fault, &graph);
+  Calibration calibration;
+  const SolverSummary summary =
+      SolveWithCalibration(options, calibration_options, &graph, &calibration);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_TRUE(calibration.settled);
+  double sum = 0.0;
+  for (const CalibratedParameter& p : calibration.parameters) {
+    const double error = (p.value - Truth(fault)[p.name]) / p.sigma;
+    EXPECT_LT(std::abs(error), 4.0) << p.name << " " << p.value << " +- " << p.sigma;
+    EXPECT_TRUE(p.IsDetermined()) << p.name << " +- " << p.sigma;
+    EXPECT_GT(std::abs(p.given - Truth(fault)[p.name]), 3.0 * p.sigma) << p.name;
+    sum += error * error;
+    ++*count;
+  }
+  return sum;
+}
+
+TEST(CalibrationTest, FindsEveryFaultByItself) {
+  CalibrationOptions options;
+  int count = 0;
+  options.laser_mounting = true;
+  Calibrate({kFault.mounting}, Options(), options, 1, &count);
+  options = CalibrationOptions();
+  options.range_bias = true;
+  Calibrate({{}, kFault.range_bias_m}, Options(), options, 1, &count);
+  options = CalibrationOptions();
+  options.range_scale = true;
+  Calibrate({{}, 0.0, kFault.range_scale}, Options(), options, 1, &count);
+  options = CalibrationOptions();
+  options.odometry_scale = true;
+  Calibrate({{}, 0.0, 1.0, kFault.odometry_scale}, Options(), options, 1, &count);
+  EXPECT_EQ(count, 6);
+}
+
+// Both scales at once would be told apart by nothing. The sigmas hold for an odometry that the
+// options think of as three times worse, too.
+TEST(CalibrationTest, SigmasAreHonest) {
+  CalibrationOptions calibration_options;
+  calibration_options.laser_mounting = calibration_options.range_bias = true;
+  calibration_options.odometry_scale = true;
+  SolverOptions loose = Options();
+  loose.factors.motion.translation_floor_m = loose.factors.motion.rotation_floor_rad =
+      3.0 * kOdometrySigma;
+  const Fault fault{kFault.mounting, kFault.range_bias_m, 1.0, kFault.odometry_scale};
+  for (const SolverOptions& options : {Options(), loose}) {
+    double sum = 0.0;
+    int count = 0;
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+      sum += Calibrate(fault, options, calibration_options, seed, &count);
+    }
+    ASSERT_EQ(count, 30);
+    EXPECT_GT(std::sqrt(sum / count), 0.5);
+    EXPECT_LT(std::sqrt(sum / count), 2.0);
+  }
+}
+
+TEST(CalibrationTest, WhatTheDataDoNotDetermineStays) {
+  SlamGraph graph = MakeDrive(true, 30, 3);
+  CalibrationOptions options;
+  options.laser_mounting = options.range_scale = options.odometry_scale = true;
+  Inject({kFault.mounting}, &graph);
+  Calibration calibration;
+  ASSERT_TRUE(SolveWithCalibration(Options(), options, &graph, &calibration).IsSolutionUsable());
+  std::map<std::string, CalibratedParameter> found;
+  for (const CalibratedParameter& p : calibration.parameters) found[p.name] = p;
+  ASSERT_EQ(found.size(), 5u);
+  // Without turns, nothing says where on the robot the laser sits.
+  for (const char* name : {"mounting_x_m", "mounting_y_m", "range_scale"}) {
+    EXPECT_FALSE(found[name].IsDetermined()) << name << " +- " << found[name].sigma;
+    EXPECT_NEAR(found[name].value, found[name].given, found[name].sigma) << name;
+  }
+  EXPECT_TRUE(found["mounting_yaw_rad"].IsDetermined());
+  EXPECT_NEAR(found["mounting_yaw_rad"].value, 0.3, 4.0 * found["mounting_yaw_rad"].sigma);
+}
+
+TEST(CalibrationTest, GraphComesBackConsistent) {
+  SlamGraph graph = MakeDrive(false, 40, 2);
+  Inject({kFault.mounting, kFault.range_bias_m}, &graph);
+  const SlamGraph given = graph;
+  CalibrationOptions options;
+  options.laser_mounting = options.range_bias = true;
+  SlamGraph other = graph;
+  SolverOptions one_thread = Options();
+  one_thread.num_threads = 1;
+  Calibration calibration, again;
+  ASSERT_TRUE(SolveWithCalibration(Options(), options, &graph, &calibration).IsSolutionUsable());
+  EXPECT_EQ(graph.laser(0).robot_from_laser.x, calibration.parameters[0].value);
+  EXPECT_NEAR(graph.returns().range_m[5],
+              given.returns().range_m[5] + calibration.parameters[3].value, 1e-12);
+  EXPECT_EQ(graph.odometry()[2].from_from_to.x, given.odometry()[2].from_from_to.x);
+  // Points lie near the corrected ends of their beams.
+  SlamGraph raw = graph;
+  raw.ResetPointsFromPoses();
+  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+    ASSERT_LT((MapPoint(graph, r) - MapPoint(raw, r)).norm(), 0.1);
+  }
+  // Bitwise the same with another number of threads.
+  ASSERT_TRUE(SolveWithCalibration(one_thread, options, &other, &again).IsSolutionUsable());
+  EXPECT_EQ(other.poses(), graph.poses());
+  EXPECT_EQ(other.points(), graph.points());
+  EXPECT_EQ(again.parameters[3].sigma, calibration.parameters[3].sigma);
+}
+
+TEST(CalibrationTest, OffIsSolve) {
+  SlamGraph graph = MakeDrive(false, 20, 1), solved = graph;
+  Calibration calibration;
+  calibration.steps = 7;
+  SolveWithCalibration(Options(), CalibrationOptions(), &graph, &calibration);
+  Solve(Options(), &solved);
+  EXPECT_EQ(graph.poses(), solved.poses());
+  EXPECT_EQ(graph.points(), solved.points());
+  EXPECT_TRUE(calibration.parameters.empty());
+  EXPECT_EQ(calibration.steps, 0);
+}
+
+void ExpectRefused(const CalibrationOptions& options, SlamGraph graph, const char* reason) {
+  const SlamGraph given = graph;
+  Calibration calibration;
+  const SolverSummary summary = SolveWithCalibration(Options(), options, &graph, &calibration);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr(reason));
+  EXPECT_EQ(graph.poses(), given.poses());
+  EXPECT_EQ(graph.points(), given.points());
+  EXPECT_EQ(graph.returns().range_m, given.returns().range_m);
+  EXPECT_TRUE(calibration.parameters.empty());
+}
+
+TEST(CalibrationTest, RefusesAndLeavesTheGraphAlone) {
+  CalibrationOptions options;
+  options.laser_mounting = true;
+  options.sigma_mounting_m = 0.0;
+  ExpectRefused(options, MakeDrive(false, 4, 1), "sigma_mounting_m = 0");
+  options = CalibrationOptions();
+  options.range_bias = true;
+  options.max_steps = 0;
+  ExpectRefused(options, MakeDrive(false, 4, 1), "max_steps = 0");
+  options = CalibrationOptions();
+  options.range_scale = true;
+  ExpectRefused(options, SlamGraph(), "no laser returns");
+
+  // A second laser elsewhere on the robot.
+  SlamGraph graph = MakeDrive(false, 4, 1);
+  LaserModel laser = graph.laser(0);
+  laser.robot_from_laser.x += 0.3;
+  int id = 0;
+  ASSERT_TRUE(graph.AddLaser(laser, &id).ok());
+  ExpectRefused(options, graph, "laser 1 is mounted differently from laser 0");
+
+  // A pose that sees nothing and that no odometry leads to.
+  options = CalibrationOptions();
+  options.odometry_scale = true;
+  graph = MakeDrive(false, 4, 1);
+  ASSERT_TRUE(graph.AddPose({1.0, 1.0, 0.0}, 9.0, &id).ok());
+  ExpectRefused(options, graph, "nothing ties pose 4 to a fixed pose");
+}
+
+}  // namespace
+}  // namespace plumbline
