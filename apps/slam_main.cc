@@ -97,6 +97,11 @@ class SlamRun {
     if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
     const Status parsed = ParseCalibration(FLAGS_calibrate, &calibration_options_);
     if (!parsed.ok()) return Status::InvalidArgument("--calibrate: " + parsed.message());
+    if (calibration_options_.IsOn() && MovesPosesOnly(solver_options_.type)) {
+      return Status::InvalidArgument(
+          "--calibrate does not go with --solver=" + std::string(ToString(solver_options_.type)) +
+          ", which looks at no returns");
+    }
     pool_.emplace(solver_options_.num_threads);
     return Status::Ok();
   }
@@ -162,7 +167,19 @@ class SlamRun {
     return Status::Ok();
   }
 
+  // The seed's lasers stay where they were: its map is drawn with the mounting that was found.
+  void CarrySeedAlong(const Pose2& mounting_before) {
+    const Pose2 before_from_after = mounting_before * graph_.laser(0).robot_from_laser.Inverse();
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      const Pose2 carried = Pose2(&seed_poses_[3 * pose]) * before_from_after;
+      seed_poses_[3 * pose] = carried.x;
+      seed_poses_[3 * pose + 1] = carried.y;
+      seed_poses_[3 * pose + 2] = carried.yaw;
+    }
+  }
+
   Status Refine() {
+    const Pose2 mounting = graph_.laser(0).robot_from_laser;
     std::cout << ProgressHeader() << '\n';
     solver_options_.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
@@ -175,6 +192,7 @@ class SlamRun {
     if (!summary_.solver.IsSolutionUsable()) {
       return Status::InvalidArgument(summary_.solver.message);
     }
+    if (calibration_options_.IsOn()) CarrySeedAlong(mounting);
     std::cout << '\n'
               << summary_.solver.FullReport() << '\n'
               << CalibrationText(summary_.calibration);
@@ -196,7 +214,7 @@ class SlamRun {
     const Status maps_written = RunAll(tasks, &*pool_);
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
-    AddStage("refined, raw ranges");
+    AddStage(calibration_options_.IsOn() ? "refined, calibrated ranges" : "refined, raw ranges");
     graph_.points() = optimised;
     AddStage("refined, optimised points");
     PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));

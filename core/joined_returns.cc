@@ -37,7 +37,8 @@ void FindJoinedReturns(const SlamGraph& graph, int scan_id,
   joined->assign(points.size(), false);
   for (std::size_t k = 1; k < points.size(); ++k) {
     const std::size_t r = graph.scan(scan_id).first_return + k;
-    const int gap = returns.beam[r] - returns.beam[r - 1];
+    // Points of one beam may be as far apart as neighbours.
+    const int gap = std::max(returns.beam[r] - returns.beam[r - 1], 1);
     if (gap > kMaxBeamGap) continue;
     const double range = std::min(returns.range_m[r], returns.range_m[r - 1]);
     const double limit = std::max(reach_m, kGrazingFactor * gap * range * bearing_step_rad);

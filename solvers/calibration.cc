@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 #include "plumbline/core/measured_surface.h"
@@ -134,7 +135,7 @@ class Calibrator {
     while (result->steps < calibration_.max_steps && !result->settled) {
       bool moved = false;
       PLUMBLINE_RETURN_IF_ERROR(MoveOnce(result->steps == 0, &moved, result));
-      if (!moved) break;
+      if (!moved || !Reported(result->steps + 1)) break;
       ++result->steps;
     }
     return Status::Ok();
@@ -181,6 +182,14 @@ class Calibrator {
     SurfacePatches patches = CutIntoPatches(
         graph, surface, PatchOptionsFor(options_.factors, options_.association), &pool_);
     return {std::move(surface.normals), std::move(patches)};
+  }
+
+  // False if the callback wants to stop. Solve will ask it again.
+  bool Reported(int step) const {
+    IterationSummary iteration;
+    iteration.iteration = step;
+    iteration.phase = "sensors";
+    return !options_.callback || options_.callback(iteration);
   }
 
   double PriorEnergy() const {
@@ -274,6 +283,10 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
   std::string error;
   Status status = CheckSolverInput(options, *graph);
   if (status.ok() && !calibration_options.Check(&error)) status = Status::InvalidArgument(error);
+  if (status.ok() && MovesPosesOnly(options.type)) {
+    status = Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
+                                     " does not look at the returns, and calibration needs them");
+  }
   if (status.ok() && (calibration_options.laser_mounting || calibration_options.range_scale)) {
     status = CheckMountings(*graph);
   }

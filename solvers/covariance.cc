@@ -26,6 +26,11 @@ namespace {
 // Of the right-hand side, in the preconditioner's norm: eight digits of the covariance.
 constexpr double kTolerance = 1e-8;
 constexpr int kMaxIterations = 2000;
+// Of a variance: damping that explains more of it stands for what nothing holds, as a pose along a
+// bare corridor.
+constexpr double kMaxShareOfDamping = 0.01;
+// A kilometre squared: rounding of exactly straight walls.
+constexpr double kUnheldVariance = 1e6;
 
 Status CheckPairs(const SlamGraph& graph, const std::vector<PosePair>& pairs) {
   for (const PosePair& pair : pairs) {
@@ -74,13 +79,20 @@ class PosteriorSystem {
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(system_.gradient.size()), x;
     for (int axis = 0; axis < 3; ++axis) {
       unit[3 * pose + axis] = 1.0;
-      const int iterations = SolvePoseSystem(system_, sightings_, *preconditioner_, unit,
-                                             kTolerance, kMaxIterations, &pool_, &x);
+      const PoseSystemResult result = SolvePoseSystem(system_, sightings_, *preconditioner_, unit,
+                                                      kTolerance, kMaxIterations, &pool_, &x);
       unit[3 * pose + axis] = 0.0;
-      if (iterations == kMaxIterations || !x.allFinite()) {
+      if (!result.converged) {
         return Status::Unavailable("the covariance of pose " + std::to_string(pose) +
-                                   " did not converge in " + std::to_string(iterations) +
+                                   " did not converge in " + std::to_string(result.iterations) +
                                    " iterations");
+      }
+      // What the damping explains of a variance x' S x.
+      const double by_damping = x.dot(system_.damping.cwiseProduct(x));
+      const double variance = x[3 * pose + axis];
+      if (by_damping > kMaxShareOfDamping * variance || variance > kUnheldVariance) {
+        return Status::InvalidArgument("nothing holds pose " + std::to_string(pose) +
+                                       " in every direction: its covariance is infinite");
       }
       columns->col(axis) = x;
     }

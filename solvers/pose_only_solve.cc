@@ -71,6 +71,10 @@ class PoseOnlySolver {
   }
 
   SolverSummary Run() {
+    for (const FixedPose& fixed : graph_->fixed_poses()) {
+      graph_->SetPose(fixed.pose, fixed.world_from_robot);
+    }
+    const std::vector<double> start = graph_->poses();
     summary_.seed_chi2 = Chi2();
     last_cost_ = 0.5 * summary_.seed_chi2;
     result_ = options_.type == SolverType::kSgd ? Descend() : Optimize();
@@ -79,7 +83,7 @@ class PoseOnlySolver {
     if (improved) {
       CarryPoints();
     } else {
-      graph_->poses() = seed_poses_;
+      graph_->poses() = start;
       graph_->points() = seed_points_;
     }
     Conclude(improved);

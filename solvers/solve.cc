@@ -106,6 +106,11 @@ class JointSolver {
                             ReportCallback(), &pool_, graph_, Ceres());
     summary_.patch_rounds = std::move(result.rounds);
     seed_patches_ = std::move(result.first_cut);
+    // Where these went depends on the seed, which they would speak for.
+    for (std::size_t r = 0; r < surface_->normals.size(); ++r) {
+      if (surface_->normals[r].isZero(0.0f))
+        seed_patches_.patch_of_return[r] = SurfacePatches::kNone;
+    }
     last_patches_ = std::move(result.last_cut);
     summary_.solve_time_s = result.minimization_time_s;
     summary_.setup_time_s = result.setup_time_s;

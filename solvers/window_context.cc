@@ -79,7 +79,8 @@ class ContextSearch {
     int num_left = options_.max_fixed_poses;
     for (const auto& [squared_distance, pose] : NearestFirst(free_poses)) {
       if (num_left == 0) break;
-      if (!IsFirstOfItsKind(pose) || !SawTheSame(pose)) continue;
+      if (kinds_.count(KindOf(pose)) > 0 || !SawTheSame(pose)) continue;
+      kinds_.insert(KindOf(pose));
       if (chosen.insert(pose).second) --num_left;
     }
     return {chosen.begin(), chosen.end()};
@@ -135,14 +136,12 @@ class ContextSearch {
     return candidates;
   }
 
-  // Whether no pose before stood there and looked that way.
-  bool IsFirstOfItsKind(int pose) {
+  // Where a pose stands and looks: one of a kind is enough.
+  std::array<double, 3> KindOf(int pose) const {
     const Pose2 at = graph_.WorldFromRobot(pose);
-    return kinds_
-        .insert({std::floor(at.x / options_.fixed_spacing_m),
-                 std::floor(at.y / options_.fixed_spacing_m),
-                 std::floor(NormalizeAngle(at.yaw) / options_.fixed_turn_rad)})
-        .second;
+    return {std::floor(at.x / options_.fixed_spacing_m),
+            std::floor(at.y / options_.fixed_spacing_m),
+            std::floor(NormalizeAngle(at.yaw) / options_.fixed_turn_rad)};
   }
 
   bool SawTheSame(int pose) const {

@@ -232,6 +232,19 @@ TEST(CalibrationTest, RefusesAndLeavesTheGraphAlone) {
   options = CalibrationOptions();
   options.range_scale = true;
   ExpectRefused(options, SlamGraph(), "no laser returns");
+  // Solvers of pose graphs alone take graphs without any laser.
+  SlamGraph edges;
+  for (int i = 0, pose = 0; i < 2; ++i) ASSERT_TRUE(edges.AddPose(Pose2(i, 0, 0), i, &pose).ok());
+  ASSERT_TRUE(edges.AddRelativePose({0, 1, Pose2(1, 0, 0), Eigen::Matrix3d::Identity()}).ok());
+  SolverOptions sgd;
+  sgd.type = SolverType::kSgd;
+  options = CalibrationOptions();
+  options.odometry_scale = true;
+  Calibration none;
+  EXPECT_THAT(SolveWithCalibration(sgd, options, &edges, &none).message,
+              HasSubstr("sgd does not look at the returns"));
+  options = CalibrationOptions();
+  options.range_scale = true;
 
   // A second laser elsewhere on the robot.
   SlamGraph graph = MakeDrive(false, 4, 1);

@@ -183,6 +183,24 @@ TEST(CovarianceTest, IsTheSameForAnyNumberOfThreads) {
             CovariancesOf(room.graph, {{2, 6}}, several)[0]);
 }
 
+TEST(CovarianceTest, APoseAlongABareCorridorIsHeldByItsOdometryOnly) {
+  SyntheticScene scene;
+  scene.faces = {{{-50, -1}, {50, -1}}, {{-50, 1}, {50, 1}}};
+  scene.laser = PanoramicLaser(360);
+  scene.laser.max_range_m = 6.0;
+  scene.poses = {{0.0, 0.0, 0.0}, {0.5, 0.1, 0.1}, {1.0, 0.0, -0.1}};
+  SlamGraph graph = MakeGraph(scene);
+  std::vector<Eigen::Matrix3d> covariances;
+  EXPECT_THAT(ComputePoseCovariances(ToldTheNoise(), graph, {{2, 2}}, &covariances).message(),
+              HasSubstr("nothing holds pose 2 in every direction"));
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])}).ok());
+  }
+  const Eigen::Matrix3d c = CovariancesOf(graph, {{2, 2}})[0];
+  EXPECT_NEAR(c(0, 0), 2.0 * kOdometrySigma * kOdometrySigma, 0.1 * c(0, 0));
+  EXPECT_LT(c(1, 1), 0.01 * c(0, 0));
+}
+
 TEST(CovarianceTest, NamesWhatIsWrong) {
   NoisyRoom room = SimulatedRun(1);
   std::vector<Eigen::Matrix3d> covariances(1, Eigen::Matrix3d::Ones());

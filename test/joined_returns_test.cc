@@ -49,6 +49,21 @@ TEST(JoinedReturns, BridgeOneBeamWithoutReturn) {
   EXPECT_EQ(JoinedOf({2.0, 10.0, 2.0, 10.0, 10.0, 2.0}), (std::vector<bool>{false, true, false}));
 }
 
+TEST(JoinedReturns, PointsOfOneBeamAreNeighbours) {
+  // A far wall seen at twice the density of the model's beams.
+  SlamGraph graph = GraphOf(std::vector<double>(5, 10.0));
+  const Pose2 robot_from_laser = graph.laser(0).robot_from_laser;
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 8; ++i) {
+    points.push_back(robot_from_laser * BeamEnd(9.0 + 0.05 * (i % 2), -0.4 + 0.005 * i));
+  }
+  ASSERT_TRUE(graph.AddPoints(0, 0, points).ok());
+  MeasuredPoints(graph, 1, &points);
+  std::vector<bool> joined;
+  FindJoinedReturns(graph, 1, points, 0.05, &joined);
+  EXPECT_EQ(joined, (std::vector<bool>{false, true, true, true, true, true, true, true}));
+}
+
 TEST(JoinedReturns, TakeWhatIsWithinReachForNoise) {
   EXPECT_EQ(JoinedOf({0.2, 0.245}), (std::vector<bool>{false, true}));
   EXPECT_EQ(JoinedOf({0.2, 0.255}), (std::vector<bool>{false, false}));

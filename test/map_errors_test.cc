@@ -52,6 +52,8 @@ TEST(MapErrors, QuartilesLieBetweenNeighbours) {
   EXPECT_DOUBLE_EQ(even.high, 3.25);
   EXPECT_DOUBLE_EQ(QuartilesOf({7.0}).high, 7.0);
   EXPECT_TRUE(std::isnan(QuartilesOf({}).median));
+  EXPECT_DOUBLE_EQ(QuartilesOf({kNaN, 4.0, 1.0, kNaN, 3.0, 2.0}).median, 2.5);
+  EXPECT_TRUE(std::isnan(QuartilesOf({kNaN}).median));
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ struct CompressedGraph {
       : surface(SurfaceOf(graph)), terms(graph, FactorOptions()), poses(graph.poses()) {
     const SurfaceNoise noise = NoiseOf(FactorOptions());
     SurfacePatchOptions options;
-    options.noise_m = noise.StandardDeviation();
+    options.noise = noise;
     SurfacePatches cut = CutIntoPatches(graph, surface, options, &pool);
     patches = std::move(cut.patches);
     ReturnCompressor compressor(graph, surface, noise, &pool);

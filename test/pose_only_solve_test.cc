@@ -129,6 +129,20 @@ TEST_P(PoseOnlySolveTest, HoldsFixedPosesAndPutsThemBack) {
   EXPECT_EQ(room.graph.WorldFromRobot(3).yaw, fixed.yaw);
 }
 
+TEST_P(PoseOnlySolveTest, HoldsFixedPosesAlsoWhereTheEdgesWouldRatherNot) {
+  NoisyRoom room = RoomWithEdges();
+  const Pose2 displaced = room.graph.WorldFromRobot(5);
+  room.graph.SetPose(5, displaced * Pose2(0.5, 0.0, 0.0));
+  ASSERT_TRUE(room.graph.FixPose(5).ok());
+  ASSERT_TRUE(room.graph.FixPose(0).ok());
+  room.graph.SetPose(5, displaced);
+  Solve(Options(), &room.graph);
+  EXPECT_LT((room.graph.WorldFromRobot(5).translation() -
+             (displaced * Pose2(0.5, 0.0, 0.0)).translation())
+                .norm(),
+            1e-12);
+}
+
 TEST_P(PoseOnlySolveTest, FailsWithoutRelativePoses) {
   SyntheticScene scene;
   scene.faces = {{{2, -1}, {2, 1}}};

@@ -127,7 +127,8 @@ class Drive {
     const PosePreconditioner preconditioner(system_, sightings_, frames_, &pool);
     Eigen::VectorXd x;
     *iterations = SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient, tolerance,
-                                  max_iterations, &pool, &x);
+                                  max_iterations, &pool, &x)
+                      .iterations;
     return x;
   }
 

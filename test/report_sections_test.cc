@@ -60,6 +60,20 @@ TEST(ReportSectionsTest, EachRoundIsACurveThatStartsBeforeItsFirstIteration) {
   EXPECT_TRUE(report.histograms.empty());
 }
 
+TEST(ReportSectionsTest, ASolverOfPoseGraphsHasNoTermsOfReturns) {
+  SolverSummary solver;
+  solver.solver = "sgd";
+  solver.num_relative_poses = 3;
+  solver.seed_chi2 = 12.5;
+  solver.final_chi2 = 2.5;
+  HtmlReport report;
+  AddSolver(solver, &report);
+  ASSERT_EQ(report.tables.size(), 1u);
+  EXPECT_EQ(report.tables[0].rows[0][1], "12.5");
+  EXPECT_EQ(report.tables[0].rows[1][1], "2.5");
+  EXPECT_TRUE(report.histograms.empty());
+}
+
 TEST(ReportSectionsTest, HistogramsHaveTheEdgesOfTheirBins) {
   SolverSummary solver;
   solver.displacements.sigma_counts[2] = 5;

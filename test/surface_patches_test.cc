@@ -19,7 +19,7 @@ struct CutScene {
   SlamGraph graph;
   MeasuredSurface surface;
   SurfacePatches cut;
-  double noise_m = 0.0;
+  SurfaceNoise noise;
 
   explicit CutScene(const SyntheticScene& scene) : CutScene(MakeGraph(scene), scene) {}
   CutScene(SlamGraph with_poses, const SyntheticScene& scene) : graph(std::move(with_poses)) {
@@ -29,14 +29,14 @@ struct CutScene {
     surface = MeasureSurface(graph, options, &pool);
     FactorOptions factors;
     if (scene.range_sigma_m > 0.0) factors.beam.sigma_range_m = scene.range_sigma_m;
-    noise_m = NoiseOf(factors).StandardDeviation();
+    noise = NoiseOf(factors);
     Cut();
   }
 
   void Cut(int num_threads = 2) {
     ThreadPool pool(num_threads);
     SurfacePatchOptions options;
-    options.noise_m = noise_m;
+    options.noise = noise;
     cut = CutIntoPatches(graph, surface, options, &pool);
   }
 
@@ -50,6 +50,15 @@ struct CutScene {
   double Distance(std::size_t r) const {
     const SurfacePatch& patch = cut.patches[cut.patch_of_return[r]];
     return patch.normal.dot(End(r) - patch.origin) - patch.offset_m;
+  }
+  /// Standard deviation of its distance [m].
+  double NoiseOfReturn(std::size_t r) const {
+    const SurfacePatch& patch = cut.patches[cut.patch_of_return[r]];
+    const Pose2 pose = graph.WorldFromRobot(PoseOf(r));
+    const Pose2 world_from_laser = graph.WorldFromLaser(graph.returns().scan[r]);
+    return std::sqrt(noise.surface_variance + noise.BeamVariance(pose * graph.PointInRobot(r) -
+                                                                     world_from_laser.translation(),
+                                                                 patch.normal));
   }
   double RmsDistance() const {
     double sum = 0.0;
@@ -84,7 +93,7 @@ struct CutScene {
       ASSERT_LT(patch, static_cast<int>(num_patches()));
       EXPECT_LE((End(r) - cut.patches[patch].origin).norm(), 0.8 * std::sqrt(0.5) + 1e-6);
       if (surface.normals[r].isZero()) {
-        EXPECT_LE(std::abs(Distance(r)), 3.0 * noise_m);
+        EXPECT_LE(std::abs(Distance(r)), 3.0 * NoiseOfReturn(r));
         continue;
       }
       poses[patch].insert(PoseOf(r));
@@ -337,7 +346,7 @@ TEST_F(ReturnsWithoutNormalTest, JoinTheLineNextToThem) {
   int joined = 0;
   for (const std::size_t r : taken) {
     if (!scene_.HasPatch(r)) continue;
-    EXPECT_LE(std::abs(scene_.Distance(r)), 3.0 * scene_.noise_m);
+    EXPECT_LE(std::abs(scene_.Distance(r)), 3.0 * scene_.NoiseOfReturn(r));
     ++joined;
   }
   EXPECT_GT(joined, 0.95 * taken.size());
@@ -359,7 +368,8 @@ TEST_F(ReturnsWithoutNormalTest, StayAloneMoreThanThreeSigmasOff) {
   const std::vector<std::size_t> taken = TakeNormals();
   for (const std::size_t r : taken) {
     Eigen::Vector2f& point = scene_.surface.points[r];
-    point *= 1.0f - 5.0f * static_cast<float>(scene_.noise_m);  // the wall is 1 m away or more
+    point *=
+        1.0f - 8.0f * static_cast<float>(scene_.noise.StandardDeviation());  // 1 m away or more
   }
   scene_.Cut();
   for (const std::size_t r : taken) EXPECT_FALSE(scene_.HasPatch(r));

@@ -64,6 +64,19 @@ TEST(WindowContextTest, OneOfAllThatStoodThereAndLookedThatWay) {
   EXPECT_THAT(ChooseFixedPoses(dense, graph, {11}), SizeIs(11));
 }
 
+TEST(WindowContextTest, APoseThatSawNothingDoesNotStandForItsNeighbours) {
+  SyntheticScene scene = Room();
+  scene.poses.push_back({0.0, 0.6, 0.0});
+  scene.poses.push_back({0.3, 0.6, 0.0});
+  SlamGraph graph = MakeGraph(scene);
+  int blind = 0;
+  ASSERT_TRUE(graph.AddPose({0.01, 0.6, 0.0}, 99.0, &blind).ok());
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {1}), ElementsAre(0));
+  // Nearer to the window than the pose that saw it.
+  graph.SetPose(blind, {0.1, 0.6, 0.0});
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {1}), ElementsAre(0));
+}
+
 TEST(WindowContextTest, FarPosesDoNotCountUnlessAConstraintTiesThem) {
   SlamGraph graph = Hall();
   WindowOptions options;

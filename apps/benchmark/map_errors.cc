@@ -39,6 +39,8 @@ MeanAndVariance MeanAndVarianceOf(const std::vector<double>& values) {
 }
 
 Quartiles QuartilesOf(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
+               values.end());
   if (values.empty()) return Quartiles();
   std::sort(values.begin(), values.end());
   const auto at = [&](double share) {

@@ -79,7 +79,7 @@ class ScanScorer {
     Eigen::Vector2d tip = laser;
     for (std::size_t k = 1; k < cells_.size(); ++k) {
       Eigen::Vector2d a = cells_[k - 1] - laser, b = cells_[k] - laser;
-      if (beam[k] != beam[k - 1] + 1 || !CutToFreePart(turn, &a, &b)) a = b = {0.0, 0.0};
+      if (beam[k] > beam[k - 1] + 1 || !CutToFreePart(turn, &a, &b)) a = b = {0.0, 0.0};
       AddEdge(tip, laser + a, turn);
       AddEdge(laser + a, laser + b, turn);
       tip = laser + b;

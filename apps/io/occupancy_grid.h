@@ -43,7 +43,7 @@ struct OccupancyGridOptions {
 /// which graze a wall do not wear it off, and nothing where the beams are more than 0.3 m apart or
 /// one of them goes more than 0.3 m farther than the other. A beam without a return tells nothing:
 /// glass and black cloth look like open space.
-/// *Verdict*: occupied if at least a quarter of the scans that tell about a cell touch it, so that
+/// *Verdict*: occupied if more than a quarter of the scans that tell about a cell touch it, so that
 /// people who pass disappear, and a surface at the border of two cells stays in one of them; free
 /// otherwise; unknown if no scan tells anything, or exactly as much for either. An occupied cell
 /// that rests on one scan and has no occupied neighbour is a stray return: unknown.

@@ -143,6 +143,16 @@ void AddStages(const std::vector<Stage>& stages, HtmlReport* report) {
 }
 
 void AddSolver(const SolverSummary& solver, HtmlReport* report) {
+  if (solver.num_relative_poses > 0) {
+    report->figures.push_back({"Pose graph", FixedText(solver.total_time_s, 2) + " s",
+                               solver.solver + ", " + ToString(solver.termination)});
+    report->tables.push_back(
+        {"Relative poses",
+         {"State", "Sum of squared whitened errors"},
+         {{"start", ShortText(solver.seed_chi2)}, {"end", ShortText(solver.final_chi2)}},
+         ""});
+    return;
+  }
   report->tables.push_back(TermsTable(solver));
   if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   AddDisplacements(solver.displacements, report);

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/apps/calibration_report.h"
 #include "plumbline/apps/number_text.h"
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/seeding_report.h"
@@ -46,6 +47,9 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
   report.durations = {{"Reading", summary.read_time_s},
                       {"Seeding: normals, matching, loop closure", summary.seed_time_s}};
   AddSolver(summary.solver, &report);
+  if (!summary.calibration.parameters.empty()) {
+    report.texts.push_back({"Calibration", CalibrationText(summary.calibration)});
+  }
   report.figures.push_back(
       {"Peak memory", FixedText(static_cast<double>(PeakMemoryBytes()) / kBytesPerMb, 0) + " MB",
        "whole run"});

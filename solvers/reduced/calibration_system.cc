@@ -43,11 +43,11 @@ Status SolveColumns(const PoseSystem& poses, const PatchSightings& sightings,
   solved->resize(columns.rows(), columns.cols());
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     Eigen::VectorXd x;
-    const int iterations = SolvePoseSystem(poses, sightings, preconditioner, columns.col(i),
-                                           kTolerance, kMaxIterations, pool, &x);
-    if (iterations == kMaxIterations || !x.allFinite()) {
+    const PoseSystemResult result = SolvePoseSystem(
+        poses, sightings, preconditioner, columns.col(i), kTolerance, kMaxIterations, pool, &x);
+    if (!result.converged) {
       return Status::Unavailable("the calibration's linear system did not converge in " +
-                                 std::to_string(iterations) + " iterations");
+                                 std::to_string(result.iterations) + " iterations");
     }
     solved->col(i) = x;
   }

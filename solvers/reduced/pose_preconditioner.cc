@@ -140,31 +140,32 @@ void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result
   }
 }
 
-int SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
-                    const PosePreconditioner& preconditioner,
-                    const Eigen::VectorXd& right_hand_side, double relative_tolerance,
-                    int max_iterations, ThreadPool* pool, Eigen::VectorXd* x) {
+PoseSystemResult SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
+                                 const PosePreconditioner& preconditioner,
+                                 const Eigen::VectorXd& right_hand_side, double relative_tolerance,
+                                 int max_iterations, ThreadPool* pool, Eigen::VectorXd* x) {
   Eigen::VectorXd residual = right_hand_side, direction, preconditioned, product;
   x->setZero(residual.size());
   preconditioner.Apply(residual, &preconditioned);
   direction = preconditioned;
   double product_of_residual = residual.dot(preconditioned);
   const double target = relative_tolerance * relative_tolerance * product_of_residual;
-  int iteration = 0;
-  while (iteration < max_iterations && product_of_residual > target) {
+  PoseSystemResult result;
+  while (result.iterations < max_iterations && product_of_residual > target) {
     system.Apply(sightings, direction, pool, &product);
     const double curvature = direction.dot(product);
     if (!(curvature > 0.0)) break;
     const double step = product_of_residual / curvature;
     *x += step * direction;
     residual -= step * product;
-    ++iteration;
+    ++result.iterations;
     preconditioner.Apply(residual, &preconditioned);
     const double next = residual.dot(preconditioned);
     direction = preconditioned + (next / product_of_residual) * direction;
     product_of_residual = next;
   }
-  return iteration;
+  result.converged = product_of_residual <= target && x->allFinite();
+  return result;
 }
 
 }  // namespace plumbline

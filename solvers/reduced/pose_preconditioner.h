@@ -38,12 +38,17 @@ class PosePreconditioner {
   bool has_groups_ = false;  // not if rounding has made their matrix indefinite
 };
 
+struct PoseSystemResult {
+  int iterations = 0;
+  bool converged = false;  ///< not if iterations ran out or rounding broke them off
+};
+
 /// Solves S x = right_hand_side to a residual of relative_tolerance times that, measured in the
-/// preconditioner's norm. Gives the number of iterations.
-int SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
-                    const PosePreconditioner& preconditioner,
-                    const Eigen::VectorXd& right_hand_side, double relative_tolerance,
-                    int max_iterations, ThreadPool* pool, Eigen::VectorXd* x);
+/// preconditioner's norm.
+PoseSystemResult SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
+                                 const PosePreconditioner& preconditioner,
+                                 const Eigen::VectorXd& right_hand_side, double relative_tolerance,
+                                 int max_iterations, ThreadPool* pool, Eigen::VectorXd* x);
 
 }  // namespace plumbline
 

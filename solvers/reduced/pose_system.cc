@@ -135,11 +135,14 @@ void PoseSystem::Linearize(const PatchSightings& sightings,
   AddSightings(sightings, patches, frames, pool);
   by_sightings = diagonal;
   AddPoseTerms(terms, poses);
-  for (Eigen::Matrix3d& block : diagonal) {
-    block.diagonal() *= 1.0 + kDamping;
-    // A pose that nothing sees.
+  damping.resize(gradient.size());
+  for (std::size_t pose = 0; pose < diagonal.size(); ++pose) {
     for (int i = 0; i < 3; ++i) {
-      if (block(i, i) <= 0.0) block(i, i) = 1.0;
+      double& entry = diagonal[pose](i, i);
+      // Or a pose that nothing sees.
+      const double added = entry > 0.0 ? kDamping * entry : 1.0 - entry;
+      damping[3 * static_cast<Eigen::Index>(pose) + i] = added;
+      entry += added;
     }
   }
 }

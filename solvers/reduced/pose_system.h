@@ -49,6 +49,7 @@ struct PoseSystem {
   /// and offset [m]; zero if they do not determine it.
   std::vector<Eigen::Matrix2d> line_whitening;
   Eigen::VectorXd gradient;  ///< 3 per pose
+  Eigen::VectorXd damping;   ///< what of the diagonal keeps S regular, 3 per pose
 
   /// At poses and the lines that fit them best.
   void Linearize(const PatchSightings& sightings, const std::vector<SurfacePatch>& patches,

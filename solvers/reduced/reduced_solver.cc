@@ -65,8 +65,11 @@ class PatchMinimizer {
   bool Ended() const { return result_.stopped || !result_.usable; }
 
   void RunRound(double gate_sigmas, bool first) {
-    CutPatches();
-    HoldIslands();
+    // Where returns hardly moved, another cut would be the same one.
+    if (first || result_.rounds.back().moved_sigmas > options_.move_tolerance_sigmas) {
+      CutPatches();
+      HoldIslands();
+    }
     const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
     PatchRoundSummary row;
@@ -147,7 +150,8 @@ class PatchMinimizer {
     iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
     iteration.evaluations =
         SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
-                        options_.cg_tolerance, options_.max_cg_iterations, pool_, &step);
+                        options_.cg_tolerance, options_.max_cg_iterations, pool_, &step)
+            .iterations;
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;

@@ -6,7 +6,6 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/pose_frame.h"
-#include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/surface_cells.h"
 
 namespace plumbline {
@@ -66,28 +65,31 @@ class Quadtree {
 
   int PatchOfCell(int finest) const { return patch_of_cell_.front()[finest]; }
 
-  /// The patch whose line passes by a point within max_distance_m and faces the laser: the nearest
-  /// one of the smallest cell around the point that has any. in_grid: the point in the grid's axes.
+  /// The patch that a return may lie on: its line faces the laser, and the return is at most
+  /// max_sigmas off it. Of the smallest cell around the return that has any such patch, the one
+  /// that it is fewest sigmas off. in_grid: the return in the grid's axes.
   int PatchAt(const Eigen::Vector2d& in_grid, const Eigen::Vector2d& point,
-              const Eigen::Vector2d& laser, double max_distance_m,
+              const Eigen::Vector2d& laser, double max_sigmas,
               const std::vector<SurfacePatch>& patches) const {
-    int nearest = SurfacePatches::kNone;
-    double nearest_m = max_distance_m;
-    for (std::size_t level = 0; nearest == SurfacePatches::kNone && level < levels_.size();
-         ++level) {
+    int best = SurfacePatches::kNone;
+    double least_squared = max_sigmas * max_sigmas;
+    for (std::size_t level = 0; best == SurfacePatches::kNone && level < levels_.size(); ++level) {
       const SurfaceCellKey key = levels_[level].KeyOf(in_grid.x(), in_grid.y(), 0);
       for (const int cell : levels_[level].Square(key.x, key.y)) {
         if (cell == SurfaceCells::kNone) continue;
         const int id = patch_of_cell_[level][cell];
         if (id == SurfacePatches::kNone) continue;
         const SurfacePatch& patch = patches[id];
-        const double distance_m = std::abs(patch.Distance(point));
-        if (distance_m >= nearest_m || patch.normal.dot(laser - point) <= 0.0) continue;
-        nearest = id;
-        nearest_m = distance_m;
+        if (patch.normal.dot(laser - point) <= 0.0) continue;
+        const double variance = options_.noise.surface_variance +
+                                options_.noise.BeamVariance(point - laser, patch.normal);
+        const double squared = std::pow(patch.Distance(point), 2) / variance;
+        if (squared >= least_squared) continue;
+        best = id;
+        least_squared = squared;
       }
     }
-    return nearest;
+    return best;
   }
 
  private:
@@ -134,8 +136,9 @@ class Quadtree {
     if (quarters.num_lines < 2) return false;
     const double free_of_quarters = whole.covered - 2.0 * quarters.num_lines;
     if (free_of_quarters <= 0.0) return false;
-    const double lost_scatter = (whole.covered - quarters.covered) * kLostSigmas * kLostSigmas *
-                                options_.noise_m * options_.noise_m;
+    const double lost_variance =
+        kLostSigmas * kLostSigmas * std::pow(options_.noise.StandardDeviation(), 2);
+    const double lost_scatter = (whole.covered - quarters.covered) * lost_variance;
     const double scatter = quarters.scatter + lost_scatter;
     const double variance = scatter / free_of_quarters;
     const double variance_of_whole = whole.scatter / (whole.covered - 2.0);
@@ -168,8 +171,8 @@ class Quadtree {
 // Far away or at a grazing angle, a return has too few neighbours for a normal of its own, but
 // says as much of where the laser is as any other.
 void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surface,
-                             const Quadtree& quadtree, const SurfaceGrid& grid, double noise_m,
-                             ThreadPool* pool, SurfacePatches* result) {
+                             const Quadtree& quadtree, const SurfaceGrid& grid, ThreadPool* pool,
+                             SurfacePatches* result) {
   constexpr double kMaxSigmas = 3.0;
   constexpr std::size_t kScansPerChunk = 16;
   const double grid_pose[3] = {0.0, 0.0, grid.cell_yaw_rad};
@@ -185,7 +188,7 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surf
             const Eigen::Vector2d point =
                 frame.Rotate(surface.points[r].cast<double>()) + frame.translation();
             result->patch_of_return[r] = quadtree.PatchAt(grid_axes.RotateBack(point), point, laser,
-                                                          kMaxSigmas * noise_m, result->patches);
+                                                          kMaxSigmas, result->patches);
           }
         }
       });
@@ -199,7 +202,7 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
   options.several_poses = association.several_poses;
   options.largest_m = association.patch_size_m;
   options.max_eigenvalue_ratio = association.max_eigenvalue_ratio;
-  options.noise_m = NoiseOf(factors).StandardDeviation();
+  options.noise = NoiseOf(factors);
   return options;
 }
 
@@ -222,7 +225,7 @@ SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& sur
               patch == SurfaceCells::kNone ? SurfacePatches::kNone : quadtree.PatchOfCell(patch);
         }
       });
-  AddReturnsWithoutNormal(graph, surface, quadtree, grid, options.noise_m, pool, &result);
+  AddReturnsWithoutNormal(graph, surface, quadtree, grid, pool, &result);
   return result;
 }
 

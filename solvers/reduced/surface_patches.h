@@ -8,6 +8,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
 
 namespace plumbline {
@@ -43,8 +44,8 @@ struct SurfacePatchOptions {
   double largest_m = 0.8;     ///< side of the largest cell; the smallest is an eighth of it
   /// A patch counts as a line up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;
-  /// Standard deviation of a return off its surface [m].
-  double noise_m = 0.0;
+  /// Of a return off its surface.
+  SurfaceNoise noise;
 };
 
 /// The patches that suit the noise, and the limit that the tangent lines of single points have.
@@ -55,8 +56,8 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
 /// quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
 /// quarters explain its returns better than its own, by more than they owe to their number. So the
 /// size follows the data: sparse and noisy returns share long lines, dense ones resolve a curve.
-/// Returns without a normal have no say in that, and then join the nearest line that faces their
-/// laser within three standard deviations of the noise.
+/// Returns without a normal have no say in that, and then join the line that faces their laser and
+/// is fewest standard deviations off, at most three.
 /// Bitwise the same for any number of threads.
 SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
                               const SurfacePatchOptions& options, ThreadPool* pool);
