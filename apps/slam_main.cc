@@ -32,6 +32,7 @@
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/truth.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
@@ -53,10 +54,6 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // One run of the program, step by step.
 class SlamRun {

@@ -25,6 +25,9 @@ struct PoseFrame {
   Eigen::Vector2d translation() const { return {x, y}; }
 };
 
+/// A vector turned by a right angle, counter-clockwise.
+inline Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_CORE_POSE_FRAME_H_

@@ -278,8 +278,6 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    Calibration* calibration) {
   *calibration = Calibration();
   if (!calibration_options.IsOn()) return Solve(options, graph);
-  SolverSummary summary;
-  summary.solver = ToString(options.type);
   std::string error;
   Status status = CheckSolverInput(options, *graph);
   if (status.ok() && !calibration_options.Check(&error)) status = Status::InvalidArgument(error);
@@ -290,10 +288,8 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
   if (status.ok() && (calibration_options.laser_mounting || calibration_options.range_scale)) {
     status = CheckMountings(*graph);
   }
-  if (!status.ok()) {
-    summary.message = status.message();
-    return summary;
-  }
+  if (!status.ok()) return SolverFailure(options, status);
+  SolverSummary summary;
   const std::vector<double> given_points = graph->points();
   Calibrator calibrator(options, calibration_options, graph);
   Calibration result;
@@ -306,11 +302,7 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
     summary = Solve(options, graph);
     if (summary.IsSolutionUsable()) status = calibrator.Report(&result);
   }
-  if (!status.ok()) {
-    summary = SolverSummary();
-    summary.solver = ToString(options.type);
-    summary.message = status.message();
-  }
+  if (!status.ok()) summary = SolverFailure(options, status);
   if (!summary.IsSolutionUsable()) {
     calibrator.Undo();
     graph->points() = given_points;

@@ -29,8 +29,8 @@ struct PosePair {
 /// linear system per distinct a, each some tens of passes over what the poses saw of the patches.
 ///
 /// InvalidArgument, with nothing changed, on bad options, an unknown pose, and on poses that
-/// nothing ties to a fixed one, or not in every direction: their covariance is infinite. Unavailable if a system cannot be
-/// solved to full precision.
+/// nothing ties to a fixed one, or not in every direction: their covariance is infinite.
+/// Unavailable if a system cannot be solved to full precision.
 Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
                               const std::vector<PosePair>& pairs,
                               std::vector<Eigen::Matrix3d>* covariances);

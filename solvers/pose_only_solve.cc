@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
@@ -17,10 +18,6 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Sum of the squared whitened errors of a graph's relative poses: GraphChi2 for many states, with
 // the covariances factored once.
@@ -100,10 +97,7 @@ class PoseOnlySolver {
 
   PoseGraphResult Descend() {
     std::vector<int> fixed;
-    for (const FixedPose& pose : graph_->fixed_poses()) {
-      graph_->SetPose(pose.pose, pose.world_from_robot);
-      fixed.push_back(pose.pose);
-    }
+    for (const FixedPose& pose : graph_->fixed_poses()) fixed.push_back(pose.pose);
     std::vector<Pose2> poses = Poses(), before = poses;
     StochasticDescentOptions sgd = options_.sgd;
     sgd.callback = [&](int iteration, const std::vector<Pose2>& now) {

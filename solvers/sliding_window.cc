@@ -152,13 +152,6 @@ class Window {
   SlamGraph part_;
 };
 
-SolverSummary Failure(const SolverOptions& options, const Status& status) {
-  SolverSummary failure;
-  failure.solver = ToString(options.type);
-  failure.message = status.message();
-  return failure;
-}
-
 }  // namespace
 
 bool WindowOptions::Check(std::string* error) const {
@@ -182,13 +175,14 @@ SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& win
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
                          const std::vector<int>& free_poses, SlamGraph* graph) {
   std::string error;
-  if (!window.Check(&error)) return Failure(options, Status::InvalidArgument("window." + error));
+  if (!window.Check(&error))
+    return SolverFailure(options, Status::InvalidArgument("window." + error));
   Status status = CheckFreePoses(free_poses, *graph);
-  if (!status.ok()) return Failure(options, status);
+  if (!status.ok()) return SolverFailure(options, status);
   const std::vector<int> fixed_poses = ChooseFixedPoses(window, *graph, free_poses);
   Window part(*graph, free_poses, fixed_poses);
   status = part.Extract(*graph);
-  if (!status.ok()) return Failure(options, status);
+  if (!status.ok()) return SolverFailure(options, status);
   SolverOptions part_options = options;
   if (!fixed_poses.empty()) {
     PosePriorOptions& prior = part_options.factors.prior;

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/alternating_cg.h"
 #include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/energy.h"
@@ -21,10 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
   if (surface.points.size() == graph.num_returns() &&
       surface.normals.size() == graph.num_returns()) {
@@ -34,13 +31,6 @@ Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
                                  " returns, but the surface " +
                                  std::to_string(surface.points.size()) + " points and " +
                                  std::to_string(surface.normals.size()) + " normals");
-}
-
-SolverSummary Failure(const SolverOptions& options, const Status& status) {
-  SolverSummary failure;
-  failure.solver = ToString(options.type);
-  failure.message = status.message();
-  return failure;
 }
 
 // What a round works with: neighbourhood radius [m] and factor on the robust gates.
@@ -400,7 +390,7 @@ double FineRadius(const SolverOptions& options) {
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
   const Status status = CheckSolverInput(options, *graph);
-  if (!status.ok()) return Failure(options, status);
+  if (!status.ok()) return SolverFailure(options, status);
   return MovesPosesOnly(options.type) ? SolvePosesOnly(options, graph)
                                       : JointSolver(options, nullptr, graph).Run();
 }
@@ -410,7 +400,7 @@ SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface
   if (MovesPosesOnly(options.type)) return Solve(options, graph);
   Status status = CheckSolverInput(options, *graph);
   if (status.ok()) status = CheckSurface(surface, *graph);
-  return status.ok() ? JointSolver(options, &surface, graph).Run() : Failure(options, status);
+  return status.ok() ? JointSolver(options, &surface, graph).Run() : SolverFailure(options, status);
 }
 
 }  // namespace plumbline

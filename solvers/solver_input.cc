@@ -51,4 +51,11 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
 }
 
+SolverSummary SolverFailure(const SolverOptions& options, const Status& status) {
+  SolverSummary failure;
+  failure.solver = ToString(options.type);
+  failure.message = status.message();
+  return failure;
+}
+
 }  // namespace plumbline

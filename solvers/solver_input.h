@@ -18,6 +18,9 @@ inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e
 /// (of any relative pose, for solvers that look at nothing else).
 Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph);
 
+/// What a solver returns that has refused its input.
+SolverSummary SolverFailure(const SolverOptions& options, const Status& status);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_SOLVER_INPUT_H_

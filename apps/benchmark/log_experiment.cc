@@ -11,6 +11,7 @@
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/solve.h"
@@ -22,10 +23,6 @@ constexpr int kNumDetails = 2;
 constexpr double kDetailM = 3.0;  // a piece of a room
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void SetPoses(const std::vector<Pose2>& poses, SlamGraph* graph) {
   for (int pose = 0; pose < graph->num_poses(); ++pose) graph->SetPose(pose, poses[pose]);

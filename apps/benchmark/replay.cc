@@ -6,6 +6,7 @@
 
 #include "plumbline/apps/graph_poses.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/solve.h"
 
@@ -13,10 +14,6 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Maps a drive as it comes in.
 class Host {

@@ -21,6 +21,7 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -33,10 +34,6 @@ constexpr double kBytesPerMb = 1e6, kMmPerM = 1e3;
 constexpr double kScanSpacing = 0.11;      // [m]
 constexpr std::uint64_t kSeed = 1;         // of building, drive and drift
 constexpr std::uint32_t kDriftStream = 6;  // 0 to 5 belong to simulator, buildings and jumps
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // A sum of waves along the path, zero at its start; root mean square about 1.
 class SmoothDrift {

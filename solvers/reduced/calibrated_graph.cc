@@ -3,14 +3,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/motion_factor.h"
 
 namespace plumbline {
-namespace {
-
-Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
-}  // namespace
+namespace {}  // namespace
 
 CalibratedGraph::CalibratedGraph(SlamGraph* graph)
     : graph_(graph), ranges_m_(graph->returns().range_m) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/core/pose_frame.h"
 
 namespace plumbline {
 namespace {
@@ -17,8 +18,6 @@ constexpr std::size_t kPosesPerChunk = 128;
 // Relative to the diagonal: enough to keep what no term sees where it is, and far softer than the
 // bending modes of a long corridor.
 constexpr double kDamping = 1e-8;
-
-Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 // One sighting's residuals about a line, by the unknowns they depend on. The cost is
 //   1/2 [ weight distance^2 + n_r^T scatter n_r ],  n_r the normal in the frame of the robot.

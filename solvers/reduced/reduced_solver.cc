@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/ceres_solver.h"
@@ -21,10 +22,6 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // What a step came to.
 struct StepOutcome {
