@@ -71,9 +71,11 @@ DEFINE_int32(min_neighbors, Defaults().association.min_points,
 DEFINE_int32(max_neighbors, Defaults().association.max_points,
              "Most points of a neighbourhood with --neighborhood=nearest");
 DEFINE_bool(several_poses, Defaults().association.several_poses,
-            "A tangent line needs points of more than one pose");
-DEFINE_double(patch_size_m, Defaults().association.patch_size_m,
-              "reduced: side of the largest patch; patches are split down to an eighth of it [m]");
+            "A tangent line of single points needs those of more than one pose");
+DEFINE_double(
+    patch_size_m, Defaults().association.patch_size_m,
+    "reduced: side of the largest patch, or 32 standard deviations of a return if that is "
+    "more; patches are split down to an eighth of it [m]");
 DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
               "Neighbourhoods rounder than this are no surface [smaller over larger variance]");
 DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,

@@ -80,10 +80,9 @@ struct CutScene {
     return static_cast<double>(with_patch) / with_normal;
   }
 
-  /// What holds for every cut: unit normals, patches of enough returns by more than one pose,
-  /// returns near their patch, those without a normal near its line.
+  /// What holds for every cut: unit normals, patches of enough returns, returns near their patch,
+  /// those without a normal near its line.
   void ExpectSound() const {
-    std::vector<std::set<int>> poses(num_patches());
     std::vector<int> counts(num_patches(), 0);
     ASSERT_EQ(cut.patch_of_return.size(), graph.num_returns());
     for (std::size_t r = 0; r < graph.num_returns(); ++r) {
@@ -96,13 +95,11 @@ struct CutScene {
         EXPECT_LE(std::abs(Distance(r)), 3.0 * NoiseOfReturn(r));
         continue;
       }
-      poses[patch].insert(PoseOf(r));
       ++counts[patch];
     }
     for (std::size_t p = 0; p < num_patches(); ++p) {
       EXPECT_NEAR(cut.patches[p].normal.norm(), 1.0, 1e-12);
       EXPECT_GE(counts[p], SurfacePatchOptions().min_points);
-      EXPECT_GT(poses[p].size(), 1u);
     }
   }
 };
@@ -251,41 +248,23 @@ TEST(SurfacePatchesTest, PatchesResolveACurveThatReturnsTell) {
   EXPECT_GT(dense.num_patches(), 1.5 * sparse.num_patches());
 }
 
-TEST(SurfacePatchesTest, WhatOnePoseSawAloneHasNoPatch) {
+TEST(SurfacePatchesTest, OnePoseIsEnough) {
   SyntheticScene scene;
   scene.faces = {{{-3, 1}, {3, 1}}};
   scene.poses = {{0, 0, 0.1}};
   CutScene wall(scene);
-  EXPECT_EQ(wall.num_patches(), 0u);
-  for (const int patch : wall.cut.patch_of_return) EXPECT_EQ(patch, SurfacePatches::kNone);
-  // Nor does another scan of the same pose help.
-  std::vector<double> ranges(scene.laser.num_beams, kInfinity);
-  const std::size_t num_returns = wall.graph.num_returns();
-  for (std::size_t r = 0; r < num_returns; ++r) {
-    ranges[wall.graph.returns().beam[r]] = wall.graph.returns().range_m[r];
-  }
-  ASSERT_TRUE(wall.graph.AddScan(0, 0, ranges).ok());
-  wall.surface = SurfaceOf(wall.graph);
-  wall.Cut();
-  EXPECT_EQ(wall.num_patches(), 0u);
-  // A second pose does.
-  int id = 0;
-  ASSERT_TRUE(wall.graph.AddPose({0, 0, 0.1}, 1.0, &id).ok());
-  ASSERT_TRUE(wall.graph.AddScan(1, 0, ranges).ok());
-  wall.surface = SurfaceOf(wall.graph);
-  wall.Cut();
   EXPECT_GT(wall.num_patches(), 3u);
+  EXPECT_GT(wall.CoveredShare(), 0.9);
   wall.ExpectSound();
 }
 
-TEST(SurfacePatchesTest, OptionsAllowASinglePoseAndSetTheSize) {
+TEST(SurfacePatchesTest, OptionsSetTheSize) {
   SyntheticScene scene;
   scene.faces = {{{-3, 1}, {3, 1}}};
   scene.poses = {{0, 0, 0.1}};
   scene.range_sigma_m = 0.01;
   const SlamGraph graph = MakeGraph(scene);
   AssociationOptions association;
-  association.several_poses = false;
   std::size_t num_patches[2];
   ThreadPool pool(1);
   for (int i = 0; i < 2; ++i) {
@@ -295,6 +274,26 @@ TEST(SurfacePatchesTest, OptionsAllowASinglePoseAndSetTheSize) {
   }
   EXPECT_GT(num_patches[1], 2u);
   EXPECT_GT(num_patches[0], 1.5 * static_cast<double>(num_patches[1]));
+}
+
+TEST(SurfacePatchesTest, SizesGrowWithTheNoise) {
+  // At 0.1 m, a stretch of 0.8 m looks round.
+  SyntheticScene scene;
+  scene.faces = {{{-6, 2}, {6, 2}}};
+  scene.poses = PosesAlong(-2, 2, 6);
+  scene.range_sigma_m = 0.1;
+  const CutScene fixed(scene);
+  FactorOptions factors;
+  factors.beam.sigma_range_m = scene.range_sigma_m;
+  const SurfacePatchOptions options = PatchOptionsFor(factors, AssociationOptions());
+  EXPECT_GT(options.largest_m, 3.0);
+  EXPECT_EQ(PatchOptionsFor(FactorOptions(), AssociationOptions()).largest_m, 0.8);
+  ThreadPool pool(1);
+  CutScene following = fixed;
+  following.cut = CutIntoPatches(fixed.graph, fixed.surface, options, &pool);
+  EXPECT_LT(fixed.CoveredShare(), 0.7);
+  EXPECT_GT(following.CoveredShare(), 0.9);
+  EXPECT_LT(following.RmsDistance(), 1.2 * scene.range_sigma_m);
 }
 
 TEST(SurfacePatchesTest, NormalsMakeThePatches) {

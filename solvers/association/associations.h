@@ -26,11 +26,11 @@ struct AssociationOptions {
   NeighborhoodType neighborhood = NeighborhoodType::kRadius;
   /// Fewest points that make a tangent line; a radius grows until it holds as many.
   int min_points = 10;
-  /// A line needs points of more than one pose: those of a single one tie it to nothing but its own
-  /// noise.
+  /// A line of single points needs those of more than one pose: the points of one tie it to nothing
+  /// but its own noise.
   bool several_poses = true;
-  /// Reduced solver only: side [m] of the largest cell that may be one patch; cells are split down
-  /// to an eighth of it.
+  /// Reduced solver only: side [m] of the largest cell that may be one patch, or 32 standard
+  /// deviations of a return off its surface if that is more; cells are split down to an eighth.
   double patch_size_m = 0.8;
   /// kNearest only: most points of a neighbourhood.
   int max_points = 50;

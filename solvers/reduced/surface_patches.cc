@@ -1,5 +1,6 @@
 #include "plumbline/solvers/reduced/surface_patches.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -112,9 +113,7 @@ class Quadtree {
 
   Partition Choose(const SurfaceCell& cell, const Partition& quarters) const {
     const PointMoments& moments = cell.moments;
-    if (moments.weight < options_.min_points || (options_.several_poses && !cell.several_poses)) {
-      return Split(quarters);
-    }
+    if (moments.weight < options_.min_points) return Split(quarters);
     const LineFit fit = FitLine(moments);
     if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Split(quarters);
     const Partition whole{fit.smaller_eigenvalue * moments.weight, moments.weight, 1, true};
@@ -198,11 +197,14 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surf
 
 SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
                                     const AssociationOptions& association) {
+  // Cells of 4 to 32 standard deviations at least: below 9, even a perfect wall fails the default
+  // eigenvalue ratio of 0.15.
+  constexpr double kLargestOverNoise = 32.0;
   SurfacePatchOptions options;
-  options.several_poses = association.several_poses;
-  options.largest_m = association.patch_size_m;
   options.max_eigenvalue_ratio = association.max_eigenvalue_ratio;
   options.noise = NoiseOf(factors);
+  options.largest_m =
+      std::max(association.patch_size_m, kLargestOverNoise * options.noise.StandardDeviation());
   return options;
 }
 

@@ -39,16 +39,17 @@ struct SurfacePatches {
 };
 
 struct SurfacePatchOptions {
-  int min_points = 5;         ///< fewest returns of a patch
-  bool several_poses = true;  ///< they must come from more than one pose
-  double largest_m = 0.8;     ///< side of the largest cell; the smallest is an eighth of it
+  int min_points = 5;      ///< fewest returns of a patch
+  double largest_m = 0.8;  ///< side of the largest cell; the smallest is an eighth of it
   /// A patch counts as a line up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;
   /// Of a return off its surface.
   SurfaceNoise noise;
 };
 
-/// The patches that suit the noise, and the limit that the tangent lines of single points have.
+/// The patches that suit the noise, and the limit that the tangent lines of single points have. One
+/// pose is enough for a patch, which then says nothing of where that pose is, but where a surface
+/// runs that nothing else has seen.
 SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
                                     const AssociationOptions& association);
 
