@@ -1,5 +1,6 @@
 #include "plumbline/apps/number_text.h"
 
+#include <charconv>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -24,6 +25,11 @@ std::string ShortText(double value) {
   std::ostringstream text;
   text << std::setprecision(5) << value;
   return text.str();
+}
+
+std::string ExactText(double value) {
+  char text[32];  // Holds the 24 characters of -1.2345678901234567e-308.
+  return std::string(text, std::to_chars(text, text + sizeof(text), value).ptr);
 }
 
 }  // namespace plumbline

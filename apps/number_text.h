@@ -15,6 +15,9 @@ std::string FixedText(double value, int digits);
 /// A number of any size in five significant digits; a dash if it is not finite.
 std::string ShortText(double value);
 
+/// A number for files, finite or not: the fewest digits that give the same double when read.
+std::string ExactText(double value);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_NUMBER_TEXT_H_

@@ -10,6 +10,7 @@
 #include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/pose_graph_file.h"
+#include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/number_text.h"
 #include "plumbline/apps/output_folder.h"
@@ -132,7 +133,7 @@ class PoseGraphRun {
     const std::string graph_name = std::string("graph.") + ToString(file_.format);
     PLUMBLINE_RETURN_IF_ERROR(
         WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph)));
-    PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_));
+    PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_.format, file_));
     if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteMap());
     PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
     if (has_scans()) {

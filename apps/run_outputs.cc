@@ -29,14 +29,6 @@ Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_
   return WriteBeforeAfterPicture(path, *map.graph, *map.poses_before, options);
 }
 
-Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m) {
-  OccupancyGridOptions options;
-  options.resolution_m = resolution_m;
-  OccupancyGrid grid;
-  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, options, &grid));
-  return WriteRosMap(stem, grid);
-}
-
 }  // namespace
 
 bool RunOutputOptions::Check(std::string* error) const {
@@ -45,6 +37,14 @@ bool RunOutputOptions::Check(std::string* error) const {
   OccupancyGridOptions grid;
   grid.resolution_m = map_resolution_m;
   return picture.Check(error) && grid.Check(error);
+}
+
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m) {
+  OccupancyGridOptions options;
+  options.resolution_m = resolution_m;
+  OccupancyGrid grid;
+  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, options, &grid));
+  return WriteRosMap(stem, grid);
 }
 
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,

@@ -39,6 +39,10 @@ using WriteTask = std::function<Status()>;
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output);
 
+/// Writes stem.pgm and stem.yaml, the occupancy grid of the graph's scans and map points in cells
+/// of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m);
+
 /// Lines for people: what the files of MapWriteTasks are.
 std::string MapFilesText(bool with_conflicts);
 

@@ -23,6 +23,7 @@
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
 #include "plumbline/apps/read_log.h"
+#include "plumbline/apps/refined_pose_graph.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/apps/report/run_report.h"
 #include "plumbline/apps/run_outputs.h"
@@ -165,10 +166,9 @@ class SlamRun {
   }
 
   // The seed's lasers stay where they were: its map is drawn with the mounting that was found.
-  void CarrySeedAlong(const Pose2& mounting_before) {
-    const Pose2 before_from_after = mounting_before * graph_.laser(0).robot_from_laser.Inverse();
+  void CarrySeedAlong() {
     for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      const Pose2 carried = Pose2(&seed_poses_[3 * pose]) * before_from_after;
+      const Pose2 carried = Pose2(&seed_poses_[3 * pose]) * before_from_after_;
       seed_poses_[3 * pose] = carried.x;
       seed_poses_[3 * pose + 1] = carried.y;
       seed_poses_[3 * pose + 2] = carried.yaw;
@@ -189,7 +189,10 @@ class SlamRun {
     if (!summary_.solver.IsSolutionUsable()) {
       return Status::InvalidArgument(summary_.solver.message);
     }
-    if (calibration_options_.IsOn()) CarrySeedAlong(mounting);
+    if (calibration_options_.IsOn()) {
+      before_from_after_ = mounting * graph_.laser(0).robot_from_laser.Inverse();
+      CarrySeedAlong();
+    }
     std::cout << '\n'
               << summary_.solver.FullReport() << '\n'
               << CalibrationText(summary_.calibration);
@@ -204,6 +207,10 @@ class SlamRun {
                          &maps_.back().area};
     std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
     tasks.push_back([&] { return Trajectory("trajectory.tum"); });
+    tasks.push_back([&] {
+      return WriteRefinedPoseGraph(output_.File("graph.g2o"), graph_, summary_.seeding.pose_graph,
+                                   before_from_after_);
+    });
     tasks.push_back([&] {
       return WriteClosurePicture(output_.File("closures.png"), graph_,
                                  summary_.seeding.loops.matches, outputs_.picture_side_px);
@@ -241,6 +248,8 @@ class SlamRun {
         << MapFilesText(true)
         << "  closures.png                                      loops closed and refused\n"
            "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
+           "  graph.g2o                                         these poses and the seed's edges, "
+           "closures included\n"
            "  summary.json                                      options and figures\n"
         << std::flush;
     std::cerr << AlarmText(summary_.alarms);
@@ -269,6 +278,7 @@ class SlamRun {
   SlamGraph graph_;
   MeasuredSurface surface_;
   std::vector<double> seed_poses_;
+  Pose2 before_from_after_;  // how a calibrated mounting moved the frame of the robot
   std::optional<Truth> truth_;
   RunSummary summary_;
   std::vector<ReportMap> maps_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <limits>
 
 namespace plumbline {
@@ -24,6 +25,17 @@ TEST(NumberTextTest, WhatIsNotFiniteIsADash) {
   EXPECT_EQ(FixedText(12345678.0, 0), "12345678");
   EXPECT_EQ(ShortText(0.012), "0.012");
   EXPECT_EQ(ShortText(5185365.0), "5.1854e+06");
+}
+
+TEST(NumberTextTest, ExactNumbersComeBackToTheLastBit) {
+  EXPECT_EQ(ExactText(0.1), "0.1");
+  EXPECT_EQ(ExactText(81.83), "81.83");
+  EXPECT_EQ(ExactText(-3.0), "-3");
+  for (const double value :
+       {1.0 / 3.0, -2.2250738585072014e-308, 1e9 + 0.1, std::numeric_limits<double>::denorm_min(),
+        std::numeric_limits<double>::lowest()}) {
+    EXPECT_EQ(std::strtod(ExactText(value).c_str(), nullptr), value) << ExactText(value);
+  }
 }
 
 }  // namespace

@@ -97,25 +97,6 @@ TEST_F(PoseGraphFileTest, ScansBelongToTheVertexBeforeThem) {
   EXPECT_NEAR(graph.points()[2], 1.0 + 0.2 + 2.0, 1e-6);
 }
 
-TEST_F(PoseGraphFileTest, WritesThePosesAndLeavesTheRest) {
-  const std::string rest =
-      Laser("1 2 3", "8.5") + "# comment\nEDGE_SE2 5 -2 1 0 0" + kUnit + "FIX 5\n";
-  ASSERT_TRUE(Read("VERTEX_SE2 5 0 0 0\n" + rest + "VERTEX_SE2 -2 1 0 0\n").ok());
-  file_.graph.SetPose(0, Pose2(1.0 / 3.0, -1e-17, 3.0));
-  file_.graph.SetPose(1, Pose2(1e9 + 0.1, 2.0, 0.5 + 4.0 * kPi));
-  const std::string out = folder_ + "b.g2o";
-  ASSERT_TRUE(WritePoseGraphFile(out, file_).ok());
-  EXPECT_EQ(ReadFile(out), "VERTEX_SE2 5 0.33333333333333331 -1.0000000000000001e-17 3\n" + rest +
-                               "VERTEX_SE2 -2 1000000000.1 2 0.5\n");
-
-  PoseGraphFile again;
-  ASSERT_TRUE(ReadPoseGraphFile(out, &again).ok());
-  EXPECT_EQ(again.graph.poses()[0], 1.0 / 3.0);
-  EXPECT_EQ(again.graph.poses()[1], -1e-17);
-  EXPECT_EQ(again.graph.poses()[3], 1e9 + 0.1);
-  EXPECT_THAT(WritePoseGraphFile(folder_ + "none/b.g2o", file_).message(), HasSubstr("none"));
-}
-
 TEST_F(PoseGraphFileTest, NamesTheCulprit) {
   const std::string two = "VERTEX_SE2 1 0 0 0\nVERTEX_SE2 2 1 0 0\n";
   const std::string edge = "EDGE_SE2 1 2 1 0 0";

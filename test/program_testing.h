@@ -19,10 +19,10 @@ namespace plumbline {
 
 /// What a run over a CARMEN log leaves.
 inline const std::vector<std::string> kResults = {
-    "before_after.png", "closures.png",       "conflicts.png",   "map.pgm",
-    "map.yaml",         "map_odometry.png",   "map_refined.png", "map_seed.png",
-    "points.pcd",       "points.ply",         "report.html",     "summary.json",
-    "trajectory.tum",   "trajectory_seed.tum"};
+    "before_after.png", "closures.png",   "conflicts.png",      "graph.g2o",
+    "map.pgm",          "map.yaml",       "map_odometry.png",   "map_refined.png",
+    "map_seed.png",     "points.pcd",     "points.ply",         "report.html",
+    "summary.json",     "trajectory.tum", "trajectory_seed.tum"};
 
 /// For runs whose map need not be sharp.
 inline const char kQuick[] = "--coarse_rounds=0 --fine_rounds=1 --cg_max_sweeps=2";

@@ -8,13 +8,6 @@
 #include "plumbline/apps/io/log_to_graph.h"
 
 namespace plumbline {
-namespace {
-
-// Files keep six decimals of a second or fewer; no scanner is faster than a scan per millisecond.
-constexpr double kSameTime_s = 1e-3;
-
-}  // namespace
-
 Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
                   LogMap* map) {
   CarmenLog log;

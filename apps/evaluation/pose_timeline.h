@@ -7,6 +7,10 @@
 
 namespace plumbline {
 
+/// Times of one moment differ by less [s]: files keep six decimals or fewer, and no scanner is
+/// faster than a scan per millisecond.
+constexpr double kSameTime_s = 1e-3;
+
 /// A trajectory in order of time, to look up poses in.
 class PoseTimeline {
  public:

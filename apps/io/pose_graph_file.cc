@@ -3,34 +3,20 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
-#include <iterator>
 #include <numeric>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
 
-#include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/text_reader.h"
-#include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
-
-struct Dialect {
-  PoseGraphFormat format;
-  const char* vertex;
-  const char* edge;
-  const char* information[6];  // "I" row column, both from 1
-};
-
-constexpr Dialect kDialects[] = {
-    {PoseGraphFormat::kG2o, "VERTEX_SE2", "EDGE_SE2", {"I11", "I12", "I13", "I22", "I23", "I33"}},
-    {PoseGraphFormat::kToro, "VERTEX2", "EDGE2", {"I11", "I12", "I22", "I33", "I13", "I23"}}};
 
 constexpr char kLaser[] = "ROBOTLASER1";
 
@@ -41,24 +27,10 @@ bool StartsWith(std::string_view text, std::string_view start) {
 bool HasPoseGraphExtension(const std::string& path) {
   std::filesystem::path name(path);
   if (name.extension() == ".gz") name = name.stem();
-  const std::string extension = name.extension().string();
-  return std::any_of(std::begin(kDialects), std::end(kDialects), [&](const Dialect& dialect) {
-    return extension == std::string(".") + ToString(dialect.format);
-  });
-}
-
-// The first word of a line; empty for comments and blank lines.
-std::string_view Keyword(std::string_view line) {
-  const std::string_view word = FieldReader(line).Word("keyword");
-  return StartsWith(word, "#") ? std::string_view() : word;
-}
-
-// Null if the keyword is in neither.
-const Dialect* DialectOf(std::string_view keyword) {
-  for (const Dialect& dialect : kDialects) {
-    if (keyword == dialect.vertex || keyword == dialect.edge) return &dialect;
+  for (const PoseGraphFormat format : {PoseGraphFormat::kG2o, PoseGraphFormat::kToro}) {
+    if (name.extension() == std::string(".") + ToString(format)) return true;
   }
-  return nullptr;
+  return false;
 }
 
 long long ReadId(FieldReader* fields, const char* field) {
@@ -72,15 +44,7 @@ long long ReadId(FieldReader* fields, const char* field) {
   return id;
 }
 
-Pose2 ReadPose(FieldReader* fields) {
-  Pose2 pose;
-  pose.x = fields->FiniteNumber("x");
-  pose.y = fields->FiniteNumber("y");
-  pose.yaw = fields->FiniteNumber("yaw");
-  return pose;
-}
-
-Eigen::Matrix3d ReadInformation(const Dialect& dialect, FieldReader* fields) {
+Eigen::Matrix3d ReadInformation(const PoseGraphDialect& dialect, FieldReader* fields) {
   Eigen::Matrix3d information;
   for (const char* field : dialect.information) {
     const int row = field[1] - '1', column = field[2] - '1';
@@ -113,9 +77,9 @@ class Parser {
 
   Status ParseLine(std::string_view line) {
     file_.lines.emplace_back(line);
-    const std::string_view keyword = Keyword(line);
+    const std::string_view keyword = RecordKeyword(line);
     if (keyword.empty() || StartsWith(keyword, "PARAMS_")) return Status::Ok();
-    if (dialect_ == nullptr) dialect_ = DialectOf(keyword);
+    if (dialect_ == nullptr) dialect_ = DialectOfKeyword(keyword);
     FieldReader fields(line);
     fields.Word("keyword");
     if (dialect_ != nullptr && keyword == dialect_->vertex) {
@@ -144,7 +108,7 @@ class Parser {
     PLUMBLINE_RETURN_IF_ERROR(FixPoses());
     const int island = FindIsland(file_.graph);
     if (island >= 0) {
-      return Error(file_.vertex_lines[island] + 1,
+      return Error(vertex_lines_[island] + 1,
                    "no edges connect vertex " + std::to_string(file_.vertex_ids[island]) +
                        " with the first vertex, " + std::to_string(file_.vertex_ids[0]));
     }
@@ -166,23 +130,23 @@ class Parser {
 
   void ReadVertex(FieldReader* fields) {
     const long long id = ReadId(fields, "id");
-    const Pose2 pose = ReadPose(fields);
+    const Pose2 pose = ReadPoseFields(fields);
     fields->ExpectEnd();
     const auto [known, added] = pose_of_id_.emplace(id, static_cast<int>(poses_.size()));
     if (!added) {
       fields->Fail("id", "vertex " + std::to_string(id) + " was there before, in line " +
-                             std::to_string(file_.vertex_lines[known->second] + 1));
+                             std::to_string(vertex_lines_[known->second] + 1));
     }
     poses_.push_back(pose);
     file_.vertex_ids.push_back(id);
-    file_.vertex_lines.push_back(file_.lines.size() - 1);
+    vertex_lines_.push_back(file_.lines.size() - 1);
   }
 
   void ReadEdge(FieldReader* fields) {
     Edge edge;
     edge.from = ReadId(fields, "from");
     edge.to = ReadId(fields, "to");
-    edge.from_from_to = ReadPose(fields);
+    edge.from_from_to = ReadPoseFields(fields);
     edge.information = ReadInformation(*dialect_, fields);
     fields->ExpectEnd();
     if (edge.from == edge.to) fields->Fail("to", "the edge joins a vertex with itself");
@@ -275,13 +239,15 @@ class Parser {
   // line: from 1.
   Status Error(std::size_t line, const std::string& problem) const {
     return Status::InvalidArgument(path_ + ":" + std::to_string(line) + ": " +
-                                   std::string(Keyword(file_.lines[line - 1])) + " " + problem);
+                                   std::string(RecordKeyword(file_.lines[line - 1])) + " " +
+                                   problem);
   }
 
   const std::string path_;
-  const Dialect* dialect_ = nullptr;  // that of the first vertex or edge
+  const PoseGraphDialect* dialect_ = nullptr;  // that of the first vertex or edge
   PoseGraphFile file_;
   std::vector<Pose2> poses_;
+  std::vector<std::size_t> vertex_lines_;  // index into the file's lines
   std::unordered_map<long long, int> pose_of_id_;
   std::unordered_map<std::size_t, int> pose_of_laser_line_;
   std::vector<Edge> edges_;
@@ -299,7 +265,7 @@ bool IsPoseGraphFile(const std::string& path) {
   if (!reader.Open(path).ok()) return false;
   std::string_view line;
   while (reader.NextLine(&line)) {
-    const std::string_view keyword = Keyword(line);
+    const std::string_view keyword = RecordKeyword(line);
     if (keyword.empty()) continue;
     return StartsWith(keyword, "VERTEX") || StartsWith(keyword, "EDGE") || keyword == "FIX" ||
            StartsWith(keyword, "PARAMS_");
@@ -316,22 +282,6 @@ Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file) {
   PLUMBLINE_RETURN_IF_ERROR(reader.status());
   if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
   return parser.Finish(file);
-}
-
-Status WritePoseGraphFile(const std::string& path, const PoseGraphFile& file) {
-  std::vector<std::string> lines = file.lines;
-  for (int i = 0; i < file.graph.num_poses(); ++i) {
-    const Pose2 pose = file.graph.WorldFromRobot(i);
-    char numbers[128];
-    std::snprintf(numbers, sizeof(numbers), " %lld %.17g %.17g %.17g", file.vertex_ids[i], pose.x,
-                  pose.y, NormalizeAngle(pose.yaw));
-    std::string& line = lines[file.vertex_lines[i]];
-    line = std::string(Keyword(line)) + numbers;
-  }
-  AtomicFile output;
-  PLUMBLINE_RETURN_IF_ERROR(output.Open(path));
-  for (const std::string& line : lines) output.stream() << line << '\n';
-  return output.Commit();
 }
 
 }  // namespace plumbline

@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_APPS_IO_POSE_GRAPH_FILE_H_
 #define PLUMBLINE_APPS_IO_POSE_GRAPH_FILE_H_
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -26,9 +25,7 @@ struct PoseGraphFile {
   /// inverse of the information.
   SlamGraph graph;
   std::vector<long long> vertex_ids;  ///< the file's name of each pose; any integers
-
-  std::vector<std::string> lines;         ///< the file's text
-  std::vector<std::size_t> vertex_lines;  ///< index into `lines` of each pose's vertex
+  std::vector<std::string> lines;     ///< the file's text, without line ends
 };
 
 /// Tells by the first record whether a file, plain or gzip-compressed, is a pose graph, readable or
@@ -42,8 +39,7 @@ bool IsPoseGraphFile(const std::string& path);
 ///   FIX id ...                                      poses to hold; the first vertex if there is
 ///                                                   none
 ///   ROBOTLASER1 ...                                 as in a CARMEN log (carmen_log.h): a scan
-///   taken
-///                                                   at the vertex most recently read
+///                                                   taken at the vertex most recently read
 ///   PARAMS_..., comments (#)                        of no effect
 ///
 /// Edges may come before their vertices. A pose has the time of its first scan, or else its index.
@@ -56,11 +52,6 @@ bool IsPoseGraphFile(const std::string& path);
 /// DataLoss on scans that cannot be read and on a truncated or corrupt compressed file, NotFound or
 /// Unavailable if the file cannot be read. Replaces *file on success only.
 Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file);
-
-/// Writes the file with the poses that its graph has now; all other lines stay as they were read.
-/// The numbers round-trip exactly, yaw in [-pi, pi). NotFound or Unavailable if the file cannot be
-/// written.
-Status WritePoseGraphFile(const std::string& path, const PoseGraphFile& file);
 
 }  // namespace plumbline
 

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/robot_laser_record.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -48,35 +49,47 @@ void WriteStamp(double time_s, std::ostream* out) {
   *out << ' ' << time_s << " simulator " << time_s << '\n';
 }
 
+double Rounded(double value, double steps_per_unit) {
+  return std::round(value * steps_per_unit) / steps_per_unit;
+}
+
+Pose2 Rounded(const Pose2& pose) {
+  return {Rounded(pose.x, 1e6), Rounded(pose.y, 1e6), Rounded(NormalizeAngle(pose.yaw), 1e6)};
+}
+
+// With the decimals that FLASER would have; but the bearings exactly, since an error of the step
+// adds up along the beams.
+CarmenScan RobotLaserOf(const LaserModel& laser, const SimulatedScan& scan) {
+  CarmenScan record;
+  record.timestamp_s = Rounded(scan.scan.timestamp_s, 1e6);
+  record.odom_from_laser = Rounded(scan.odom_from_robot * laser.robot_from_laser);
+  record.odom_from_robot = Rounded(scan.odom_from_robot);
+  for (const double range_m : scan.scan.ranges) record.ranges.push_back(Rounded(range_m, 1e3));
+  record.first_bearing_rad = laser.first_bearing_rad;
+  record.bearing_step_rad = laser.bearing_step_rad;
+  record.max_range_m = Rounded(laser.max_range_m, 1e3);
+  return record;
+}
+
+void WriteFlaser(const LaserModel& laser, const SimulatedScan& scan, std::ostream* out) {
+  *out << "FLASER " << scan.scan.ranges.size();
+  for (const double range : scan.scan.ranges) WriteRange(range, out);
+  WritePose(scan.odom_from_robot * laser.robot_from_laser, out);
+  WritePose(scan.odom_from_robot, out);
+  WriteStamp(scan.scan.timestamp_s, out);
+}
+
 void WriteScan(const LaserModel& laser, const SimulatedScan& scan, const Velocity& velocity,
                std::ostream* out) {
-  const double time_s = scan.scan.timestamp_s;
   *out << "ODOM";
   WritePose(scan.odom_from_robot, out);
   *out << ' ' << velocity.translation_m_s << ' ' << velocity.rotation_rad_s << " 0";
-  WriteStamp(time_s, out);
-
-  const bool flaser = FitsFlaser(laser);
-  if (flaser) {
-    *out << "FLASER";
+  WriteStamp(scan.scan.timestamp_s, out);
+  if (FitsFlaser(laser)) {
+    WriteFlaser(laser, scan, out);
   } else {
-    // The step decides where each beam points; 6 decimals would move the last one.
-    const std::streamsize precision = out->precision(12);
-    *out << "ROBOTLASER1 0 " << laser.first_bearing_rad << ' '
-         << laser.bearing_step_rad * (laser.num_beams - 1) << ' ' << laser.bearing_step_rad;
-    out->precision(precision);
-    WriteRange(laser.max_range_m, out);
-    *out << " 0 0";
+    *out << RobotLaserRecord(RobotLaserOf(laser, scan)) << '\n';
   }
-  *out << ' ' << scan.scan.ranges.size();
-  for (const double range : scan.scan.ranges) WriteRange(range, out);
-  if (!flaser) *out << " 0";
-  WritePose(scan.odom_from_robot * laser.robot_from_laser, out);
-  WritePose(scan.odom_from_robot, out);
-  if (!flaser) {
-    *out << ' ' << velocity.translation_m_s << ' ' << velocity.rotation_rad_s << " 0 0 0";
-  }
-  WriteStamp(time_s, out);
 }
 
 }  // namespace

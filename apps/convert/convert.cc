@@ -1,0 +1,114 @@
+#include "plumbline/apps/convert/convert.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "plumbline/apps/convert/replace_poses.h"
+#include "plumbline/apps/io/occupancy_grid.h"
+#include "plumbline/apps/io/pcd_writer.h"
+#include "plumbline/apps/io/ply_writer.h"
+#include "plumbline/apps/io/pose_graph_file.h"
+#include "plumbline/apps/io/pose_graph_writer.h"
+#include "plumbline/apps/io/trajectory_io.h"
+
+namespace plumbline {
+namespace {
+
+bool IsPoseGraph(const ConversionTarget& target) {
+  return target.format == ConversionFormat::kG2o || target.format == ConversionFormat::kToro;
+}
+
+// One name for each file, however it is spelled.
+std::string Identity(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
+      .string();
+}
+
+// Known before anything is written, so that a ROS map does not end up with one file of its two.
+Status CheckFiles(const ConvertOptions& options) {
+  std::error_code ignored;
+  std::set<std::string> taken = {Identity(options.input)};
+  if (!options.trajectory.empty()) taken.insert(Identity(options.trajectory));
+  for (const ConversionTarget& target : options.targets) {
+    for (const std::string& file : target.Files()) {
+      if (!taken.insert(Identity(file)).second) {
+        return Status::InvalidArgument("'" + file + "' is an input, or an output named before");
+      }
+      if (std::filesystem::is_directory(file, ignored)) {
+        return Status::InvalidArgument("'" + file + "' is a folder");
+      }
+    }
+  }
+  return Status::Ok();
+}
+
+Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* counts) {
+  if (IsPoseGraphFile(options.input)) return ReadPoseGraphFile(options.input, file);
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(options.input, 0, counts, &file->graph));
+  if (std::none_of(options.targets.begin(), options.targets.end(), IsPoseGraph)) {
+    return Status::Ok();
+  }
+  // Now, so that the scans keep the poses of the odometry, whatever a trajectory says.
+  const Status status = MakePoseGraphFile(std::move(file->graph), MotionOptions(), file);
+  return status.ok() ? status : Status::InvalidArgument(options.input + ": " + status.message());
+}
+
+Status Write(const ConversionTarget& target, const PoseGraphFile& file, double map_resolution_m) {
+  switch (target.format) {
+    case ConversionFormat::kTum:
+      return WriteTumTrajectory(target.path, TrajectoryOf(file.graph));
+    case ConversionFormat::kG2o:
+      return WritePoseGraphFile(target.path, PoseGraphFormat::kG2o, file);
+    case ConversionFormat::kToro:
+      return WritePoseGraphFile(target.path, PoseGraphFormat::kToro, file);
+    case ConversionFormat::kPly:
+      return WritePointsPly(target.path, file.graph);
+    case ConversionFormat::kPcd:
+      return WritePointsPcd(target.path, file.graph);
+    case ConversionFormat::kRosMap:
+      break;
+  }
+  return WriteRobotMap(target.MapStem(), file.graph, map_resolution_m);
+}
+
+}  // namespace
+
+bool ConvertOptions::Check(std::string* error) const {
+  OccupancyGridOptions grid;
+  grid.resolution_m = map_resolution_m;
+  return grid.Check(error);
+}
+
+Status Convert(const ConvertOptions& options, ConversionReport* report) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument("ROS map: " + error);
+  PLUMBLINE_RETURN_IF_ERROR(CheckFiles(options));
+  ConversionReport result;
+  PoseGraphFile file;
+  PLUMBLINE_RETURN_IF_ERROR(ReadInput(options, &file, &result.counts));
+  if (!options.trajectory.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(ReplacePoses(options.trajectory, &file.graph));
+  }
+  for (const ConversionTarget& target : options.targets) {
+    if (target.NeedsReturns() && file.graph.num_returns() == 0) {
+      return Status::InvalidArgument(options.input + ": there are no returns of a laser for '" +
+                                     target.path + "'");
+    }
+    result.left_out.push_back(LeftOut(target.format, file.graph));
+  }
+  result.num_poses = file.graph.num_poses();
+  result.num_edges = file.graph.odometry().size() + file.graph.relative_poses().size();
+  result.num_scans = file.graph.num_scans();
+  result.num_returns = file.graph.num_returns();
+  for (const ConversionTarget& target : options.targets) {
+    PLUMBLINE_RETURN_IF_ERROR(Write(target, file, options.map_resolution_m));
+  }
+  *report = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

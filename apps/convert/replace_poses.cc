@@ -1,0 +1,63 @@
+#include "plumbline/apps/convert/replace_poses.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/number_text.h"
+
+namespace plumbline {
+namespace {
+
+bool HasTimesOf(const SlamGraph& graph, const std::vector<TimedPose>& trajectory) {
+  if (static_cast<int>(trajectory.size()) != graph.num_poses()) return false;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    const double difference_s = trajectory[pose].timestamp_s - graph.timestamp_s(pose);
+    if (std::abs(difference_s) > kSameTime_s) return false;
+  }
+  return true;
+}
+
+// The trajectory's pose for each of the graph's.
+Status Match(const std::string& path, const std::vector<TimedPose>& trajectory,
+             const SlamGraph& graph, std::vector<TimedPose>* matches) {
+  const PoseTimeline timeline(trajectory);
+  int first_without = -1, num_without = 0;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    const TimedPose* match = timeline.Nearest(graph.timestamp_s(pose), kSameTime_s);
+    if (match != nullptr) {
+      matches->push_back(*match);
+    } else if (num_without++ == 0) {
+      first_without = pose;
+    }
+  }
+  if (num_without == 0) return Status::Ok();
+  const double time_s = graph.timestamp_s(first_without);
+  const TimedPose* nearest = timeline.Nearest(time_s, std::numeric_limits<double>::infinity());
+  return Status::InvalidArgument(
+      path + ": no pose at " + ExactText(time_s) + " s, the time of pose " +
+      std::to_string(first_without) + "; the nearest is at " + ExactText(nearest->timestamp_s) +
+      " s. " + std::to_string(num_without) + " of " + std::to_string(graph.num_poses()) +
+      " poses have none within " + ExactText(kSameTime_s) + " s");
+}
+
+}  // namespace
+
+Status ReplacePoses(const std::string& trajectory_path, SlamGraph* graph) {
+  std::vector<TimedPose> trajectory;
+  PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(trajectory_path, &trajectory));
+  if (!HasTimesOf(*graph, trajectory)) {
+    std::vector<TimedPose> matches;
+    PLUMBLINE_RETURN_IF_ERROR(Match(trajectory_path, trajectory, *graph, &matches));
+    trajectory = std::move(matches);
+  }
+  for (int pose = 0; pose < graph->num_poses(); ++pose) {
+    graph->SetPose(pose, trajectory[pose].world_from_robot);
+  }
+  graph->ResetPointsFromPoses();
+  return Status::Ok();
+}
+
+}  // namespace plumbline
