@@ -15,11 +15,8 @@ DECLARE_bool(helpshort);
 namespace plumbline {
 namespace {
 
-bool IsMainFile(const std::string& filename) {
-  const std::string stem = std::filesystem::path(filename).stem().string();
-  constexpr std::string_view kEnding = "_main";
-  return stem.size() > kEnding.size() &&
-         stem.compare(stem.size() - kEnding.size(), kEnding.size(), kEnding) == 0;
+bool EndsWith(std::string_view text, std::string_view ending) {
+  return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
 }
 
 // The default as one would type it: gflags prints 17 digits of a number.
@@ -36,9 +33,10 @@ std::vector<gflags::CommandLineFlagInfo> ProgramFlags() {
   std::vector<gflags::CommandLineFlagInfo> all, of_main, shared;
   gflags::GetAllFlags(&all);
   for (gflags::CommandLineFlagInfo& flag : all) {
-    if (IsMainFile(flag.filename)) {
+    const std::string stem = std::filesystem::path(flag.filename).stem().string();
+    if (EndsWith(stem, "_main")) {
       of_main.push_back(std::move(flag));
-    } else if (std::filesystem::path(flag.filename).filename() == "flags.cc") {
+    } else if (stem == "flags" || EndsWith(stem, "_flags")) {
       shared.push_back(std::move(flag));
     }
   }

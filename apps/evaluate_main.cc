@@ -23,10 +23,10 @@ DEFINE_string(trajectory, "", "Trajectory to measure (TUM: 't x y z qx qy qz qw'
 DEFINE_string(relations, "",
               "True relative poses ('t1 t2 x y z roll pitch yaw'): relations metric");
 DEFINE_string(truth, "", "True trajectory (TUM): absolute and relative error, as evo has them");
-DEFINE_string(
-    log, "",
-    "CARMEN log, plain or .gz: sharpness of its ranges at the trajectory's poses, and whether "
-    "its passes contradict each other about free space");
+DEFINE_string(log, "",
+              "CARMEN log, plain or .gz, or ROS bag: sharpness of its ranges at the trajectory's "
+              "poses, and whether "
+              "its passes contradict each other about free space");
 DEFINE_string(points, "", "Map points (PLY of plumbline_slam): their sharpness");
 DEFINE_string(json, "", "Write the figures to this file as JSON");
 DEFINE_string(csv, "", "Write the figures to this file as lines 'figure,value'");

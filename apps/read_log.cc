@@ -1,10 +1,15 @@
 #include "plumbline/apps/read_log.h"
 
+#include <fstream>
 #include <iostream>
+#include <string_view>
 #include <utility>
 
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/log_flags.h"
 
 namespace plumbline {
 namespace {
@@ -18,20 +23,45 @@ void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting
                "mapper?\n";
 }
 
-}  // namespace
-
-Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
-                        SlamGraph* graph) {
+Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
   CarmenLog log;
   PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
   for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
   WarnOfOtherMountings(path, EstimateLaserMounting(log));
+  *counts = {log.num_issues, log.num_out_of_order};
+  return BuildGraph(log, max_scans, graph);
+}
+
+bool IsRosbag(const std::string& path) {
+  constexpr std::string_view kMagic = "#ROSBAG V";
+  std::string start(kMagic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  return start == kMagic;
+}
+
+Status ReadBag(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+  RosRecording recording;
+  PLUMBLINE_RETURN_IF_ERROR(ReadRosbag(path, RosbagReadOptionsFromFlags(), &recording));
+  RosGraphNotes notes;
+  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, RosGraphOptions(), max_scans, &notes, graph));
+  for (const std::string& scan : notes.skipped_scans) std::cerr << "skipped " << scan << '\n';
+  for (const std::string& warning : notes.warnings) std::cerr << "warning: " << warning << '\n';
+  *counts = {notes.num_skipped_scans, notes.num_out_of_order};
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
+                        SlamGraph* graph) {
   SlamGraph result;
-  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, max_scans, &result));
+  LogCounts result_counts;
+  PLUMBLINE_RETURN_IF_ERROR(IsRosbag(path) ? ReadBag(path, max_scans, &result_counts, &result)
+                                           : ReadCarmen(path, max_scans, &result_counts, &result));
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
-  *counts = {log.num_issues, log.num_out_of_order};
+  *counts = result_counts;
   *graph = std::move(result);
   return Status::Ok();
 }

@@ -1,4 +1,4 @@
-// A raw CARMEN log in; a trajectory, a map of every laser return, pictures and numbers out.
+// A raw log in; a trajectory, a map of every laser return, pictures and numbers out.
 
 #include <gflags/gflags.h>
 #include <glog/logging.h>
@@ -38,7 +38,9 @@
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
-DEFINE_string(log, "", "CARMEN log to map, or pose graph (g2o, TORO) to refine; plain or .gz");
+DEFINE_string(
+    log, "",
+    "Log to map (CARMEN, or ROS bag), or pose graph to refine (g2o, TORO); text plain or .gz");
 DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
 DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
@@ -106,9 +108,8 @@ class SlamRun {
 
   Status RefinePoseGraphFile() const {
     if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || calibration_options_.IsOn()) {
-      return Status::InvalidArgument(
-          "--max_scans, --truth and --calibrate go with a CARMEN log, but " + FLAGS_log +
-          " is a pose graph");
+      return Status::InvalidArgument("--max_scans, --truth and --calibrate go with a log, but " +
+                                     FLAGS_log + " is a pose graph");
     }
     return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_});
   }
@@ -291,7 +292,8 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
-      "Maps a raw CARMEN log, or refines a pose graph: joint estimation of all poses and all laser "
+      "Maps a raw log (CARMEN or ROS bag), or refines a pose graph: joint estimation of all poses "
+      "and all laser "
       "returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Usage: cmake/bootstrap.sh [--tests]
-# Installs what the build needs and the system lacks; with --tests also the browser, some 300 MB,
-# that the test of report.html runs in. Debian and its kin only: elsewhere it says what is wanted and
-# leaves the rest to CMake.
+# Installs what the build needs and the system lacks; with --tests also what tests can do without:
+# the browser, some 300 MB, that the test of report.html runs in, and the library for ROS bags,
+# some 200 MB. Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
 packages=(
@@ -11,31 +11,41 @@ packages=(
   libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev      # programs
   libgtest-dev libgmock-dev                                                         # tests
 )
-if [[ ${1:-} == --tests ]]; then packages+=(chromium chromium-driver python3-selenium); fi
+browser=(chromium chromium-driver python3-selenium)
+rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
+  echo "bootstrap: ROS bags want ${rosbag[*]}" >&2
   exit 0
 fi
 
-missing=()
-for package in "${packages[@]}"; do
-  status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
-  [[ $status == installed ]] || missing+=("$package")
-done
-if ((${#missing[@]} == 0)); then exit 0; fi
+# Installs those of the packages that are missing.
+install_missing() {
+  local package status missing=()
+  for package in "$@"; do
+    status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+    [[ $status == installed ]] || missing+=("$package")
+  done
+  if ((${#missing[@]} == 0)); then return 0; fi
 
-if ((EUID == 0)); then
-  as_root=(env)
-elif command -v sudo >/dev/null; then
-  as_root=(sudo env)
-else
-  echo "bootstrap: neither root nor sudo. Have these installed, then run this again:" >&2
-  echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
-  exit 1
+  local as_root=(env)
+  if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+      echo "bootstrap: neither root nor sudo. Have these installed, then run this again:" >&2
+      echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
+      return 1
+    fi
+    as_root=(sudo env)
+  fi
+  echo "bootstrap: installing ${missing[*]}"
+  as_root+=(DEBIAN_FRONTEND=noninteractive)
+  "${as_root[@]}" apt-get update &&
+    "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"
+}
+
+install_missing "${packages[@]}"
+if [[ ${1:-} == --tests ]]; then
+  install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
+  install_missing "${rosbag[@]}" || echo "bootstrap: no library for ROS bags; the build goes without" >&2
 fi
-
-echo "bootstrap: installing ${missing[*]}"
-as_root+=(DEBIAN_FRONTEND=noninteractive)
-"${as_root[@]}" apt-get update
-"${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "plumbline/apps/io/rosbag_reader.h"
 #include "plumbline/test/temp_file.h"
 
 namespace plumbline {
@@ -40,6 +41,17 @@ TEST(ReadLogTest, ALogWithoutReturnsIsAnError) {
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr(path + ": no scan has a return"));
   EXPECT_EQ(graph.num_scans(), 0);
+}
+
+TEST(ReadLogTest, ARosbagIsToldByItsFirstLine) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path, "#ROSBAG V2.0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(status.message(), HasSubstr(CanReadRosbags() ? path + ": cannot be read as a ROS bag"
+                                                           : path + ": a ROS bag, which this"));
 }
 
 }  // namespace

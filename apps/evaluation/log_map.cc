@@ -1,34 +1,32 @@
 #include "plumbline/apps/evaluation/log_map.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "plumbline/apps/evaluation/pose_timeline.h"
-#include "plumbline/apps/io/carmen_log.h"
-#include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/read_log.h"
 
 namespace plumbline {
 Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
                   LogMap* map) {
-  CarmenLog log;
-  PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(log_path, CarmenReadOptions(), &log));
+  SlamGraph log;
+  LogCounts counts;
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &counts, &log));
   const PoseTimeline timeline(trajectory);
-  const auto has_no_pose = [&timeline](const CarmenScan& scan) {
-    return timeline.Nearest(scan.timestamp_s, kSameTime_s) == nullptr;
-  };
-  const auto first_without = std::remove_if(log.scans.begin(), log.scans.end(), has_no_pose);
   LogMap result;
-  result.num_scans_without_pose = log.scans.end() - first_without;
-  log.scans.erase(first_without, log.scans.end());
-  if (!log.scans.empty()) PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, 0, &result.graph));
+  for (int scan = 0; scan < log.num_scans(); ++scan) {
+    const double timestamp_s = log.timestamp_s(log.scan(scan).pose);
+    const TimedPose* known = timeline.Nearest(timestamp_s, kSameTime_s);
+    if (known == nullptr) {
+      ++result.num_scans_without_pose;
+      continue;
+    }
+    int pose = 0;
+    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddPose(known->world_from_robot, timestamp_s, &pose));
+    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddScanOf(log, scan, pose));
+  }
   if (result.graph.num_returns() == 0) {
     return Status::InvalidArgument(log_path + ": no scan with returns has a pose at its time");
   }
-  for (int pose = 0; pose < result.graph.num_poses(); ++pose) {
-    const double timestamp_s = result.graph.timestamp_s(pose);
-    result.graph.SetPose(pose, timeline.Nearest(timestamp_s, kSameTime_s)->world_from_robot);
-  }
-  result.graph.ResetPointsFromPoses();
   *map = std::move(result);
   return Status::Ok();
 }

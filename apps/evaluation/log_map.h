@@ -18,8 +18,8 @@ struct LogMap {
 };
 
 /// Reads the log and puts its scans at the poses that have their time (to 1 ms). Scans without a
-/// pose are left out and counted. NotFound, Unavailable, DataLoss or InvalidArgument if
-/// ReadCarmenLog or BuildGraph fails, InvalidArgument if no return has a pose.
+/// pose are left out and counted. Fails and warns like ReadLogIntoGraph; InvalidArgument if no
+/// return has a pose.
 Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
                   LogMap* map);
 

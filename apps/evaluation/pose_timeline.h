@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_EVALUATION_POSE_TIMELINE_H_
 #define PLUMBLINE_APPS_EVALUATION_POSE_TIMELINE_H_
 
+#include <optional>
 #include <vector>
 
 #include "plumbline/apps/io/trajectory_io.h"
@@ -20,6 +21,10 @@ class PoseTimeline {
   /// The pose nearest in time, of two equally near ones the earlier; null if it is more than
   /// tolerance_s [s] away.
   const TimedPose* Nearest(double timestamp_s, double tolerance_s) const;
+
+  /// The pose at a time, from the one before to the one after at constant speed and turn rate.
+  /// Empty if these are more than max_gap_s [s] apart, or one of them is missing.
+  std::optional<Pose2> Interpolate(double timestamp_s, double max_gap_s) const;
 
   const std::vector<TimedPose>& poses() const { return poses_; }
 

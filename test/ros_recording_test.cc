@@ -1,0 +1,302 @@
+#include "plumbline/apps/io/ros_recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+Eigen::Isometry3d Upright(double x, double y, double yaw) {
+  return Eigen::Translation3d(x, y, 0.3) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+}
+Eigen::Isometry3d Rolled(const Eigen::Isometry3d& transform, double roll_deg) {
+  return transform * Eigen::AngleAxisd(DegToRad(roll_deg), Eigen::Vector3d::UnitX());
+}
+
+RosScan Scan(double stamp_s) {
+  RosScan scan;
+  scan.stamp_s = stamp_s;
+  scan.frame = "laser";
+  scan.angle_min_rad = -0.5;
+  scan.angle_increment_rad = 0.25;
+  scan.range_min_m = 0.1;
+  scan.range_max_m = 10.0;
+  scan.ranges = {1.0, 2.0, 3.0, 4.0};
+  return scan;
+}
+
+// A robot that drives 1 m/s along the y axis of its odometry, from t = 100 s on; its laser sits
+// 0.2 m ahead, turned by 0.1 rad.
+class RosRecordingTest : public testing::Test {
+ protected:
+  RosRecordingTest() {
+    recording_.path = "a.bag";
+    recording_.scan_topic = "/scan";
+    for (const double stamp_s : {100.05, 100.25, 100.4}) recording_.scans.push_back(Scan(stamp_s));
+    recording_.odom_topic = "/odom";
+    recording_.robot_frame = "base";
+    for (int i = 0; i < 6; ++i) {
+      recording_.odometry.push_back({100.0 + 0.1 * i, {5.0, 0.1 * i, DegToRad(90.0)}});
+    }
+    recording_.transforms.Add("base", "laser", {0.0, Upright(0.2, 0.0, 0.1)});
+  }
+
+  // The same odometry as transforms.
+  void MoveOdometryToTransforms() {
+    recording_.odom_topic.clear();
+    recording_.robot_frame.clear();
+    for (const TimedPose& pose : recording_.odometry) {
+      recording_.transforms.Add(
+          "odom", "base",
+          {pose.timestamp_s,
+           Upright(pose.world_from_robot.x, pose.world_from_robot.y, pose.world_from_robot.yaw)});
+    }
+    recording_.odometry.clear();
+  }
+  void PutLaser(const Eigen::Isometry3d& robot_from_laser) {
+    recording_.transforms = TransformTree();
+    recording_.transforms.Add("base", "laser", {0.0, robot_from_laser});
+  }
+
+  void Build(int max_scans = 0) {
+    const Status status = BuildGraph(recording_, RosGraphOptions(), max_scans, &notes_, &graph_);
+    ASSERT_TRUE(status.ok()) << status.message();
+  }
+  std::string Failure() {
+    const Status status = BuildGraph(recording_, RosGraphOptions(), 0, &notes_, &graph_);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_EQ(graph_.num_poses(), 0);
+    return status.message();
+  }
+  void ExpectDrive() const {
+    ASSERT_EQ(graph_.num_poses(), 3);
+    const double ahead_m[] = {0.0, 0.2, 0.35};
+    for (int i = 0; i < 3; ++i) {
+      const Pose2 pose = graph_.WorldFromRobot(i);
+      EXPECT_NEAR(pose.x, ahead_m[i], 1e-9);
+      EXPECT_NEAR(pose.y, 0.0, 1e-9);
+      EXPECT_NEAR(pose.yaw, 0.0, 1e-9);
+      EXPECT_EQ(graph_.timestamp_s(i), recording_.scans[i].stamp_s);
+    }
+    ASSERT_EQ(graph_.odometry().size(), 2u);
+    EXPECT_NEAR(graph_.odometry()[1].from_from_to.x, 0.15, 1e-9);
+  }
+
+  RosRecording recording_;
+  RosGraphNotes notes_;
+  SlamGraph graph_;
+};
+
+TEST_F(RosRecordingTest, ScansTakeTheirPlaceFromOdometryMessages) {
+  Build();
+  ExpectDrive();
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+  EXPECT_EQ(notes_.num_skipped_scans, 0u);
+  EXPECT_EQ(notes_.num_out_of_order, 0u);
+  const LaserModel& laser = graph_.laser(0);
+  EXPECT_EQ(laser.num_beams, 4);
+  EXPECT_EQ(laser.first_bearing_rad, -0.5);
+  EXPECT_EQ(laser.bearing_step_rad, 0.25);
+  EXPECT_EQ(laser.min_range_m, 0.1);
+  EXPECT_EQ(laser.max_range_m, 10.0);
+  EXPECT_NEAR(laser.robot_from_laser.x, 0.2, 1e-12);
+  EXPECT_NEAR(laser.robot_from_laser.yaw, 0.1, 1e-12);
+  EXPECT_EQ(graph_.num_lasers(), 1);
+}
+
+TEST_F(RosRecordingTest, ScansTakeTheirPlaceFromTransforms) {
+  MoveOdometryToTransforms();
+  Build();
+  ExpectDrive();
+  EXPECT_NEAR(graph_.laser(0).robot_from_laser.x, 0.2, 1e-12);
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+}
+
+TEST_F(RosRecordingTest, TheRobotIsRightBelowTheOdometry) {
+  MoveOdometryToTransforms();
+  TransformTree longer = recording_.transforms;
+  recording_.transforms = TransformTree();
+  for (const StampedTransform& sample : longer.Samples("base")) {
+    recording_.transforms.Add("odom", "footprint", sample);
+  }
+  recording_.transforms.Add("map", "odom", {0.0, Upright(7.0, 7.0, 1.0)});
+  recording_.transforms.Add("footprint", "base", {0.0, Upright(0.05, 0.0, 0.0)});
+  recording_.transforms.Add("base", "laser", {0.0, Upright(0.2, 0.0, 0.1)});
+  Build();
+  ExpectDrive();
+  EXPECT_NEAR(graph_.laser(0).robot_from_laser.x, 0.25, 1e-12);
+}
+
+TEST_F(RosRecordingTest, ALaserUpsideDownSeesLeftAndRightExchanged) {
+  PutLaser(Rolled(Upright(0.2, 0.0, 0.1), 180.0));
+  Build();
+  const LaserModel& laser = graph_.laser(0);
+  EXPECT_EQ(laser.first_bearing_rad, 0.5);
+  EXPECT_EQ(laser.bearing_step_rad, -0.25);
+  // By hand: the first beam's end in the laser's frame, taken through the transform.
+  const Eigen::Vector3d end =
+      Rolled(Upright(0.2, 0.0, 0.1), 180.0) * Eigen::Vector3d(std::cos(-0.5), std::sin(-0.5), 0.0);
+  const LaserReturns& returns = graph_.returns();
+  const auto first = std::find(returns.beam.begin(), returns.beam.end(), 0);
+  const Eigen::Vector2d point = graph_.PointInRobot(first - returns.beam.begin());
+  EXPECT_NEAR(point.x(), end.x(), 1e-12);
+  EXPECT_NEAR(point.y(), end.y(), 1e-12);
+}
+
+TEST_F(RosRecordingTest, ATiltedLaserIsRefused) {
+  PutLaser(Rolled(Upright(0.2, 0.0, 0.1), 2.0));
+  Build();
+  EXPECT_EQ(graph_.num_scans(), 3);
+  graph_ = SlamGraph();
+  PutLaser(Rolled(Upright(0.2, 0.0, 0.1), 12.0));
+  EXPECT_THAT(Failure(), AllOf(HasSubstr("a.bag: "), HasSubstr("'laser' is tilted by 12.0"),
+                               HasSubstr("'base'")));
+}
+
+TEST_F(RosRecordingTest, AMovingLaserIsRefused) {
+  recording_.transforms.Add("base", "laser", {100.2, Upright(0.2, 0.0, 0.1)});
+  recording_.transforms.Add("base", "laser", {100.3, Upright(0.2, 0.0, 0.15)});
+  EXPECT_THAT(Failure(),
+              HasSubstr("a.bag: /scan message 1 (100.250000 s): the laser's frame 'laser' has "
+                        "moved on the robot, 'base'"));
+}
+
+TEST_F(RosRecordingTest, AnUnknownMountingIsSaidAndTakenAsTheCentre) {
+  recording_.transforms = TransformTree();
+  Build();
+  ExpectDrive();
+  EXPECT_EQ(graph_.laser(0).robot_from_laser.x, 0.0);
+  EXPECT_THAT(notes_.warnings, ElementsAre(AllOf(HasSubstr("a.bag"), HasSubstr("'base'"),
+                                                 HasSubstr("'laser'"), HasSubstr("centre"))));
+}
+
+TEST_F(RosRecordingTest, WhatIsNoReadingIsNoReturn) {
+  recording_.scans.resize(1);
+  recording_.scans[0].ranges = {kNan, kInf, -kInf, 0.0, 0.099, 0.1, 9.999, 10.0, 11.0, -1.0};
+  Build();
+  EXPECT_THAT(graph_.returns().range_m, ElementsAre(0.1, 9.999));
+  EXPECT_THAT(graph_.returns().beam, ElementsAre(5, 6));
+}
+
+TEST_F(RosRecordingTest, LimitsThatTheDriverDoesNotKnowAreTheUsualOnes) {
+  recording_.scans.resize(1);
+  recording_.scans[0].range_min_m = 0.0;
+  recording_.scans[0].range_max_m = kInf;
+  recording_.scans[0].ranges = {0.0, 0.06, 79.0, kInf};
+  Build();
+  EXPECT_THAT(graph_.returns().range_m, ElementsAre(0.06, 79.0));
+}
+
+TEST_F(RosRecordingTest, ASweepMayRunClockwise) {
+  for (RosScan& scan : recording_.scans) scan.angle_increment_rad = -0.25;
+  Build();
+  EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
+  EXPECT_NEAR(graph_.returns().bearing_rad[1], -0.75, 1e-12);
+}
+
+TEST_F(RosRecordingTest, ScansWithoutOdometryAreLeftOutAndNamed) {
+  recording_.scans.push_back(Scan(100.51));  // after the last
+  recording_.scans.push_back(Scan(101.5));   // in a gap of 2 s
+  recording_.odometry.push_back({102.6, {5.0, 2.6, DegToRad(90.0)}});
+  for (int i = 0; i < 12; ++i) recording_.scans.push_back(Scan(103.0 + i));
+  Build();
+  ExpectDrive();
+  EXPECT_EQ(notes_.num_skipped_scans, 14u);
+  EXPECT_EQ(notes_.skipped_scans.size(), 10u);
+  EXPECT_EQ(notes_.skipped_scans[1],
+            "a.bag: /scan message 4 (101.500000 s): no odometry before and after it");
+}
+
+TEST_F(RosRecordingTest, WithoutAnyScanInTheOdometryThereIsNoGraph) {
+  for (RosScan& scan : recording_.scans) scan.stamp_s += 100.0;
+  EXPECT_THAT(Failure(), AllOf(HasSubstr("no scan has odometry"), HasSubstr("/odom")));
+}
+
+TEST_F(RosRecordingTest, LateMessagesAreSortedIn) {
+  std::swap(recording_.scans[1], recording_.scans[2]);
+  std::swap(recording_.odometry[1], recording_.odometry[2]);
+  Build();
+  std::swap(recording_.scans[1], recording_.scans[2]);
+  ExpectDrive();
+  EXPECT_EQ(notes_.num_out_of_order, 2u);
+}
+
+TEST_F(RosRecordingTest, AClockThatJumpsBackIsAnError) {
+  recording_.scans.push_back(Scan(95.0));
+  EXPECT_THAT(Failure(), AllOf(HasSubstr("/scan message 3 (95.000000 s): the clock jumps back by "
+                                         "5.4"),
+                               HasSubstr("cut the recording there")));
+  recording_.scans.pop_back();
+  recording_.odometry.push_back({20.0, {}});
+  EXPECT_THAT(Failure(), HasSubstr("/odom message 6 (20.000000 s): the clock jumps back"));
+}
+
+// Ahead, odometry and scans jump together, and nothing is lost but the scan in between.
+TEST_F(RosRecordingTest, AClockMayJumpAhead) {
+  for (int i = 0; i < 3; ++i) {
+    recording_.odometry.push_back({5000.0 + 0.1 * i, {5.0, 0.6 + 0.1 * i, DegToRad(90.0)}});
+  }
+  recording_.scans.push_back(Scan(5000.1));
+  Build();
+  ASSERT_EQ(graph_.num_poses(), 4);
+  EXPECT_NEAR(graph_.WorldFromRobot(3).x, 0.65, 1e-9);
+}
+
+TEST_F(RosRecordingTest, WithoutOdometryTheFramesAreNamed) {
+  recording_.odom_topic.clear();
+  EXPECT_THAT(Failure(), AllOf(HasSubstr("no frame 'odom' above the laser's, 'laser'"),
+                               HasSubstr("frames: base, laser")));
+}
+
+TEST_F(RosRecordingTest, AScanThatIsNoneIsNamedWithItsField) {
+  const struct {
+    std::function<void(RosScan*)> spoil;
+    std::string message;
+  } kCases[] = {
+      {[](RosScan* s) { s->stamp_s = 0.0; }, "field 'header.stamp'"},
+      {[](RosScan* s) { s->ranges.clear(); }, "field 'ranges' is empty"},
+      {[](RosScan* s) { s->angle_min_rad = kNan; }, "field 'angle_min'"},
+      {[](RosScan* s) { s->angle_increment_rad = 0.0; }, "field 'angle_increment'"},
+      {[](RosScan* s) { s->range_max_m = 0.05; }, "field 'range_max'"},
+      {[](RosScan* s) { s->range_min_m = kNan; }, "field 'range_max'"},
+      {[](RosScan* s) { s->frame = "other"; }, "field 'header.frame_id' is 'other', but 'laser'"},
+      {[](RosScan* s) { s->angle_min_rad = 100.0; }, "first_bearing_rad"},
+  };
+  const RosScan sound = recording_.scans[1];
+  for (const auto& c : kCases) {
+    recording_.scans[1] = sound;
+    c.spoil(&recording_.scans[1]);
+    EXPECT_THAT(Failure(), AllOf(HasSubstr("a.bag: /scan message 1 ("), HasSubstr(c.message)));
+  }
+}
+
+TEST_F(RosRecordingTest, MaxScansTakesTheFirst) {
+  Build(2);
+  EXPECT_EQ(graph_.num_scans(), 2);
+  EXPECT_THAT(BuildGraph(recording_, RosGraphOptions(), -1, &notes_, &graph_).message(),
+              HasSubstr("max_scans = -1"));
+  RosGraphOptions options;
+  options.max_gap_s = 0.0;
+  EXPECT_THAT(BuildGraph(recording_, options, 0, &notes_, &graph_).message(),
+              HasSubstr("max_gap_s = 0"));
+  recording_.scans.clear();
+  EXPECT_THAT(BuildGraph(recording_, RosGraphOptions(), 0, &notes_, &graph_).message(),
+              HasSubstr("no message on /scan"));
+}
+
+}  // namespace
+}  // namespace plumbline
