@@ -14,27 +14,31 @@ namespace plumbline {
 /// Geometry of a planar laser scanner: beam i leaves the laser at bearing
 /// first_bearing_rad + i * bearing_step_rad, counted from the laser's x axis, counter-clockwise.
 struct LaserModel {
-  int num_beams = 0;
-  double first_bearing_rad = 0.0;
-  double bearing_step_rad = 0.0;
+  int num_beams = 0;               ///< at least 1
+  double first_bearing_rad = 0.0;  ///< of beam 0
+  double bearing_step_rad = 0.0;   ///< from a beam to the next; negative: clockwise
   /// A reading counts as a return if min_range_m <= reading < max_range_m; all else (NaN and
   /// infinity included) is "no return".
   double min_range_m = 0.05;
-  double max_range_m = 80.0;
+  double max_range_m = 80.0;  ///< see min_range_m
   /// Mounting of the laser on the robot.
   Pose2 robot_from_laser;
 
+  /// Bearing [rad] of a beam, from the laser's x axis, counter-clockwise.
   double Bearing(int beam) const { return first_bearing_rad + beam * bearing_step_rad; }
+  /// Whether a reading [m] is one of a surface.
   bool IsReturn(double range_m) const { return range_m >= min_range_m && range_m < max_range_m; }
 
+  /// Whether all fields are the same.
   bool operator==(const LaserModel& other) const;
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
 /// One sweep of a laser: `ranges` [m], one entry per beam of its LaserModel.
 struct LaserScan {
-  double timestamp_s = 0.0;
-  std::vector<double> ranges;
+  double timestamp_s = 0.0;    ///< [s]
+  std::vector<double> ranges;  ///< [m]
 };
 
 /// The point [m], in the frame of the laser, where a beam of this bearing and range ends.

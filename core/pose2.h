@@ -16,11 +16,14 @@ struct SE2 {
   T y = T(0);    ///< [m]
   T yaw = T(0);  ///< [rad], unbounded; wrap on read-out.
 
+  /// The identity.
   SE2() = default;
+  /// x, y [m], yaw [rad].
   SE2(const T& x_in, const T& y_in, const T& yaw_in) : x(x_in), y(y_in), yaw(yaw_in) {}
   /// From a parameter block (x, y [m], yaw [rad]).
   explicit SE2(const T* block) : x(block[0]), y(block[1]), yaw(block[2]) {}
 
+  /// x, y [m]: where the origin of b lies in a.
   Eigen::Matrix<T, 2, 1> translation() const { return {x, y}; }
 
   /// a_from_b * b_from_c = a_from_c. The yaw is the plain sum, not wrapped.
@@ -49,6 +52,7 @@ struct SE2 {
   }
 };
 
+/// A pose in plain numbers.
 using Pose2 = SE2<double>;
 
 /// a_from_b for two frames given in a common world; the yaw is wrapped to [-pi, pi).
@@ -61,6 +65,7 @@ SE2<T> Between(const SE2<T>& world_from_a, const SE2<T>& world_from_b) {
   return {c * dx + s * dy, -s * dx + c * dy, NormalizeAngle(world_from_b.yaw - world_from_a.yaw)};
 }
 
+/// Whether no coordinate is NaN or infinite.
 inline bool IsFinite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
 }

@@ -13,41 +13,42 @@ namespace plumbline {
 
 /// What the odometry says of the motion between two poses; its noise comes from the motion model.
 struct OdometryConstraint {
-  int from = 0;
-  int to = 0;
-  Pose2 from_from_to;
+  int from = 0;        ///< pose id
+  int to = 0;          ///< pose id
+  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
 };
 
 /// A measured relative pose with its covariance (order x, y [m], yaw [rad], in the frame of
 /// `from`): a loop closure, or an edge of a host pipeline's pose graph.
 struct RelativePoseConstraint {
-  int from = 0;
-  int to = 0;
-  Pose2 from_from_to;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  int from = 0;        ///< pose id
+  int to = 0;          ///< pose id
+  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2], [m rad], [rad^2]
 };
 
 /// A pose that is known: world_from_robot as it was when the pose was fixed.
 struct FixedPose {
-  int pose = 0;
-  Pose2 world_from_robot;
+  int pose = 0;            ///< pose id
+  Pose2 world_from_robot;  ///< where it is held
 };
 
 /// One sweep of a laser taken at a pose. Its returns lie side by side in the graph's arrays.
 struct ScanEntry {
-  int pose = 0;
-  int laser = 0;
-  std::size_t first_return = 0;
-  std::size_t num_returns = 0;
+  int pose = 0;                  ///< pose id
+  int laser = 0;                 ///< laser id
+  std::size_t first_return = 0;  ///< return id; those of the scan follow it
+  std::size_t num_returns = 0;   ///< beams without a return are left out
 };
 
 /// Every laser return of a graph, one array per quantity, ordered by scan and then by beam.
 struct LaserReturns {
-  std::vector<double> range_m;
-  std::vector<double> bearing_rad;
+  std::vector<double> range_m;      ///< from the laser
+  std::vector<double> bearing_rad;  ///< in the frame of the laser
   std::vector<int> beam;  ///< index of the beam within its sweep; gaps are beams without return
-  std::vector<int> scan;
+  std::vector<int> scan;  ///< scan id
 
+  /// Number of returns.
   std::size_t size() const { return range_m.size(); }
 };
 
@@ -92,38 +93,57 @@ class SlamGraph {
   /// Fails like AddOdometry, and on a covariance that is not symmetric positive definite.
   Status AddRelativePose(const RelativePoseConstraint& constraint);
 
+  /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.
   int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
+  /// Number of sweeps.
   int num_scans() const { return static_cast<int>(scans_.size()); }
+  /// Number of returns of all scans, each a map point.
   std::size_t num_returns() const { return returns_.size(); }
 
+  /// A pose as it stands. Needs a known id, as all accessors do.
   Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses_[3 * pose_id]); }
+  /// Moves a pose. Moves no map point: see ResetPointsFromPoses.
   void SetPose(int pose_id, const Pose2& world_from_robot);
   /// The poses that FixPose named, in that order; the first pose if there are none.
   const std::vector<FixedPose>& fixed_poses() const {
     return fixed_poses_.empty() ? gauge_ : fixed_poses_;
   }
+  /// Time of a pose [s].
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
 
+  /// Pose, laser and returns of a sweep.
   const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
+  /// Number of different lasers.
   int num_lasers() const { return static_cast<int>(lasers_.size()); }
+  /// The model of a laser, as AddLaser took it.
   const LaserModel& laser(int laser_id) const { return lasers_[laser_id]; }
+  /// The model of the laser that made a sweep.
   const LaserModel& LaserOfScan(int scan_id) const { return lasers_[scans_[scan_id].laser]; }
+  /// Where the laser of a sweep stands, by the current pose.
   Pose2 WorldFromLaser(int scan_id) const;
 
+  /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
   /// Measured end of a beam [m] in the frame of the robot.
   Eigen::Vector2d PointInRobot(std::size_t return_id) const;
 
+  /// In the order of addition.
   const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
   /// Corrects what constraint `index` of odometry() says of the motion.
   void SetOdometryMotion(std::size_t index, const Pose2& from_from_to) {
     odometry_[index].from_from_to = from_from_to;
   }
+  /// In the order of addition.
   const std::vector<RelativePoseConstraint>& relative_poses() const { return relative_poses_; }
 
+  /// The state of the poses: x, y [m], yaw [rad] of world_from_robot, three numbers per pose. Must
+  /// keep its size.
   std::vector<double>& poses() { return poses_; }
+  /// The same, to read.
   const std::vector<double>& poses() const { return poses_; }
+  /// The map: x, y [m] in the world, two numbers per return. Must keep its size.
   std::vector<double>& points() { return points_; }
+  /// The same, to read.
   const std::vector<double>& points() const { return points_; }
 
   /// Corrects where a laser sits on the robot. Needs a known id and a finite pose. Moves no map

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace plumbline {
@@ -25,6 +26,8 @@ struct ThreadPool::Impl {
   std::size_t size = 0;
   std::size_t chunk_size = 1;
   std::atomic<std::size_t> next_chunk{0};
+  std::exception_ptr error;  // of the first chunk that threw: chunks begin in order
+  std::size_t error_chunk = 0;
 
   std::vector<std::thread> workers;
 
@@ -34,8 +37,24 @@ struct ThreadPool::Impl {
       const std::size_t chunk = next_chunk.fetch_add(1);
       if (chunk >= num_chunks) return;
       const std::size_t begin = chunk * chunk_size;
-      (*body)(chunk, begin, std::min(size, begin + chunk_size));
+      try {
+        (*body)(chunk, begin, std::min(size, begin + chunk_size));
+      } catch (...) {
+        KeepError(chunk);
+        next_chunk = num_chunks;
+      }
     }
+  }
+
+  void KeepError(std::size_t chunk) {
+    std::lock_guard<std::mutex> lock(mutex);
+    if (error && error_chunk < chunk) return;
+    error = std::current_exception();
+    error_chunk = chunk;
+  }
+
+  void RethrowError() {
+    if (error) std::rethrow_exception(std::exchange(error, nullptr));
   }
 
   void WorkerLoop() {
@@ -59,8 +78,8 @@ ThreadPool::ThreadPool(int num_threads) : impl_(new Impl) {
     for (int i = 1; i < num_threads; ++i) {
       impl_->workers.emplace_back([this] { impl_->WorkerLoop(); });
     }
-  } catch (const std::system_error&) {
-    // The system gives no more threads. Those that run do the same work.
+  } catch (const std::exception&) {
+    // The system gives no more threads, or no memory for them. Those that run do the same work.
   }
 }
 
@@ -84,6 +103,7 @@ void ThreadPool::ForEachChunk(std::size_t size, std::size_t chunk_size, const Ch
   // A loop of one chunk is not worth waking anyone for.
   if (impl_->workers.empty() || NumChunks(size, chunk_size) == 1) {
     impl_->RunChunks();
+    impl_->RethrowError();
     return;
   }
   {
@@ -93,8 +113,11 @@ void ThreadPool::ForEachChunk(std::size_t size, std::size_t chunk_size, const Ch
   }
   impl_->work_ready.notify_all();
   impl_->RunChunks();
-  std::unique_lock<std::mutex> lock(impl_->mutex);
-  impl_->work_done.wait(lock, [&] { return impl_->workers_busy == 0; });
+  {
+    std::unique_lock<std::mutex> lock(impl_->mutex);
+    impl_->work_done.wait(lock, [&] { return impl_->workers_busy == 0; });
+  }
+  impl_->RethrowError();
 }
 
 }  // namespace plumbline

@@ -28,7 +28,9 @@ class ThreadPool {
   }
 
   /// Calls body(chunk, begin, end) once per chunk of [0, size), in any order and on any thread;
-  /// returns when all are done. The body must not throw and must not call the pool.
+  /// returns when all are done. The body must not call the pool. If it throws, chunks that have not
+  /// begun are left out, and the exception of the first chunk that threw goes on to the caller; the
+  /// pool can be used again.
   void ForEachChunk(std::size_t size, std::size_t chunk_size,
                     const std::function<void(std::size_t, std::size_t, std::size_t)>& body);
 

@@ -17,6 +17,7 @@ struct MotionOptions {
   double translation_floor_m = 0.01;            ///< at standstill [m]
   double rotation_floor_rad = 0.005;            ///< at standstill [rad]
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -25,6 +26,7 @@ struct RangeBeamOptions {
   double sigma_range_m = 0.012;      ///< along the beam [m]
   double sigma_bearing_rad = 0.003;  ///< across the beam, its divergence included [rad]
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -35,6 +37,7 @@ struct ManifoldOptions {
   /// cables): a tighter gate throws away what they know.
   double robust_gate_sigmas = 4.0;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -42,10 +45,11 @@ struct ManifoldOptions {
 /// simulated buildings and on real logs it gains nothing beside the returns themselves, and a
 /// strong one bends what is not at right angles.
 struct ShapeOptions {
-  bool enabled = false;
+  bool enabled = false;             ///< whether there is such a term at all
   double sigma_rad = 0.1;           ///< deviation of a normal from its category's direction [rad]
   double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -54,17 +58,19 @@ struct PosePriorOptions {
   double sigma_translation_m = 1e-4;  ///< [m]
   double sigma_rotation_rad = 1e-4;   ///< [rad]
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
 /// All sigmas and gates of the energy.
 struct FactorOptions {
-  PosePriorOptions prior;
-  MotionOptions motion;
-  RangeBeamOptions beam;
-  ManifoldOptions manifold;
-  ShapeOptions shape;
+  PosePriorOptions prior;    ///< fixed poses
+  MotionOptions motion;      ///< odometry
+  RangeBeamOptions beam;     ///< the laser
+  ManifoldOptions manifold;  ///< surfaces are thin
+  ShapeOptions shape;        ///< surfaces are parallel or orthogonal
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
@@ -135,11 +136,16 @@ class Calibrator {
     while (result->steps < calibration_.max_steps && !result->settled) {
       bool moved = false;
       PLUMBLINE_RETURN_IF_ERROR(MoveOnce(result->steps == 0, &moved, result));
-      if (!moved || !Reported(result->steps + 1)) break;
+      if (!moved) break;
       ++result->steps;
+      stopped_ = !Reported(result->steps);
+      if (stopped_) break;
     }
     return Status::Ok();
   }
+
+  // Whether the callback asked to stop.
+  bool stopped() const { return stopped_; }
 
   // What the parameters are, and how well the graph's final state determines them.
   Status Report(Calibration* result) {
@@ -184,7 +190,7 @@ class Calibrator {
     return {std::move(surface.normals), std::move(patches)};
   }
 
-  // False if the callback wants to stop. Solve will ask it again.
+  // False if the callback wants to stop.
   bool Reported(int step) const {
     IterationSummary iteration;
     iteration.iteration = step;
@@ -259,7 +265,62 @@ class Calibrator {
   const Pose2 given_mounting_;
   const std::vector<double> given_poses_;
   CalibratedGraph graph_;
+  bool stopped_ = false;
 };
+
+Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibration,
+                  const SlamGraph& graph) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
+  std::string error;
+  if (!calibration.Check(&error)) return Status::InvalidArgument(error);
+  if (MovesPosesOnly(options.type)) {
+    return Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
+                                   " does not look at the returns, and calibration needs them");
+  }
+  return calibration.laser_mounting || calibration.range_scale ? CheckMountings(graph)
+                                                               : Status::Ok();
+}
+
+// Settles the parameters, solves with them and says what they are.
+Status CalibrateAndSolve(const SolverOptions& options, Calibrator* calibrator, SlamGraph* graph,
+                         SolverSummary* summary, Calibration* result) {
+  PLUMBLINE_RETURN_IF_ERROR(calibrator->Settle(result));
+  SolverOptions rest = options;
+  if (calibrator->stopped()) {
+    rest.callback = [](const IterationSummary&) { return false; };
+  } else {
+    // Not from the poses at hand: there would be next to nothing left for Solve to improve on.
+    calibrator->StartOver();
+  }
+  graph->ResetPointsFromPoses();
+  *summary = Solve(rest, graph);
+  return summary->IsSolutionUsable() ? calibrator->Report(result) : Status::Ok();
+}
+
+SolverSummary SolveChecked(const SolverOptions& options,
+                           const CalibrationOptions& calibration_options, SlamGraph* graph,
+                           Calibration* calibration) {
+  const Status input = CheckInput(options, calibration_options, *graph);
+  if (!input.ok()) return SolverFailure(options, input);
+  GivenState given(graph);
+  given.CopyPoints();
+  Calibrator calibrator(options, calibration_options, graph);
+  Calibration result;
+  SolverSummary summary;
+  const auto start = Clock::now();
+  const Status status = CatchExceptions(
+      [&] { return CalibrateAndSolve(options, &calibrator, graph, &summary, &result); });
+  if (!status.ok()) summary = SolverFailure(options, status);
+  if (!summary.IsSolutionUsable()) {
+    calibrator.Undo();
+    return summary;
+  }
+  given.KeepNewState();
+  result.time_s =
+      std::chrono::duration<double>(Clock::now() - start).count() - summary.total_time_s;
+  *calibration = std::move(result);
+  return summary;
+}
 
 }  // namespace
 
@@ -278,40 +339,8 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    Calibration* calibration) {
   *calibration = Calibration();
   if (!calibration_options.IsOn()) return Solve(options, graph);
-  std::string error;
-  Status status = CheckSolverInput(options, *graph);
-  if (status.ok() && !calibration_options.Check(&error)) status = Status::InvalidArgument(error);
-  if (status.ok() && MovesPosesOnly(options.type)) {
-    status = Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
-                                     " does not look at the returns, and calibration needs them");
-  }
-  if (status.ok() && (calibration_options.laser_mounting || calibration_options.range_scale)) {
-    status = CheckMountings(*graph);
-  }
-  if (!status.ok()) return SolverFailure(options, status);
-  SolverSummary summary;
-  const std::vector<double> given_points = graph->points();
-  Calibrator calibrator(options, calibration_options, graph);
-  Calibration result;
-  const auto start = Clock::now();
-  status = calibrator.Settle(&result);
-  if (status.ok()) {
-    // Not from the poses at hand: there would be next to nothing left for Solve to improve on.
-    calibrator.StartOver();
-    graph->ResetPointsFromPoses();
-    summary = Solve(options, graph);
-    if (summary.IsSolutionUsable()) status = calibrator.Report(&result);
-  }
-  if (!status.ok()) summary = SolverFailure(options, status);
-  if (!summary.IsSolutionUsable()) {
-    calibrator.Undo();
-    graph->points() = given_points;
-    return summary;
-  }
-  result.time_s =
-      std::chrono::duration<double>(Clock::now() - start).count() - summary.total_time_s;
-  *calibration = std::move(result);
-  return summary;
+  return CatchFailures(
+      options, [&] { return SolveChecked(options, calibration_options, graph, calibration); });
 }
 
 }  // namespace plumbline

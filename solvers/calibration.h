@@ -13,37 +13,40 @@ namespace plumbline {
 /// What of the sensors is estimated along with poses and points. Each parameter has a prior about
 /// the value that the graph was given with; where the data say nothing, it stays there.
 struct CalibrationOptions {
-  bool laser_mounting = false;  ///< robot_from_laser: x, y, yaw
-  bool range_bias = false;      ///< one length on top of all readings
-  bool range_scale = false;     ///< one factor on all ranges: scale (reading + bias)
-  bool odometry_scale = false;  ///< one factor on all lengths that the odometry reads
-  double sigma_mounting_m = 0.1;
-  double sigma_mounting_rad = 0.1;
-  double sigma_range_bias_m = 0.05;
-  double sigma_range_scale = 0.01;
-  double sigma_odometry_scale = 0.05;
+  bool laser_mounting = false;         ///< robot_from_laser: x, y, yaw
+  bool range_bias = false;             ///< one length on top of all readings
+  bool range_scale = false;            ///< one factor on all ranges: scale (reading + bias)
+  bool odometry_scale = false;         ///< one factor on all lengths that the odometry reads
+  double sigma_mounting_m = 0.1;       ///< of the prior, x and y [m]
+  double sigma_mounting_rad = 0.1;     ///< of the prior, yaw [rad]
+  double sigma_range_bias_m = 0.05;    ///< of the prior [m]
+  double sigma_range_scale = 0.01;     ///< of the prior of the factor's logarithm
+  double sigma_odometry_scale = 0.05;  ///< of the prior of the factor's logarithm
   /// Gauss-Newton steps on poses and parameters together, at most; each cuts the surfaces anew.
   int max_steps = 20;
 
   /// Whether there is anything to estimate.
   bool IsOn() const { return laser_mounting || range_bias || range_scale || odometry_scale; }
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
+/// One parameter of the sensors, after the fact. In m or rad, factors without unit.
 struct CalibratedParameter {
-  std::string name;  ///< ends with the unit; factors have none
-  double given = 0.0;
-  double value = 0.0;
-  double sigma = 0.0;  ///< standard deviation of value, poses and surfaces being unknown, too
-  double prior_sigma = 0.0;
+  std::string name;          ///< ends with the unit; factors have none
+  double given = 0.0;        ///< before
+  double value = 0.0;        ///< after
+  double sigma = 0.0;        ///< standard deviation of value, poses and surfaces being unknown, too
+  double prior_sigma = 0.0;  ///< as CalibrationOptions had it
 
   /// Whether the data say clearly more than the prior.
   bool IsDetermined() const { return sigma <= 0.5 * prior_sigma; }
 };
 
+/// What SolveWithCalibration found of the sensors.
 struct Calibration {
-  std::vector<CalibratedParameter> parameters;
-  int steps = 0;
+  std::vector<CalibratedParameter> parameters;  ///< those that were asked for
+  int steps = 0;                                ///< of Gauss-Newton
   /// Whether the last step was small against the standard deviations.
   bool settled = false;
   double time_s = 0.0;  ///< without Solve
@@ -53,6 +56,9 @@ struct Calibration {
 /// mountings, ranges and odometry, and the poses and points that go with them; *calibration says
 /// what they are. With nothing to estimate it is Solve, and *calibration is empty.
 ///
+/// The callback sees the steps on the parameters, too, as phase "sensors". If it stops one, the
+/// parameters stay as they are and Solve takes one step without asking again: kUserStopped.
+///
 /// The mounting shows in how the motion of the laser goes with that of the odometry: x and y need
 /// turns, yaw needs straight stretches. Scales of ranges and odometry show only against each other,
 /// or against relative poses. The standard deviations take the odometry's noise from its residuals,
@@ -60,7 +66,7 @@ struct Calibration {
 ///
 /// kFailure, with the graph unchanged: whatever Solve refuses, options out of range, lasers of
 /// different mountings with laser_mounting or range_scale, poses that nothing ties to a fixed one,
-/// and a linear system that cannot be solved.
+/// a linear system that cannot be solved, and a callback that throws.
 SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    const CalibrationOptions& calibration_options, SlamGraph* graph,
                                    Calibration* calibration);

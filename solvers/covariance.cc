@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/robust_loss.h"
@@ -108,11 +109,9 @@ class PosteriorSystem {
   std::optional<PosePreconditioner> preconditioner_;
 };
 
-}  // namespace
-
-Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
-                              const std::vector<PosePair>& pairs,
-                              std::vector<Eigen::Matrix3d>* covariances) {
+Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
+                          const std::vector<PosePair>& pairs,
+                          std::vector<Eigen::Matrix3d>* covariances) {
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
   PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
   PosteriorSystem system(options, graph);
@@ -131,6 +130,14 @@ Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& gra
   }
   covariances->swap(result);
   return Status::Ok();
+}
+
+}  // namespace
+
+Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
+                              const std::vector<PosePair>& pairs,
+                              std::vector<Eigen::Matrix3d>* covariances) {
+  return CatchExceptions([&] { return ComputeCovariances(options, graph, pairs, covariances); });
 }
 
 Eigen::Matrix3d RelativePoseCovariance(const Pose2& world_from_a, const Pose2& world_from_b,

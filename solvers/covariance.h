@@ -13,8 +13,8 @@ namespace plumbline {
 
 /// Two poses of a graph, by their ids; they may be the same.
 struct PosePair {
-  int a = 0;
-  int b = 0;
+  int a = 0;  ///< pose id
+  int b = 0;  ///< pose id
 };
 
 /// How far the poses may be off, and how much of that they share: per pair the covariance
@@ -30,7 +30,7 @@ struct PosePair {
 ///
 /// InvalidArgument, with nothing changed, on bad options, an unknown pose, and on poses that
 /// nothing ties to a fixed one, or not in every direction: their covariance is infinite.
-/// Unavailable if a system cannot be solved to full precision.
+/// Unavailable if a system cannot be solved to full precision, or memory runs out.
 Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
                               const std::vector<PosePair>& pairs,
                               std::vector<Eigen::Matrix3d>* covariances);

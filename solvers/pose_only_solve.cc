@@ -118,8 +118,9 @@ class PoseOnlySolver {
   }
 
   PoseGraphResult Optimize() {
-    PoseGraphResult result = RefinePoseGraph(graph_).optimization;
-    for (std::size_t i = 1; i < result.costs.size(); ++i) Report(result.costs[i], 0.0);
+    PoseGraphResult result =
+        RefinePoseGraph(graph_, [this](double cost) { return Report(cost, 0.0); }).optimization;
+    stopped_ = result.stopped;
     return result;
   }
 

@@ -13,8 +13,8 @@ namespace plumbline {
 /// become lower. Expects options that pass Check with a type that MovesPosesOnly(), a finite state,
 /// and relative poses.
 ///
-/// kPoseGraph starts at the given poses or at a chordal start, see refine_pose_graph.h; its
-/// iterations are reported when it is done, too late to stop it. kSgd starts at the given poses.
+/// kPoseGraph starts at the given poses or at a chordal start, see refine_pose_graph.h; kSgd starts
+/// at the given poses.
 SolverSummary SolvePosesOnly(const SolverOptions& options, SlamGraph* graph);
 
 }  // namespace plumbline

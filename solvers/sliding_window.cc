@@ -152,28 +152,8 @@ class Window {
   SlamGraph part_;
 };
 
-}  // namespace
-
-bool WindowOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(num_free_poses, >, 0);
-  PLUMBLINE_CHECK_OPTION(max_fixed_poses, >=, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(fixed_spacing_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(fixed_turn_rad, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_fixed_distance_m, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(min_common_share, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(min_common_share, <=, 1.0);
-  return true;
-}
-
-SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
-                          SlamGraph* graph) {
-  std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph->num_poses()));
-  std::iota(newest.begin(), newest.end(), graph->num_poses() - static_cast<int>(newest.size()));
-  return SolvePoses(options, window, newest, graph);
-}
-
-SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
-                         const std::vector<int>& free_poses, SlamGraph* graph) {
+SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& window,
+                           const std::vector<int>& free_poses, SlamGraph* graph) {
   std::string error;
   if (!window.Check(&error))
     return SolverFailure(options, Status::InvalidArgument("window." + error));
@@ -192,6 +172,33 @@ SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& wind
   const SolverSummary summary = Solve(part_options, part.part());
   if (summary.IsSolutionUsable()) part.WriteBack(graph);
   return summary;
+}
+
+}  // namespace
+
+bool WindowOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_free_poses, >, 0);
+  PLUMBLINE_CHECK_OPTION(max_fixed_poses, >=, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fixed_spacing_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fixed_turn_rad, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_fixed_distance_m, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(min_common_share, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(min_common_share, <=, 1.0);
+  return true;
+}
+
+SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
+                          SlamGraph* graph) {
+  return CatchFailures(options, [&] {
+    std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph->num_poses()));
+    std::iota(newest.begin(), newest.end(), graph->num_poses() - static_cast<int>(newest.size()));
+    return SolveChecked(options, window, newest, graph);
+  });
+}
+
+SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
+                         const std::vector<int>& free_poses, SlamGraph* graph) {
+  return CatchFailures(options, [&] { return SolveChecked(options, window, free_poses, graph); });
 }
 
 }  // namespace plumbline

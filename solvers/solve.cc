@@ -55,8 +55,11 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
 
 class JointSolver {
  public:
-  JointSolver(const SolverOptions& options, const MeasuredSurface* surface, SlamGraph* graph)
+  // Keeps references to all its arguments. given: of the graph.
+  JointSolver(const SolverOptions& options, const MeasuredSurface* surface, GivenState* given,
+              SlamGraph* graph)
       : options_(options),
+        given_(given),
         graph_(graph),
         fine_radius_m_(FineRadius(options)),
         pool_(options.num_threads),
@@ -142,22 +145,10 @@ class JointSolver {
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
-  // A return without a line of its own (too far from others, or at a grazing angle) has that of its
-  // patch.
-  void AddPatchLines(std::vector<TangentLine>* lines) const {
-    for (std::size_t r = 0; r < lines->size(); ++r) {
-      const int id = last_patches_.patch_of_return[r];
-      if (id == SurfacePatches::kNone || Associations::HasLine((*lines)[r])) continue;
-      const SurfacePatch& patch = last_patches_.patches[id];
-      const double offset = patch.offset_m + patch.normal.dot(patch.origin);
-      (*lines)[r] = {patch.normal.x(), patch.normal.y(), offset};
-    }
-  }
-
   // The final points, and the costs per term before and after, under the final lines.
   void FinishReduced(Associations* associations) {
-    const std::vector<double> seed_points = graph_->points();
-    AddPatchLines(&associations->lines);
+    const std::vector<double>& seed_points = given_->CopyPoints();
+    AddPatchLines(last_patches_, &associations->lines);
     summary_.displacements =
         RecoverPoints(*surface_, associations->lines, options_.factors, &pool_, graph_);
     if (options_.factors.shape.enabled) {
@@ -193,7 +184,7 @@ class JointSolver {
   }
 
   void RunRounds() {
-    best_points_ = graph_->points();
+    best_points_ = given_->CopyPoints();
     for (int round = 0; round < options_.rounds.max_coarse_rounds && !ended_; ++round) {
       if (!RunRound(ScaleOfCoarseRound(options_.rounds, fine_radius_m_, round))) break;
     }
@@ -358,6 +349,7 @@ class JointSolver {
   }
 
   const SolverOptions& options_;
+  GivenState* given_;
   SlamGraph* graph_;
   const double fine_radius_m_;
   ThreadPool pool_;
@@ -376,6 +368,27 @@ class JointSolver {
   std::vector<double> best_points_;
 };
 
+// A null surface has not been measured yet.
+SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
+                      SlamGraph* graph) {
+  return CatchFailures(options, [&] {
+    const bool poses_only = MovesPosesOnly(options.type);
+    Status status = CheckSolverInput(options, *graph);
+    if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, *graph);
+    if (!status.ok()) return SolverFailure(options, status);
+    GivenState given(graph);
+    SolverSummary summary;
+    if (poses_only) {
+      given.CopyPoints();
+      summary = SolvePosesOnly(options, graph);
+    } else {
+      summary = JointSolver(options, surface, &given, graph).Run();
+    }
+    given.KeepNewState();
+    return summary;
+  });
+}
+
 }  // namespace
 
 ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam) {
@@ -389,18 +402,12 @@ double FineRadius(const SolverOptions& options) {
 }
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
-  const Status status = CheckSolverInput(options, *graph);
-  if (!status.ok()) return SolverFailure(options, status);
-  return MovesPosesOnly(options.type) ? SolvePosesOnly(options, graph)
-                                      : JointSolver(options, nullptr, graph).Run();
+  return SolveOn(options, nullptr, graph);
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
                     SlamGraph* graph) {
-  if (MovesPosesOnly(options.type)) return Solve(options, graph);
-  Status status = CheckSolverInput(options, *graph);
-  if (status.ok()) status = CheckSurface(surface, *graph);
-  return status.ok() ? JointSolver(options, &surface, graph).Run() : SolverFailure(options, status);
+  return SolveOn(options, &surface, graph);
 }
 
 }  // namespace plumbline

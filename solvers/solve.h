@@ -7,6 +7,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
 #include "plumbline/solvers/solver_options.h"
 #include "plumbline/solvers/solver_summary.h"
 
@@ -28,7 +29,9 @@ double FineRadius(const SolverOptions& options);
 /// reduced solver compares its last state with the given one by PatchEnergies. It is the given
 /// state, bit for bit, if nothing was better. Bad options, no returns, or a state that is not
 /// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
-/// unchanged.
+/// unchanged. So it is if memory runs out or the callback throws; nothing is thrown from here.
+///
+/// Graphs are independent of each other: several threads may solve one each.
 ///
 /// kPoseGraph and kSgd move the poses by the relative poses alone, see pose_only_solve.h: they need
 /// no returns, but fail likewise without relative poses.
@@ -37,6 +40,31 @@ SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
 /// The same for a caller that has measured the surfaces already, with the normals that
 /// NormalOptionsFor(options.factors.beam) gives. A surface of another number of returns: kFailure.
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface, SlamGraph* graph);
+
+/// What every term says against the state of a graph, in standard deviations. Indices are those of
+/// the graph.
+struct Residuals {
+  /// Whitened errors of SlamGraph::odometry() and SlamGraph::relative_poses(), U e with the error e
+  /// (x, y [m], yaw [rad]) in the frame of `from` and U^T U the inverse of its covariance. The
+  /// squaredNorm() of one is chi-squared with three degrees of freedom: 99.9 % of sound
+  /// constraints stay below 16.3.
+  std::vector<Eigen::Vector3d> odometry;
+  std::vector<Eigen::Vector3d> relative_poses;  ///< see odometry
+  /// Per return, of its map point: range and bearing against what the laser read.
+  std::vector<Eigen::Vector2d> beams;
+  /// Per return, of its map point: distance from the tangent line of its surroundings. NaN: it has
+  /// none.
+  std::vector<double> surfaces;
+};
+
+/// Evaluates the terms at the graph's state, under the tangent lines that its poses give (and, for
+/// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
+/// costs of SolverSummary::terms, unless its last round was undone; only those of the manifold term
+/// are robust, and of the lines of that round, which differ a little where poses still moved. Prior
+/// and shape terms are left out. InvalidArgument, with nothing changed, on whatever Solve refuses
+/// and on a point on top of its laser.
+Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
+                         Residuals* residuals);
 
 }  // namespace plumbline
 

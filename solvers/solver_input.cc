@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/solvers/ceres_solver.h"
 
 namespace plumbline {
@@ -56,6 +57,17 @@ SolverSummary SolverFailure(const SolverOptions& options, const Status& status) 
   failure.solver = ToString(options.type);
   failure.message = status.message();
   return failure;
+}
+
+SolverSummary CatchFailures(const SolverOptions& options,
+                            const std::function<SolverSummary()>& solve) {
+  SolverSummary summary;
+  const Status status = CatchExceptions([&] {
+    summary = solve();
+    return Status::Ok();
+  });
+  if (!status.ok()) summary = SolverFailure(options, status);
+  return summary;
 }
 
 }  // namespace plumbline

@@ -2,6 +2,8 @@
 #define PLUMBLINE_SOLVERS_SOLVER_INPUT_H_
 
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -20,6 +22,33 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph);
 
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);
+
+/// Calls solve, and gives its summary; what it throws becomes a failure.
+SolverSummary CatchFailures(const SolverOptions& options,
+                            const std::function<SolverSummary()>& solve);
+
+/// Puts the state of a graph back, bit for bit, unless it is told to keep the new one.
+class GivenState {
+ public:
+  /// Keeps the pointer, and a copy of the poses.
+  explicit GivenState(SlamGraph* graph) : graph_(graph), poses_(graph->poses()) {}
+  ~GivenState() {
+    if (graph_ == nullptr) return;
+    graph_->poses().swap(poses_);
+    if (!points_.empty()) graph_->points().swap(points_);
+  }
+  GivenState(const GivenState&) = delete;
+  GivenState& operator=(const GivenState&) = delete;
+
+  /// Copies the points, which the caller is about to change. Not before that: they are the largest
+  /// part of a graph.
+  const std::vector<double>& CopyPoints() { return points_ = graph_->points(); }
+  void KeepNewState() { graph_ = nullptr; }
+
+ private:
+  SlamGraph* graph_;
+  std::vector<double> poses_, points_;
+};
 
 }  // namespace plumbline
 

@@ -13,6 +13,7 @@
 
 namespace plumbline {
 
+/// The minimisers.
 enum class SolverType {
   kReduced,        ///< points and lines eliminated exactly; poses by Gauss-Newton
   kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
@@ -20,7 +21,9 @@ enum class SolverType {
   kPoseGraph,      ///< poses by relative poses alone: Gauss-Newton
   kSgd,            ///< the same by stochastic gradient descent
 };
+/// "reduced", "alternating_cg", "ceres", "pose_graph" or "sgd".
 const char* ToString(SolverType type);
+/// The inverse; false, with *type unchanged, for another name.
 bool FromString(const std::string& name, SolverType* type);
 /// Whether a solver looks at relative poses only, so that points just ride along.
 bool MovesPosesOnly(SolverType type);
@@ -44,11 +47,12 @@ struct ReducedOptions {
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
   /// in the preconditioner's norm.
   double cg_tolerance = 1e-2;
-  int max_cg_iterations = 200;
+  int max_cg_iterations = 200;  ///< per linear system
   /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
   /// and their own lines. 0: none.
   int polish_sweeps = 0;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -57,20 +61,23 @@ struct AlternatingCgOptions {
   /// A sweep moves the map with the poses fixed, then the poses with the map fixed, then the poses
   /// with each scan carrying its points along.
   int max_sweeps = 10;
-  int map_iterations_per_sweep = 1;
-  int pose_iterations_per_sweep = 1;
+  int map_iterations_per_sweep = 1;   ///< of the first part
+  int pose_iterations_per_sweep = 1;  ///< of the second part
   /// 0 gives the published alternation of map and poses only. It resolves a pose that its beams
   /// hold to its points, but the map hardly holds (along a corridor), in hundreds of sweeps.
   int scan_iterations_per_sweep = 4;
   /// Ends when a sweep lowers the cost by less than this fraction.
   double relative_cost_tolerance = 1e-3;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
 /// Ceres' own switches, under Ceres' own names. Its documentation says what combines with what; a
 /// combination that it refuses is reported as an error.
 struct CeresOptions {
+  /// @{
+  /// See ceres::Solver::Options.
   ceres::MinimizerType minimizer = ceres::TRUST_REGION;
   ceres::TrustRegionStrategyType trust_region_strategy = ceres::LEVENBERG_MARQUARDT;
   ceres::DoglegType dogleg = ceres::TRADITIONAL_DOGLEG;
@@ -79,14 +86,16 @@ struct CeresOptions {
   ceres::NonlinearConjugateGradientType nonlinear_conjugate_gradient = ceres::FLETCHER_REEVES;
   ceres::LinearSolverType linear_solver = ceres::SPARSE_SCHUR;
   ceres::PreconditionerType preconditioner = ceres::JACOBI;
+  /// @}
   /// Ceres minimises over the poses and the lines of patches, points eliminated, between the
   /// re-weightings of the reduced solver's rounds (ReducedOptions); else over the poses and points
   /// in rounds of associations (RoundOptions).
   bool reduced = false;
-  int max_iterations = 5;
+  int max_iterations = 5;  ///< per round
   /// Ends when an iteration lowers the cost by less than this fraction.
   double function_tolerance = 1e-4;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
@@ -96,8 +105,8 @@ struct CeresOptions {
 /// noisy scanner all radii are at least five standard deviations of a return off its surface: over
 /// less, noise looks like clutter.
 struct RoundOptions {
-  int max_coarse_rounds = 4;
-  int max_fine_rounds = 8;
+  int max_coarse_rounds = 4;  ///< may be 0
+  int max_fine_rounds = 8;    ///< at least 1
   /// Smallest neighbourhood radius [m] of the first coarse round: wide enough to reach across a
   /// double wall. Later coarse rounds go down to the fine radius in geometric steps.
   double coarse_radius_m = 0.3;
@@ -108,29 +117,35 @@ struct RoundOptions {
   /// Fine rounds end when one lowers the marginal energy by less than this fraction.
   double relative_tolerance = 2e-4;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
-/// Called after each iteration; false asks the solver to stop with the best state so far.
+/// Called after each iteration, on the thread that called the solver; false asks it to stop with
+/// the best state so far, within one more iteration. What it throws ends the solve: kFailure with
+/// the message of the exception, and the graph unchanged.
 using ProgressCallback = std::function<bool(const IterationSummary&)>;
 
+/// What Solve goes by. The defaults suit buildings and a laser of the SICK class: set the noise of
+/// your own in factors.beam.
 struct SolverOptions {
-  SolverType type = SolverType::kReduced;
-  FactorOptions factors;
-  AssociationOptions association;
-  RoundOptions rounds;
-  ReducedOptions reduced;
-  AlternatingCgOptions alternating_cg;
-  CeresOptions ceres;
-  StochasticDescentOptions sgd;
+  SolverType type = SolverType::kReduced;  ///< the minimiser
+  FactorOptions factors;                   ///< noise and gates of every term
+  AssociationOptions association;          ///< which returns share a surface
+  RoundOptions rounds;                     ///< kAlternatingCg, and kCeres over points
+  ReducedOptions reduced;                  ///< kReduced, and kCeres over patches
+  AlternatingCgOptions alternating_cg;     ///< kAlternatingCg
+  CeresOptions ceres;                      ///< kCeres
+  StochasticDescentOptions sgd;            ///< kSgd
   /// Threads, the calling one included. Results do not depend on it, but for the last digits of
   /// kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;
-  ProgressCallback callback;
+  ProgressCallback callback;  ///< may be empty
 
   /// Whether surfaces are cut into patches and points eliminated, by whichever solver.
   bool IsOverPatches() const;
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 

@@ -11,49 +11,54 @@
 
 namespace plumbline {
 
+/// How a solve ended.
 enum class TerminationType {
-  kFailure,        ///< The energy could not be evaluated; the graph is unchanged.
+  /// Bad input, an energy that cannot be evaluated, or an exception (memory, a callback): the graph
+  /// is unchanged.
+  kFailure,
   kNoImprovement,  ///< The seed was the best state seen; the graph is unchanged.
   kUserStopped,    ///< The callback asked to stop; the graph holds the best state so far.
   kMaxIterations,  ///< The graph is better than the seed, and could still improve.
-  kConverged,
+  kConverged,      ///< The graph is better than the seed, and more rounds would hardly help.
 };
+/// A word or two for reports.
 const char* ToString(TerminationType type);
 
 /// One iteration of any solver, in one format for all.
 struct IterationSummary {
   int iteration = 0;  ///< counts through all rounds
   int round = 0;      ///< round of associations, from 1
-  std::string phase;  ///< what moved: "map", "poses", "scans" or "joint"
-  double cost = 0.0;
-  double cost_change = 0.0;  ///< positive: the cost fell
-  double gradient_max_norm = 0.0;
-  double step_norm = 0.0;
-  double step_size = 0.0;  ///< line searches: length along the direction
-  double beta = 0.0;       ///< conjugate gradients: share of the previous direction
-  double trust_region_ratio = 0.0;
-  double trust_region_radius = 0.0;
-  int evaluations = 0;  ///< of the cost, or iterations of the linear solver
-  double iteration_time_s = 0.0;
-  double total_time_s = 0.0;
+  std::string phase;  ///< what moved: "map", "poses", "scans", "joint", or "sensors" (calibration)
+  double cost = 0.0;  ///< after it
+  double cost_change = 0.0;          ///< positive: the cost fell
+  double gradient_max_norm = 0.0;    ///< largest absolute component before it
+  double step_norm = 0.0;            ///< length of the step in all parameters [m and rad]
+  double step_size = 0.0;            ///< line searches: length along the direction
+  double beta = 0.0;                 ///< conjugate gradients: share of the previous direction
+  double trust_region_ratio = 0.0;   ///< Ceres: actual over expected decrease
+  double trust_region_radius = 0.0;  ///< Ceres: inverse of the damping
+  int evaluations = 0;               ///< of the cost, or iterations of the linear solver
+  double iteration_time_s = 0.0;     ///< of this iteration
+  double total_time_s = 0.0;         ///< since the solver was called
 };
 
 /// The heading for ProgressRow().
 std::string ProgressHeader();
+/// One line of text, without a line end.
 std::string ProgressRow(const IterationSummary& iteration);
 
 /// One outer round: associations rebuilt, then an inner solve with them fixed.
 struct RoundSummary {
-  double radius_m = 0.0;     ///< smallest neighbourhood
-  double gate_sigmas = 0.0;  ///< robust gate of the map terms
-  std::size_t num_lines = 0;
-  std::size_t num_shape_pairs = 0;
-  double initial_cost = 0.0;
-  double final_cost = 0.0;       ///< of the same associations
-  double marginal_energy = 0.0;  ///< of the poses after this round, comparable between rounds
-  bool kept = false;             ///< false: it did not lower the marginal energy and was undone
-  int iterations = 0;
-  std::string stop_reason;
+  double radius_m = 0.0;            ///< smallest neighbourhood
+  double gate_sigmas = 0.0;         ///< robust gate of the map terms
+  std::size_t num_lines = 0;        ///< returns with a tangent line
+  std::size_t num_shape_pairs = 0;  ///< terms of the shape potential
+  double initial_cost = 0.0;        ///< of the joint energy
+  double final_cost = 0.0;          ///< of the same associations
+  double marginal_energy = 0.0;     ///< of the poses after this round, comparable between rounds
+  bool kept = false;                ///< false: it did not lower the marginal energy and was undone
+  int iterations = 0;               ///< of the inner solve
+  std::string stop_reason;          ///< of the inner solve
 };
 
 /// One round of the reduced solver: surfaces cut into patches anew, then Gauss-Newton steps.
@@ -66,32 +71,33 @@ struct PatchRoundSummary {
   /// Root mean square of how far returns moved across their surfaces, relative to those of the pose
   /// before, in standard deviations of a return.
   double moved_sigmas = 0.0;
-  int steps = 0;
+  int steps = 0;  ///< of Gauss-Newton
 };
 
 /// Sizes, costs and residuals of one term.
 struct TermSummary {
-  std::size_t count = 0;  ///< residual blocks
-  double initial_cost = 0.0;
-  double final_cost = 0.0;
-  int residuals_per_block = 0;
+  std::size_t count = 0;        ///< residual blocks
+  double initial_cost = 0.0;    ///< one half of the squared whitened residuals, robust
+  double final_cost = 0.0;      ///< the same at the end
+  int residuals_per_block = 0;  ///< scalars
   double sigma = 0.0;  ///< of one residual, in `unit`; 0 where the residuals have several units
-  std::string unit;
+  std::string unit;    ///< for reports
 
   /// Root mean square of the whitened residuals at the end; 0 without any.
   double WhitenedRms() const;
 };
 
+/// What a solve did, and what came of it.
 struct SolverSummary {
-  TerminationType termination = TerminationType::kFailure;
-  std::string message = "Solve was not called";
-  std::string solver;
+  TerminationType termination = TerminationType::kFailure;  ///< how it ended
+  std::string message = "Solve was not called";             ///< why, with the numbers
+  std::string solver;                                       ///< its name
 
-  std::size_t num_poses = 0;
-  std::size_t num_points = 0;
-  std::vector<RoundSummary> rounds;
+  std::size_t num_poses = 0;                    ///< of the graph
+  std::size_t num_points = 0;                   ///< of the graph
+  std::vector<RoundSummary> rounds;             ///< in order
   std::vector<PatchRoundSummary> patch_rounds;  ///< reduced solver: instead of rounds
-  std::vector<IterationSummary> iterations;
+  std::vector<IterationSummary> iterations;     ///< of all rounds, as the callback saw them
 
   /// Terms of the last associations: at the state that the last round started from (reduced solver:
   /// at the seed), and at the end.
@@ -101,31 +107,31 @@ struct SolverSummary {
   /// associations of its own, which makes states of different rounds comparable. See
   /// marginal_energy.h.
   double seed_marginal_energy = 0.0;
-  double final_marginal_energy = 0.0;
+  double final_marginal_energy = 0.0;  ///< of the result
 
   /// Solvers that move the poses only: how many relative poses they went by, and the sum of their
   /// squared whitened errors. They have neither rounds nor terms nor marginal energies.
   std::size_t num_relative_poses = 0;
-  double seed_chi2 = 0.0;
-  double final_chi2 = 0.0;
+  double seed_chi2 = 0.0;   ///< of the poses given
+  double final_chi2 = 0.0;  ///< of the result
 
   /// Reduced solver: what decides whether the result is better than the seed, see PatchEnergies.
   double seed_patch_energy = 0.0;
-  double final_patch_energy = 0.0;
+  double final_patch_energy = 0.0;  ///< of the result
 
   /// How far the points are from the measured ends of their beams.
   PointDisplacements displacements;
 
-  double association_time_s = 0.0;
-  double setup_time_s = 0.0;  ///< building problems
-  double solve_time_s = 0.0;
-  double total_time_s = 0.0;
+  double association_time_s = 0.0;  ///< finding lines and patches
+  double setup_time_s = 0.0;        ///< building problems
+  double solve_time_s = 0.0;        ///< minimising
+  double total_time_s = 0.0;        ///< all of it
 
   /// True if the graph holds a state at least as good as the one given.
   bool IsSolutionUsable() const { return termination != TerminationType::kFailure; }
-  std::string BriefReport() const;
-  std::string RoundTable() const;
-  std::string FullReport() const;
+  std::string BriefReport() const;  ///< one line
+  std::string RoundTable() const;   ///< a row per round
+  std::string FullReport() const;   ///< terms, rounds, times, and why it stopped
 };
 
 }  // namespace plumbline

@@ -167,6 +167,18 @@ TEST_P(PoseOnlySolveTest, NamesAStateOrOptionThatIsWrong) {
   EXPECT_THAT(summary.message, HasSubstr("pose 5"));
 }
 
+TEST(PoseOnlySolve, PoseGraphStopsAfterTheIterationItSaw) {
+  NoisyRoom room = RoomWithEdges();
+  SolverOptions options;
+  options.type = SolverType::kPoseGraph;
+  options.callback = [](const IterationSummary&) { return false; };
+  const SolverSummary summary = Solve(options, &room.graph);
+  EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
+  EXPECT_EQ(summary.iterations.size(), 1u);
+  EXPECT_LT(summary.final_chi2, summary.seed_chi2);
+  EXPECT_EQ(summary.final_chi2, Chi2(room.graph));
+}
+
 TEST(PoseOnlySolve, SgdStopsWithTheStateSoFarWhenAskedTo) {
   NoisyRoom room = RoomWithEdges();
   SolverOptions options;

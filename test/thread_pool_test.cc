@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cmath>
 #include <set>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -88,6 +90,41 @@ TEST(ThreadPool, EachLoopEndsBeforeTheNextBegins) {
     values.swap(next);
   }
   EXPECT_EQ(values, std::vector<int>(64, kLoops));
+}
+
+TEST(ThreadPool, TheFirstChunkThatThrowsTellsTheCaller) {
+  for (int threads = 1; threads <= 8; ++threads) {
+    ThreadPool pool(threads);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      std::string message;
+      try {
+        pool.ForEachChunk(200, 1, [](std::size_t chunk, std::size_t, std::size_t) {
+          if (chunk % 10 == 7) throw std::runtime_error("chunk " + std::to_string(chunk));
+        });
+      } catch (const std::runtime_error& error) {
+        message = error.what();
+      }
+      ASSERT_EQ(message, "chunk 7") << threads << " threads";
+      // And the pool goes on.
+      std::atomic<int> num_indices{0};
+      pool.ForEachChunk(100, 3, [&](std::size_t, std::size_t begin, std::size_t end) {
+        num_indices += static_cast<int>(end - begin);
+      });
+      ASSERT_EQ(num_indices, 100);
+    }
+  }
+}
+
+TEST(ThreadPool, OneThreadBeginsNoChunkAfterAThrow) {
+  ThreadPool pool(1);
+  int num_begun = 0;
+  EXPECT_THROW(pool.ForEachChunk(100, 1,
+                                 [&](std::size_t chunk, std::size_t, std::size_t) {
+                                   ++num_begun;
+                                   if (chunk == 4) throw 7;
+                                 }),
+               int);
+  EXPECT_EQ(num_begun, 5);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 # cmake -D BUILD_DIR=... -D PREFIX=... -D UNINSTALL=... -P uninstall_test.cmake
-# What was installed to the prefix from the build folder goes without a trace.
+# What install_test.cmake installed goes, and nothing else.
 file(GLOB_RECURSE before ${PREFIX}/*)
 list(LENGTH before num_before)
 if(num_before LESS 20)
@@ -10,8 +10,12 @@ execute_process(COMMAND ${CMAKE_COMMAND} -D BUILD_DIR=${BUILD_DIR} -P ${UNINSTAL
 if(result)
   message(FATAL_ERROR "uninstalling failed: ${result}")
 endif()
-file(GLOB_RECURSE after LIST_DIRECTORIES true ${PREFIX}/*)
-list(FILTER after INCLUDE REGEX "plumbline")
-if(after)
-  message(FATAL_ERROR "left behind: ${after}")
+file(GLOB_RECURSE after ${PREFIX}/*)
+if(NOT after STREQUAL "${PREFIX}/include/other/plumbline.h")
+  message(FATAL_ERROR "of ours and of others there is now: ${after}")
+endif()
+file(GLOB_RECURSE folders LIST_DIRECTORIES true ${PREFIX}/*)
+list(FILTER folders INCLUDE REGEX "^${PREFIX}/(.*/)?plumbline(/|$)")
+if(folders)
+  message(FATAL_ERROR "left behind: ${folders}")
 endif()

@@ -3,7 +3,6 @@
 // drive, around a block in a hall, is simulated here; all else is what a host would write.
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/solvers/covariance.h>
-#include <plumbline/solvers/pose_graph/pose_graph.h>
 #include <plumbline/solvers/sliding_window.h>
 #include <plumbline/solvers/solve.h>
 
@@ -63,7 +62,7 @@ class OnlineMapper {
   // A place that was recognised: earlier and later pose, and how they lie to each other.
   Status CloseLoop(const RelativePoseConstraint& closure) {
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(closure));
-    SpreadOverLoop(closure);
+    PLUMBLINE_RETURN_IF_ERROR(SpreadOverLoop(closure));
     const plumbline::SolverSummary summary = plumbline::Solve(options_, &graph_);
     std::printf("closed the loop: %s\n", summary.BriefReport().c_str());
     return Succeeded(summary);
@@ -89,22 +88,28 @@ class OnlineMapper {
 
   // The joint estimation wants poses that are right to a few decimetres. A loop may be off by more:
   // a pose graph shares that out to the steps, which keep their shape otherwise.
-  void SpreadOverLoop(const RelativePoseConstraint& closure) {
+  Status SpreadOverLoop(const RelativePoseConstraint& closure) {
     constexpr double kStepM = 0.01, kStepRad = 0.003;  // standard deviations of a refined step
-    std::vector<Pose2> poses;
-    std::vector<RelativePoseConstraint> steps;
+    plumbline::SlamGraph steps;
+    int id = 0;
     for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      poses.push_back(graph_.WorldFromRobot(pose));
+      const Pose2 here = graph_.WorldFromRobot(pose);
+      PLUMBLINE_RETURN_IF_ERROR(steps.AddPose(here, graph_.timestamp_s(pose), &id));
       if (pose == 0) continue;
-      RelativePoseConstraint step{pose - 1, pose, Between(poses[pose - 1], poses[pose])};
+      RelativePoseConstraint step{pose - 1, pose, Between(graph_.WorldFromRobot(pose - 1), here)};
       step.covariance =
           Eigen::Vector3d(kStepM * kStepM, kStepM * kStepM, kStepRad * kStepRad).asDiagonal();
-      steps.push_back(step);
+      PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(step));
     }
-    // A closure that may be wrong goes into the second list, which gives way.
-    plumbline::OptimizePoseGraph(steps, {closure}, &poses);
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) graph_.SetPose(pose, poses[pose]);
+    PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(closure));
+    plumbline::SolverOptions options;
+    options.type = plumbline::SolverType::kPoseGraph;
+    PLUMBLINE_RETURN_IF_ERROR(Succeeded(plumbline::Solve(options, &steps)));
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      graph_.SetPose(pose, steps.WorldFromRobot(pose));
+    }
     graph_.ResetPointsFromPoses();
+    return Status::Ok();
   }
 
   plumbline::SolverOptions options_;

@@ -51,12 +51,26 @@ ceres::Solver::Options SolverSettings() {
   return options;
 }
 
+class CostCallback final : public ceres::IterationCallback {
+ public:
+  explicit CostCallback(const PoseGraphCallback& callback) : callback_(callback) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+    const bool go_on = iteration.iteration == 0 || !callback_ || callback_(iteration.cost);
+    return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const PoseGraphCallback& callback_;
+};
+
 }  // namespace
 
 PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
                                   const std::vector<RelativePoseConstraint>& doubtful_edges,
                                   std::vector<Pose2>* world_from_pose,
-                                  const std::vector<int>& fixed) {
+                                  const std::vector<int>& fixed,
+                                  const PoseGraphCallback& callback) {
   std::vector<Block> blocks;
   for (const Pose2& pose : *world_from_pose) blocks.push_back({pose.x, pose.y, pose.yaw});
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
@@ -76,15 +90,19 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
   }
   double scale = kCauchyScale;
   while (scale * scale < worst_chi2) scale *= kNarrowing;
+  CostCallback report(callback);
+  ceres::Solver::Options settings = SolverSettings();
+  settings.callbacks.push_back(&report);
   ceres::Solver::Summary summary;
   PoseGraphResult result;
-  for (; scale >= kCauchyScale; scale /= kNarrowing) {
+  for (; scale >= kCauchyScale && !result.stopped; scale /= kNarrowing) {
     loss.Reset(new ceres::CauchyLoss(scale), ceres::TAKE_OWNERSHIP);
-    ceres::Solve(SolverSettings(), &problem, &summary);
+    ceres::Solve(settings, &problem, &summary);
     // The first entry is the starting point; there is none if that could not be evaluated.
     result.iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
     for (const ceres::IterationSummary& it : summary.iterations) result.costs.push_back(it.cost);
     if (!summary.IsSolutionUsable()) break;
+    result.stopped = summary.termination_type == ceres::USER_SUCCESS;
   }
   if (summary.IsSolutionUsable()) {
     for (std::size_t i = 0; i < blocks.size(); ++i) (*world_from_pose)[i] = Pose2(blocks[i].data());

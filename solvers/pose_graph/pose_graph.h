@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_POSE_GRAPH_POSE_GRAPH_H_
 #define PLUMBLINE_SOLVERS_POSE_GRAPH_POSE_GRAPH_H_
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,16 @@ namespace plumbline {
 struct PoseGraphResult {
   int iterations = 0;
   bool converged = false;
+  bool stopped = false;  ///< by the callback
   std::string stop_reason;
   /// Of the Gauss-Newton optimisation: half the squared error (under the loss) at the start and
   /// after each iteration.
   std::vector<double> costs;
 };
+
+/// Called with the cost, as in PoseGraphResult::costs, after each iteration; false asks to stop
+/// with the best poses so far.
+using PoseGraphCallback = std::function<bool(double cost)>;
 
 /// Moves the poses to the optimum of the edges: `edges` as they are, `doubtful_edges` under a
 /// Cauchy loss. Edges name poses by their index; the `fixed` ones stay. Poses without edges stay,
@@ -25,7 +31,8 @@ struct PoseGraphResult {
 PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
                                   const std::vector<RelativePoseConstraint>& doubtful_edges,
                                   std::vector<Pose2>* world_from_pose,
-                                  const std::vector<int>& fixed = {0});
+                                  const std::vector<int>& fixed = {0},
+                                  const PoseGraphCallback& callback = nullptr);
 
 /// Squared Mahalanobis length of an edge's error, chi-squared with three degrees of freedom.
 double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose);

@@ -22,7 +22,7 @@ std::string PoseGraphSummary::BriefReport() const {
   return report.str();
 }
 
-PoseGraphSummary RefinePoseGraph(SlamGraph* graph) {
+PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& callback) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<RelativePoseConstraint>& edges = graph->relative_poses();
   std::vector<int> fixed;
@@ -45,7 +45,7 @@ PoseGraphSummary RefinePoseGraph(SlamGraph* graph) {
       poses = chordal;
     }
   }
-  summary.optimization = OptimizePoseGraph(edges, {}, &poses, fixed);
+  summary.optimization = OptimizePoseGraph(edges, {}, &poses, fixed, callback);
   summary.final_chi2 = GraphChi2(edges, poses);
   for (int i = 0; i < graph->num_poses(); ++i) graph->SetPose(i, poses[i]);
   graph->ResetPointsFromPoses();

@@ -35,8 +35,8 @@ struct PoseGraphSummary {
 /// map point where its pose says. Fixed poses stay exactly. Starts at the given poses or at a
 /// chordal start, whichever fits the edges better; the result is never worse than the given poses.
 /// Expects relative poses to connect every pose with a fixed one; without any, all poses stay.
-/// Odometry and laser returns are not looked at.
-PoseGraphSummary RefinePoseGraph(SlamGraph* graph);
+/// Odometry and laser returns are not looked at. The callback sees each iteration.
+PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& callback = nullptr);
 
 }  // namespace plumbline
 

@@ -231,4 +231,14 @@ SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& sur
   return result;
 }
 
+void AddPatchLines(const SurfacePatches& patches, std::vector<TangentLine>* lines) {
+  for (std::size_t r = 0; r < lines->size(); ++r) {
+    const int id = patches.patch_of_return[r];
+    if (id == SurfacePatches::kNone || Associations::HasLine((*lines)[r])) continue;
+    const SurfacePatch& patch = patches.patches[id];
+    const double offset = patch.offset_m + patch.normal.dot(patch.origin);
+    (*lines)[r] = {patch.normal.x(), patch.normal.y(), offset};
+  }
+}
+
 }  // namespace plumbline

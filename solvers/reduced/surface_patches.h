@@ -63,6 +63,10 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
 SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
                               const SurfacePatchOptions& options, ThreadPool* pool);
 
+/// Gives every return without a line of its own (too far from others, or seen at a grazing angle)
+/// that of its patch, if it lies on one. lines: per return.
+void AddPatchLines(const SurfacePatches& patches, std::vector<TangentLine>* lines);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_REDUCED_SURFACE_PATCHES_H_

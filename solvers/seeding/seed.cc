@@ -5,12 +5,15 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/correct_odometry.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/seed_pose_graph.h"
 #include "plumbline/solvers/seeding/surface_points.h"
+#include "plumbline/solvers/solve.h"
 
 namespace plumbline {
 namespace {
@@ -60,23 +63,9 @@ void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
   graph->ResetPointsFromPoses();
 }
 
-}  // namespace
-
-bool SeedingReport::Repaired() const {
-  return std::any_of(loops.doubts.begin(), loops.doubts.end(),
-                     [](const DoubtfulStep& doubt) { return doubt.broken; });
-}
-
-bool SeedingOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
-  PLUMBLINE_CHECK_NESTED_OPTIONS(sequential);
-  PLUMBLINE_CHECK_NESTED_OPTIONS(loops);
-  return true;
-}
-
-Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
-                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
+                   const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
+                   ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
   std::string error;
   if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
   if (normals.size() != graph->num_returns()) {
@@ -95,6 +84,40 @@ Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                                           progress, pool, &trajectory, report));
   WriteTrajectory(trajectory, graph);
   return Status::Ok();
+}
+
+}  // namespace
+
+bool SeedingReport::Repaired() const {
+  return std::any_of(loops.doubts.begin(), loops.doubts.end(),
+                     [](const DoubtfulStep& doubt) { return doubt.broken; });
+}
+
+bool SeedingOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(sequential);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(loops);
+  return true;
+}
+
+Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
+                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
+                 ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+  return CatchExceptions(
+      [&] { return SeedChecked(options, motion, normals, progress, pool, graph, report); });
+}
+
+Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_options,
+                 SlamGraph* graph, SeedingReport* report) {
+  return CatchExceptions([&] {
+    std::string error;
+    if (!solver_options.Check(&error)) return Status::InvalidArgument(error);
+    const FactorOptions& factors = solver_options.factors;
+    ThreadPool pool(solver_options.num_threads);
+    return SeedChecked(options, factors.motion,
+                       EstimateReturnNormals(*graph, NormalOptionsFor(factors.beam), &pool),
+                       nullptr, &pool, graph, report);
+  });
 }
 
 Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,

@@ -14,6 +14,7 @@
 #include "plumbline/solvers/seeding/map_consistency.h"
 #include "plumbline/solvers/seeding/odometry_noise.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
+#include "plumbline/solvers/solver_options.h"
 
 namespace plumbline {
 
@@ -21,17 +22,19 @@ namespace plumbline {
 struct SeedingOptions {
   /// Scans are thinned to one point per this length of surface [m].
   double point_spacing_m = 0.03;
-  SequentialSeedingOptions sequential;
-  LoopClosureOptions loops;
+  SequentialSeedingOptions sequential;  ///< scan matching
+  LoopClosureOptions loops;             ///< which places are compared, and what counts as a match
 
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };
 
+/// What the seeding found, and whether to trust it.
 struct SeedingReport {
-  SequentialSeedingReport sequential;
-  OdometryNoiseReport odometry_noise;
-  LoopClosingReport loops;
-  MapConsistency consistency;  ///< of the seed
+  SequentialSeedingReport sequential;  ///< scan matching
+  OdometryNoiseReport odometry_noise;  ///< how the odometry errs, by what the scans say
+  LoopClosingReport loops;             ///< loops closed and refused, and doubtful steps
+  MapConsistency consistency;          ///< of the seed
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;
   /// world_from_robot of every pose before loops were closed.
@@ -51,10 +54,14 @@ struct SeedingReport {
 /// or to err systematically, its motions are corrected too. The result does not depend on the
 /// number of threads. normals: as EstimateReturnNormals gives them. progress may be empty.
 /// InvalidArgument on bad options, missing odometry or a wrong number of normals, Unavailable if
-/// progress stopped it; the graph is then as it was.
+/// progress stopped it or an exception was thrown; the graph is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                  ThreadPool* pool, SlamGraph* graph, SeedingReport* report);
+
+/// The same for a host: noise and threads as Solve will have them, normals by itself, no progress.
+Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_options,
+                 SlamGraph* graph, SeedingReport* report);
 
 /// The second half of it: makes a trajectory of the sequential matching globally consistent by
 /// closing its loops. motion: the noise of its odometry. surfaces: per scan, in the frame of the
