@@ -28,7 +28,8 @@ enum class Mapper {
 constexpr int kNumMappers = 9;
 const char* ToString(Mapper mapper);
 
-/// Three levels of range noise, and one at which pairwise ICP errs as much as it was published to.
+/// Three levels of range noise, one at which pairwise ICP errs as much as it was published to, and
+/// one beyond.
 std::vector<SyntheticNoise> SyntheticNoises();
 
 /// The map of every mapper, in order of the enum. InvalidArgument if a mapper refuses the drive.
