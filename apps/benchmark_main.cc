@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "plumbline/apps/benchmark/ablation.h"
+#include "plumbline/apps/benchmark/adversarial.h"
 #include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
@@ -21,10 +22,13 @@
 #include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
+#include "plumbline/apps/benchmark/sensor_matrix.h"
+#include "plumbline/apps/benchmark/sensor_report.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
+#include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/read_log.h"
@@ -48,8 +52,9 @@ const plumbline::ComparisonOptions& Defaults() {
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-              "scaling, log, synthetic, ablation, replay");
-DEFINE_string(csv, "", "seeding_study, scaling: table to write, one line per run (empty: none)");
+              "scaling, log, synthetic, ablation, replay, adversarial, sensors");
+DEFINE_string(
+    csv, "", "seeding_study, scaling, adversarial: table to write, one line per run (empty: none)");
 DEFINE_int32(buildings, 200, "seeding_study: simulated buildings, one run each");
 DEFINE_string(
     log, "",
@@ -67,8 +72,10 @@ DEFINE_double(time_limit_s, Defaults().time_limit_s,
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
-    "for seeding_study and scaling only)");
-DEFINE_int32(seeds, 30, "synthetic, ablation: seeds of buildings and noise, 1 to this");
+    "for seeding_study, scaling and adversarial only)");
+DEFINE_int32(seeds, 30,
+             "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
+DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
 DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
              "replay: scans that arrive between two solves");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
@@ -82,7 +89,6 @@ void Print(const std::string& title, const std::string& text, HtmlReport* page) 
 }
 
 Status SeedingStudy(HtmlReport* page) {
-  if (FLAGS_buildings <= 0) return Status::InvalidArgument("--buildings must be > 0");
   SolverOptions solver;
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
@@ -97,6 +103,18 @@ Status SeedingStudy(HtmlReport* page) {
   Print("Seeding study", SeedingTable(outcomes), page);
   std::cout << outcomes.size() << " runs in " << std::fixed << std::setprecision(1)
             << duration.count() << " s on " << pool.num_threads() << " threads\n";
+  return Status::Ok();
+}
+
+Status Adversarial(HtmlReport* page) {
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  ThreadPool pool(solver.num_threads);
+  std::vector<AdversarialOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(
+      RunAdversarialStudy(AdversarialCases(FLAGS_seeds), solver, &pool, &outcomes));
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteAdversarialCsv(FLAGS_csv, outcomes));
+  Print("Never worse?", AdversarialTable(outcomes), page);
   return Status::Ok();
 }
 
@@ -126,12 +144,6 @@ Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
   options->time_limit_s = FLAGS_time_limit_s;
   std::string error;
   if (!options->Check(&error)) return Status::InvalidArgument("the flags set " + error);
-  if (FLAGS_output_dir.empty()) {
-    return Status::InvalidArgument("--output_dir is missing; see --help");
-  }
-  if (FLAGS_log.empty() && !FLAGS_relations.empty()) {
-    return Status::InvalidArgument("--relations needs --log");
-  }
   return Status::Ok();
 }
 
@@ -151,7 +163,7 @@ Status WriteComparison(const OutputFolder& output, const Comparison& comparison,
   PLUMBLINE_RETURN_IF_ERROR(WriteComparisonJson(output.File("solver_comparison.json"), comparison));
   PLUMBLINE_RETURN_IF_ERROR(WriteComparisonCsv(output.File("solver_comparison.csv"), comparison));
   if (BestEnergy(comparison.runs) == std::numeric_limits<double>::infinity()) {
-    return Status::Unavailable("no run came to its end");
+    return Status::InvalidArgument("no run came to its end");
   }
   AddComparison(comparison, page);
   return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
@@ -184,8 +196,7 @@ Status CompareAllSolvers(HtmlReport* page) {
 
 Status Scaling(HtmlReport* page) {
   std::vector<int> counts;
-  const Status status = ParseScanCounts(FLAGS_scans, &counts);
-  if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
+  PLUMBLINE_RETURN_IF_ERROR(ParseScanCounts(FLAGS_scans, &counts));
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   std::string table = ScalingHeader();
@@ -204,10 +215,6 @@ Status Scaling(HtmlReport* page) {
 }
 
 Status MapLogByAll(HtmlReport* page) {
-  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
-  if (FLAGS_output_dir.empty()) {
-    return Status::InvalidArgument("--output_dir is missing; see --help");
-  }
   LogExperimentInputs inputs;
   inputs.log = FLAGS_log;
   inputs.relations = FLAGS_relations;
@@ -233,10 +240,6 @@ Status MapLogByAll(HtmlReport* page) {
 }
 
 Status Synthetic(HtmlReport* page) {
-  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
-  if (FLAGS_output_dir.empty()) {
-    return Status::InvalidArgument("--output_dir is missing; see --help");
-  }
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   ThreadPool pool(solver.num_threads);
@@ -260,10 +263,6 @@ Status Synthetic(HtmlReport* page) {
 }
 
 Status Ablation(HtmlReport* page) {
-  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
-  if (FLAGS_output_dir.empty()) {
-    return Status::InvalidArgument("--output_dir is missing; see --help");
-  }
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   AblationInput log{{}, {}, {}, solver};
@@ -296,6 +295,23 @@ Status Ablation(HtmlReport* page) {
   return WriteAblationJson(output.File("ablation.json"), tables);
 }
 
+Status Sensors(HtmlReport* page) {
+  SolverOptions solver;
+  SeedingOptions seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
+  ThreadPool pool(solver.num_threads);
+  const std::vector<SensorCase> cases = SensorCases();
+  std::vector<SensorOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(
+      RunSensorCases(cases, FLAGS_sensor_seeds, solver, seeding, &pool, &outcomes));
+  Print("Other scanners and buildings", SensorTable(cases, outcomes), page);
+  const OutputFolder output(FLAGS_output_dir);
+  PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  PLUMBLINE_RETURN_IF_ERROR(WriteSensorCsv(output.File("sensors.csv"), cases, outcomes));
+  return WriteSensorJson(output.File("sensors.json"), cases, outcomes);
+}
+
 void PrintStep(const ReplayStep& step) {
   std::cout << "  " << step.num_poses << " scans, " << step.num_closures
             << " closures: " << ToString(step.solve) << ", " << std::fixed << std::setprecision(3)
@@ -304,12 +320,8 @@ void PrintStep(const ReplayStep& step) {
 }
 
 Status ReplayDrive(HtmlReport* page) {
-  if (FLAGS_output_dir.empty()) {
-    return Status::InvalidArgument("--output_dir is missing; see --help");
-  }
   ReplayOptions options;
   options.batch_poses = FLAGS_batch_scans;
-  if (FLAGS_batch_scans <= 0) return Status::InvalidArgument("--batch_scans must be > 0");
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   SlamGraph seed;
@@ -332,14 +344,18 @@ Status ReplayDrive(HtmlReport* page) {
 struct Experiment {
   const char* name;
   Status (*run)(HtmlReport* page);
+  bool needs_log;
+  bool needs_output_dir;
 };
-constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy},
-                                       {"solver_comparison", CompareAllSolvers},
-                                       {"scaling", Scaling},
-                                       {"log", MapLogByAll},
-                                       {"synthetic", Synthetic},
-                                       {"ablation", Ablation},
-                                       {"replay", ReplayDrive}};
+constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy, false, false},
+                                       {"solver_comparison", CompareAllSolvers, false, true},
+                                       {"scaling", Scaling, false, false},
+                                       {"log", MapLogByAll, true, true},
+                                       {"synthetic", Synthetic, false, true},
+                                       {"ablation", Ablation, false, true},
+                                       {"replay", ReplayDrive, false, true},
+                                       {"adversarial", Adversarial, false, false},
+                                       {"sensors", Sensors, false, true}};
 
 Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
@@ -352,16 +368,58 @@ Status FindExperiment(const std::string& name, const Experiment** found) {
                                  "': there is none of that name; see --help");
 }
 
-// All names are looked up before anything runs.
-Status Run() {
-  std::vector<const Experiment*> wanted(1);
+Status FindExperiments(std::vector<const Experiment*>* wanted) {
   std::istringstream names(FLAGS_experiment);
   for (std::string name; std::getline(names, name, ',');) {
-    PLUMBLINE_RETURN_IF_ERROR(FindExperiment(name, &wanted.back()));
-    wanted.push_back(nullptr);
+    wanted->push_back(nullptr);
+    PLUMBLINE_RETURN_IF_ERROR(FindExperiment(name, &wanted->back()));
   }
-  wanted.pop_back();
-  if (wanted.empty()) return FindExperiment("", nullptr);
+  return wanted->empty() ? FindExperiment("", nullptr) : Status::Ok();
+}
+
+Status CheckFlags() {
+  std::vector<const Experiment*> wanted;
+  PLUMBLINE_RETURN_IF_ERROR(FindExperiments(&wanted));
+  for (const Experiment* experiment : wanted) {
+    if (experiment->needs_log && FLAGS_log.empty()) {
+      return Status::InvalidArgument("--log is missing; see --help");
+    }
+    if (experiment->needs_output_dir && FLAGS_output_dir.empty()) {
+      return Status::InvalidArgument("--output_dir is missing; see --help");
+    }
+  }
+  if (FLAGS_log.empty() && !(FLAGS_relations.empty() && FLAGS_corrected_log.empty())) {
+    return Status::InvalidArgument("--relations and --corrected_log need --log");
+  }
+  if (FLAGS_buildings <= 0) return Status::InvalidArgument("--buildings must be > 0");
+  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
+  if (FLAGS_sensor_seeds <= 0) return Status::InvalidArgument("--sensor_seeds must be > 0");
+  if (FLAGS_batch_scans <= 0) return Status::InvalidArgument("--batch_scans must be > 0");
+  std::vector<int> counts;
+  const Status status = ParseScanCounts(FLAGS_scans, &counts);
+  if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
+  ComparisonOptions comparison;
+  SolverOptions solver;
+  SeedingOptions seeding;
+  PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison));
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  return SeedingOptionsFromFlags(&seeding);
+}
+
+// So that no experiment leaves its results before another one refuses a file.
+Status CheckInputFiles() {
+  for (const std::string& path : {FLAGS_log, FLAGS_corrected_log}) {
+    CarmenLog log;
+    if (!path.empty()) PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+  }
+  std::vector<Relation> relations;
+  return FLAGS_relations.empty() ? Status::Ok() : ReadRelations(FLAGS_relations, &relations);
+}
+
+Status Run() {
+  std::vector<const Experiment*> wanted;
+  PLUMBLINE_RETURN_IF_ERROR(FindExperiments(&wanted));
+  PLUMBLINE_RETURN_IF_ERROR(CheckInputFiles());
   HtmlReport page;
   page.title = "Experiments: " + FLAGS_experiment;
   page.subtitle = FLAGS_log;
@@ -392,17 +450,21 @@ int main(int argc, char** argv) {
       "  ablation           what each part of the joint estimation contributes, on these drives, "
       "on simulated buildings and on a log\n"
       "  replay             a host that maps while driving: time of each solve, and how the end "
-      "compares to solving all at once\n\n"
+      "compares to solving all at once\n"
+      "  adversarial        falsified graphs and logs of simulated buildings: is any result worse "
+      "than "
+      "its start?\n"
+      "  sensors            fields of view, ranges, noise, mountings, moving things, glass and "
+      "other buildings, each against the truth\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=200 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
       "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv\n"
       "  plumbline_benchmark --experiment=synthetic,log,ablation --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
-      "  plumbline_benchmark --experiment=replay --log=fr079.clf.gz --output_dir=out",
+      "  plumbline_benchmark --experiment=replay --log=fr079.clf.gz --output_dir=out\n"
+      "  plumbline_benchmark --experiment=adversarial --seeds=5 --csv=adversarial.csv\n"
+      "  plumbline_benchmark --experiment=sensors --output_dir=out",
       argc, argv);
-  const plumbline::Status status = plumbline::Run();
-  if (status.ok()) return 0;
-  std::cerr << "plumbline_benchmark: " << status.message() << '\n';
-  return 1;
+  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
+#include <new>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -12,8 +14,18 @@
 DECLARE_bool(help);
 DECLARE_bool(helpshort);
 
+// Where gflags goes on finding a fault. It is there to be set, but no header of gflags has it.
+namespace GFLAGS_NAMESPACE {
+extern GFLAGS_DLL_DECL void (*gflags_exitfunc)(int);
+}
+
 namespace plumbline {
 namespace {
+
+int Fail(const std::string& message, ExitCode code) {
+  std::cerr << gflags::ProgramInvocationShortName() << ": " << message << '\n';
+  return code;
+}
 
 bool EndsWith(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
@@ -49,21 +61,36 @@ std::string HelpText(const std::string& usage) {
   for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
     text += "  --" + flag.name + "=" + ReadableDefault(flag) + "\n      " + flag.description + "\n";
   }
-  return text;
+  return text + "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written.\n";
 }
 
 void ParseCommandLine(const std::string& usage, int argc, char** argv) {
   gflags::SetUsageMessage(usage);
+  GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitWrongUsage); };
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   if (FLAGS_help || FLAGS_helpshort) {
     std::cout << HelpText(usage);
-    std::exit(0);
+    std::exit(kExitDone);
   }
   gflags::HandleCommandLineHelpFlags();
   if (argc > 1) {
-    std::cerr << gflags::ProgramInvocationShortName() << ": unexpected argument '" << argv[1]
-              << "'; see --help\n";
-    std::exit(1);
+    std::exit(
+        Fail("unexpected argument '" + std::string(argv[1]) + "'; see --help", kExitWrongUsage));
+  }
+}
+
+int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run) {
+  try {
+    const Status usage = check_flags();
+    if (!usage.ok()) return Fail(usage.message(), kExitWrongUsage);
+    const Status status = run();
+    if (status.ok()) return kExitDone;
+    const bool bad_output = status.code() == StatusCode::kUnavailable;
+    return Fail(status.message(), bad_output ? kExitCannotWrite : kExitBadInput);
+  } catch (const std::bad_alloc&) {
+    return Fail("the input needs more memory than there is", kExitBadInput);
+  } catch (const std::exception& error) {
+    return Fail(error.what(), kExitBadInput);
   }
 }
 

@@ -43,14 +43,25 @@ constexpr char kUsage[] =
     "g2o to TORO and back gives the same numbers, as they are written in the file. What a format\n"
     "has no place for is left out, with a line on standard error that counts it.";
 
-Status Run() {
+Status OptionsFromFlags(ConvertOptions* options) {
   if (FLAGS_input.empty()) return Status::InvalidArgument("--input is missing; see --help");
   if (FLAGS_output.empty()) return Status::InvalidArgument("--output is missing; see --help");
+  options->input = FLAGS_input;
+  options->trajectory = FLAGS_trajectory;
+  options->map_resolution_m = FLAGS_map_resolution_m;
+  std::string error;
+  if (!options->Check(&error)) return Status::InvalidArgument("ROS map: " + error);
+  return ParseConversionTargets(FLAGS_output, FLAGS_format, &options->targets);
+}
+
+Status CheckFlags() {
   ConvertOptions options;
-  options.input = FLAGS_input;
-  options.trajectory = FLAGS_trajectory;
-  options.map_resolution_m = FLAGS_map_resolution_m;
-  PLUMBLINE_RETURN_IF_ERROR(ParseConversionTargets(FLAGS_output, FLAGS_format, &options.targets));
+  return OptionsFromFlags(&options);
+}
+
+Status Run() {
+  ConvertOptions options;
+  PLUMBLINE_RETURN_IF_ERROR(OptionsFromFlags(&options));
   ConversionReport report;
   PLUMBLINE_RETURN_IF_ERROR(Convert(options, &report));
   std::cout << "Read " << options.input << ": " << report.num_poses << " poses, "
@@ -74,8 +85,5 @@ Status Run() {
 
 int main(int argc, char** argv) {
   plumbline::ParseCommandLine(plumbline::kUsage, argc, argv);
-  const plumbline::Status status = plumbline::Run();
-  if (status.ok()) return 0;
-  std::cerr << "plumbline_convert: " << status.message() << '\n';
-  return 1;
+  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
 }

@@ -60,6 +60,8 @@ EvaluationInputs InputsFromFlags() {
   return inputs;
 }
 
+Status CheckFlags() { return CheckInputs(InputsFromFlags()); }
+
 Status Run() {
   Evaluation evaluation;
   PLUMBLINE_RETURN_IF_ERROR(Evaluate(InputsFromFlags(), &evaluation));
@@ -80,8 +82,5 @@ int main(int argc, char** argv) {
       "  plumbline_evaluate --trajectory=out/trajectory.tum --truth=small_building.tum "
       "--log=small_building.clf --points=out/points.ply --json=figures.json",
       argc, argv);
-  const plumbline::Status status = plumbline::Run();
-  if (status.ok()) return 0;
-  std::cerr << "plumbline_evaluate: " << status.message() << '\n';
-  return 1;
+  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
 }

@@ -12,12 +12,14 @@
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/memory_estimate.h"
 #include "plumbline/apps/number_text.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
+#include "plumbline/apps/stop_signal.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/marginal_energy.h"
@@ -35,7 +37,10 @@ class PoseGraphRun {
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Read());
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
+    PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults({options_.log}));
     given_poses_ = file_.graph.poses();
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
@@ -60,6 +65,14 @@ class PoseGraphRun {
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
               << " scans, " << file_.graph.num_returns() << " returns\n";
     return Status::Ok();
+  }
+
+  Status CheckMemoryOfScans() const {
+    if (!has_scans()) return Status::Ok();
+    const MemoryEstimate memory =
+        EstimateMemory(file_.graph, options_.solver, false, options_.outputs.picture_side_px);
+    std::cout << memory.Text() << std::flush;
+    return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
   }
 
   void RefineByEdges() {
@@ -101,13 +114,17 @@ class PoseGraphRun {
     std::cout << ProgressHeader() << '\n';
     options.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
-      return true;
+      return StopSignal() == 0;
     };
     solver_summary_ = Solve(options, &file_.graph);
     if (!solver_summary_.IsSolutionUsable()) {
       return Status::InvalidArgument(solver_summary_.message);
     }
     std::cout << '\n' << solver_summary_.FullReport() << '\n';
+    if (solver_summary_.termination == TerminationType::kUserStopped) {
+      stopped_by_ = StopSignalName();
+      std::cout << StopText(stopped_by_);
+    }
     refined_consistency_ = MeasureConsistency();
     if (refined_consistency_) alarms_ = MapAlarms(*refined_consistency_, file_.graph);
     return Status::Ok();
@@ -134,12 +151,13 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(
         WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph)));
     PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_.format, file_));
-    if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteMap());
-    PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
     if (has_scans()) {
+      PLUMBLINE_RETURN_IF_ERROR(WriteMap());
       PLUMBLINE_RETURN_IF_ERROR(WriteReport());
       PrintMap();
     }
+    // The last one: its presence says that the others are there.
+    PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
     std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
               << ", summary.json\n";
     if (has_scans()) {
@@ -150,6 +168,7 @@ class PoseGraphRun {
                 << MapFilesText(refined_consistency_.has_value());
     }
     std::cout << std::flush;
+    if (!map_warning_.empty()) std::cerr << "warning: " << map_warning_ << '\n';
     std::cerr << AlarmText(alarms_);
     return Status::Ok();
   }
@@ -167,9 +186,10 @@ class PoseGraphRun {
 
   Status WriteMap() {
     maps_.push_back({"refined", output_.File("map_refined.png"), MapArea()});
-    const RefinedMap map{&file_.graph, &given_poses_, "as given",
-                         refined_consistency_ ? &*refined_consistency_ : nullptr,
-                         &maps_.back().area};
+    const RefinedMap map{
+        &file_.graph,       &given_poses_,
+        "as given",         refined_consistency_ ? &*refined_consistency_ : nullptr,
+        &maps_.back().area, &map_warning_};
     PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
     const std::vector<double> optimised = file_.graph.points();
     file_.graph.ResetPointsFromPoses();
@@ -234,6 +254,9 @@ class PoseGraphRun {
       json["consistency"] = {{"given", ConsistencyJson(*given_consistency_)},
                              {"refined", ConsistencyJson(*refined_consistency_)}};
     }
+    json["stopped_by"] = StoppedByJson(stopped_by_);
+    json["warnings"] = Json::array();
+    if (!map_warning_.empty()) json["warnings"].push_back(map_warning_);
     json["flags"] = FlagsInForce();
     return WriteJson(output_.File("summary.json"), json);
   }
@@ -260,6 +283,7 @@ class PoseGraphRun {
                       WithThousands(file_.graph.num_returns()) + " returns";
     AddVerdict(alarms_, refined_consistency_ ? "No sign that the map contradicts itself." : "",
                &report);
+    AddStop(stopped_by_, &report);
     AddStages(stages_, &report);
     report.tables.push_back(
         {"Edges of the graph", {"State", "Sum of squared whitened errors"}, EdgeRows(), ""});
@@ -287,6 +311,8 @@ class PoseGraphRun {
   // Not measured where the scans are not in order of time.
   std::optional<MapConsistency> given_consistency_, refined_consistency_;
   std::vector<Alarm> alarms_;
+  std::string stopped_by_;   // name of the signal; empty if the solver came to its own end
+  std::string map_warning_;  // see RefinedMap
   std::vector<ReportMap> maps_;
 };
 

@@ -14,6 +14,7 @@ struct PoseGraphRunOptions {
   std::string output_dir;
   RunOutputOptions outputs;
   SolverOptions solver;
+  double max_memory = 0.0;  ///< refuses a graph that needs more by estimate [bytes]; 0: no limit
 };
 
 /// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
@@ -25,7 +26,8 @@ struct PoseGraphRunOptions {
 ///   summary.json        figures
 /// and with scans also report.html, what MapWriteTasks names and a picture of each stage; if they
 /// are in order of time, it is measured whether the map contradicts itself (conflicts.png), with a
-/// warning on standard error if the refined map does. A failed Status names the culprit.
+/// warning on standard error if the refined map does. A stop signal (stop_signal.h) ends the
+/// solver: what it leaves is the best state so far. A failed Status names the culprit.
 Status RunPoseGraph(const PoseGraphRunOptions& options);
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
 #include "plumbline/apps/io/rosbag_reader.h"
@@ -29,7 +30,8 @@ Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, Sla
   for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
   WarnOfOtherMountings(path, EstimateLaserMounting(log));
   *counts = {log.num_issues, log.num_out_of_order};
-  return BuildGraph(log, max_scans, graph);
+  const Status built = BuildGraph(log, max_scans, graph);
+  return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
 }
 
 bool IsRosbag(const std::string& path) {
@@ -54,6 +56,7 @@ Status ReadBag(const std::string& path, int max_scans, LogCounts* counts, SlamGr
 
 Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
                         SlamGraph* graph) {
+  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   SlamGraph result;
   LogCounts result_counts;
   PLUMBLINE_RETURN_IF_ERROR(IsRosbag(path) ? ReadBag(path, max_scans, &result_counts, &result)

@@ -20,7 +20,7 @@ RelativePoseConstraint MoveRobotFrame(const RelativePoseConstraint& edge, const 
 /// times, so that the file stays small; the trajectory has the times, in the same order.
 ///
 /// edges: between poses of the robot frame before calibration, which may have moved it:
-/// before_from_after. NotFound or Unavailable if the file cannot be written.
+/// before_from_after. Unavailable if the file cannot be written.
 Status WriteRefinedPoseGraph(const std::string& path, const SlamGraph& graph,
                              const std::vector<RelativePoseConstraint>& edges,
                              const Pose2& before_from_after);

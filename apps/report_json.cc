@@ -77,6 +77,16 @@ Json ConflictJson(const FreeSpaceConflict& conflict) {
           {"share", conflict.Share()}};
 }
 
+Json VerdictJson(const Verdict& verdict) {
+  return {{"better", verdict.IsBetter()},
+          {"patch_energy_seed", verdict.seed_energy},
+          {"patch_energy_final", verdict.final_energy},
+          {"held_out_returns", verdict.num_held_out},
+          {"held_out_error_seed_sigma2", verdict.seed_held_out_error},
+          {"held_out_error_final_sigma2", verdict.final_held_out_error},
+          {"held_out_noise_sigma2", verdict.held_out_noise}};
+}
+
 }  // namespace
 
 Json FlagsInForce() {
@@ -102,8 +112,7 @@ Json SolverJson(const SolverSummary& solver) {
           {"message", solver.message},
           {"marginal_energy_seed", solver.seed_marginal_energy},
           {"marginal_energy_final", solver.final_marginal_energy},
-          {"patch_energy_seed", solver.seed_patch_energy},
-          {"patch_energy_final", solver.final_patch_energy},
+          {"verdict", VerdictJson(solver.verdict)},
           {"terms", TermsJson(solver)},
           {"rounds", RoundsJson(solver)},
           {"patch_rounds", PatchRoundsJson(solver)},
@@ -161,6 +170,10 @@ Json AlarmsJson(const std::vector<Alarm>& alarms) {
                     {"reason", alarm.reason}});
   }
   return json;
+}
+
+Json StoppedByJson(const std::string& signal_name) {
+  return signal_name.empty() ? Json() : Json(signal_name);
 }
 
 Status WriteJson(const std::string& path, const Json& json) {

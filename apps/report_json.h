@@ -29,7 +29,10 @@ Json ConsistencyJson(const MapConsistency& map);
 /// One object per alarm: scan (null if none was taken there), time, place, reason.
 Json AlarmsJson(const std::vector<Alarm>& alarms);
 
-/// NotFound or Unavailable if the file cannot be written. Text that is not UTF-8, as a path may be,
+/// Of the signal that has ended an estimation early; null for an empty name.
+Json StoppedByJson(const std::string& signal_name);
+
+/// Unavailable if the file cannot be written. Text that is not UTF-8, as a path may be,
 /// gets replacement characters; numbers that are not finite become null.
 Status WriteJson(const std::string& path, const Json& json);
 

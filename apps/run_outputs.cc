@@ -1,6 +1,7 @@
 #include "plumbline/apps/run_outputs.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "plumbline/apps/io/before_after_picture.h"
 #include "plumbline/apps/io/map_picture.h"
@@ -9,6 +10,7 @@
 #include "plumbline/apps/io/pcd_writer.h"
 #include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/ros_map.h"
+#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -29,22 +31,61 @@ Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_
   return WriteBeforeAfterPicture(path, *map.graph, *map.poses_before, options);
 }
 
+Status WriteGrid(const std::string& stem, const SlamGraph& graph,
+                 const OccupancyGridOptions& options, OccupancyGrid* grid) {
+  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, options, grid));
+  return WriteRosMap(stem, *grid);
+}
+
+// A robot can drive with a coarse map, but not without one.
+Status WriteMapThatFits(const std::string& stem, const RefinedMap& map,
+                        const RunOutputOptions& options) {
+  OccupancyGrid grid;
+  PLUMBLINE_RETURN_IF_ERROR(WriteGrid(stem, *map.graph, options.GridOptions(), &grid));
+  if (grid.resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
+    std::ostringstream warning;
+    warning << "the map, " << grid.width * grid.resolution_m << " m x "
+            << grid.height * grid.resolution_m << " m, is too large for cells of "
+            << options.map_resolution_m << " m (" << options.map_max_cells
+            << " at most): those of map.pgm are " << grid.resolution_m << " m";
+    *map.map_warning = warning.str();
+  }
+  return Status::Ok();
+}
+
 }  // namespace
 
 bool RunOutputOptions::Check(std::string* error) const {
   MapPictureOptions picture;
   picture.max_side_px = picture_side_px;
+  return picture.Check(error) && GridOptions().Check(error);
+}
+
+void RunOutputOptions::LimitMemory(double bytes) {
+  constexpr double kBytesPerCell = 5.0;  // see OccupancyGridOptions
+  if (bytes > 0.0) map_max_cells = std::min(map_max_cells, 0.5 * bytes / kBytesPerCell);
+}
+
+OccupancyGridOptions RunOutputOptions::GridOptions() const {
   OccupancyGridOptions grid;
   grid.resolution_m = map_resolution_m;
-  return picture.Check(error) && grid.Check(error);
+  grid.max_cells = map_max_cells;
+  grid.coarsen_to_fit = true;
+  return grid;
+}
+
+Status CheckRobotMap(const std::string& input, const SlamGraph& graph, double resolution_m) {
+  OccupancyGridOptions options;
+  options.resolution_m = resolution_m;
+  const Status status = CheckGridSize(graph, options);
+  return status.ok() ? status : Status::InvalidArgument(input + ": " + status.message());
 }
 
 Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m) {
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
   OccupancyGrid grid;
-  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, options, &grid));
-  return WriteRosMap(stem, grid);
+  return WriteGrid(stem, graph, options, &grid);
 }
 
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
@@ -57,7 +98,7 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
       [=] {
         return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
       },
-      [=, &graph] { return WriteRobotMap(output.File("map"), graph, options.map_resolution_m); },
+      [=] { return WriteMapThatFits(output.File("map"), map, options); },
       [=, &graph] { return WritePointsPly(output.File("points.ply"), graph); },
       [=, &graph] { return WritePointsPcd(output.File("points.pcd"), graph); }};
   if (map.consistency != nullptr) {
@@ -85,7 +126,7 @@ std::string MapFilesText(bool with_conflicts) {
 Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool) {
   std::vector<Status> results(tasks.size());
   pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
-    results[begin] = tasks[begin]();
+    results[begin] = CatchExceptions(tasks[begin]);
   });
   for (const Status& result : results) PLUMBLINE_RETURN_IF_ERROR(result);
   return Status::Ok();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/apps/io/map_picture.h"
+#include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -18,8 +19,14 @@ namespace plumbline {
 struct RunOutputOptions {
   int picture_side_px = 2400;      ///< longer side of a picture's map, at most
   double map_resolution_m = 0.05;  ///< side of a cell of map.pgm
+  /// Most cells of map.pgm: a map that would need more gets coarser ones.
+  double map_max_cells = 4e8;
 
   bool Check(std::string* error) const;
+  /// Keeps the memory that map.pgm takes while it is made below half of this [bytes]; 0: as it is.
+  void LimitMemory(double bytes);
+  /// Those of map.pgm.
+  OccupancyGridOptions GridOptions() const;
 };
 
 /// The refined map of a run, to be written.
@@ -29,6 +36,8 @@ struct RefinedMap {
   std::string before_title;                           ///< what the start was
   const MapConsistency* consistency = nullptr;        ///< null where it was not measured
   MapArea* picture_area = nullptr;  ///< becomes where map_refined.png shows the map; may be null
+  /// Becomes a line for people if the cells of map.pgm are coarser than asked for; may be null.
+  std::string* map_warning = nullptr;
 };
 
 using WriteTask = std::function<Status()>;
@@ -43,10 +52,14 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
 /// of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
 Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m);
 
+/// InvalidArgument, with `input` in front, if the map of this graph is too large for WriteRobotMap.
+Status CheckRobotMap(const std::string& input, const SlamGraph& graph, double resolution_m);
+
 /// Lines for people: what the files of MapWriteTasks are.
 std::string MapFilesText(bool with_conflicts);
 
-/// Runs the tasks side by side; gives the error of the first one that failed.
+/// Runs all tasks side by side; gives the error of the first one that failed. What a task throws
+/// is such an error too.
 Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool);
 
 }  // namespace plumbline

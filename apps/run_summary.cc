@@ -97,6 +97,8 @@ Status WriteRunSummary(const std::string& path, const RunSummary& summary) {
                           {"solver", SolverJson(summary.solver)},
                           {"calibration", CalibrationJson(summary.calibration)},
                           {"stages", StagesJson(summary.stages)},
+                          {"stopped_by", StoppedByJson(summary.stopped_by)},
+                          {"warnings", summary.warnings},
                           {"peak_memory_bytes", PeakMemoryBytes()},
                           {"flags", FlagsInForce()}});
 }

@@ -28,12 +28,14 @@ struct RunSummary {
   MapConsistency refined_consistency;
   std::vector<Alarm> alarms;
   std::vector<Stage> stages;
+  std::string stopped_by;             ///< name of the signal; empty if the run came to its own end
+  std::vector<std::string> warnings;  ///< lines for people
 };
 
 /// Largest resident memory of this process so far [bytes].
 std::size_t PeakMemoryBytes();
 
-/// Writes the summary as JSON, with the flags in force. NotFound or Unavailable if the file cannot
+/// Writes the summary as JSON, with the flags in force. Unavailable if the file cannot
 /// be written.
 Status WriteRunSummary(const std::string& path, const RunSummary& summary);
 

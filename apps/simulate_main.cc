@@ -16,8 +16,12 @@
 #include "plumbline/apps/simulation/truth_writer.h"
 
 DEFINE_string(world, "", "Building to drive through; datasets/README.md describes the format");
-DEFINE_string(building, "",
-              "Makes up a building instead, out of --seed: random, repetitive or long_corridor");
+DEFINE_string(
+    building, "",
+    "Makes up a building instead, out of --seed: random, repetitive, long_corridor, hall, "
+    "round or slanted");
+DEFINE_int32(people, 0, "People who walk around the robot");
+DEFINE_bool(doors_move, false, "Doors of the building slide shut and open again");
 DEFINE_string(log, "", "CARMEN log to write");
 DEFINE_string(truth, "", "True trajectory to write, TUM format (empty: none)");
 DEFINE_string(hits, "", "True point of every return to write, lines 't beam x y' (empty: none)");
@@ -124,6 +128,7 @@ SimulationOptions OptionsFromFlags() {
   options.carry = {FLAGS_carry_at_path_m, FLAGS_carry_distance_m};
   options.odometry_leap = {FLAGS_odom_leap_at_path_m, FLAGS_odom_leap_distance_m};
   options.odometry_leap_direction_rad = DegToRad(FLAGS_odom_leap_direction_deg);
+  options.traffic = {FLAGS_people, FLAGS_doors_move};
   options.seed = FLAGS_seed;
   return options;
 }
@@ -141,18 +146,27 @@ void PrintSummary(const SimulatedLog& log) {
             << RadToDeg(std::abs(error.yaw)) << " deg off\n";
 }
 
-// The building that --world or --building asks for.
-Status MakeBuilding(Building* building) {
+Status CheckFlags() {
   if (FLAGS_world.empty() == FLAGS_building.empty()) {
     return Status::InvalidArgument(FLAGS_world.empty()
                                        ? "--world is missing, or --building; see --help"
                                        : "--world and --building exclude each other");
   }
-  if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
   BuildingKind kind;
-  if (!FromString(FLAGS_building, &kind)) {
+  if (!FLAGS_building.empty() && !FromString(FLAGS_building, &kind)) {
     return Status::InvalidArgument("--building=" + FLAGS_building + ": no such kind; see --help");
   }
+  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
+  std::string error;
+  if (!OptionsFromFlags().Check(&error)) return Status::InvalidArgument("simulation: " + error);
+  return Status::Ok();
+}
+
+// The building that --world or --building asks for.
+Status MakeBuilding(Building* building) {
+  if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
+  BuildingKind kind = BuildingKind::kRandom;
+  FromString(FLAGS_building, &kind);  // CheckFlags knows the name
   *building = GenerateBuilding(kind, FLAGS_seed);
   return Status::Ok();
 }
@@ -160,7 +174,6 @@ Status MakeBuilding(Building* building) {
 Status Run() {
   Building building;
   PLUMBLINE_RETURN_IF_ERROR(MakeBuilding(&building));
-  if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   SimulatedLog log;
   PLUMBLINE_RETURN_IF_ERROR(Simulate(World(std::move(building)), OptionsFromFlags(), &log));
   PLUMBLINE_RETURN_IF_ERROR(WriteCarmenLog(FLAGS_log, log));
@@ -180,8 +193,5 @@ int main(int argc, char** argv) {
       "--truth=small_building.tum --hits=small_building.hits\n"
       "  plumbline_simulate --building=random --seed=7 --log=random_7.clf --truth=random_7.tum",
       argc, argv);
-  const plumbline::Status status = plumbline::Run();
-  if (status.ok()) return 0;
-  std::cerr << "plumbline_simulate: " << status.message() << '\n';
-  return 1;
+  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
 }

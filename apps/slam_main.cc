@@ -12,13 +12,16 @@
 
 #include "plumbline/apps/alarm.h"
 #include "plumbline/apps/calibration_report.h"
+#include "plumbline/apps/checkpoint.h"
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/flags.h"
 #include "plumbline/apps/graph_poses.h"
+#include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/overlay_pictures.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/memory_estimate.h"
 #include "plumbline/apps/output_folder.h"
 #include "plumbline/apps/pose_graph_run.h"
 #include "plumbline/apps/progress.h"
@@ -31,6 +34,7 @@
 #include "plumbline/apps/seeding_progress.h"
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
+#include "plumbline/apps/stop_signal.h"
 #include "plumbline/apps/truth.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/seconds_since.h"
@@ -52,6 +56,12 @@ DEFINE_string(calibrate, "",
               "Sensor parameters to estimate along with the map, separated by commas: mounting, "
               "range_bias, range_scale, odometry_scale");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
+DEFINE_string(checkpoint, "", "File to keep the state after the seeding in, to --resume from");
+DEFINE_string(resume, "",
+              "Checkpoint of an earlier run over the same log with the same options: goes on from "
+              "there, to the same results");
+DEFINE_string(max_memory, "0",
+              "Refuse a run that needs more than this by estimate, as 4GB or 500MB; 0: no limit");
 
 namespace plumbline {
 namespace {
@@ -61,25 +71,6 @@ using Clock = std::chrono::steady_clock;
 // One run of the program, step by step.
 class SlamRun {
  public:
-  Status Run() {
-    PLUMBLINE_RETURN_IF_ERROR(CheckFlags());
-    if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
-    PLUMBLINE_RETURN_IF_ERROR(ReadLog());
-    PLUMBLINE_RETURN_IF_ERROR(Picture("map_odometry.png", "Odometry"));
-    AddStage("odometry");
-    PLUMBLINE_RETURN_IF_ERROR(Seed());
-    const bool by_pose_graph = MovesPosesOnly(solver_options_.type);
-    if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
-    seed_poses_ = graph_.poses();
-    PLUMBLINE_RETURN_IF_ERROR(
-        Picture("map_seed.png", by_pose_graph ? "Sequential matching" : "Seed"));
-    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
-    AddStage(by_pose_graph ? "sequential matching" : "seed");
-    PLUMBLINE_RETURN_IF_ERROR(Refine());
-    return WriteResults();
-  }
-
- private:
   Status CheckFlags() {
     if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
     if (FLAGS_output_dir.empty()) {
@@ -93,6 +84,9 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding_options_));
     outputs_.picture_side_px = FLAGS_picture_side_px;
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
+    const Status memory = ParseMemorySize(FLAGS_max_memory, &max_memory_);
+    if (!memory.ok()) return Status::InvalidArgument("--max_memory: " + memory.message());
+    outputs_.LimitMemory(max_memory_);
     std::string error;
     if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
     const Status parsed = ParseCalibration(FLAGS_calibrate, &calibration_options_);
@@ -106,23 +100,46 @@ class SlamRun {
     return Status::Ok();
   }
 
+  Status Run() {
+    if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
+    PLUMBLINE_RETURN_IF_ERROR(ReadLog());
+    AddStage("odometry");
+    odometry_poses_ = graph_.poses();
+    PLUMBLINE_RETURN_IF_ERROR(FindSeed());
+    PLUMBLINE_RETURN_IF_ERROR(BeginResults());
+    const bool by_pose_graph = MovesPosesOnly(solver_options_.type);
+    if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
+    seed_poses_ = graph_.poses();
+    PLUMBLINE_RETURN_IF_ERROR(
+        Picture("map_seed.png", by_pose_graph ? "Sequential matching" : "Seed"));
+    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
+    AddStage(by_pose_graph ? "sequential matching" : "seed");
+    PLUMBLINE_RETURN_IF_ERROR(Refine());
+    PLUMBLINE_RETURN_IF_ERROR(WriteResults());
+    return checkpoint_written_;
+  }
+
+ private:
   Status RefinePoseGraphFile() const {
-    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || calibration_options_.IsOn()) {
-      return Status::InvalidArgument("--max_scans, --truth and --calibrate go with a log, but " +
-                                     FLAGS_log + " is a pose graph");
+    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || calibration_options_.IsOn() ||
+        !FLAGS_checkpoint.empty() || !FLAGS_resume.empty()) {
+      return Status::InvalidArgument(
+          "--max_scans, --truth, --calibrate, --checkpoint and --resume go with a log, but " +
+          FLAGS_log + " is a pose graph");
     }
-    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_});
+    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_, max_memory_});
   }
 
   Status ReadLog() {
     const auto start = Clock::now();
     LogCounts counts;
     PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph_));
+    // Rather now than at the end of the run, with most of the results written.
+    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, graph_, outputs_.map_resolution_m));
     if (!FLAGS_truth.empty()) {
       truth_.emplace();
       PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
     }
-    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     summary_.log = FLAGS_log;
     summary_.num_scans = graph_.num_scans();
     summary_.num_returns = graph_.num_returns();
@@ -132,26 +149,74 @@ class SlamRun {
               << graph_.num_returns() << " returns, " << counts.num_skipped_records
               << " records skipped, " << counts.num_out_of_order << " out of order (" << std::fixed
               << std::setprecision(2) << summary_.read_time_s << " s)\n";
+    const MemoryEstimate memory = EstimateMemory(
+        graph_, solver_options_, calibration_options_.IsOn(), outputs_.picture_side_px);
+    std::cout << memory.Text() << std::flush;
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, max_memory_, graph_, solver_options_));
+    return StoppedDuring("reading");
+  }
+
+  // The seed: of the scans, or of an earlier run's checkpoint.
+  Status FindSeed() {
+    RunFingerprint fingerprint;
+    if (!FLAGS_resume.empty() || !FLAGS_checkpoint.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint));
+    }
+    surface_ = MeasureSurface(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
+    if (FLAGS_resume.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
+      PLUMBLINE_RETURN_IF_ERROR(Seed());
+    } else {
+      PLUMBLINE_RETURN_IF_ERROR(
+          ReadCheckpoint(FLAGS_resume, fingerprint, &graph_, &summary_.seeding));
+      PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
+      std::cout << "Seeding: as in " << FLAGS_resume << '\n';
+    }
+    std::cout << SeedingText(summary_.seeding, graph_)
+              << ConsistencyText("The seed", summary_.seeding.consistency) << std::flush;
+    if (FLAGS_checkpoint.empty()) return Status::Ok();
+    checkpoint_written_ = WriteCheckpoint(FLAGS_checkpoint, fingerprint, graph_, summary_.seeding);
+    if (checkpoint_written_.ok()) std::cout << "Checkpoint: " << FLAGS_checkpoint << std::endl;
     return Status::Ok();
+  }
+
+  // Before the work is done: what cannot be written to is known then.
+  Status PrepareOutputs() const {
+    if (!FLAGS_checkpoint.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(AtomicFile().Open(FLAGS_checkpoint));
+    }
+    return output_.Make();
   }
 
   Status Seed() {
     const auto start = Clock::now();
-    surface_ = MeasureSurface(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
-      return true;
+      return StopSignal() == 0;
     };
-    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(seeding_options_, solver_options_.factors.motion,
-                                        surface_.normals, progress, &*pool_, &graph_,
-                                        &summary_.seeding));
+    const Status seeded =
+        SeedGraph(seeding_options_, solver_options_.factors.motion, surface_.normals, progress,
+                  &*pool_, &graph_, &summary_.seeding);
+    if (!seeded.ok()) PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("seeding"));
+    PLUMBLINE_RETURN_IF_ERROR(seeded);
     summary_.seed_time_s = SecondsSince(start);
     bars.Finish();
-    std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n"
-              << SeedingText(summary_.seeding, graph_)
-              << ConsistencyText("The seed", summary_.seeding.consistency);
+    std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n";
     return Status::Ok();
+  }
+
+  // From here on there is a map to write, also if the run is stopped. Not before: an earlier run's
+  // results outlive one that comes to nothing.
+  Status BeginResults() {
+    PLUMBLINE_RETURN_IF_ERROR(
+        output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
+    graph_.poses().swap(odometry_poses_);
+    graph_.ResetPointsFromPoses();
+    const Status drawn = Picture("map_odometry.png", "Odometry");
+    graph_.poses().swap(odometry_poses_);
+    graph_.ResetPointsFromPoses();
+    return drawn;
   }
 
   // A solver of pose graphs has the work still to do that the seeding did by its own.
@@ -181,8 +246,13 @@ class SlamRun {
     std::cout << ProgressHeader() << '\n';
     solver_options_.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
-      return true;
+      return StopSignal() == 0;
     };
+    // Calibration has its own view of what is wrong with the odometry.
+    if (!calibration_options_.IsOn()) {
+      solver_options_.factors.motion =
+          RefinementMotion(summary_.seeding.odometry_noise, solver_options_.factors.motion);
+    }
     summary_.solver = calibration_options_.IsOn()
                           ? SolveWithCalibration(solver_options_, calibration_options_, &graph_,
                                                  &summary_.calibration)
@@ -197,6 +267,10 @@ class SlamRun {
     std::cout << '\n'
               << summary_.solver.FullReport() << '\n'
               << CalibrationText(summary_.calibration);
+    if (summary_.solver.termination == TerminationType::kUserStopped) {
+      summary_.stopped_by = StopSignalName();
+      std::cout << StopText(summary_.stopped_by);
+    }
     summary_.refined_consistency = MeasureMapConsistency(graph_, PosesOf(graph_), &*pool_);
     summary_.alarms = RunAlarms(summary_.seeding, summary_.refined_consistency, graph_);
     return Status::Ok();
@@ -204,8 +278,10 @@ class SlamRun {
 
   Status WriteResults() {
     maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
-    const RefinedMap map{&graph_, &seed_poses_, "seed", &summary_.refined_consistency,
-                         &maps_.back().area};
+    std::string map_warning;
+    const RefinedMap map{
+        &graph_,     &seed_poses_, "seed", &summary_.refined_consistency, &maps_.back().area,
+        &map_warning};
     std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
     tasks.push_back([&] { return Trajectory("trajectory.tum"); });
     tasks.push_back([&] {
@@ -216,15 +292,16 @@ class SlamRun {
       return WriteClosurePicture(output_.File("closures.png"), graph_,
                                  summary_.seeding.loops.matches, outputs_.picture_side_px);
     });
-    const Status maps_written = RunAll(tasks, &*pool_);
+    PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
+    if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
     const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
     AddStage(calibration_options_.IsOn() ? "refined, calibrated ranges" : "refined, raw ranges");
     graph_.points() = optimised;
     AddStage("refined, optimised points");
-    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
-    PLUMBLINE_RETURN_IF_ERROR(maps_written);
     PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+    // The last one: its presence says that the others are there.
+    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
     PrintResults();
     return Status::Ok();
   }
@@ -253,6 +330,8 @@ class SlamRun {
            "closures included\n"
            "  summary.json                                      options and figures\n"
         << std::flush;
+    for (const std::string& warning : summary_.warnings)
+      std::cerr << "warning: " << warning << '\n';
     std::cerr << AlarmText(summary_.alarms);
   }
 
@@ -278,7 +357,9 @@ class SlamRun {
   const OutputFolder output_{FLAGS_output_dir};
   SlamGraph graph_;
   MeasuredSurface surface_;
-  std::vector<double> seed_poses_;
+  Status checkpoint_written_;  // a run that cannot keep its seed goes on: it is all the run has
+  double max_memory_ = 0.0;    // [bytes], 0: no limit
+  std::vector<double> odometry_poses_, seed_poses_;
   Pose2 before_from_after_;  // how a calibrated mounting moved the frame of the robot
   std::optional<Truth> truth_;
   RunSummary summary_;
@@ -299,8 +380,8 @@ int main(int argc, char** argv) {
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",
       argc, argv);
-  const plumbline::Status status = plumbline::SlamRun().Run();
-  if (status.ok()) return 0;
-  std::cerr << "plumbline_slam: " << status.message() << '\n';
-  return 1;
+  plumbline::CatchSignals();
+  plumbline::SlamRun run;
+  return plumbline::ExitCodeAfterStop(
+      plumbline::RunProgram([&run] { return run.CheckFlags(); }, [&run] { return run.Run(); }));
 }

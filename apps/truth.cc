@@ -1,5 +1,6 @@
 #include "plumbline/apps/truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -42,9 +43,9 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
   while (reader.NextLine(&line)) {
     if (line.empty() || line.front() == '#') continue;
     FieldReader fields(line);
-    const double t = fields.FiniteNumber("t");
+    const double t = fields.Time("t");
     const int beam = fields.Count("beam");
-    const double x = fields.FiniteNumber("x"), y = fields.FiniteNumber("y");
+    const double x = fields.Coordinate("x"), y = fields.Coordinate("y");
     fields.ExpectEnd();
     if (!fields.ok()) {
       return Status::InvalidArgument(path + ":" + std::to_string(reader.line_number()) + ": " +
@@ -52,8 +53,7 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
     }
     hits[{Milliseconds(t), beam}] = {x, y};
   }
-  PLUMBLINE_RETURN_IF_ERROR(reader.status());
-  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
   const LaserReturns& returns = graph.returns();
   truth->points.assign(2 * returns.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t r = 0; r < returns.size(); ++r) {
@@ -89,7 +89,9 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
   const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
   for (int p = 0; p < n; ++p) {
     const Pose2 pose = truth_from_estimate * estimated[p];
-    error.mean_pose_error_m += std::hypot(pose.x - exact[p].x, pose.y - exact[p].y) / n;
+    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
+    error.mean_pose_error_m += distance / n;
+    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
     error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
   }
   std::size_t num_points = 0;

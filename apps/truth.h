@@ -24,13 +24,14 @@ struct TruthError {
   double mean_pose_error_m = 0.0;
   double mean_pose_error_rad = 0.0;
   double mean_point_error_m = 0.0;  ///< over the returns with a true point; NaN if there are none
+  double max_pose_error_m = 0.0;
 };
 
 /// Reads a TUM trajectory and, if hits_path is not empty, a table of lines `t beam x y`, and joins
-/// them to the graph's poses by time (to 1 ms). Files may be compressed. NotFound or Unavailable if
-/// a file cannot be read, DataLoss if it is truncated or corrupt; InvalidArgument, naming file,
-/// line and field, on a line that is none of these, and if a pose of the graph has no truth.
-/// Replaces *truth on success only.
+/// them to the graph's poses by time (to 1 ms). Files may be compressed. NotFound or
+/// InvalidArgument if a file cannot be read, DataLoss if it is truncated or corrupt;
+/// InvalidArgument, naming file, line and field, on a line that is none of these, and if a pose of
+/// the graph has no truth. Replaces *truth on success only.
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
                  const SlamGraph& graph, Truth* truth);
 

@@ -24,7 +24,7 @@ function(check_include file folder include)
   elseif(include MATCHES "^\"")
     complain("${file}: write ${include} as \"plumbline/<folder>/<file>\"")
   elseif(folder STREQUAL "core" AND include MATCHES "[/.]"
-         AND NOT include MATCHES "^<(Eigen/|nanoflann\\.hpp>)")
+         AND NOT include MATCHES "^<(Eigen/|nanoflann\\.hpp>|xmmintrin\\.h>)")
     complain("${file}: core may not include ${include}, only the standard library and Eigen")
   endif()
   if(folder IN_LIST LIBRARY_FOLDERS AND include MATCHES "^<(gflags/|glog/|iostream|fstream)")

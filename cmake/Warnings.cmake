@@ -1,6 +1,12 @@
 # Warnings and sanitizers for our own targets, never for those who link to us.
 option(PLUMBLINE_WERROR "Treat warnings as errors" OFF)
 set(PLUMBLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+if(PLUMBLINE_BUILD_FUZZERS)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "PLUMBLINE_BUILD_FUZZERS needs -DCMAKE_CXX_COMPILER=clang++")
+  endif()
+  set(PLUMBLINE_SANITIZE fuzzer-no-link,address,undefined)
+endif()
 
 function(plumbline_private_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra $<$<BOOL:${PLUMBLINE_WERROR}>:-Werror>)

@@ -1,5 +1,6 @@
 #include "plumbline/core/laser_scan.h"
 
+#include "plumbline/core/input_limits.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -14,6 +15,7 @@ bool LaserModel::operator==(const LaserModel& other) const {
 
 bool LaserModel::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(num_beams, >, 0);
+  PLUMBLINE_CHECK_OPTION(num_beams, <=, 1000000);
   PLUMBLINE_CHECK_FINITE_OPTION(first_bearing_rad, >=, -2.0 * kPi);
   PLUMBLINE_CHECK_FINITE_OPTION(first_bearing_rad, <=, 2.0 * kPi);
   if (num_beams > 1) {
@@ -22,8 +24,9 @@ bool LaserModel::Check(std::string* error) const {
   }
   PLUMBLINE_CHECK_FINITE_OPTION(min_range_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_range_m, >, min_range_m);
-  if (!IsFinite(robot_from_laser)) {
-    if (error != nullptr) *error = "robot_from_laser is not finite";
+  PLUMBLINE_CHECK_OPTION(max_range_m, <=, 1e5);
+  if (!IsWithinLimits(robot_from_laser)) {
+    if (error != nullptr) *error = "robot_from_laser is not finite, or beyond all limits";
     return false;
   }
   return true;

@@ -5,7 +5,15 @@
 #include <cmath>
 #include <string>
 
+#include "plumbline/core/float_environment.h"
+#include "plumbline/core/input_limits.h"
+
 namespace plumbline {
+namespace {
+
+constexpr char kPoseLimits[] = "1e7 m or 1e6 rad";
+
+}  // namespace
 
 Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   std::string error;
@@ -17,9 +25,10 @@ Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
 }
 
 Status SlamGraph::AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id) {
-  if (!IsFinite(world_from_robot) || !std::isfinite(timestamp_s)) {
+  if (!IsWithinLimits(world_from_robot) || !(std::abs(timestamp_s) <= kMaxTimeS)) {
     return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
-                                   ": coordinates or time are not finite");
+                                   ": coordinates or time are not finite, or beyond " +
+                                   std::string(kPoseLimits) + " or 1e12 s");
   }
   if (num_poses() == 0) gauge_ = {{0, world_from_robot}};
   *pose_id = num_poses();
@@ -54,6 +63,7 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
 }
 
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
+  const DefaultFloatEnvironment float_environment;
   const Pose2 world_from_laser = WorldFromRobot(pose_id) * lasers_[laser_id].robot_from_laser;
   for (const Return& r : returns) {
     returns_.range_m.push_back(r.range_m);
@@ -67,6 +77,7 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
 }
 
 Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
+  const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
   const LaserModel& laser = lasers_[laser_id];
   if (static_cast<int>(ranges.size()) != laser.num_beams) {
@@ -84,6 +95,7 @@ Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& 
 
 Status SlamGraph::AddPoints(int pose_id, int laser_id,
                             const std::vector<Eigen::Vector2d>& points_in_robot) {
+  const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
   const LaserModel& laser = lasers_[laser_id];
   const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
@@ -139,7 +151,10 @@ Status SlamGraph::CheckEdge(const char* kind, int from, int to, const Pose2& mot
     }
   }
   if (from == to) return Status::InvalidArgument(name + ": joins a pose with itself");
-  if (!IsFinite(motion)) return Status::InvalidArgument(name + ": relative pose is not finite");
+  if (!IsWithinLimits(motion)) {
+    return Status::InvalidArgument(name + ": relative pose is not finite, or beyond " +
+                                   kPoseLimits);
+  }
   return Status::Ok();
 }
 
@@ -155,10 +170,14 @@ Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   const bool symmetric = asymmetry <= 1e-9 * c.covariance.cwiseAbs().maxCoeff();
   // Factored from the last row up, as the residual will do: close to singular, the order decides.
   const bool positive = Eigen::Matrix3d(c.covariance.reverse()).llt().info() == Eigen::Success;
+  const std::string name =
+      "relative pose " + std::to_string(c.from) + " -> " + std::to_string(c.to);
   if (!c.covariance.allFinite() || !symmetric || !positive) {
-    return Status::InvalidArgument("relative pose " + std::to_string(c.from) + " -> " +
-                                   std::to_string(c.to) +
-                                   ": covariance is not symmetric positive definite");
+    return Status::InvalidArgument(name + ": covariance is not symmetric positive definite");
+  }
+  const Eigen::Vector3d sigmas = c.covariance.diagonal().cwiseSqrt();
+  if (sigmas.minCoeff() < kMinSigma || sigmas.maxCoeff() > kMaxSigma) {
+    return Status::InvalidArgument(name + ": a standard deviation is not within 1e-9 and 1e9");
   }
   relative_poses_.push_back(c);
   return Status::Ok();
@@ -187,6 +206,7 @@ void SlamGraph::SetRange(std::size_t r, double range_m) {
 }
 
 void SlamGraph::ResetPointsFromPoses() {
+  const DefaultFloatEnvironment float_environment;
   for (int s = 0; s < num_scans(); ++s) {
     const ScanEntry& entry = scans_[s];
     const Pose2 world_from_laser = WorldFromLaser(s);

@@ -65,7 +65,7 @@ class SlamGraph {
   /// model that LaserModel::Check refuses.
   Status AddLaser(const LaserModel& laser, int* laser_id);
 
-  /// Fails on a pose or time that is not finite.
+  /// Fails on a pose or time that is not finite, or beyond input_limits.h.
   Status AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id);
 
   /// Fixes a pose where it stands now, also if it was fixed elsewhere before. Fails on an unknown
@@ -87,10 +87,10 @@ class SlamGraph {
   /// pose. Fails on unknown ids.
   Status AddScanOf(const SlamGraph& other, int scan_id, int pose_id);
 
-  /// Fails on unknown or equal ids and on motions that are not finite.
+  /// Fails on unknown or equal ids, and on motions that are not finite or beyond input_limits.h.
   Status AddOdometry(const OdometryConstraint& constraint);
 
-  /// Fails like AddOdometry, and on a covariance that is not symmetric positive definite.
+  /// Fails like AddOdometry, and on a covariance that is not positive definite within these limits.
   Status AddRelativePose(const RelativePoseConstraint& constraint);
 
   /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/float_environment.h"
+
 namespace plumbline {
 
 using ChunkBody = std::function<void(std::size_t, std::size_t, std::size_t)>;
@@ -31,7 +33,9 @@ struct ThreadPool::Impl {
 
   std::vector<std::thread> workers;
 
+  // The same arithmetic on every thread, whatever those that made them or call them have set.
   void RunChunks() {
+    const DefaultFloatEnvironment float_environment;
     const std::size_t num_chunks = NumChunks(size, chunk_size);
     for (;;) {
       const std::size_t chunk = next_chunk.fetch_add(1);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
@@ -338,6 +339,7 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    const CalibrationOptions& calibration_options, SlamGraph* graph,
                                    Calibration* calibration) {
   *calibration = Calibration();
+  const DefaultFloatEnvironment float_environment;
   if (!calibration_options.IsOn()) return Solve(options, graph);
   return CatchFailures(
       options, [&] { return SolveChecked(options, calibration_options, graph, calibration); });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/robust_loss.h"
@@ -112,6 +113,7 @@ class PosteriorSystem {
 Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
                           const std::vector<PosePair>& pairs,
                           std::vector<Eigen::Matrix3d>* covariances) {
+  const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
   PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
   PosteriorSystem system(options, graph);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/solve.h"
@@ -198,6 +199,7 @@ SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& win
 
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
                          const std::vector<int>& free_poses, SlamGraph* graph) {
+  const DefaultFloatEnvironment float_environment;
   return CatchFailures(options, [&] { return SolveChecked(options, window, free_poses, graph); });
 }
 

@@ -6,16 +6,18 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/alternating_cg.h"
 #include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/energy.h"
+#include "plumbline/solvers/held_out_returns.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/point_recovery.h"
 #include "plumbline/solvers/pose_only_solve.h"
-#include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/verdict.h"
 
 namespace plumbline {
 namespace {
@@ -76,7 +78,7 @@ class JointSolver {
       own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
       surface_ = &own_surface_;
     }
-    best_poses_ = graph_->poses();
+    seed_poses_ = best_poses_ = graph_->poses();
     summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
     if (options_.IsOverPatches()) {
       RunReduced();
@@ -98,12 +100,6 @@ class JointSolver {
         MinimizeOverPatches(*surface_, options_.factors, options_.reduced, options_.association,
                             ReportCallback(), &pool_, graph_, Ceres());
     summary_.patch_rounds = std::move(result.rounds);
-    seed_patches_ = std::move(result.first_cut);
-    // Where these went depends on the seed, which they would speak for.
-    for (std::size_t r = 0; r < surface_->normals.size(); ++r) {
-      if (surface_->normals[r].isZero(0.0f))
-        seed_patches_.patch_of_return[r] = SurfacePatches::kNone;
-    }
     last_patches_ = std::move(result.last_cut);
     summary_.solve_time_s = result.minimization_time_s;
     summary_.setup_time_s = result.setup_time_s;
@@ -112,10 +108,12 @@ class JointSolver {
     last_inner_.stop_reason = result.stop_reason;
     converged_ = result.converged;
     summary_.association_time_s = result.cutting_time_s;
-    if (LowersPatchEnergy()) {
+    SetSeedPatches(std::move(result.first_cut));
+    summary_.verdict = Compare(result.judged_poses);
+    if (IsBetter(summary_.verdict)) {
       best_round_ = static_cast<int>(summary_.patch_rounds.size());
     } else {
-      graph_->poses() = best_poses_;
+      graph_->poses() = seed_poses_;
     }
     Associations associations;
     associations.lines = CurrentLines();
@@ -127,15 +125,28 @@ class JointSolver {
     }
   }
 
-  // Whether the graph's poses are better than the seed's, by more than rounding.
-  bool LowersPatchEnergy() {
-    const std::vector<double> energies =
-        PatchEnergies(*graph_, *surface_, options_.factors, seed_patches_,
-                      {&best_poses_, &graph_->poses()}, &pool_);
-    summary_.seed_patch_energy = energies[0];
-    summary_.final_patch_energy = std::min(energies[0], energies[1]);
-    const double rounding = kRounding * (energies[0] + static_cast<double>(graph_->num_returns()));
-    return energies[1] < energies[0] - rounding;
+  // The surfaces as the seed places them, for the verdict.
+  void SetSeedPatches(SurfacePatches cut) {
+    seed_patches_ = std::move(cut);
+    // Where these went depends on the seed, which they would speak for.
+    for (std::size_t r = 0; r < surface_->normals.size(); ++r) {
+      if (surface_->normals[r].isZero(0.0f))
+        seed_patches_.patch_of_return[r] = SurfacePatches::kNone;
+    }
+  }
+
+  // Relative poses are knowledge of their own, and obeying them may cost the scans a little: then
+  // the energy decides, which counts both, unless the map falls apart.
+  bool IsBetter(const Verdict& verdict) const {
+    constexpr double kFallsApart = 2.0;
+    if (verdict.IsBetter()) return true;
+    return verdict.LowersEnergy() && !graph_->relative_poses().empty() &&
+           verdict.final_held_out_error < kFallsApart * verdict.seed_held_out_error;
+  }
+
+  Verdict Compare(const std::vector<double>& poses) {
+    return CompareWithSeed(*graph_, *surface_, options_.factors, seed_patches_, seed_poses_, poses,
+                           &pool_);
   }
 
   // For want of something better, the terms after are those before.
@@ -156,7 +167,7 @@ class JointSolver {
                                                  options_.association, &pool_);
     }
     const Energy energy(*graph_, *associations, options_.factors, &pool_);
-    RecordTerms(energy, best_poses_, seed_points, &TermSummary::initial_cost);
+    RecordTerms(energy, seed_poses_, seed_points, &TermSummary::initial_cost);
     if (options_.reduced.polish_sweeps > 0 && last_inner_.usable && !last_inner_.stopped) {
       Polish(energy);
     }
@@ -173,30 +184,53 @@ class JointSolver {
     const auto start = Clock::now();
     last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_).stopped;
     summary_.solve_time_s += SecondsSince(start);
-    if (!LowersPatchEnergy()) {
+    if (!IsBetter(Compare(graph_->poses()))) {
       graph_->poses() = poses;
       graph_->points() = best_points_;
-      LowersPatchEnergy();
       return;
     }
     best_energy_ = MarginalEnergyUnder(CurrentLines());
     summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
   }
 
+  // Rounds without the held-out returns, then one with all, so that none is lost to the result.
   void RunRounds() {
-    best_points_ = given_->CopyPoints();
+    const std::vector<double>& seed_points = given_->CopyPoints();
+    best_points_ = seed_points;
+    SurfacePatchOptions cutting = PatchOptionsFor(options_.factors, options_.association);
+    cutting.hold_out = true;
+    SetSeedPatches(CutIntoPatches(*graph_, *surface_, cutting, &pool_));
+
+    // A return without a normal has no line, and then says nothing of poses and lines.
+    const Eigen::Vector2f no_normal = Eigen::Vector2f::Zero();
+    const MeasuredSurface fitted{surface_->points,
+                                 WithoutHeldOut(*graph_, surface_->normals, no_normal)};
+    associated_ = &fitted;
+    RunFittedRounds();
+    associated_ = surface_;
+
+    summary_.verdict = Compare(graph_->poses());
+    if (!IsBetter(summary_.verdict)) {
+      best_round_ = 0;
+      graph_->poses() = best_poses_ = seed_poses_;
+      graph_->points() = best_points_ = seed_points;
+      best_energy_ = summary_.seed_marginal_energy;
+    }
+    if (best_round_ > 0 && !ended_) RunRound({fine_radius_m_, 1.0});
+    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
+  }
+
+  void RunFittedRounds() {
     for (int round = 0; round < options_.rounds.max_coarse_rounds && !ended_; ++round) {
       if (!RunRound(ScaleOfCoarseRound(options_.rounds, fine_radius_m_, round))) break;
     }
-    const RoundScale fine{fine_radius_m_, 1.0};
     for (int round = 0; round < options_.rounds.max_fine_rounds && !ended_; ++round) {
       const double before = best_energy_;
-      const bool kept = RunRound(fine);
+      const bool kept = RunRound({fine_radius_m_, 1.0});
       converged_ = !ended_ &&
                    (!kept || before - best_energy_ <= options_.rounds.relative_tolerance * before);
       if (converged_) break;
     }
-    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
   }
 
   // The lines that the current poses give.
@@ -261,7 +295,7 @@ class JointSolver {
     const std::vector<double> points = graph_->points();
     graph_->ResetPointsFromPoses();
     Associations associations =
-        BuildAssociations(*graph_, *surface_, options_.association, radius_m, &pool_);
+        BuildAssociations(*graph_, *associated_, options_.association, radius_m, &pool_);
     graph_->points() = points;
     return associations;
   }
@@ -326,13 +360,9 @@ class JointSolver {
     summary_.total_time_s = SecondsSince(start_);
     summary_.termination = Termination();
     std::ostringstream message;
-    if (options_.IsOverPatches()) {
-      message << "energy under the seed's patches " << summary_.seed_patch_energy << " -> "
-              << summary_.final_patch_energy << ", ";
-    }
-    message << "marginal energy " << summary_.seed_marginal_energy << " -> " << best_energy_;
+    message << summary_.verdict.Text();
     if (best_round_ == 0) {
-      message << ": no round improved on the seed, which is returned as it was";
+      message << ": the seed is returned as it was";
     } else {
       message << ", best in round " << best_round_ << " of "
               << summary_.rounds.size() + summary_.patch_rounds.size();
@@ -355,15 +385,17 @@ class JointSolver {
   ThreadPool pool_;
   const Clock::time_point start_ = Clock::now();
   MeasuredSurface own_surface_;
-  const MeasuredSurface* surface_;  // what the caller has measured, or own_surface_
-  SurfacePatches seed_patches_;     // over patches: the surfaces as the seed places them
-  SurfacePatches last_patches_;     // and as the result does
+  const MeasuredSurface* surface_;               // what the caller has measured, or own_surface_
+  const MeasuredSurface* associated_ = nullptr;  // rounds of associations: what takes part in them
+  SurfacePatches seed_patches_;                  // the surfaces as the seed places them
+  SurfacePatches last_patches_;                  // over patches: and as the result does
   SolverSummary summary_;
   InnerResult last_inner_;
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated
   bool converged_ = false;  // the last fine round gained next to nothing
   double best_energy_ = 0.0;
   int best_round_ = 0;  // 0: the seed
+  std::vector<double> seed_poses_;
   std::vector<double> best_poses_;
   std::vector<double> best_points_;
 };
@@ -402,11 +434,13 @@ double FineRadius(const SolverOptions& options) {
 }
 
 SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
+  const DefaultFloatEnvironment float_environment;
   return SolveOn(options, nullptr, graph);
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
                     SlamGraph* graph) {
+  const DefaultFloatEnvironment float_environment;
   return SolveOn(options, &surface, graph);
 }
 

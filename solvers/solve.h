@@ -25,11 +25,13 @@ double FineRadius(const SolverOptions& options);
 /// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
 /// should be right to a few decimetres (SeedGraph brings it there).
 ///
-/// On return the graph holds the best state seen over the rounds, judged by MarginalEnergy; the
-/// reduced solver compares its last state with the given one by PatchEnergies. It is the given
-/// state, bit for bit, if nothing was better. Bad options, no returns, or a state that is not
-/// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
-/// unchanged. So it is if memory runs out or the callback throws; nothing is thrown from here.
+/// On return the graph holds the best state seen over the rounds (of associations: judged by
+/// MarginalEnergy). It was found without the held-out returns and is compared with the given state
+/// by energy and by these returns, see verdict.h; then one last round takes them in. The graph
+/// holds the given state, bit for bit, if nothing was better; the message says by which yardstick.
+/// Bad options, no returns, or a state that is not finite or beyond 1e8 m: termination kFailure,
+/// the message names the culprit, and the graph is unchanged.
+/// So it is if memory runs out or the callback throws; nothing is thrown from here.
 ///
 /// Graphs are independent of each other: several threads may solve one each.
 ///

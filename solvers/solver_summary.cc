@@ -106,6 +106,12 @@ std::string SolverSummary::FullReport() const {
         "the beam's sigmas at most.\n",
         1e3 * displacements.mean_m, 1e3 * displacements.max_m, displacements.max_beam_sigmas);
   }
+  report += Format(
+      "\nVerdict, under the seed's patches          seed          final\n"
+      "  energy                        %13.6e  %13.6e\n"
+      "  held-out error [sigmas^2]     %13.4f  %13.4f  (%zu returns, +- %.4f by chance)\n",
+      verdict.seed_energy, verdict.final_energy, verdict.seed_held_out_error,
+      verdict.final_held_out_error, verdict.num_held_out, verdict.held_out_noise);
   report +=
       "\nTerms, under the last associations\n"
       "  term                count    cost before     cost after  RMS (whitened, in units)\n";

@@ -8,6 +8,7 @@
 
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/point_recovery.h"
+#include "plumbline/solvers/verdict.h"
 
 namespace plumbline {
 
@@ -115,9 +116,9 @@ struct SolverSummary {
   double seed_chi2 = 0.0;   ///< of the poses given
   double final_chi2 = 0.0;  ///< of the result
 
-  /// Reduced solver: what decides whether the result is better than the seed, see PatchEnergies.
-  double seed_patch_energy = 0.0;
-  double final_patch_energy = 0.0;  ///< of the result
+  /// What decides whether the result is better than the seed. Of the poses found without the
+  /// held-out returns, also if they were refused.
+  Verdict verdict;
 
   /// How far the points are from the measured ends of their beams.
   PointDisplacements displacements;

@@ -83,7 +83,7 @@ TEST(Ablation, TableAndFilesHoldMediansAndLeaveOutWhatIsUnknown) {
   EXPECT_THAT(csv, testing::HasSubstr("\"rooms\",2,\"full\",0.005,,,,,\n"));
   ASSERT_TRUE(WriteAblationJson(folder + "a.json", {table}).ok());
   EXPECT_THAT(ReadFile(folder + "a.json"), testing::HasSubstr("\"pose_error_m\": 0.002"));
-  EXPECT_EQ(WriteAblationCsv(folder + "missing/a", {table}).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteAblationCsv(folder + "missing/a", {table}).code(), StatusCode::kUnavailable);
 }
 
 TEST(Ablation, IsTheSameOnAnyNumberOfThreads) {

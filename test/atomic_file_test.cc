@@ -67,7 +67,7 @@ TEST(AtomicFileTest, NamesAMissingFolder) {
   const std::string path = TempFolder() + "none/a.txt";
   AtomicFile file;
   const Status status = file.Open(path);
-  EXPECT_EQ(status.code(), StatusCode::kNotFound);
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_THAT(status.message(), HasSubstr("cannot write '" + path + "'"));
   EXPECT_FALSE(file.Commit().ok());
 }
@@ -85,6 +85,30 @@ TEST(AtomicFileTest, ATargetThatCannotBeReplacedIsReported) {
   EXPECT_EQ(NumFilesIn(folder), 1);
 }
 
+TEST(AtomicFileTest, AFolderThatVanishesIsReported) {
+  const std::string folder = TempFolder() + "gone/", path = folder + "a.txt";
+  std::filesystem::create_directories(folder);
+  AtomicFile file;
+  ASSERT_TRUE(file.Open(path).ok());
+  file.stream() << "text";
+  std::filesystem::remove_all(folder);
+  EXPECT_THAT(file.Commit().message(),
+              HasSubstr("cannot replace '" + path + "': No such file or directory"));
+}
+
+TEST(AtomicFileTest, TemporaryFilesAreKnownByTheirNames) {
+  const std::string folder = TempFolder(), path = folder + "map.pgm";
+  AtomicFile file;
+  ASSERT_TRUE(file.Open(path).ok());
+  const std::filesystem::directory_iterator entry(folder);
+  EXPECT_EQ(TargetOfTemporary(entry->path().filename().string()), "map.pgm");
+  EXPECT_EQ(TargetOfTemporary("a.1-2.txt.30-41.tmp"), "a.1-2.txt");
+  for (const char* other : {"map.pgm", "map.tmp", "map.pgm.12.tmp", "map.pgm.1-.tmp", ".tmp", "",
+                            "map.pgm-1-2.tmp", "map.pgm.1-2.tmp.png", "1-2.tmp"}) {
+    EXPECT_EQ(TargetOfTemporary(other), "") << other;
+  }
+}
+
 TEST(AtomicFileTest, AFullDiskIsReportedAtCommit) {
   const std::string folder = TempFolder(), path = folder + "a.txt";
   // The system's limit on the size of a file stands for the full disk.
@@ -100,7 +124,7 @@ TEST(AtomicFileTest, AFullDiskIsReportedAtCommit) {
     file.stream() << "y";
     const Status status = file.Commit();
     EXPECT_EQ(status.code(), StatusCode::kUnavailable);
-    EXPECT_THAT(status.message(), HasSubstr("cannot write '" + path + "'"));
+    EXPECT_THAT(status.message(), HasSubstr("cannot write '" + path + "': File too large"));
   }
   setrlimit(RLIMIT_FSIZE, &old_limit);
   std::signal(SIGXFSZ, old_handler);

@@ -119,7 +119,7 @@ TEST_F(BeforeAfterPictureTest, BadInputIsRefusedAndLeavesNoFile) {
   EXPECT_EQ(WriteBeforeAfterPicture(folder_ + "none/a.png", MakeGraph(Pillar(10.0, 8.0)),
                                     MakeGraph(Pillar(10.0, 8.0)).poses(), options_)
                 .code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

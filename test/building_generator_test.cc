@@ -58,8 +58,7 @@ std::vector<double> DoorPitches(const Building& building) {
 }
 
 TEST(BuildingGeneratorTest, NamesOfKindsAreReadBack) {
-  for (const BuildingKind kind :
-       {BuildingKind::kRandom, BuildingKind::kRepetitive, BuildingKind::kLongCorridor}) {
+  for (const BuildingKind kind : kBuildingKinds) {
     BuildingKind read = BuildingKind::kRandom;
     EXPECT_TRUE(FromString(ToString(kind), &read));
     EXPECT_EQ(read, kind);
@@ -69,7 +68,7 @@ TEST(BuildingGeneratorTest, NamesOfKindsAreReadBack) {
 }
 
 TEST(BuildingGeneratorTest, TheSeedDecidesTheBuilding) {
-  for (const BuildingKind kind : {BuildingKind::kRandom, BuildingKind::kRepetitive}) {
+  for (const BuildingKind kind : kBuildingKinds) {
     const Building building = GenerateBuilding(kind, 7);
     EXPECT_EQ(CornersOf(building), CornersOf(GenerateBuilding(kind, 7)));
     EXPECT_NE(CornersOf(building), CornersOf(GenerateBuilding(kind, 8)));
@@ -77,7 +76,9 @@ TEST(BuildingGeneratorTest, TheSeedDecidesTheBuilding) {
 }
 
 TEST(BuildingGeneratorTest, TheRobotTouchesNothing) {
-  for (const BuildingKind kind : {BuildingKind::kRandom, BuildingKind::kRepetitive}) {
+  for (const BuildingKind kind :
+       {BuildingKind::kRandom, BuildingKind::kRepetitive, BuildingKind::kHall, BuildingKind::kRound,
+        BuildingKind::kSlanted}) {
     const auto [shortest, longest] = LengthsOfDrives(kind, 200);
     EXPECT_GT(shortest, 60.0);
     EXPECT_LT(longest, 150.0);

@@ -125,7 +125,7 @@ TEST(CarmenWriterTest, SameSeedSameBytes) {
 
 TEST(CarmenWriterTest, ReportsAFolderThatDoesNotExist) {
   EXPECT_EQ(WriteCarmenLog(TempFolder() + "none/a.clf", SimulatedLog()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST_F(ConvergencePlotTest, NothingToDrawIsAnError) {
   EXPECT_THAT(status.message(), HasSubstr(path_));
   EXPECT_EQ(NumFilesIn(folder_), 0);
   EXPECT_EQ(WriteConvergencePlot(folder_ + "none/plot.png", TwoLines()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

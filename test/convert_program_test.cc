@@ -67,19 +67,20 @@ TEST_F(ConvertProgramTest, SaysWhatItLeavesOut) {
   EXPECT_THAT(ReadFile(folder_ + "floor.yaml"), HasSubstr("\nresolution: 0.1\n"));
 }
 
-TEST_F(ConvertProgramTest, ErrorsAreOneLineAndExitCodeOne) {
+TEST_F(ConvertProgramTest, ErrorsAreOneLineAndAnExitCode) {
   SimulateLog(2);
   WriteFile(folder_ + "gap.tum", "77 0 0 0 0 0 0 1\n");
-  ExpectError(Run("convert", ""), "plumbline_convert: --input is missing; see --help");
-  ExpectError(Run("convert", "--input=a.clf"), "--output is missing; see --help");
-  ExpectError(Convert("a.clf", "a.obj"), "a.obj: the extension tells the format");
-  ExpectError(Convert("a.clf", "a.tum", "--format=csv"), "--format=csv: no such format");
+  ExpectUsageError(Run("convert", ""), "plumbline_convert: --input is missing; see --help");
+  ExpectUsageError(Run("convert", "--input=a.clf"), "--output is missing; see --help");
+  ExpectUsageError(Convert("a.clf", "a.obj"), "a.obj: the extension tells the format");
+  ExpectUsageError(Convert("a.clf", "a.tum", "--format=csv"), "--format=csv: no such format");
   ExpectError(Convert("none.clf", "a.tum"), "cannot open '" + folder_ + "none.clf'");
-  ExpectError(Convert("a.clf", "none/a.tum"), "cannot write '" + folder_ + "none/a.tum'");
+  ExpectError(Convert("a.clf", "none/a.tum"), "cannot write '" + folder_ + "none/a.tum'",
+              kExitCannotWrite);
   ExpectError(Convert("a.clf", "a.clf", "--format=tum"), "is an input");
   ExpectError(Convert("a.clf", "a.tum", "--trajectory=" + folder_ + "gap.tum"),
               "gap.tum: no pose at ");
-  ExpectError(Convert("a.clf", "a.tum", "more"), "unexpected argument 'more'");
+  ExpectUsageError(Convert("a.clf", "a.tum", "more"), "unexpected argument 'more'");
 }
 
 TEST_F(ConvertProgramTest, HelpTellsWhatFormatsHold) {

@@ -171,8 +171,8 @@ TEST_F(ConvertTest, ErrorsLeaveNoFiles) {
   WriteLog();
   const int num_files = NumFilesIn(folder_);
   EXPECT_EQ(Run("a.clf", {"a.g2o"}, "none.tum").code(), StatusCode::kNotFound);
-  EXPECT_EQ(Run("a.clf", {"none/a.g2o"}).code(), StatusCode::kNotFound);
-  EXPECT_EQ(Run("a.clf", {"none/map.pgm"}).code(), StatusCode::kNotFound);
+  EXPECT_EQ(Run("a.clf", {"none/a.g2o"}).code(), StatusCode::kUnavailable);
+  EXPECT_EQ(Run("a.clf", {"none/map.pgm"}).code(), StatusCode::kUnavailable);
   EXPECT_EQ(NumFilesIn(folder_), num_files);
   std::filesystem::create_directory(Path("map.yaml"));
   EXPECT_EQ(Run("a.clf", {"map.pgm"}).message(), "'" + Path("map.yaml") + "' is a folder");

@@ -104,7 +104,7 @@ TEST_F(EvaluateProgramTest, WritesTablesJsonAndCsv) {
                                              HasSubstr("\nrelations/all/translation_m/mean,0.25\n"),
                                              HasSubstr("\nrelations/revisits/rotation_deg/max,\n"),
                                              HasSubstr("\nabsolute/rotation_deg/rmse,0.0\n")));
-  EXPECT_EQ(WriteEvaluationCsv(Path("none/a.csv"), evaluation).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteEvaluationCsv(Path("none/a.csv"), evaluation).code(), StatusCode::kUnavailable);
 }
 
 TEST_F(EvaluateProgramTest, AWrongPoseBlursTheMap) {

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 
 namespace plumbline {
 namespace {
@@ -67,6 +69,32 @@ TEST(FieldReaderTest, NamesEachKindOfFailure) {
             "field 'range[2]': is missing, the line ends before it");
   EXPECT_EQ(error(" extra", [](FieldReader* f) { f->ExpectEnd(); }),
             "field 'end of line': 'extra' is one field too many");
+}
+
+TEST(FieldReaderTest, RefusesNumbersBeyondTheLimits) {
+  FieldReader good("1e7 -1e7 1e6 -1e12");
+  EXPECT_EQ(good.Coordinate("x"), 1e7);
+  EXPECT_EQ(good.Coordinate("y"), -1e7);
+  EXPECT_EQ(good.Yaw("yaw"), 1e6);
+  EXPECT_EQ(good.Time("t"), -1e12);
+  EXPECT_TRUE(good.ok());
+  const auto error = [](const char* line, double (FieldReader::*read)(const char*)) {
+    FieldReader fields(line);
+    EXPECT_EQ((fields.*read)("a"), 0.0);
+    return fields.error();
+  };
+  EXPECT_EQ(error("-1.01e7", &FieldReader::Coordinate),
+            "field 'a': '-1.01e7' is not within 1e7 m of the origin");
+  EXPECT_EQ(error("1e999", &FieldReader::Coordinate), "field 'a': '1e999' is not a finite number");
+  EXPECT_EQ(error("2e6", &FieldReader::Yaw), "field 'a': '2e6' is not an angle within 1e6 rad");
+  EXPECT_EQ(error("2e12", &FieldReader::Time), "field 'a': '2e12' is not a time within 1e12 s");
+  EXPECT_EQ(error("nan", &FieldReader::Time), "field 'a': 'nan' is not a finite number");
+}
+
+TEST(FieldReaderTest, QuotesOnOneShortLineWithoutTerminalCodes) {
+  EXPECT_EQ(Quote("plain"), "'plain'");
+  EXPECT_EQ(Quote(std::string_view("\x1b[2J\r\0\xff", 7)), "'\\x1b[2J\\x0d\\x00\\xff'");
+  EXPECT_EQ(Printable(std::string(50, 'x')), std::string(40, 'x') + "...");
 }
 
 }  // namespace

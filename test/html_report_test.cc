@@ -180,11 +180,11 @@ TEST_F(HtmlReportTest, BadInputIsRefusedAndLeavesNoFile) {
   ExpectRefused(report, StatusCode::kNotFound, "none.png");
   report = FullReport("a");
   report.pictures[0].png_path = folder_;
-  ExpectRefused(report, StatusCode::kUnavailable, "Is a directory");
+  ExpectRefused(report, StatusCode::kInvalidArgument, "Is a directory");
   report.pictures[0].png_path = no_png_;
   ExpectRefused(report, StatusCode::kInvalidArgument, "is no PNG");
   EXPECT_EQ(WriteHtmlReport(folder_ + "none/report.html", FullReport("a")).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -136,8 +136,9 @@ TEST_F(LineChartTest, NothingToDrawAndBadSizesAreRefused) {
   ExpectRefused("no point");
 }
 
-TEST_F(LineChartTest, AMissingFolderIsNotFound) {
-  EXPECT_EQ(WriteLineChart(folder_ + "none/a.png", chart_, 500, 500).code(), StatusCode::kNotFound);
+TEST_F(LineChartTest, AMissingFolderIsUnavailable) {
+  EXPECT_EQ(WriteLineChart(folder_ + "none/a.png", chart_, 500, 500).code(),
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -52,11 +52,11 @@ TEST(LogReportTest, FilesHaveAllFiguresButNoTimes) {
   EXPECT_THAT(relations + ReadFile(path), Not(HasSubstr("77.5")));
 }
 
-TEST(LogReportTest, AMissingFolderIsNotFound) {
+TEST(LogReportTest, AMissingFolderIsUnavailable) {
   const std::string path = TempFolder() + "none/a";
-  EXPECT_EQ(WriteLogRelationsCsv(path, OneStage()).code(), StatusCode::kNotFound);
-  EXPECT_EQ(WriteLogSharpnessCsv(path, OneStage()).code(), StatusCode::kNotFound);
-  EXPECT_EQ(WriteLogJson(path, OneStage()).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteLogRelationsCsv(path, OneStage()).code(), StatusCode::kUnavailable);
+  EXPECT_EQ(WriteLogSharpnessCsv(path, OneStage()).code(), StatusCode::kUnavailable);
+  EXPECT_EQ(WriteLogJson(path, OneStage()).code(), StatusCode::kUnavailable);
 }
 
 }  // namespace

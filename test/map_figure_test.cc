@@ -194,7 +194,7 @@ TEST_F(MapFigureTest, BadInputIsRefusedAndLeavesNoFile) {
   options_.crop_share = kNaN;
   ExpectRefused("crop_share");
   EXPECT_EQ(WriteMapFigure(folder_ + "none/a.png", figure_, MapFigureOptions()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

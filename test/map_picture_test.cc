@@ -207,7 +207,7 @@ TEST_F(MapPictureTest, BadInputIsRefusedAndLeavesNoFile) {
   EXPECT_FALSE(WriteMapPicture(path_, MakeGraph(1.0), options_).ok());
   EXPECT_EQ(NumFilesIn(folder_), 0);
   EXPECT_EQ(WriteMapPicture(folder_ + "none/map.png", MakeGraph(1.0), MapPictureOptions()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

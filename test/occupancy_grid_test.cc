@@ -271,10 +271,26 @@ TEST_F(OccupancyGridTest, BadInputIsRefused) {
   EXPECT_THAT(ErrorOf(graph), testing::AllOf(HasSubstr(" m in cells of 0.05 m"),
                                              HasSubstr("more than 1000 cells")));
   options_ = OccupancyGridOptions();
+  options_.coarsen_to_fit = true;
+  graph.poses()[4] = 1e10;  // no map of anything
+  EXPECT_THAT(ErrorOf(graph), HasSubstr("m from the origin"));
+  options_ = OccupancyGridOptions();
   graph.poses()[4] = 1e8;
   EXPECT_THAT(ErrorOf(graph), HasSubstr("more than 4e+08 cells"));
   graph.poses()[4] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(ErrorOf(graph), HasSubstr("pose 1 is not finite"));
+}
+
+TEST_F(OccupancyGridTest, CoarsensOnlyAsFarAsItMust) {
+  const SlamGraph graph = MakeGraph(Room(), 5);
+  options_.coarsen_to_fit = true;
+  EXPECT_EQ(Build(graph).resolution_m, 0.05);
+  options_.max_cells = 10000;  // the room takes about 20,000 cells of 5 cm
+  const OccupancyGrid grid = Build(graph);
+  EXPECT_EQ(grid.resolution_m, 0.1);
+  EXPECT_LE(grid.width * grid.height, 10000);
+  EXPECT_GT(grid.width * grid.height, 2500);
+  EXPECT_NEAR(grid.width * grid.resolution_m, 9.0, 0.5);
 }
 
 }  // namespace

@@ -206,6 +206,25 @@ TEST(OdometryNoise, KeepsTheGivenNoiseOnAShortLog) {
   EXPECT_EQ(EstimateOdometryNoise(SequentialTrajectory(), given).num_leaps, 0);
 }
 
+TEST(OdometryNoise, RefinesWithWhatTheScansSayOfForwardMotionOnly) {
+  MotionOptions given;
+  OdometryNoiseReport report;
+  report.motion.translation_per_translation = 0.02;
+  report.motion.rotation_per_translation_rad_m = 0.01;
+  MotionOptions motion = RefinementMotion(report, given);
+  EXPECT_EQ(motion.translation_per_translation, given.translation_per_translation);
+  EXPECT_EQ(motion.translation_floor_m, given.translation_floor_m);
+  report.translation.estimated = report.rotation.estimated = true;
+  motion = RefinementMotion(report, given);
+  EXPECT_EQ(motion.translation_per_translation, 3.0 * 0.02);
+  EXPECT_EQ(motion.translation_floor_m, 0.003);
+  EXPECT_EQ(motion.rotation_per_translation_rad_m, given.rotation_per_translation_rad_m);
+  given.translation_floor_m = 1e-4;
+  EXPECT_EQ(RefinementMotion(report, given).translation_floor_m, 1e-4);
+  given.translation_per_translation = 0.05;  // never more than given
+  EXPECT_EQ(RefinementMotion(report, given).translation_per_translation, 0.05);
+}
+
 TEST(OdometryNoise, CorrectsAStepByHand) {
   OdometryNoiseReport report;
   report.translation_scale = {0.25, 0.01};

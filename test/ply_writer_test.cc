@@ -66,9 +66,9 @@ TEST(PlyWriterTest, AnEmptyGraphIsAnEmptyCloud) {
   EXPECT_NE(ReadFile(path).find("element vertex 0\n"), std::string::npos);
 }
 
-TEST(PlyWriterTest, MissingFolderIsNotFound) {
+TEST(PlyWriterTest, MissingFolderIsUnavailable) {
   EXPECT_EQ(WritePointsPly(TempFolder() + "none/points.ply", SlamGraph()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/command_line.h"
 #include "plumbline/test/temp_file.h"
 
 namespace plumbline {
@@ -44,8 +45,8 @@ class ProgramTest : public testing::Test {
  protected:
   Outcome Run(const std::string& program, const std::string& arguments) const {
     const std::string out = folder_ + "stdout", err = folder_ + "stderr";
-    const std::string command = std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_" + program +
-                                " " + arguments + " >" + out + " 2>" + err;
+    const std::string command = limits_ + std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_" +
+                                program + " " + arguments + " >" + out + " 2>" + err;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out), ReadFile(err)};
   }
@@ -95,14 +96,20 @@ class ProgramTest : public testing::Test {
   nlohmann::json Summary() const { return nlohmann::json::parse(Result("out", "summary.json")); }
 
   // The program fails, says `message` and nothing else on standard error, and writes no results.
-  void ExpectError(const Outcome& run, const std::string& message) const {
-    EXPECT_EQ(run.exit_code, 1);
+  void ExpectError(const Outcome& run, const std::string& message,
+                   ExitCode exit_code = kExitBadInput) const {
+    EXPECT_EQ(run.exit_code, exit_code);
     EXPECT_THAT(run.err, testing::HasSubstr(message));
     EXPECT_EQ(Lines(run.err).size(), 1u) << run.err;
     EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
   }
 
+  void ExpectUsageError(const Outcome& run, const std::string& message) const {
+    ExpectError(run, message, kExitWrongUsage);
+  }
+
   const std::string folder_ = TempFolder();
+  std::string limits_;  // of the shell, put before a program
   std::vector<std::string> log_lines_;
 };
 

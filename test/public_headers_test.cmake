@@ -42,16 +42,20 @@ endforeach()
 file(WRITE ${WORK}/all_headers.cc "${text}")
 file(GLOB examples ${ROOT}/apps/examples/*.cc)
 foreach(source ${WORK}/all_headers.cc ${examples})
+  file(STRINGS ${source} needs_rosbag REGEX "^#include <rosbag/")
+  if(needs_rosbag)  # compiled with the programs, where there is the library for it
+    continue()
+  endif()
   execute_process(COMMAND ${COMPILER} -std=c++17 -fsyntax-only ${flags} ${source}
                   RESULT_VARIABLE result)
   if(result)
     message(SEND_ERROR "${source} does not compile with what is installed")
   endif()
-  # Examples show public headers only.
+  # Examples show what is installed only.
   file(STRINGS ${source} includes REGEX "^#include <plumbline/")
   list(TRANSFORM includes REPLACE "^#include <plumbline/([^>]+)>.*" "\\1")
-  list(REMOVE_ITEM includes ${PLUMBLINE_PUBLIC_HEADERS})
+  list(REMOVE_ITEM includes ${PLUMBLINE_PUBLIC_HEADERS} ${reached})
   if(includes)
-    message(SEND_ERROR "${source} includes ${includes}, not among the public headers")
+    message(SEND_ERROR "${source} includes ${includes}, which is not installed")
   endif()
 endforeach()

@@ -68,7 +68,7 @@ TEST(RefinedPoseGraphTest, WritesPosesAndEdgesWithoutScans) {
   EXPECT_EQ(file.graph.relative_poses()[4].from_from_to.x, edges[4].from_from_to.x);
   EXPECT_TRUE(file.graph.relative_poses()[4].covariance.isApprox(edges[4].covariance, 1e-12));
   EXPECT_EQ(WriteRefinedPoseGraph(folder + "none/a.g2o", graph, edges, Pose2()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

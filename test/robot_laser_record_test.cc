@@ -30,7 +30,7 @@ TEST(RobotLaserRecordTest, ReadsBackToTheLastBit) {
   CarmenScan scan;
   scan.timestamp_s = 976052857.337123;
   scan.odom_from_laser = {1e6 / 3.0, -1e-17, kPi / 7.0};
-  scan.odom_from_robot = {5e6 / 7.0, 1e9 + 0.1, -kPi};
+  scan.odom_from_robot = {5e6 / 7.0, 1e6 + 0.1, -kPi};
   scan.ranges = {1.0 / 3.0, 12.34, 29.9999, 31.0, std::numeric_limits<double>::quiet_NaN()};
   scan.first_bearing_rad = -0.75 * kPi;
   scan.bearing_step_rad = kPi / 511.0;

@@ -41,7 +41,7 @@ TEST(RosMapTest, AMapServerReadsTheSameGridBack) {
 
 TEST(RosMapTest, FilesThatCannotBeWrittenLeaveNothingHalfWritten) {
   const std::string folder = TempFolder();
-  EXPECT_EQ(WriteRosMap(folder + "none/map", SmallGrid()).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteRosMap(folder + "none/map", SmallGrid()).code(), StatusCode::kUnavailable);
   std::filesystem::create_directories(folder + "map.yaml/in_the_way");
   EXPECT_FALSE(WriteRosMap(folder + "map", SmallGrid()).ok());
   // The image was whole already; nothing half-written stays.

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -19,22 +20,24 @@ using testing::HasSubstr;
 
 class RunOutputsTest : public testing::Test {
  protected:
-  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.graph.poses()) {}
+  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.graph.poses()) {
+    options_.picture_side_px = 300;
+    options_.map_resolution_m = 0.1;
+  }
 
   Status Write(const std::string& folder, const MapConsistency* consistency, int num_threads) {
-    const RefinedMap map{&room_.graph, &poses_before_, "seed", consistency};
-    RunOutputOptions options;
-    options.picture_side_px = 300;
-    options.map_resolution_m = 0.1;
+    const RefinedMap map{&room_.graph, &poses_before_, "seed", consistency, nullptr, &warning_};
     const OutputFolder output(folder_ + folder);
     EXPECT_TRUE(output.Make().ok());
     ThreadPool pool(num_threads);
-    return RunAll(MapWriteTasks(map, options, output), &pool);
+    return RunAll(MapWriteTasks(map, options_, output), &pool);
   }
 
   const std::string folder_ = TempFolder();
   NoisyRoom room_;
   const std::vector<double> poses_before_;
+  RunOutputOptions options_;
+  std::string warning_;
 };
 
 TEST_F(RunOutputsTest, WritesTheSameFilesWithAnyNumberOfThreads) {
@@ -52,6 +55,7 @@ TEST_F(RunOutputsTest, WritesTheSameFilesWithAnyNumberOfThreads) {
     EXPECT_THAT(MapFilesText(true), HasSubstr(name));
   }
   EXPECT_EQ(ServeMap(folder_ + "one/map.yaml").resolution, 0.1);
+  EXPECT_EQ(warning_, "");
 }
 
 TEST_F(RunOutputsTest, NoPictureOfConflictsThatWereNotMeasured) {
@@ -72,6 +76,46 @@ TEST_F(RunOutputsTest, AnErrorOfOneTaskLetsTheOthersEnd) {
                                &pool);
   EXPECT_EQ(status.message(), "first");
   EXPECT_EQ(num_done, 3);
+}
+
+TEST_F(RunOutputsTest, AMapThatIsTooLargeGetsCoarserCells) {
+  options_.map_max_cells = 1000;
+  ASSERT_TRUE(Write("out", nullptr, 2).ok());
+  EXPECT_EQ(ServeMap(folder_ + "out/map.yaml").resolution, 0.2);
+  EXPECT_THAT(warning_, testing::MatchesRegex("the map, [0-9.]+ m x [0-9.]+ m, is too large for "
+                                              "cells of 0.1 m .1000 at most.: those of map.pgm "
+                                              "are 0.2 m"));
+}
+
+TEST_F(RunOutputsTest, ALimitOfMemoryBoundsTheMap) {
+  options_.LimitMemory(0.0);
+  EXPECT_EQ(options_.map_max_cells, RunOutputOptions().map_max_cells);
+  options_.LimitMemory(1e9);
+  EXPECT_EQ(options_.map_max_cells, 1e8);
+}
+
+TEST_F(RunOutputsTest, WhatATaskThrowsIsAnError) {
+  std::atomic<int> num_done{0};
+  const auto fine = [&num_done] {
+    ++num_done;
+    return Status::Ok();
+  };
+  const auto no_memory = []() -> Status { throw std::bad_alloc(); };
+  for (const int num_threads : {1, 3}) {
+    ThreadPool pool(num_threads);
+    const Status status = RunAll({fine, no_memory, fine, fine}, &pool);
+    EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+    EXPECT_THAT(status.message(), HasSubstr("out of memory"));
+  }
+  EXPECT_EQ(num_done, 6);
+}
+
+TEST_F(RunOutputsTest, AFileInTheWayLeavesTheOthersWhole) {
+  std::filesystem::create_directories(folder_ + "out/points.ply/inside");
+  const Status status = Write("out", nullptr, 2);
+  EXPECT_THAT(status.message(), HasSubstr("cannot replace '" + folder_ + "out/points.ply'"));
+  EXPECT_EQ(NumFilesIn(folder_ + "out"), 6);  // and nothing half-written
+  EXPECT_EQ(ServeMap(folder_ + "out/map.yaml").resolution, 0.1);
 }
 
 TEST_F(RunOutputsTest, OptionsOutOfRangeAreNamed) {

@@ -163,7 +163,7 @@ TEST(RunSummaryTest, APathThatIsNotUtf8StillGivesJson) {
 
 TEST(RunSummaryTest, ReportsAFolderThatDoesNotExist) {
   EXPECT_EQ(WriteRunSummary(TempFolder() + "none/summary.json", MakeSummary()).code(),
-            StatusCode::kNotFound);
+            StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -283,5 +283,60 @@ TEST(SimulatorTest, RefusesBadOptionsByName) {
   EXPECT_TRUE(log.scans.empty());
 }
 
+// A robot in front of a long wall of glass sees the piece of it that it looks at head-on.
+TEST(SimulatorTest, GlassReturnsLightHeadOnOnly) {
+  Building building;
+  building.faces = {{{-20, 3}, {20, 3}, true}, {{-20, -3}, {20, -3}}};
+  building.path = {{{0, 0}, 1}, {{1, 0}, 2}};
+  SimulationOptions options;
+  options.laser.num_beams = 720;
+  options.laser.first_bearing_rad = -kPi;
+  options.laser.max_range_m = 10.0;
+  options.laser_noise = {0.0, 0.0, 0.0, 0.0};
+  SimulatedLog log;
+  ASSERT_TRUE(Simulate(World(building), options, &log).ok());
+  const SimulatedScan& scan = log.scans.front();
+  for (int beam = 0; beam < options.laser.num_beams; ++beam) {
+    const double bearing = options.laser.Bearing(beam);
+    const bool in_reach = std::abs(std::sin(bearing)) > 0.31;
+    if (!in_reach) continue;
+    const bool head_on = std::abs(bearing - 0.5 * kPi) < 0.25;
+    const bool oblique = std::abs(bearing - 0.5 * kPi) > 0.27;
+    const bool is_return = options.laser.IsReturn(scan.scan.ranges[beam]);
+    if (bearing < 0.0 || head_on) {
+      EXPECT_TRUE(is_return) << bearing;
+    } else if (oblique) {
+      EXPECT_FALSE(is_return) << bearing;
+    }
+    EXPECT_EQ(is_return, scan.hits[beam].allFinite());
+  }
+}
+
+// What moves is measured, but is no part of the truth about the building; the odometry is the same.
+TEST(SimulatorTest, PeopleHideTheBuilding) {
+  Building building;
+  building.faces = {{{-20, 2}, {20, 2}}, {{-20, -2}, {20, -2}}};
+  building.path = {{{-10, 0}, 1}, {{10, 0}, 2}};
+  SimulationOptions options;
+  options.laser_noise = {0.0, 0.0, 0.0, 0.0};
+  SimulatedLog empty, busy;
+  ASSERT_TRUE(Simulate(World(building), options, &empty).ok());
+  options.traffic.num_people = 8;
+  ASSERT_TRUE(Simulate(World(building), options, &busy).ok());
+  ASSERT_EQ(busy.scans.size(), empty.scans.size());
+  int num_hidden = 0;
+  for (std::size_t s = 0; s < busy.scans.size(); ++s) {
+    EXPECT_EQ(busy.scans[s].odom_from_robot.x, empty.scans[s].odom_from_robot.x);
+    for (int beam = 0; beam < options.laser.num_beams; ++beam) {
+      const double range = busy.scans[s].scan.ranges[beam];
+      EXPECT_LE(range, empty.scans[s].scan.ranges[beam]);
+      if (range == empty.scans[s].scan.ranges[beam]) continue;
+      EXPECT_FALSE(busy.scans[s].hits[beam].allFinite());
+      ++num_hidden;
+    }
+  }
+  EXPECT_GT(num_hidden, 1000);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -191,6 +191,28 @@ TEST_F(SlamGraphTest, RefusesWhatIsNoCovariance) {
   EXPECT_EQ(graph_.relative_poses().size(), 1u);
 }
 
+TEST_F(SlamGraphTest, RefusesWhatIsBeyondAllLimits) {
+  int id = 99;
+  for (const Pose2& far : {Pose2(1e8, 0, 0), Pose2(0, -1e300, 0), Pose2(0, 0, 1e7)}) {
+    ExpectInvalid(graph_.AddPose(far, 0.0, &id), "pose 2: coordinates or time are not finite, or ");
+    ExpectInvalid(graph_.AddOdometry({0, 1, far}), "odometry 0 -> 1: relative pose is not finite");
+  }
+  ExpectInvalid(graph_.AddPose(Pose2(), 1e13, &id), "pose 2: coordinates or time");
+  for (const double sigma : {1e-10, 1e10}) {
+    ExpectInvalid(
+        graph_.AddRelativePose({0, 1, Pose2(), sigma * sigma * Eigen::Matrix3d::Identity()}),
+        "relative pose 0 -> 1: a standard deviation is not within 1e-9 and 1e9");
+  }
+  LaserModel laser = ThreeBeamLaser();
+  laser.max_range_m = 1e6;
+  ExpectInvalid(graph_.AddLaser(laser, &id), "laser model: max_range_m = 1e+06");
+  laser = ThreeBeamLaser();
+  laser.num_beams = 1000001;
+  ExpectInvalid(graph_.AddLaser(laser, &id), "laser model: num_beams = 1000001");
+  EXPECT_EQ(id, 99);
+  EXPECT_EQ(graph_.num_poses(), 2);
+}
+
 TEST_F(SlamGraphTest, EqualLasersAreOne) {
   int again = -1, other = -1;
   ASSERT_TRUE(graph_.AddLaser(ThreeBeamLaser(), &again).ok());

@@ -142,7 +142,7 @@ TEST_F(SlamReportsTest, CalibrationIsReported) {
   EXPECT_NEAR(parameters["range_bias_m"]["value"], 0.0, 0.005);
 
   run = Slam("a.clf", "--calibrate=mounting,clock");
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, kExitWrongUsage);
   EXPECT_THAT(run.err, HasSubstr("--calibrate: 'clock' is nothing to calibrate"));
 }
 

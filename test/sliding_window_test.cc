@@ -91,7 +91,7 @@ TEST(SlidingWindowTest, TheNewestPosesFindTheirPlaceAndOlderOnesStay) {
   const SlamGraph before = room.graph;
   const SolverSummary summary = SolveWindow(Options(), Newest(8), &room.graph);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  EXPECT_LT(summary.final_patch_energy, summary.seed_patch_energy);
+  EXPECT_LT(summary.verdict.final_energy, summary.verdict.seed_energy);
   EXPECT_GT(WorstError({before, room.truth}, newest), 0.06);
   EXPECT_LT(WorstError(room, newest), 0.01);
   EXPECT_NE(room.graph.points().back(), before.points().back());
@@ -153,20 +153,26 @@ TEST(SlidingWindowTest, TheResultDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(room.graph.points(), other.points());
 }
 
-TEST(SlidingWindowTest, AWindowAtItsOptimumIsLeftAlone) {
+TEST(SlidingWindowTest, AWindowAtItsOptimumHardlyMoves) {
   NoisyRoom room = LongDrive();
-  SolverSummary summary;
-  for (int i = 0; i < 20 && summary.termination != TerminationType::kNoImprovement; ++i) {
+  double moved_m = 1.0;
+  for (int i = 0; i < 20; ++i) {
     const SlamGraph before = room.graph;
-    summary = SolveWindow(Options(), Newest(8), &room.graph);
+    const SolverSummary summary = SolveWindow(Options(), Newest(8), &room.graph);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
-    EXPECT_LE(summary.final_patch_energy, summary.seed_patch_energy);
+    EXPECT_TRUE(summary.verdict.LowersEnergy() ||
+                summary.termination == TerminationType::kNoImprovement);
     if (summary.termination == TerminationType::kNoImprovement) {
       EXPECT_EQ(room.graph.poses(), before.poses());
       EXPECT_EQ(room.graph.points(), before.points());
     }
+    moved_m = 0.0;
+    for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
+      const Pose2 step = Between(before.WorldFromRobot(pose), room.graph.WorldFromRobot(pose));
+      moved_m = std::max(moved_m, step.translation().norm());
+    }
   }
-  EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
+  EXPECT_LT(moved_m, 1e-4);
 }
 
 TEST(SlidingWindowTest, TheCallbackCanStopIt) {

@@ -71,8 +71,8 @@ TEST_F(SyntheticReportTest, PicturesAreTheSameEachTime) {
 
 TEST_F(SyntheticReportTest, RefusesAFolderThatIsNotThere) {
   const std::string path = folder_ + "missing/a";
-  EXPECT_EQ(WriteSyntheticCsv(path, Noises(), *outcomes_).code(), StatusCode::kNotFound);
-  EXPECT_EQ(WriteSyntheticJson(path, Noises(), *outcomes_).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteSyntheticCsv(path, Noises(), *outcomes_).code(), StatusCode::kUnavailable);
+  EXPECT_EQ(WriteSyntheticJson(path, Noises(), *outcomes_).code(), StatusCode::kUnavailable);
   EXPECT_FALSE(WritePoseErrorChart(path, Noises()[0], 0, *outcomes_).ok());
 }
 

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <random>
@@ -34,7 +35,10 @@ std::vector<std::string> RandomLines(int count) {
 
 std::string Gzip(const std::string& path, const std::vector<std::string>& lines) {
   gzFile file = gzopen(path.c_str(), "wb");
-  for (const std::string& line : lines) gzprintf(file, "%s\n", line.c_str());
+  for (const std::string& line : lines) {
+    gzwrite(file, line.data(), static_cast<unsigned>(line.size()));
+    gzputc(file, '\n');
+  }
   gzclose(file);
   return ReadFile(path);
 }
@@ -92,6 +96,10 @@ TEST(TextReaderTest, TruncatedGzipYieldsItsWholeLines) {
   EXPECT_EQ(read, std::vector<std::string>(lines.begin(), lines.begin() + read.size()));
   EXPECT_TRUE(reader.status().ok());
   EXPECT_TRUE(reader.truncated());
+  EXPECT_EQ(reader.CheckWhole().code(), StatusCode::kDataLoss);
+  EXPECT_THAT(reader.CheckWhole().message(),
+              HasSubstr(path + ": the compressed file is truncated after line " +
+                        std::to_string(read.size())));
 }
 
 TEST(TextReaderTest, CorruptGzipIsDataLoss) {
@@ -104,6 +112,37 @@ TEST(TextReaderTest, CorruptGzipIsDataLoss) {
   Lines(&reader);
   EXPECT_EQ(reader.status().code(), StatusCode::kDataLoss);
   EXPECT_THAT(reader.status().message(), HasSubstr(path + ": the compressed file is damaged"));
+}
+
+TEST(TextReaderTest, SkipsAByteOrderMarkAtTheStartOnly) {
+  const std::string path = TempFolder() + "a.txt";
+  WriteFile(path,
+            "\xEF\xBB\xBF"
+            "first\n\xEF\xBB\xBFsecond");
+  TextReader reader;
+  ASSERT_TRUE(reader.Open(path).ok());
+  EXPECT_THAT(Lines(&reader), ElementsAre("first", "\xEF\xBB\xBFsecond"));
+}
+
+TEST(TextReaderTest, RefusesALineOfMoreThan16MiB) {
+  const std::string path = TempFolder() + "a.gz";
+  const std::string long_enough(std::size_t{1} << 24, 'x');
+  Gzip(path, {"first", long_enough, long_enough + long_enough, "last"});
+  TextReader reader;
+  ASSERT_TRUE(reader.Open(path).ok());
+  EXPECT_EQ(Lines(&reader).size(), 2u);
+  EXPECT_EQ(reader.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(reader.status().message(), path + ":3: the line is longer than 16 MiB");
+  EXPECT_EQ(reader.CheckWhole().message(), reader.status().message());
+}
+
+TEST(TextReaderTest, OpensNoPipe) {
+  const std::string path = TempFolder() + "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  TextReader reader;
+  const Status status = reader.Open(path);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(status.message(), "cannot read '" + path + "': a pipe or a device, not a file");
 }
 
 TEST(TextReaderTest, NamesAMissingFile) {
@@ -119,7 +158,7 @@ TEST(TextReaderTest, AFolderCannotBeRead) {
   TextReader reader;
   ASSERT_TRUE(reader.Open(path).ok());  // The system opens it and refuses to read.
   EXPECT_THAT(Lines(&reader), ElementsAre());
-  EXPECT_EQ(reader.status().code(), StatusCode::kUnavailable);
+  EXPECT_EQ(reader.status().code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(reader.status().message(), HasSubstr(path));
 }
 

@@ -47,7 +47,7 @@ TEST(TruthWriterTest, HitsHaveOneLinePerReturn) {
 }
 
 TEST(TruthWriterTest, ReportsAFolderThatDoesNotExist) {
-  EXPECT_EQ(WriteTrueHits(TempFolder() + "none/a", TwoScans()).code(), StatusCode::kNotFound);
+  EXPECT_EQ(WriteTrueHits(TempFolder() + "none/a", TwoScans()).code(), StatusCode::kUnavailable);
 }
 
 }  // namespace

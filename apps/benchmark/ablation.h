@@ -70,7 +70,7 @@ Status AblateLog(const std::string& name, AblationInput input, AblationTable* ta
 /// Medians over the inputs, for people.
 std::string AblationText(const AblationTable& table);
 
-/// One line per kind of input, input and variant. NotFound or Unavailable if the file cannot be
+/// One line per kind of input, input and variant. Unavailable if the file cannot be
 /// written; so does the other.
 Status WriteAblationCsv(const std::string& path, const std::vector<AblationTable>& tables);
 

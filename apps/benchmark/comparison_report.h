@@ -24,7 +24,7 @@ struct Comparison {
 std::string ComparisonTable(const Comparison& comparison);
 
 /// One line per iteration of every run that came to its end, from the seed (iteration 0) to the
-/// result. NotFound or Unavailable if the file cannot be written; so do the others.
+/// result. Unavailable if the file cannot be written; so do the others.
 Status WriteComparisonCsv(const std::string& path, const Comparison& comparison);
 
 /// The figures of every solver, and the program's flags.

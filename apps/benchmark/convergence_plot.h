@@ -25,7 +25,7 @@ struct ConvergencePlot {
 /// points; a point with a coordinate that is not finite and positive has no place on them and is
 /// left out. The legend is below. The same plot gives the same bytes.
 ///
-/// InvalidArgument if there is no point to draw; NotFound or Unavailable if the file cannot be
+/// InvalidArgument if there is no point to draw; Unavailable if the file cannot be
 /// written.
 Status WriteConvergencePlot(const std::string& path, const ConvergencePlot& plot);
 

@@ -83,7 +83,7 @@ class Experiment {
     SetPoses(seed, &graph_);
     AddStage("seed (pose graph)", seed_time_s_);
     AddPanel("pose graph, Plumbline's seed");
-    PLUMBLINE_RETURN_IF_ERROR(Refine());
+    PLUMBLINE_RETURN_IF_ERROR(Refine(seeding.odometry_noise));
     AddPanel("Plumbline, poses and points");
     FinishFigure();
     return Status::Ok();
@@ -92,17 +92,18 @@ class Experiment {
   Status RunCorrectedLog(const CorrectedLog& pair) {
     PLUMBLINE_RETURN_IF_ERROR(Start("corrected poses", pair.corrected));
     AddStage("as corrected", 0.0);
-    PLUMBLINE_RETURN_IF_ERROR(Refine());
+    PLUMBLINE_RETURN_IF_ERROR(Refine({}));
     PLUMBLINE_RETURN_IF_ERROR(Start("the same scans, raw odometry", pair.raw));
     AddStage("odometry", 0.0);
     SeedingReport seeding;
     PLUMBLINE_RETURN_IF_ERROR(Seed(&seeding));
     AddStage("seed (pose graph)", seed_time_s_);
-    return Refine();
+    return Refine(seeding.odometry_noise);
   }
 
   Status Start(const std::string& name, const CarmenLog& log) {
-    PLUMBLINE_RETURN_IF_ERROR(BuildGraph(log, 0, &graph_));
+    const Status built = BuildGraph(log, 0, &graph_);
+    if (!built.ok()) return Status::InvalidArgument(inputs_.log + ": " + built.message());
     if (graph_.num_returns() == 0) {
       return Status::InvalidArgument(inputs_.log + ": no scan has a return within range");
     }
@@ -139,9 +140,12 @@ class Experiment {
     AddStage("gradient descent (SGD) on its pose graph", time_s);
   }
 
-  Status Refine() {
+  // odometry_noise: as the seeding found it, if there was one.
+  Status Refine(const OdometryNoiseReport& odometry_noise) {
     const auto start = Clock::now();
-    const SolverSummary summary = Solve(inputs_.solver, &graph_);
+    SolverOptions solver = inputs_.solver;
+    solver.factors.motion = RefinementMotion(odometry_noise, solver.factors.motion);
+    const SolverSummary summary = Solve(solver, &graph_);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     const double time_s = SecondsSince(start);
     const std::vector<double> points = graph_.points();

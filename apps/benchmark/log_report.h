@@ -12,8 +12,8 @@ namespace plumbline {
 std::string LogTables(const LogExperiment& experiment);
 
 /// Writes the relations, one line per stage and class of relations ("all", "local", "revisits"),
-/// published figures last. No times, here and below: the same input gives the same bytes. NotFound
-/// or Unavailable if the file cannot be written.
+/// published figures last. No times, here and below: the same input gives the same bytes.
+/// Unavailable if the file cannot be written.
 Status WriteLogRelationsCsv(const std::string& path, const LogExperiment& experiment);
 
 /// Writes the sharpness, one line per stage, kind of points and radius.

@@ -99,7 +99,7 @@ class Host {
              summary.seed_marginal_energy,
              summary.final_marginal_energy};
     if (summary.IsSolutionUsable()) return Status::Ok();
-    return Status::Unavailable("batch " + std::to_string(batch_) + ": " + summary.message);
+    return Status::InvalidArgument("batch " + std::to_string(batch_) + ": " + summary.message);
   }
 
   // The shape that the map has by now, with the uncertainty of its steps, under all closures.
@@ -148,7 +148,7 @@ Status SolveBatch(const SolverOptions& solver, SlamGraph* graph, Replay* replay)
   const SolverSummary summary = Solve(solver, graph);
   replay->batch_time_s = SecondsSince(start);
   replay->batch_energy = summary.final_marginal_energy;
-  return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
+  return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);
 }
 
 void Compare(const std::vector<Pose2>& batch, Replay* replay) {

@@ -12,7 +12,7 @@ namespace plumbline {
 /// compares to the batch solution. The replay must have steps, here as below.
 std::string ReplayTable(const Replay& replay);
 
-/// One line per solve. NotFound or Unavailable if the file cannot be written.
+/// One line per solve. Unavailable if the file cannot be written.
 Status WriteReplayCsv(const std::string& path, const Replay& replay);
 
 /// A picture of the seconds per solve over the poses that had arrived. Fails likewise.

@@ -55,7 +55,7 @@ Status ParseScanCounts(const std::string& text, std::vector<int>* counts);
 std::string ScalingHeader();
 std::string ScalingRow(const ScalingOutcome& outcome);
 
-/// One line per outcome; figures of a failed one are empty. NotFound or Unavailable if the file
+/// One line per outcome; figures of a failed one are empty. Unavailable if the file
 /// cannot be written.
 Status WriteScalingCsv(const std::string& path, const std::vector<ScalingOutcome>& outcomes);
 

@@ -66,7 +66,7 @@ Status RunSeedingStudy(const std::vector<SeedingCase>& cases, const SeedingOptio
 /// A table for people: how many runs of each class are right or wrong, with and without an alarm.
 std::string SeedingTable(const std::vector<SeedingOutcome>& outcomes);
 
-/// One line per run below a header line. NotFound or Unavailable if the file cannot be written.
+/// One line per run below a header line. Unavailable if the file cannot be written.
 Status WriteSeedingCsv(const std::string& path, const std::vector<SeedingOutcome>& outcomes);
 
 }  // namespace plumbline

@@ -14,7 +14,7 @@ namespace plumbline {
 std::string SyntheticTable(const std::vector<SyntheticNoise>& noises,
                            const std::vector<SyntheticOutcome>& outcomes);
 
-/// One line per seed, noise and mapper. NotFound or Unavailable if the file cannot be written; so
+/// One line per seed, noise and mapper. Unavailable if the file cannot be written; so
 /// do the others.
 Status WriteSyntheticCsv(const std::string& path, const std::vector<SyntheticNoise>& noises,
                          const std::vector<SyntheticOutcome>& outcomes);

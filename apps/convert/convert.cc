@@ -39,7 +39,7 @@ Status CheckFiles(const ConvertOptions& options) {
         return Status::InvalidArgument("'" + file + "' is an input, or an output named before");
       }
       if (std::filesystem::is_directory(file, ignored)) {
-        return Status::InvalidArgument("'" + file + "' is a folder");
+        return Status::Unavailable("'" + file + "' is a folder");
       }
     }
   }
@@ -97,6 +97,9 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
     if (target.NeedsReturns() && file.graph.num_returns() == 0) {
       return Status::InvalidArgument(options.input + ": there are no returns of a laser for '" +
                                      target.path + "'");
+    }
+    if (target.format == ConversionFormat::kRosMap) {
+      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options.input, file.graph, options.map_resolution_m));
     }
     result.left_out.push_back(LeftOut(target.format, file.graph));
   }

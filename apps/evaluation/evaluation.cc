@@ -14,23 +14,6 @@
 namespace plumbline {
 namespace {
 
-Status CheckInputs(const EvaluationInputs& inputs) {
-  const bool needs_trajectory =
-      !inputs.relations.empty() || !inputs.truth.empty() || !inputs.log.empty();
-  if (!needs_trajectory && inputs.points.empty()) {
-    return Status::InvalidArgument(
-        "nothing to measure: give --relations, --truth, --log or --points; see --help");
-  }
-  if (needs_trajectory && inputs.trajectory.empty()) {
-    return Status::InvalidArgument("--trajectory is missing; see --help");
-  }
-  std::string error;
-  if (!inputs.relations_options.Check(&error) || !inputs.trajectory_options.Check(&error)) {
-    return Status::InvalidArgument(error);
-  }
-  return Status::Ok();
-}
-
 Status EvaluateRelations(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
                          Evaluation* evaluation) {
   std::vector<Relation> relations;
@@ -61,6 +44,23 @@ Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>&
 }
 
 }  // namespace
+
+Status CheckInputs(const EvaluationInputs& inputs) {
+  const bool needs_trajectory =
+      !inputs.relations.empty() || !inputs.truth.empty() || !inputs.log.empty();
+  if (!needs_trajectory && inputs.points.empty()) {
+    return Status::InvalidArgument(
+        "nothing to measure: give --relations, --truth, --log or --points; see --help");
+  }
+  if (needs_trajectory && inputs.trajectory.empty()) {
+    return Status::InvalidArgument("--trajectory is missing; see --help");
+  }
+  std::string error;
+  if (!inputs.relations_options.Check(&error) || !inputs.trajectory_options.Check(&error)) {
+    return Status::InvalidArgument(error);
+  }
+  return Status::Ok();
+}
 
 Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInputs(inputs));

@@ -35,9 +35,13 @@ struct Evaluation {
   std::optional<MapSharpness> points;
 };
 
-/// Reads and measures everything that the inputs name. InvalidArgument if they name nothing to
-/// measure, if an option is out of range, and if a trajectory shares no time with what it is
-/// measured against; else what the readers say of a file.
+/// InvalidArgument if the inputs name nothing to measure or an option is out of range. Opens no
+/// file.
+Status CheckInputs(const EvaluationInputs& inputs);
+
+/// Reads and measures everything that the inputs name. Fails like CheckInputs, with InvalidArgument
+/// if a trajectory shares no time with what it is measured against, else as the readers say of a
+/// file.
 Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation);
 
 }  // namespace plumbline

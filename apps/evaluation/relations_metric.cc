@@ -14,12 +14,12 @@ namespace {
 
 Relation ReadRelation(FieldReader* fields) {
   Relation relation;
-  relation.from_s = fields->FiniteNumber("t1");
-  relation.to_s = fields->FiniteNumber("t2");
-  relation.from_from_to.x = fields->FiniteNumber("x");
-  relation.from_from_to.y = fields->FiniteNumber("y");
+  relation.from_s = fields->Time("t1");
+  relation.to_s = fields->Time("t2");
+  relation.from_from_to.x = fields->Coordinate("x");
+  relation.from_from_to.y = fields->Coordinate("y");
   for (const char* field : {"z", "roll", "pitch"}) fields->FiniteNumber(field);
-  relation.from_from_to.yaw = fields->FiniteNumber("yaw");
+  relation.from_from_to.yaw = fields->Yaw("yaw");
   fields->ExpectEnd();
   return relation;
 }
@@ -41,8 +41,7 @@ Status ReadRelations(const std::string& path, std::vector<Relation>* relations) 
                                      fields.error());
     }
   }
-  PLUMBLINE_RETURN_IF_ERROR(reader.status());
-  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
   if (result.empty()) return Status::InvalidArgument(path + ": no relation");
   *relations = std::move(result);
   return Status::Ok();

@@ -20,8 +20,8 @@ struct Relation {
 
 /// Reads the Freiburg SLAM benchmark's lines `t1 t2 x y z roll pitch yaw` (the pose at t2 seen from
 /// t1, [s], [m], [rad]), plain or gzip-compressed; empty lines and comments (#) are skipped, z,
-/// roll and pitch dropped. NotFound or Unavailable if the file cannot be read, DataLoss if it is
-/// truncated or corrupt; InvalidArgument, naming file, line and field, on anything else, and if
+/// roll and pitch dropped. NotFound or InvalidArgument if the file cannot be read, DataLoss if it
+/// is truncated or corrupt; InvalidArgument, naming file, line and field, on anything else, and if
 /// there is no relation.
 Status ReadRelations(const std::string& path, std::vector<Relation>* relations);
 

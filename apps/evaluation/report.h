@@ -12,7 +12,7 @@ namespace plumbline {
 std::string EvaluationTables(const Evaluation& evaluation);
 
 /// Writes the figures as nested JSON objects, e.g. relations.revisits.translation_m.mean; figures
-/// of an empty set are null. NotFound or Unavailable if the file cannot be written.
+/// of an empty set are null. Unavailable if the file cannot be written.
 Status WriteEvaluationJson(const std::string& path, const Evaluation& evaluation);
 
 /// Writes the same figures as lines `figure,value`, e.g. relations/revisits/translation_m/mean;

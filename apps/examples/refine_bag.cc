@@ -6,9 +6,7 @@
 //
 //   plumbline_example_refine_bag IN.bag SCAN_TOPIC ODOM_TOPIC OUT.tum
 #include <nav_msgs/Odometry.h>
-#include <plumbline/core/measured_surface.h>
 #include <plumbline/core/slam_graph.h>
-#include <plumbline/core/thread_pool.h>
 #include <plumbline/solvers/seeding/seed.h>
 #include <plumbline/solvers/solve.h>
 #include <rosbag/bag.h>
@@ -114,14 +112,10 @@ Status ReadBag(const std::string& path, const std::string& scan_topic,
 
 Status Map(plumbline::SlamGraph* graph) {
   const plumbline::SolverOptions options;
-  plumbline::ThreadPool pool(options.num_threads);
-  const plumbline::MeasuredSurface surface =
-      MeasureSurface(*graph, plumbline::NormalOptionsFor(options.factors.beam), &pool);
   plumbline::SeedingReport seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedGraph(plumbline::SeedingOptions(), options.factors.motion,
-                                      surface.normals, nullptr, &pool, graph, &seeding));
+  PLUMBLINE_RETURN_IF_ERROR(SeedGraph(plumbline::SeedingOptions(), options, graph, &seeding));
   if (seeding.alarm) std::fprintf(stderr, "warning: the map may be wrong\n");
-  const plumbline::SolverSummary summary = plumbline::Solve(options, surface, graph);
+  const plumbline::SolverSummary summary = plumbline::Solve(options, graph);
   std::printf("%s\n", summary.BriefReport().c_str());
   return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
 }

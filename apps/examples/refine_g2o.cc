@@ -8,7 +8,6 @@
 // optimum by the energy of both: if it is no better either, the edges' poses stay, and the program
 // says so. Exit code 0 unless the input cannot be read or the output cannot be written.
 #include <plumbline/core/slam_graph.h>
-#include <plumbline/solvers/pose_graph/refine_pose_graph.h>
 #include <plumbline/solvers/solve.h>
 
 #include <Eigen/LU>
@@ -215,8 +214,13 @@ Status WriteGraph(const std::string& path, const G2oGraph& g2o) {
 // The edges alone first: the joint estimation wants poses that are right to a few decimetres. If a
 // file was refined before, and its edges are poorer than its poses, leave that out.
 Status Refine(plumbline::SlamGraph* graph) {
-  const plumbline::PoseGraphSummary edges = plumbline::RefinePoseGraph(graph);
-  std::printf("edges alone: chi2 %.6g -> %.6g\n", edges.given_chi2, edges.final_chi2);
+  if (!graph->relative_poses().empty()) {
+    plumbline::SolverOptions by_edges;
+    by_edges.type = plumbline::SolverType::kPoseGraph;
+    const plumbline::SolverSummary edges = plumbline::Solve(by_edges, graph);
+    if (!edges.IsSolutionUsable()) return Status::InvalidArgument(edges.message);
+    std::printf("edges alone: chi2 %.6g -> %.6g\n", edges.seed_chi2, edges.final_chi2);
+  }
   if (graph->num_returns() == 0) {
     std::printf("no scans: that is all\n");
     return Status::Ok();
@@ -226,8 +230,8 @@ Status Refine(plumbline::SlamGraph* graph) {
   if (joint.termination == plumbline::TerminationType::kNoImprovement) {
     std::printf("edges and scans: no better than the start, which stays\n");
   } else {
-    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.seed_patch_energy,
-                joint.final_patch_energy);
+    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.verdict.seed_energy,
+                joint.verdict.final_energy);
   }
   return Status::Ok();
 }

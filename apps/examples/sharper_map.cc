@@ -200,7 +200,7 @@ Status Run(bool* sharper) {
   PLUMBLINE_RETURN_IF_ERROR(PrintSigmas(graph, graph.num_poses() - 1));
   const double after_m = MapError(graph);
   std::printf("mean error of the map: %.1f mm -> %.1f mm\n", 1e3 * before_m, 1e3 * after_m);
-  *sharper = num_dropped == 1 && after_m < 0.25 * before_m;
+  *sharper = num_dropped > 0 && after_m < 0.25 * before_m;
   return Status::Ok();
 }
 

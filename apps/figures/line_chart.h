@@ -28,7 +28,7 @@ struct LineChart {
 ///
 /// InvalidArgument if there is no point; on lengths that differ; on a value that is not finite or
 /// beyond 1e100, or not positive on a logarithmic axis (the message names series and point); on a
-/// side that is not in [200, 10000] px; and on a picture too small for its legend. NotFound or
+/// side that is not in [200, 10000] px; and on a picture too small for its legend.
 /// Unavailable if the file cannot be written.
 Status WriteLineChart(const std::string& path, const LineChart& chart, int width_px, int height_px);
 

@@ -52,7 +52,7 @@ struct MapFigureOptions {
 /// InvalidArgument on options out of range; without panels; on a panel with neither points nor
 /// trajectory or an odd number of coordinates; on coordinates that are not finite or beyond 1e9 m;
 /// on details without area, or more than 26; if the picture would be taller than Cairo can hold.
-/// NotFound or Unavailable if the file cannot be written.
+/// Unavailable if the file cannot be written.
 Status WriteMapFigure(const std::string& path, const MapFigure& figure,
                       const MapFigureOptions& options);
 

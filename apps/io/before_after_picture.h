@@ -30,7 +30,7 @@ struct BeforeAfterOptions {
 ///
 /// InvalidArgument on options out of range, poses that are not finite or not as many as the
 /// graph's, a graph without poses, and a map larger than 1e9 m; points that are not finite are left
-/// out. NotFound or Unavailable if the file cannot be written.
+/// out. Unavailable if the file cannot be written.
 Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
                                const std::vector<double>& poses_before,
                                const BeforeAfterOptions& options);

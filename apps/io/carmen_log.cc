@@ -20,15 +20,15 @@ constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 Pose2 ReadPose(FieldReader* fields, const char* x, const char* y, const char* theta) {
   Pose2 pose;
-  pose.x = fields->FiniteNumber(x);
-  pose.y = fields->FiniteNumber(y);
-  pose.yaw = fields->FiniteNumber(theta);
+  pose.x = fields->Coordinate(x);
+  pose.y = fields->Coordinate(y);
+  pose.yaw = fields->Yaw(theta);
   return pose;
 }
 
 /// The three fields that close every message; returns ipc_timestamp.
 double ReadTrailer(FieldReader* fields) {
-  const double timestamp_s = fields->FiniteNumber("ipc_timestamp");
+  const double timestamp_s = fields->Time("ipc_timestamp");
   fields->Word("host");
   fields->FiniteNumber("logger_timestamp");
   fields->ExpectEnd();

@@ -84,13 +84,13 @@ struct CarmenReadOptions {
 /// are taken for "no return". A surface would spread over both; should one be caught all the same,
 /// only the farthest 0.1 % is lost. With none of the three sources it is 80 m.
 ///
-/// An unreadable record (number of fields, text for a number, a pose or time that is not finite,
-/// no beams) is skipped and reported. A compressed file that is truncated yields its whole lines
-/// and one more issue.
+/// An unreadable record (number of fields, text for a number, a pose or time that is not finite or
+/// beyond core/input_limits.h, no beams) is skipped and reported. A compressed file that is
+/// truncated yields its whole lines and one more issue.
 ///
-/// NotFound or Unavailable if the file cannot be opened or read, DataLoss on a corrupt
+/// NotFound or InvalidArgument if the file cannot be opened or read, DataLoss on a corrupt
 /// compressed file or more unreadable records than the options allow, InvalidArgument if no scan is
-/// left; `log` is then untouched.
+/// left or a line is too long; `log` is then untouched.
 Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, CarmenLog* log);
 
 }  // namespace plumbline

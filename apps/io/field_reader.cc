@@ -5,16 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "plumbline/core/input_limits.h"
+
 namespace plumbline {
 namespace {
 
 constexpr char kMissing[] = "is missing, the line ends before it";
-
-std::string Quote(std::string_view word) {
-  constexpr std::size_t kMaxQuoted = 40;
-  const std::string shown(word.substr(0, kMaxQuoted));
-  return "'" + shown + (word.size() > kMaxQuoted ? "...'" : "'");
-}
 
 bool ParseNumber(std::string_view word, double* value) {
   const char* end = word.data() + word.size();
@@ -28,6 +24,23 @@ bool ParseNumber(std::string_view word, double* value) {
 }
 
 }  // namespace
+
+std::string Printable(std::string_view word) {
+  constexpr std::size_t kMaxShown = 40;
+  constexpr char kHexDigits[] = "0123456789abcdef";
+  std::string shown;
+  for (const char c : word.substr(0, kMaxShown)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= ' ' && byte <= '~') {
+      shown += c;
+    } else {
+      shown += {'\\', 'x', kHexDigits[byte / 16], kHexDigits[byte % 16]};
+    }
+  }
+  return shown + (word.size() > kMaxShown ? "..." : "");
+}
+
+std::string Quote(std::string_view word) { return "'" + Printable(word) + "'"; }
 
 std::string_view FieldReader::NextWord() {
   std::size_t begin = 0;
@@ -50,21 +63,40 @@ double FieldReader::NumberThat(bool (*accept)(double), const char* requirement, 
   const std::string_view word = Word(field);
   double value = 0.0;
   if (ok() && !ParseNumber(word, &value)) Fail(field, Quote(word) + " is not a number");
-  if (ok() && !accept(value)) Fail(field, Quote(word) + " is not a " + requirement);
+  if (ok() && !accept(value)) Fail(field, Quote(word) + " is not " + requirement);
   return ok() ? value : 0.0;
 }
 
 double FieldReader::Number(const char* field) {
-  return NumberThat([](double) { return true; }, "number", field);
+  return NumberThat([](double) { return true; }, "a number", field);
 }
 
 double FieldReader::FiniteNumber(const char* field) {
-  return NumberThat([](double value) { return std::isfinite(value); }, "finite number", field);
+  return NumberThat([](double value) { return std::isfinite(value); }, "a finite number", field);
 }
 
 double FieldReader::PositiveNumber(const char* field) {
   return NumberThat([](double value) { return std::isfinite(value) && value > 0.0; },
-                    "positive number", field);
+                    "a positive number", field);
+}
+
+double FieldReader::NumberWithin(double limit, const char* requirement, const char* field) {
+  FieldReader quoted = *this;
+  const double value = FiniteNumber(field);
+  if (std::abs(value) > limit) Fail(field, Quote(quoted.NextWord()) + " is not " + requirement);
+  return ok() ? value : 0.0;
+}
+
+double FieldReader::Coordinate(const char* field) {
+  return NumberWithin(kMaxCoordinateM, "within 1e7 m of the origin", field);
+}
+
+double FieldReader::Yaw(const char* field) {
+  return NumberWithin(kMaxYawRad, "an angle within 1e6 rad", field);
+}
+
+double FieldReader::Time(const char* field) {
+  return NumberWithin(kMaxTimeS, "a time within 1e12 s", field);
 }
 
 int FieldReader::Count(const char* field) {

@@ -7,6 +7,12 @@
 
 namespace plumbline {
 
+/// The start of a word from a file as a message may show it: on one line, and without codes that a
+/// terminal would obey.
+std::string Printable(std::string_view word);
+/// The same in quotation marks.
+std::string Quote(std::string_view word);
+
 /// Takes a line of a text format apart into fields separated by blanks. The first failure sticks:
 /// later reads return zero or nothing, so that a record is read in one go and checked once.
 class FieldReader {
@@ -19,7 +25,11 @@ class FieldReader {
   double Number(const char* field);
   double FiniteNumber(const char* field);
   double PositiveNumber(const char* field);  ///< finite and > 0
-  int Count(const char* field);              ///< an integer >= 0
+  // Within core/input_limits.h:
+  double Coordinate(const char* field);  ///< at most 1e7 m either way
+  double Yaw(const char* field);         ///< at most 1e6 rad either way
+  double Time(const char* field);        ///< at most 1e12 s either way
+  int Count(const char* field);          ///< an integer >= 0
   /// `count` fields, each as Number takes it.
   std::vector<double> Numbers(const char* field, int count);
   /// Fails if anything is left.
@@ -36,6 +46,7 @@ class FieldReader {
 
  private:
   std::string_view NextWord();
+  double NumberWithin(double limit, const char* requirement, const char* field);
   double NumberThat(bool (*accept)(double), const char* requirement, const char* field);
 
   std::string_view rest_;

@@ -32,6 +32,23 @@ inline unsigned char* StoreFloat(float value, unsigned char* out) {
   return StoreLittleEndian(bits, out);
 }
 
+/// The unsigned integer that StoreLittleEndian has stored.
+template <typename T>
+T LoadLittleEndian(const char* bytes) {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) {
+    value = static_cast<T>(value | static_cast<T>(static_cast<unsigned char>(bytes[i])) << (8 * i));
+  }
+  return value;
+}
+
+inline double LoadDouble(const char* bytes) {
+  const std::uint64_t bits = LoadLittleEndian<std::uint64_t>(bytes);
+  double value = 0.0;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
+}
+
 /// Writes records of one size: store(i, out) stores record i and gives the place behind it.
 template <typename Store>
 void WriteRecords(std::size_t num_records, std::size_t bytes_per_record, const Store& store,

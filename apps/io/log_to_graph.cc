@@ -28,6 +28,20 @@ LaserModel ModelOf(const CarmenScan& scan, const Pose2& robot_from_laser) {
   return laser;
 }
 
+// A pose for a scan, what was seen there, and how the robot came there.
+Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_from_laser,
+                  SlamGraph* graph) {
+  const CarmenScan& scan = log.scans[index];
+  int laser = 0, pose = 0;
+  PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(ModelOf(scan, robot_from_laser), &laser));
+  PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(
+      Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
+  PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));
+  if (index == 0) return Status::Ok();
+  return graph->AddOdometry(
+      {pose - 1, pose, Between(log.scans[index - 1].odom_from_robot, scan.odom_from_robot)});
+}
+
 }  // namespace
 
 std::string LaserMounting::Disagreement() const {
@@ -72,19 +86,10 @@ Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
   const Pose2 robot_from_laser = EstimateLaserMounting(log).robot_from_laser;
   SlamGraph result;
   for (std::size_t i = 0; i < num_scans; ++i) {
-    const CarmenScan& scan = log.scans[i];
-    int laser = 0, pose = 0;
-    const Status laser_status = result.AddLaser(ModelOf(scan, robot_from_laser), &laser);
-    if (!laser_status.ok()) {
-      return Status::InvalidArgument("scan of line " + std::to_string(scan.line) + ": " +
-                                     laser_status.message());
-    }
-    PLUMBLINE_RETURN_IF_ERROR(result.AddPose(
-        Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(result.AddScan(pose, laser, scan.ranges));
-    if (i == 0) continue;
-    PLUMBLINE_RETURN_IF_ERROR(result.AddOdometry(
-        {pose - 1, pose, Between(log.scans[i - 1].odom_from_robot, scan.odom_from_robot)}));
+    const Status status = AppendScan(log, i, robot_from_laser, &result);
+    if (status.ok()) continue;
+    return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
+                                   status.message());
   }
   *graph = std::move(result);
   return Status::Ok();

@@ -31,8 +31,8 @@ LaserMounting EstimateLaserMounting(const CarmenLog& log);
 /// and an odometry constraint from each pose to the next. One LaserModel per distinct geometry, all
 /// mounted as EstimateLaserMounting says of the whole log.
 ///
-/// InvalidArgument if the log has no scans, max_scans is negative, or a scan's geometry is refused
-/// by the graph (the message gives its line); `graph` is replaced on success only.
+/// InvalidArgument if the log has no scans, max_scans is negative, or a scan is refused by the
+/// graph (the message gives its line); `graph` is replaced on success only.
 Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph);
 
 }  // namespace plumbline

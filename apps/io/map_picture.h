@@ -38,7 +38,7 @@ struct MapArea {
 /// bytes.
 ///
 /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
-/// finite or a map larger than 1e9 m; points that are not finite are left out. NotFound or
+/// finite or a map larger than 1e9 m; points that are not finite are left out.
 /// Unavailable if the file cannot be written. Sets *area, if given, on success only.
 Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
                        const MapPictureOptions& options, MapArea* area = nullptr);

@@ -121,23 +121,38 @@ class ScanScorer {
   std::vector<bool> joined_;
 };
 
+// The grid's lower left corner and its sides, in cells.
+struct GridSides {
+  GridSides(const MapExtent& extent, double cell_m)
+      : left(std::floor(extent.x.low / cell_m)),
+        bottom(std::floor(extent.y.low / cell_m)),
+        width(std::ceil(extent.x.high / cell_m) - left),
+        height(std::ceil(extent.y.high / cell_m) - bottom) {}
+  double left, bottom, width, height;
+};
+
 Status LayGrid(const SlamGraph& graph, const OccupancyGridOptions& options, OccupancyGrid* grid) {
   MapExtent extent;
   PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph.points(), PosesOf(graph), kCropShare, &extent));
-  const double cell_m = options.resolution_m;
-  const double left = std::floor(extent.x.low / cell_m), bottom = std::floor(extent.y.low / cell_m);
-  const double width = std::ceil(extent.x.high / cell_m) - left;
-  const double height = std::ceil(extent.y.high / cell_m) - bottom;
-  if (!(width * height <= options.max_cells)) {
-    std::ostringstream message;
-    message << "occupancy grid: " << extent.x.length() << " m x " << extent.y.length()
-            << " m in cells of " << cell_m << " m are more than " << options.max_cells
-            << " cells; a coarser map resolution would do";
-    return Status::InvalidArgument(message.str());
+  double cell_m = options.resolution_m;
+  GridSides sides(extent, cell_m);
+  while (!(sides.width * sides.height <= options.max_cells)) {
+    if (!options.coarsen_to_fit) {
+      std::ostringstream message;
+      message << "occupancy grid: " << extent.x.length() << " m x " << extent.y.length()
+              << " m in cells of " << cell_m << " m are more than " << options.max_cells
+              << " cells; a coarser map resolution would do";
+      return Status::InvalidArgument(message.str());
+    }
+    cell_m *= 2.0;
+    sides = GridSides(extent, cell_m);
   }
-  *grid = {
-      cell_m, left * cell_m, bottom * cell_m, static_cast<int>(width), static_cast<int>(height),
-      {}};
+  *grid = {cell_m,
+           sides.left * cell_m,
+           sides.bottom * cell_m,
+           static_cast<int>(sides.width),
+           static_cast<int>(sides.height),
+           {}};
   return Status::Ok();
 }
 
@@ -183,6 +198,11 @@ bool OccupancyGridOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_cells, >=, 1.0);
   PLUMBLINE_CHECK_OPTION(max_cells, <=, 2e9);  // A side fits into an int.
   return true;
+}
+
+Status CheckGridSize(const SlamGraph& graph, const OccupancyGridOptions& options) {
+  OccupancyGrid ignored;
+  return LayGrid(graph, options, &ignored);
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const OccupancyGridOptions& options,

@@ -27,11 +27,17 @@ struct OccupancyGrid {
 
 struct OccupancyGridOptions {
   double resolution_m = 0.05;
-  /// Refuses larger grids [cells]; a cell takes five bytes while the grid is built.
+  /// Most cells of a grid; a cell takes five bytes while the grid is built.
   double max_cells = 4e8;
+  /// Doubles the side of a cell until a larger grid fits, instead of refusing it.
+  bool coarsen_to_fit = false;
 
   bool Check(std::string* error) const;
 };
+
+/// InvalidArgument if a map of this extent needs more than max_cells: an early word on what
+/// BuildOccupancyGrid would say. Needs poses, all of them finite.
+Status CheckGridSize(const SlamGraph& graph, const OccupancyGridOptions& options);
 
 /// Finds out where a robot could drive, from all scans of a graph and its map points.
 ///
@@ -52,7 +58,8 @@ struct OccupancyGridOptions {
 /// Time grows with the length of what the scans outline, not with the area they see.
 ///
 /// InvalidArgument on options out of range, a graph without poses or with poses that are not
-/// finite, and a map that needs more than max_cells. Points that are not finite are left out.
+/// finite, and a map that needs more than max_cells, unless it may be coarser. Points that are not
+/// finite are left out.
 Status BuildOccupancyGrid(const SlamGraph& graph, const OccupancyGridOptions& options,
                           OccupancyGrid* grid);
 

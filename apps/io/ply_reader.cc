@@ -12,6 +12,8 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/little_endian.h"
+#include "plumbline/core/input_limits.h"
 
 namespace plumbline {
 namespace {
@@ -69,7 +71,7 @@ class Header {
     const std::string_view type = fields->Word("type");
     const std::string_view name = fields->Word("name");
     const std::size_t size = SizeOf(type);
-    if (size == 0) fields->Fail("type", "'" + std::string(type) + "' is not a scalar type");
+    if (size == 0) fields->Fail("type", Quote(type) + " is not a scalar type");
     const bool is_double = type == "double" || type == "float64";
     if (is_double && name == "x") x_ = vertex_size_;
     if (is_double && name == "y") y_ = vertex_size_;
@@ -84,13 +86,22 @@ class Header {
   std::size_t x_ = kNowhere, y_ = kNowhere;
 };
 
+// A line without its end. False at the end of the file and where a line is longer than any of a
+// header, as in a file of some other kind.
+bool NextLine(std::istream* file, std::string* line) {
+  char text[4096];
+  const bool read = static_cast<bool>(file->getline(text, sizeof(text)));
+  *line = text;
+  return read;
+}
+
 Status ReadHeader(const std::string& path, std::istream* file, Header* header) {
   std::string line;
-  if (!std::getline(*file, line) || line != "ply") {
+  if (!NextLine(file, &line) || line != "ply") {
     return Status::InvalidArgument(path + ":1: not a PLY file");
   }
   for (int line_number = 2; !header->complete(); ++line_number) {
-    if (!std::getline(*file, line)) return Status::DataLoss(path + ": the header has no end");
+    if (!NextLine(file, &line)) return Status::DataLoss(path + ": the header has no end");
     FieldReader fields(line);
     header->Take(&fields);
     if (!fields.ok()) {
@@ -101,21 +112,13 @@ Status ReadHeader(const std::string& path, std::istream* file, Header* header) {
   return Status::Ok();
 }
 
-// A little-endian double on any machine.
-double LoadDouble(const char* bytes) {
-  std::uint64_t bits = 0;
-  for (int i = 7; i >= 0; --i) bits = bits << 8 | static_cast<unsigned char>(bytes[i]);
-  double value = 0.0;
-  std::memcpy(&value, &bits, sizeof(value));
-  return value;
-}
-
 }  // namespace
 
 Status ReadPointsPly(const std::string& path, std::vector<double>* points) {
+  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) return FileError("open", path, errno);
+  if (!file) return ReadError("open", path, errno);
   Header header;
   PLUMBLINE_RETURN_IF_ERROR(ReadHeader(path, &file, &header));
   std::vector<double> result;
@@ -126,8 +129,9 @@ Status ReadPointsPly(const std::string& path, std::vector<double>* points) {
                               std::to_string(header.num_vertices()));
     }
     const double x = LoadDouble(&vertex[header.x()]), y = LoadDouble(&vertex[header.y()]);
-    if (!std::isfinite(x) || !std::isfinite(y)) {
-      return Status::InvalidArgument(path + ": vertex " + std::to_string(v) + " is not finite");
+    if (!IsWithinLimits({x, y, 0.0})) {
+      return Status::InvalidArgument(path + ": vertex " + std::to_string(v) +
+                                     " is not finite, or beyond 1e7 m");
     }
     result.insert(result.end(), {x, y});
   }

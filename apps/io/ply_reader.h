@@ -10,9 +10,9 @@ namespace plumbline {
 
 /// Reads x, y [m] of each vertex in turn from a binary little-endian PLY file whose first element
 /// is `vertex`, with finite x and y of type double, as WritePointsPly writes it; other scalar
-/// properties are skipped. NotFound or Unavailable if the file cannot be read, DataLoss if it ends
-/// early, InvalidArgument, naming file and line of the header (or the vertex), on any other file.
-/// Replaces *points on success only.
+/// properties are skipped. NotFound or InvalidArgument if the file cannot be read, DataLoss if it
+/// ends early, InvalidArgument, naming file and line of the header (or the vertex), on any other
+/// file. Replaces *points on success only.
 Status ReadPointsPly(const std::string& path, std::vector<double>* points);
 
 }  // namespace plumbline

@@ -39,7 +39,7 @@ long long ReadId(FieldReader* fields, const char* field) {
   const char* end = word.data() + word.size();
   const std::from_chars_result result = std::from_chars(word.data(), end, id);
   if (result.ec != std::errc() || result.ptr != end) {
-    fields->Fail(field, "'" + std::string(word) + "' is not an integer");
+    fields->Fail(field, Quote(word) + " is not an integer");
   }
   return id;
 }
@@ -211,7 +211,9 @@ class Parser {
       constraint.covariance = 0.5 * (inverse + inverse.transpose());
       // Ids and numbers are known to be good.
       if (!file_.graph.AddRelativePose(constraint).ok()) {
-        return Error(edge.line, "fields 'I11' to 'I33': the information is not positive definite");
+        return Error(edge.line,
+                     "fields 'I11' to 'I33': the information is not positive definite, or "
+                     "a standard deviation is not within 1e-9 and 1e9");
       }
     }
     return Status::Ok();
@@ -239,8 +241,7 @@ class Parser {
   // line: from 1.
   Status Error(std::size_t line, const std::string& problem) const {
     return Status::InvalidArgument(path_ + ":" + std::to_string(line) + ": " +
-                                   std::string(RecordKeyword(file_.lines[line - 1])) + " " +
-                                   problem);
+                                   Printable(RecordKeyword(file_.lines[line - 1])) + " " + problem);
   }
 
   const std::string path_;
@@ -268,7 +269,7 @@ bool IsPoseGraphFile(const std::string& path) {
     const std::string_view keyword = RecordKeyword(line);
     if (keyword.empty()) continue;
     return StartsWith(keyword, "VERTEX") || StartsWith(keyword, "EDGE") || keyword == "FIX" ||
-           StartsWith(keyword, "PARAMS_");
+           StartsWith(keyword, "PARAMS_") || (keyword == kLaser && HasPoseGraphExtension(path));
   }
   return HasPoseGraphExtension(path);
 }
@@ -279,8 +280,7 @@ Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file) {
   Parser parser(path);
   std::string_view line;
   while (reader.NextLine(&line)) PLUMBLINE_RETURN_IF_ERROR(parser.ParseLine(line));
-  PLUMBLINE_RETURN_IF_ERROR(reader.status());
-  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
   return parser.Finish(file);
 }
 

@@ -29,7 +29,8 @@ struct PoseGraphFile {
 };
 
 /// Tells by the first record whether a file, plain or gzip-compressed, is a pose graph, readable or
-/// not; by its extension if there is no record. False for a file that cannot be opened.
+/// not; by its extension if there is no record, or a scan, as in a log. False for a file that
+/// cannot be opened.
 bool IsPoseGraphFile(const std::string& path);
 
 /// Reads a pose graph, plain or gzip-compressed. Records (blank-separated; units m, rad):
@@ -50,7 +51,7 @@ bool IsPoseGraphFile(const std::string& path);
 /// not positive definite, two vertices of one id, an edge that joins a vertex with itself, ids
 /// without a vertex, a vertex that no edges connect with the first one; and if there is no vertex.
 /// DataLoss on scans that cannot be read and on a truncated or corrupt compressed file, NotFound or
-/// Unavailable if the file cannot be read. Replaces *file on success only.
+/// InvalidArgument if the file cannot be read. Replaces *file on success only.
 Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file);
 
 }  // namespace plumbline

@@ -27,9 +27,9 @@ std::string_view RecordKeyword(std::string_view line) {
 
 Pose2 ReadPoseFields(FieldReader* fields) {
   Pose2 pose;
-  pose.x = fields->FiniteNumber("x");
-  pose.y = fields->FiniteNumber("y");
-  pose.yaw = fields->FiniteNumber("yaw");
+  pose.x = fields->Coordinate("x");
+  pose.y = fields->Coordinate("y");
+  pose.yaw = fields->Yaw("yaw");
   return pose;
 }
 

@@ -31,7 +31,7 @@ Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraph
 /// is, number by number, and so do vertices whose pose is as it was read. The numbers of the others
 /// round-trip exactly, yaw in [-pi, pi). The formats' inventors gave TORO neither FIX nor laser
 /// records; they are kept, for ReadPoseGraphFile takes them and TORO's own programs skip records
-/// they do not know. NotFound or Unavailable if the file cannot be written.
+/// they do not know. Unavailable if the file cannot be written.
 Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
                           const PoseGraphFile& file);
 

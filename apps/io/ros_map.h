@@ -15,7 +15,7 @@ namespace plumbline {
 /// free_thresh is 0.196, as ROS 1 saves it: 205 stands for (255 - 205) / 255 = 0.19608, which
 /// Nav2's default of 0.25 would take for free. The file's own value counts in both.
 ///
-/// Needs a grid that is not empty. NotFound or Unavailable if a file cannot be written; either of
+/// Needs a grid that is not empty. Unavailable if a file cannot be written; either of
 /// them is whole or left as it was.
 Status WriteRosMap(const std::string& stem, const OccupancyGrid& grid);
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/rosbag_records.h"
 
 namespace plumbline {
 namespace {
@@ -217,9 +217,8 @@ Status ReadRosbag(const std::string& path, const RosbagReadOptions& options,
                   RosRecording* recording) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  errno = 0;
-  if (!std::ifstream(path)) return FileError("open", path, errno);
-  // The library for bags throws where the file breaks off or holds nonsense.
+  // The library for bags throws where the file holds nonsense, if not misled by lengths.
+  PLUMBLINE_RETURN_IF_ERROR(CheckRosbagRecords(path));
   try {
     BagReader reader(path, options);
     PLUMBLINE_RETURN_IF_ERROR(reader.Read());

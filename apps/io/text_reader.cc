@@ -12,6 +12,10 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBlockSize = std::size_t{1} << 18;
+// A scan of a million beams fits in. What goes on for longer is no text, and a small compressed
+// file can hold any amount of it.
+constexpr std::size_t kMaxLineBytes = std::size_t{1} << 24;
+constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
 }  // namespace
 
@@ -21,9 +25,10 @@ TextReader::~TextReader() {
 
 Status TextReader::Open(const std::string& path) {
   path_ = path;
+  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   errno = 0;
   file_ = gzopen(path.c_str(), "rb");
-  if (file_ == nullptr) return FileError("open", path, errno);
+  if (file_ == nullptr) return ReadError("open", path, errno);
   gzbuffer(file_, kBlockSize);
   return Status::Ok();
 }
@@ -35,6 +40,11 @@ bool TextReader::NextLine(std::string_view* line) {
     const std::size_t size = end_ - begin_;
     const void* newline =
         size > searched ? std::memchr(begin + searched, '\n', size - searched) : nullptr;
+    if (newline == nullptr && !at_end_ && size > kMaxLineBytes) {
+      status_ = Status::InvalidArgument(path_ + ":" + std::to_string(line_number_ + 1) +
+                                        ": the line is longer than 16 MiB");
+      at_end_ = true;
+    }
     if (newline == nullptr && !at_end_) {
       searched = size;
       Refill();
@@ -48,8 +58,15 @@ bool TextReader::NextLine(std::string_view* line) {
     ++line_number_;
     *line = std::string_view(begin, length);
     if (!line->empty() && line->back() == '\r') line->remove_suffix(1);
+    if (line_number_ == 1 && line->substr(0, 3) == kByteOrderMark) line->remove_prefix(3);
     return true;
   }
+}
+
+Status TextReader::CheckWhole() const {
+  if (!truncated_) return status_;
+  return Status::DataLoss(path_ + ": the compressed file is truncated after line " +
+                          std::to_string(line_number_));
 }
 
 void TextReader::Refill() {
@@ -67,11 +84,16 @@ void TextReader::Refill() {
   int code = Z_OK;
   const char* message = gzerror(file_, &code);
   if (code == Z_ERRNO) {
-    status_ = FileError("read", path_, read_errno);
+    status_ = ReadError("read", path_, read_errno);
   } else if (code == Z_BUF_ERROR) {
     truncated_ = true;
   } else if (code != Z_OK && code != Z_STREAM_END) {
-    status_ = Status::DataLoss(path_ + ": the compressed file is damaged: " + message);
+    // Most of zlib's messages begin with the path as well.
+    std::string problem = message;
+    if (problem.compare(0, path_.size(), path_) != 0) problem = path_ + ": " + problem;
+    status_ = Status::DataLoss(problem.insert(
+        path_.size() + 1,
+        " the compressed file is damaged after line " + std::to_string(line_number_) + ":"));
   }
 }
 

@@ -12,7 +12,8 @@ struct gzFile_s;
 
 namespace plumbline {
 
-/// Reads a text file line by line, gzip-compressed or plain (told by content, not by name).
+/// Reads a text file line by line, gzip-compressed or plain (told by content, not by name). A byte
+/// order mark of UTF-8 at its start is skipped. Memory is that of the longest line, 16 MiB at most.
 class TextReader {
  public:
   TextReader() = default;
@@ -20,7 +21,8 @@ class TextReader {
   TextReader(const TextReader&) = delete;
   TextReader& operator=(const TextReader&) = delete;
 
-  /// NotFound if there is no such file, Unavailable if the system refuses. Call once.
+  /// NotFound if there is no such file, Unavailable if the system refuses, InvalidArgument for a
+  /// pipe or a device. Call once.
   Status Open(const std::string& path);
 
   /// The next line without its line end (\n or \r\n), valid until the next call. False at the end
@@ -32,12 +34,15 @@ class TextReader {
 
   /// Once NextLine has returned false. DataLoss: the compressed stream is corrupt, and since its
   /// checksum comes last, so may be lines handed out before. Unavailable: the system failed to
-  /// read.
+  /// read. InvalidArgument: a line is longer than 16 MiB.
   const Status& status() const { return status_; }
 
   /// Once NextLine has returned false: the compressed file lacks its end. Lines handed out are
   /// sound.
   bool truncated() const { return truncated_; }
+
+  /// The same for a reader that wants all or nothing: the status, or DataLoss if truncated.
+  Status CheckWhole() const;
 
  private:
   void Refill();

@@ -15,10 +15,10 @@ namespace {
 
 TimedPose ReadPose(FieldReader* fields) {
   TimedPose pose;
-  pose.timestamp_s = fields->FiniteNumber("t");
-  pose.world_from_robot.x = fields->FiniteNumber("x");
-  pose.world_from_robot.y = fields->FiniteNumber("y");
-  fields->FiniteNumber("z");
+  pose.timestamp_s = fields->Time("t");
+  pose.world_from_robot.x = fields->Coordinate("x");
+  pose.world_from_robot.y = fields->Coordinate("y");
+  fields->Coordinate("z");
   const double qx = fields->FiniteNumber("qx"), qy = fields->FiniteNumber("qy");
   const double qz = fields->FiniteNumber("qz"), qw = fields->FiniteNumber("qw");
   fields->ExpectEnd();
@@ -71,8 +71,7 @@ Status ReadTumTrajectory(const std::string& path, std::vector<TimedPose>* trajec
                                      fields.error());
     }
   }
-  PLUMBLINE_RETURN_IF_ERROR(reader.status());
-  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
   if (result.empty()) return Status::InvalidArgument(path + ": no pose");
   *trajectory = std::move(result);
   return Status::Ok();

@@ -23,10 +23,10 @@ std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph);
 Status WriteTumTrajectory(const std::string& path, const std::vector<TimedPose>& trajectory);
 
 /// Reads such a file, plain or gzip-compressed, in the file's order; empty lines and comments (#)
-/// are skipped. What leaves the plane (z, roll, pitch) is dropped. NotFound or Unavailable if the
-/// file cannot be read, DataLoss if it is truncated or corrupt; InvalidArgument, naming file, line
-/// and field, on anything that is not a finite number or a quaternion whose norm is off by more
-/// than 1 %, and if there is no pose.
+/// are skipped. What leaves the plane (z, roll, pitch) is dropped. NotFound or InvalidArgument if
+/// the file cannot be read, DataLoss if it is truncated or corrupt; InvalidArgument, naming file,
+/// line and field, on anything that is not a finite number or a quaternion whose norm is off by
+/// more than 1 %, and if there is no pose.
 Status ReadTumTrajectory(const std::string& path, std::vector<TimedPose>* trajectory);
 
 }  // namespace plumbline

@@ -80,11 +80,11 @@ Status CheckReport(const HtmlReport& report) {
 Status ReadPicture(const std::string& path, std::string* address) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  if (!file) return FileError("open", path, errno);
+  if (!file) return ReadError("open", path, errno);
   std::ostringstream content;
   content << file.rdbuf();
   // An empty file fails as well, but without an error of the system.
-  if (!content && errno != 0) return FileError("read", path, errno);
+  if (!content && errno != 0) return ReadError("read", path, errno);
   const std::string bytes = content.str();
   if (bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") != 0) {
     return Status::InvalidArgument("report: '" + path + "' is no PNG picture");

@@ -100,8 +100,8 @@ struct HtmlReport {
 /// server nor a network, and forbids itself to use one. The same report gives the same bytes.
 ///
 /// InvalidArgument on a table row that is not as wide as its header, on histograms without an edge
-/// per count, on a map without a pixel size, and on a picture that is no PNG; NotFound or
-/// Unavailable if a picture cannot be read or the report cannot be written.
+/// per count, on a map without a pixel size, and on a picture that is no PNG or cannot be
+/// read; NotFound if there is no such picture, Unavailable if the report cannot be written.
 Status WriteHtmlReport(const std::string& path, const HtmlReport& report);
 
 }  // namespace plumbline

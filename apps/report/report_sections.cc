@@ -90,6 +90,22 @@ ReportTable TermsTable(const SolverSummary& solver) {
   return table;
 }
 
+ReportTable VerdictTable(const Verdict& verdict) {
+  const std::string chance = "+- " + ShortText(verdict.held_out_noise) + " by chance";
+  return {
+      "Verdict: is the result better than the seed?",
+      {"Under the seed's patches", "Seed", "Refined", "Lower?"},
+      {{"Energy", ShortText(verdict.seed_energy), ShortText(verdict.final_energy),
+        verdict.LowersEnergy() ? "yes" : "no"},
+       {"Squared distance of held-out returns [sigma^2], " + chance,
+        FixedText(verdict.seed_held_out_error, 4), FixedText(verdict.final_held_out_error, 4),
+        verdict.LowersHeldOutError() ? "yes" : "no"}},
+      WithThousands(verdict.num_held_out) +
+          " returns took no part in finding these poses and lines. What is not lower in both is "
+          "refused, and the seed comes back; a rise of the second within twice what chance does "
+          "is let pass."};
+}
+
 std::string ConflictText(const FreeSpaceConflict& conflict) {
   if (conflict.num_compared == 0) return "-";
   return FixedText(kPercent * conflict.Share(), 2) + " % of " +
@@ -104,6 +120,11 @@ void AddVerdict(const std::vector<Alarm>& alarms, const std::string& all_clear,
     report->alarms.push_back("Around " + alarm.place.Text() + ": " + alarm.reason + ".");
   }
   report->all_clear = all_clear;
+}
+
+void AddStop(const std::string& signal_name, HtmlReport* report) {
+  if (signal_name.empty()) return;
+  report->figures.push_back({"Stopped early", signal_name, "the best state so far"});
 }
 
 void AddStages(const std::vector<Stage>& stages, HtmlReport* report) {
@@ -153,6 +174,7 @@ void AddSolver(const SolverSummary& solver, HtmlReport* report) {
          ""});
     return;
   }
+  report->tables.push_back(VerdictTable(solver.verdict));
   report->tables.push_back(TermsTable(solver));
   if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   AddDisplacements(solver.displacements, report);

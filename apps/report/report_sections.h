@@ -18,6 +18,9 @@ namespace plumbline {
 /// The alarms, or else `all_clear`.
 void AddVerdict(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report);
 
+/// Says that a signal of this name has ended the estimation early; nothing if it is empty.
+void AddStop(const std::string& signal_name, HtmlReport* report);
+
 /// Figures of the last stage next to those of the first, and a table of all.
 void AddStages(const std::vector<Stage>& stages, HtmlReport* report);
 

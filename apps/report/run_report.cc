@@ -39,6 +39,7 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
   report.subtitle = WithThousands(summary.num_scans) + " scans, " +
                     WithThousands(summary.num_returns) + " returns, " +
                     WithThousands(summary.num_skipped_records) + " records skipped";
+  AddStop(summary.stopped_by, &report);
   AddVerdict(summary.alarms, "No sign that the map contradicts itself.", &report);
   AddStages(summary.stages, &report);
   AddLoops(summary.seeding.loops, &report);

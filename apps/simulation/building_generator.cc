@@ -5,6 +5,7 @@
 
 #include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/noise_source.h"
+#include "plumbline/apps/simulation/special_floors.h"
 
 namespace plumbline {
 namespace {
@@ -80,13 +81,18 @@ const char* ToString(BuildingKind kind) {
       return "repetitive";
     case BuildingKind::kLongCorridor:
       return "long_corridor";
+    case BuildingKind::kHall:
+      return "hall";
+    case BuildingKind::kRound:
+      return "round";
+    case BuildingKind::kSlanted:
+      return "slanted";
   }
   return "?";
 }
 
 bool FromString(const std::string& name, BuildingKind* kind) {
-  for (const BuildingKind candidate :
-       {BuildingKind::kRandom, BuildingKind::kRepetitive, BuildingKind::kLongCorridor}) {
+  for (const BuildingKind candidate : kBuildingKinds) {
     if (name != ToString(candidate)) continue;
     *kind = candidate;
     return true;
@@ -113,10 +119,27 @@ Building GenerateLargeBuilding(double drive_length_m, std::uint64_t seed) {
 
 Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {
   NoiseSource source(seed, kStyleStream);
-  const FloorStyle style = kind == BuildingKind::kRandom       ? RandomStyle(&source)
-                           : kind == BuildingKind::kRepetitive ? RepetitiveStyle(&source)
-                                                               : LongCorridorStyle(&source);
-  Building building = MakeFloor(style, seed);
+  Building building;
+  switch (kind) {
+    case BuildingKind::kRandom:
+      building = MakeFloor(RandomStyle(&source), seed);
+      break;
+    case BuildingKind::kRepetitive:
+      building = MakeFloor(RepetitiveStyle(&source), seed);
+      break;
+    case BuildingKind::kLongCorridor:
+      building = MakeFloor(LongCorridorStyle(&source), seed);
+      break;
+    case BuildingKind::kHall:
+      building = MakeHall(&source);
+      break;
+    case BuildingKind::kRound:
+      building = MakeRing({32, 0.0}, &source);
+      break;
+    case BuildingKind::kSlanted:
+      building = MakeRing({7, 0.5}, &source);
+      break;
+  }
   building.name = std::string(ToString(kind)) + " building " + std::to_string(seed);
   return building;
 }

@@ -16,7 +16,18 @@ enum class BuildingKind {
   kRepetitive,
   /// Corridors of 250 m with nothing but a niche every 4 m; the loops are hundreds of metres long.
   kLongCorridor,
+  /// A hall of 40 x 30 m with pillars and tables: most of the time all is out of a small scanner's
+  /// reach.
+  kHall,
+  /// A round corridor with rooms around it, where no two walls are parallel.
+  kRound,
+  /// The same with a handful of corners of any angle.
+  kSlanted,
 };
+/// All of them.
+constexpr BuildingKind kBuildingKinds[] = {BuildingKind::kRandom,       BuildingKind::kRepetitive,
+                                           BuildingKind::kLongCorridor, BuildingKind::kHall,
+                                           BuildingKind::kRound,        BuildingKind::kSlanted};
 
 const char* ToString(BuildingKind kind);
 /// Returns whether the name is known.

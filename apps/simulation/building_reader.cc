@@ -1,5 +1,6 @@
 #include "plumbline/apps/simulation/building_reader.h"
 
+#include <cmath>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kDefaultThickness = 0.1;
+constexpr double kMaxLength = 1e5;
 
 struct Door {
   Vector2d a, b;
@@ -29,9 +31,22 @@ struct Draft {
   std::vector<Waypoint> path;
 };
 
+double ReadLength(FieldReader* fields, const char* name) {
+  const double length = fields->FiniteNumber(name);
+  if (std::abs(length) > kMaxLength) fields->Fail(name, "is beyond 1e5 m");
+  return length;
+}
+
+double ReadSize(FieldReader* fields, const char* name) {
+  const double size = fields->PositiveNumber(name);
+  if (size > kMaxLength) fields->Fail(name, "is beyond 1e5 m");
+  if (size < FloorPlan::kMinLength) fields->Fail(name, "is too small");
+  return size;
+}
+
 Vector2d ReadPoint(FieldReader* fields, const char* x_name, const char* y_name) {
-  const double x = fields->FiniteNumber(x_name);
-  return {x, fields->FiniteNumber(y_name)};
+  const double x = ReadLength(fields, x_name);
+  return {x, ReadLength(fields, y_name)};
 }
 
 void ReadSegment(FieldReader* fields, Vector2d* a, Vector2d* b) {
@@ -51,15 +66,15 @@ void ReadRoom(FieldReader* fields, Draft* draft) {
 
 void ReadBox(FieldReader* fields, Draft* draft) {
   const Vector2d center = ReadPoint(fields, "x", "y");
-  const double width = fields->PositiveNumber("width");
-  const double depth = fields->PositiveNumber("depth");
-  const Pose2 world_from_box(center.x(), center.y(), DegToRad(fields->FiniteNumber("yaw")));
+  const double width = ReadSize(fields, "width");
+  const double depth = ReadSize(fields, "depth");
+  const Pose2 world_from_box(center.x(), center.y(), DegToRad(fields->Yaw("yaw")));
   draft->plan.AddBox(world_from_box, {width, depth});
 }
 
 void ReadCircle(FieldReader* fields, Draft* draft) {
   const Vector2d center = ReadPoint(fields, "x", "y");
-  draft->plan.AddDisc(center, fields->PositiveNumber("radius"));
+  draft->plan.AddDisc(center, ReadSize(fields, "radius"));
 }
 
 void ReadWaypoint(FieldReader* fields, std::size_t line, Draft* draft) {
@@ -76,7 +91,7 @@ std::string ReadRecord(std::string_view text, std::size_t line, Draft* draft) {
   FieldReader fields(text);
   const std::string keyword(fields.Word("keyword"));
   if (keyword == "thickness") {
-    draft->thickness_m = fields.PositiveNumber("t");
+    draft->thickness_m = ReadSize(&fields, "t");
   } else if (keyword == "wall") {
     Vector2d a, b;
     ReadSegment(&fields, &a, &b);
@@ -94,7 +109,7 @@ std::string ReadRecord(std::string_view text, std::size_t line, Draft* draft) {
   } else if (keyword == "path") {
     ReadWaypoint(&fields, line, draft);
   } else {
-    return "unknown keyword '" + keyword + "'";
+    return "unknown keyword " + Quote(keyword);
   }
   fields.ExpectEnd();
   return fields.ok() ? "" : keyword + " " + fields.error();
@@ -135,8 +150,7 @@ Status ReadBuilding(const std::string& path, Building* building) {
                                      error);
     }
   }
-  PLUMBLINE_RETURN_IF_ERROR(reader.status());
-  if (reader.truncated()) return Status::DataLoss(path + ": the compressed file is truncated");
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
   return Finish(path, &draft, building);
 }
 

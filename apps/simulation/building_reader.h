@@ -21,9 +21,10 @@ namespace plumbline {
 ///
 /// FloorPlan says what walls and doors look like.
 ///
-/// NotFound, Unavailable or DataLoss if the file cannot be read. InvalidArgument, naming file, line
-/// and field, on a record that is unknown, incomplete or degenerate, on a door that opens no wall,
-/// on a building without surfaces and on a path of a single point. `building` is then untouched.
+/// NotFound, InvalidArgument or DataLoss if the file cannot be read. InvalidArgument, naming file,
+/// line and field, on a record that is unknown, incomplete or degenerate, on a coordinate or size
+/// beyond 1e5 m, on a door that opens no wall, on a building without surfaces and on a path of a
+/// single point. `building` is then untouched.
 Status ReadBuilding(const std::string& path, Building* building);
 
 }  // namespace plumbline

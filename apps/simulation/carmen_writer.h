@@ -13,7 +13,7 @@ namespace plumbline {
 /// and a laser record per scan. The laser record is FLASER if the beams lie as that record implies,
 /// else ROBOTLASER1. Poses and times have 6 decimals, ranges 3.
 ///
-/// NotFound or Unavailable if the file cannot be written.
+/// Unavailable if the file cannot be written.
 Status WriteCarmenLog(const std::string& path, const SimulatedLog& log);
 
 }  // namespace plumbline

@@ -42,6 +42,7 @@ bool FloorPlan::CutDoor(const Vector2d& a, const Vector2d& b) {
   bool opened = false;
   for (const Wall& wall : walls_) opened = CutWall(a, b, wall, &rest) || opened;
   walls_ = std::move(rest);
+  if (opened) doors_.push_back({a, b});
   return opened;
 }
 
@@ -56,6 +57,7 @@ void FloorPlan::AddDisc(const Vector2d& center, double radius_m) {
 void FloorPlan::Furnish(Building* building) const {
   building->faces = furniture_;
   building->discs = discs_;
+  building->doors = doors_;
   for (const Wall& wall : walls_) {
     const Vector2d along = wall.b - wall.a;
     const Pose2 world_from_wall(wall.a.x(), wall.a.y(), std::atan2(along.y(), along.x()));

@@ -24,8 +24,8 @@ class FloorPlan {
   /// Four walls: a rectangle given by two opposite corners, which differ in x and in y.
   void AddRoom(const Eigen::Vector2d& a, const Eigen::Vector2d& c, double thickness_m);
 
-  /// Opens every wall drawn so far that runs along the segment from a to b. Returns whether there
-  /// is one.
+  /// Opens every wall drawn so far that runs along the segment from a to b, and hangs a sliding
+  /// door there. Returns whether there is such a wall.
   bool CutDoor(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
   /// A rectangle around the origin of its frame, `size` along the axes.
@@ -51,6 +51,7 @@ class FloorPlan {
   std::vector<Wall> walls_;
   std::vector<Face> furniture_;
   std::vector<Disc> discs_;
+  std::vector<Face> doors_;
 };
 
 }  // namespace plumbline

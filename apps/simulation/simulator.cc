@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "plumbline/apps/simulation/noise_source.h"
@@ -12,6 +13,8 @@ namespace plumbline {
 namespace {
 
 constexpr double kReadingsPerMetre = 1000.0;
+// Of a drive that fits into memory.
+constexpr double kMaxReadings = 1e8;
 // Streams of random numbers.
 constexpr std::uint32_t kLaserStream = 0, kOdometryStream = 1;
 
@@ -20,8 +23,18 @@ struct Reading {
   Eigen::Vector2d hit;
 };
 
-Reading TakeReading(const World& world, const Pose2& world_from_laser, double bearing_rad,
-                    const LaserModel& laser, const LaserNoise& noise, NoiseSource* source) {
+// Whether a surface throws a beam of this direction back at all.
+bool Reflects(const RayHit& hit, double world_bearing_rad) {
+  constexpr double kHeadOnRad = 0.26;
+  if (hit.face == nullptr || !hit.face->is_glass) return true;
+  const Eigen::Vector2d along = (hit.face->b - hit.face->a).normalized();
+  return std::abs(along.dot(BeamEnd(1.0, world_bearing_rad))) < std::sin(kHeadOnRad);
+}
+
+// moving: what is in the building, but not of it; may be null.
+Reading TakeReading(const World& world, const World* moving, const Pose2& world_from_laser,
+                    double bearing_rad, const LaserModel& laser, const LaserNoise& noise,
+                    NoiseSource* source) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const Reading no_return{laser.max_range_m, {kNaN, kNaN}};
   // Every beam draws the same numbers, whatever it meets.
@@ -31,21 +44,28 @@ Reading TakeReading(const World& world, const Pose2& world_from_laser, double be
 
   const Eigen::Vector2d origin = world_from_laser.translation();
   const double world_bearing = world_from_laser.yaw + bearing_rad + bearing_error;
-  const double distance = world.CastRay(origin, world_bearing);
+  const RayHit hit = world.TraceRay(origin, world_bearing);
+  const double to_moving = moving != nullptr ? moving->CastRay(origin, world_bearing)
+                                             : std::numeric_limits<double>::infinity();
+  const bool meets_moving = to_moving < hit.distance_m;
+  const double distance = std::min(hit.distance_m, to_moving);
   if (!(distance < laser.max_range_m) || fate < noise.no_return_probability) return no_return;
-  const bool obstructed = fate < noise.no_return_probability + noise.short_reading_probability;
-  const double measured = (obstructed ? shortening * distance : distance) + range_error;
+  if (!meets_moving && !Reflects(hit, world_bearing)) return no_return;
+  const bool shortened = fate < noise.no_return_probability + noise.short_reading_probability;
+  const bool obstructed = shortened || meets_moving;
+  const double measured = (shortened ? shortening * distance : distance) + range_error;
   const double range = std::round(measured * kReadingsPerMetre) / kReadingsPerMetre;
   if (!laser.IsReturn(range)) return no_return;
   return {range, obstructed ? no_return.hit : origin + BeamEnd(distance, world_bearing)};
 }
 
-void TakeScan(const World& world, const SimulationOptions& options, NoiseSource* source,
-              SimulatedScan* scan) {
+void TakeScan(const World& world, const World* moving, const SimulationOptions& options,
+              NoiseSource* source, SimulatedScan* scan) {
   const Pose2 world_from_laser = scan->world_from_robot * options.laser.robot_from_laser;
   for (int beam = 0; beam < options.laser.num_beams; ++beam) {
-    const Reading reading = TakeReading(world, world_from_laser, options.laser.Bearing(beam),
-                                        options.laser, options.laser_noise, source);
+    const Reading reading =
+        TakeReading(world, moving, world_from_laser, options.laser.Bearing(beam), options.laser,
+                    options.laser_noise, source);
     scan->scan.ranges.push_back(reading.range_m);
     scan->hits.push_back(reading.hit);
   }
@@ -167,6 +187,7 @@ bool SimulationOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(carry);
   PLUMBLINE_CHECK_NESTED_OPTIONS(odometry_leap);
   PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_leap_direction_rad), >=, 0.0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(traffic);
   return laser.Check(error) && drive.Check(error) && laser_noise.Check(error) &&
          odometry_noise.Check(error);
 }
@@ -178,6 +199,13 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
   PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &plan));
 
   const ActualDrive drive(plan, options.carry);
+  const double num_readings = drive.duration_s() / options.scan_period_s * options.laser.num_beams;
+  if (!(num_readings <= kMaxReadings)) {
+    return Status::InvalidArgument(world.building().name +
+                                   ": path: so long that the drive takes more than 1e8 "
+                                   "readings of the laser");
+  }
+  const Traffic traffic(world.building(), plan, options.traffic, options.seed);
   SimulatedLog result;
   result.laser = options.laser;
   result.path_length_m = drive.length_m();
@@ -198,7 +226,11 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
                                               options, &odometry_source);
       scan.odom_from_robot.yaw = NormalizeAngle(scan.odom_from_robot.yaw);
     }
-    TakeScan(world, options, &laser_source, &scan);
+    std::optional<World> moving;
+    if (options.traffic.IsOn()) {
+      moving = traffic.At(scan.scan.timestamp_s, scan.world_from_robot.translation());
+    }
+    TakeScan(world, moving ? &*moving : nullptr, options, &laser_source, &scan);
     result.scans.push_back(std::move(scan));
   }
   *log = std::move(result);

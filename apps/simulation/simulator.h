@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/apps/simulation/drive.h"
+#include "plumbline/apps/simulation/traffic.h"
 #include "plumbline/apps/simulation/world.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/laser_scan.h"
@@ -57,6 +58,7 @@ struct SimulationOptions {
   DriveOptions drive;
   LaserNoise laser_noise;
   OdometryNoise odometry_noise;
+  TrafficOptions traffic;
   /// The robot is carried, or slides, along its path, at most to its end. The wheels do not notice.
   DriveFault carry;
   /// The odometry leaps in this direction, seen from the robot [rad], although the robot does not.
@@ -86,8 +88,9 @@ struct SimulatedLog {
 };
 
 /// Drives a robot along the path of a building and records what its laser and wheels report. The
-/// same options give the same log; the odometry does not depend on the laser. InvalidArgument on
-/// options out of range and where Drive::Plan fails; `log` is then untouched.
+/// same options give the same log; the odometry depends neither on the laser nor on the traffic.
+/// InvalidArgument on options out of range, where Drive::Plan fails and beyond 1e8 readings; `log`
+/// is then untouched.
 Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log);
 
 }  // namespace plumbline

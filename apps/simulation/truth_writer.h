@@ -8,13 +8,13 @@
 
 namespace plumbline {
 
-/// Writes the true pose of the robot at each scan, as WriteTumTrajectory does. NotFound or
+/// Writes the true pose of the robot at each scan, as WriteTumTrajectory does.
 /// Unavailable if the file cannot be written.
 Status WriteTrueTrajectory(const std::string& path, const SimulatedLog& log);
 
 /// Writes one line `t beam x y` per return: the scan's time [s] with 6 decimals, the index of the
 /// beam from 0, and the point [m] that it measured, in the world frame of the true trajectory.
-/// Beams whose hit is NaN have no line. NotFound or Unavailable if the file cannot be written.
+/// Beams whose hit is NaN have no line. Unavailable if the file cannot be written.
 Status WriteTrueHits(const std::string& path, const SimulatedLog& log);
 
 }  // namespace plumbline

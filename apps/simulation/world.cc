@@ -54,14 +54,14 @@ double IntersectDisc(const Disc& disc, const Vector2d& origin, const Vector2d& d
 
 World::World(Building building) : building_(std::move(building)) { LayGrid(); }
 
-double World::CastRay(const Vector2d& origin, double bearing_rad) const {
-  if (num_surfaces() == 0) return kInfinity;
+RayHit World::TraceRay(const Vector2d& origin, double bearing_rad) const {
+  if (num_surfaces() == 0) return RayHit();
   const Vector2d direction(std::cos(bearing_rad), std::sin(bearing_rad));
   // The stretch of the ray inside the grid.
   double enter = 0.0, leave = kInfinity;
   for (int axis = 0; axis < 2; ++axis) {
     if (direction[axis] == 0.0) {
-      if (origin[axis] < low_[axis] || origin[axis] > high_[axis]) return kInfinity;
+      if (origin[axis] < low_[axis] || origin[axis] > high_[axis]) return RayHit();
       continue;
     }
     const double to_low = (low_[axis] - origin[axis]) / direction[axis];
@@ -69,10 +69,10 @@ double World::CastRay(const Vector2d& origin, double bearing_rad) const {
     enter = std::max(enter, std::min(to_low, to_high));
     leave = std::min(leave, std::max(to_low, to_high));
   }
-  return enter <= leave ? WalkGrid(origin, direction, enter) : kInfinity;
+  return enter <= leave ? WalkGrid(origin, direction, enter) : RayHit();
 }
 
-double World::WalkGrid(const Vector2d& origin, const Vector2d& direction, double enter_m) const {
+RayHit World::WalkGrid(const Vector2d& origin, const Vector2d& direction, double enter_m) const {
   int cell[2], step[2];
   double next_border[2], cell_length[2];  // along the ray
   for (int axis = 0; axis < 2; ++axis) {
@@ -83,14 +83,17 @@ double World::WalkGrid(const Vector2d& origin, const Vector2d& direction, double
     next_border[axis] = moves ? (border - origin[axis]) / direction[axis] : kInfinity;
     cell_length[axis] = moves ? cell_size_m_ / std::abs(direction[axis]) : kInfinity;
   }
-  double nearest = kInfinity;
+  RayHit nearest;
   while (cell[0] >= 0 && cell[0] < size_[0] && cell[1] >= 0 && cell[1] < size_[1]) {
     const int index = cell[1] * size_[0] + cell[0];
     for (int i = first_[index]; i < first_[index + 1]; ++i) {
-      nearest = std::min(nearest, Intersect(surfaces_[i], origin, direction));
+      const int id = surfaces_[i];
+      const double distance = Intersect(id, origin, direction);
+      if (distance >= nearest.distance_m) continue;
+      nearest = {distance, id < num_faces() ? &building_.faces[id] : nullptr};
     }
     const int axis = next_border[0] < next_border[1] ? 0 : 1;
-    if (nearest <= next_border[axis]) break;
+    if (nearest.distance_m <= next_border[axis]) break;
     next_border[axis] += cell_length[axis];
     cell[axis] += step[axis];
   }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@ namespace plumbline {
 /// A straight piece of surface that reflects laser light, visible from both sides [m].
 struct Face {
   Eigen::Vector2d a, b;
+  bool is_glass = false;  ///< sends light back only where it is met head-on
 };
 
 /// A round surface: a pillar, a table.
@@ -30,7 +32,16 @@ struct Building {
   std::string name;  ///< the file, or what it was made of; for messages
   std::vector<Face> faces;
   std::vector<Disc> discs;
+  /// Leaves of sliding doors as they are when shut. They stand open, out of sight, unless a
+  /// simulation has them move.
+  std::vector<Face> doors;
   std::vector<Waypoint> path;  ///< in driving order
+};
+
+/// Where a ray ends.
+struct RayHit {
+  double distance_m = std::numeric_limits<double>::infinity();
+  const Face* face = nullptr;  ///< of the world; null if it meets a disc, or nothing
 };
 
 /// A building with its surfaces sorted into a uniform grid, so that a ray meets only those on its
@@ -41,10 +52,15 @@ class World {
 
   const Building& building() const { return building_; }
 
-  /// Distance [m] from `origin` to the first surface in the direction `bearing_rad` (counted from
-  /// the world's x axis, counter-clockwise); infinity if there is none. From inside a disc the ray
-  /// meets its far side. A face seen exactly edge-on is missed.
-  double CastRay(const Eigen::Vector2d& origin, double bearing_rad) const;
+  /// The first surface from `origin` in the direction `bearing_rad` (counted from the world's x
+  /// axis, counter-clockwise). From inside a disc the ray meets its far side. A face seen exactly
+  /// edge-on is missed. Doors are not looked at.
+  RayHit TraceRay(const Eigen::Vector2d& origin, double bearing_rad) const;
+
+  /// The distance [m] to it; infinity if there is none.
+  double CastRay(const Eigen::Vector2d& origin, double bearing_rad) const {
+    return TraceRay(origin, bearing_rad).distance_m;
+  }
 
   /// Distance [m] from `point` to the nearest surface; infinity in an empty world. Goes through all
   /// surfaces.
@@ -56,7 +72,7 @@ class World {
   void Rasterise(int id, const Eigen::Vector2d& low, const Eigen::Vector2d& high,
                  std::vector<std::vector<int>>* cells) const;
   /// From cell to cell along a ray that enters the grid after `enter_m` (Amanatides & Woo 1987).
-  double WalkGrid(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
+  RayHit WalkGrid(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction,
                   double enter_m) const;
   int CellOf(double coordinate_m, int axis) const;
 

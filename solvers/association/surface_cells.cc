@@ -4,6 +4,8 @@
 #include <complex>
 #include <utility>
 
+#include "plumbline/solvers/held_out_returns.h"
+
 namespace plumbline {
 namespace {
 
@@ -21,10 +23,11 @@ int OctantOf(double x, double y) {
 class ChunkSorter {
  public:
   ChunkSorter(const SlamGraph& graph, const MeasuredSurface& surface, const SurfaceGrid& grid,
-              std::vector<int>* cell_of_return)
+              bool hold_out, std::vector<int>* cell_of_return)
       : graph_(graph),
         surface_(surface),
         grid_(grid),
+        hold_out_(hold_out),
         cells_(grid.cell_m),
         cell_of_return_(*cell_of_return) {}
 
@@ -38,7 +41,11 @@ class ChunkSorter {
     // Neighbouring beams mostly end in the same cell, which saves looking it up.
     SurfaceCellKey last_key;
     int last = SurfaceCells::kNone;
+    std::size_t held_out =
+        hold_out_ ? scan.first_return + HeldOutReturns::FirstOf(scan_id) : graph_.num_returns();
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const bool counts = r != held_out;
+      if (!counts) held_out += HeldOutReturns::kOneIn;
       const Eigen::Vector2f& normal = surface_.normals[r];
       if (normal.isZero()) {
         cell_of_return_[r] = SurfaceCells::kNone;
@@ -55,9 +62,10 @@ class ChunkSorter {
         last_key = key;
         cells_[last].Merge({}, scan.pose, false);
       }
+      cell_of_return_[r] = last;
+      if (!counts) continue;
       const Eigen::Vector2d center = cells_.Center(key);
       cells_[last].moments.Add(x - center.x(), y - center.y());
-      cell_of_return_[r] = last;
     }
   }
 
@@ -67,6 +75,7 @@ class ChunkSorter {
   const SlamGraph& graph_;
   const MeasuredSurface& surface_;
   const SurfaceGrid& grid_;
+  const bool hold_out_;
   SurfaceCells cells_;
   std::vector<int>& cell_of_return_;
 };
@@ -143,14 +152,14 @@ double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface,
 
 SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surface,
                            const SurfaceGrid& grid, ThreadPool* pool,
-                           std::vector<int>* cell_of_return) {
+                           std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
   std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk),
                                   SurfaceCells(grid.cell_m));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ChunkSorter sorter(graph, surface, grid, cell_of_return);
+                       ChunkSorter sorter(graph, surface, grid, hold_out, cell_of_return);
                        for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
                        parts[chunk] = sorter.TakeCells();
                      });

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 
+#include "plumbline/core/float_environment.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
 
@@ -71,6 +72,7 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
                                   std::vector<Pose2>* world_from_pose,
                                   const std::vector<int>& fixed,
                                   const PoseGraphCallback& callback) {
+  const DefaultFloatEnvironment float_environment;
   std::vector<Block> blocks;
   for (const Pose2& pose : *world_from_pose) blocks.push_back({pose.x, pose.y, pose.yaw});
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <vector>
 
+#include "plumbline/core/float_environment.h"
 #include "plumbline/solvers/pose_graph/chordal_start.h"
 
 namespace plumbline {
@@ -23,6 +24,7 @@ std::string PoseGraphSummary::BriefReport() const {
 }
 
 PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& callback) {
+  const DefaultFloatEnvironment float_environment;
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<RelativePoseConstraint>& edges = graph->relative_poses();
   std::vector<int> fixed;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/sqrt_information.h"
@@ -242,6 +243,7 @@ PoseGraphResult DescendStochastically(const std::vector<RelativePoseConstraint>&
                                       const StochasticDescentOptions& options,
                                       std::vector<Pose2>* world_from_pose,
                                       const std::vector<int>& fixed) {
+  const DefaultFloatEnvironment float_environment;
   Descent descent(edges, *world_from_pose, fixed);
   PoseGraphResult result;
   result.stop_reason = "all iterations done";

@@ -25,7 +25,7 @@ double SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFra
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
                                   const FactorOptions& factors, SurfacePatches cut,
                                   const std::vector<const std::vector<double>*>& states,
-                                  ThreadPool* pool) {
+                                  ThreadPool* pool, std::vector<std::vector<SurfacePatch>>* lines) {
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
   PatchSightings sightings = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
   const PoseTerms terms(graph, factors);
@@ -36,6 +36,7 @@ std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface&
     energies.push_back(SettleLines(compressor, frames, factors.manifold.robust_gate_sigmas, pool,
                                    &sightings, &patches) +
                        terms.Cost(*poses));
+    if (lines != nullptr) lines->push_back(std::move(patches));
   }
   return energies;
 }

@@ -23,14 +23,15 @@ double SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFra
 /// returns to patches, as CutIntoPatches gives it. Every point is at its optimum, and every line
 /// where all its returns and then the robust weights put it. A return on a patch
 /// costs rho(d^2 / s^2) / 2, see MarginalEnergy; others cost nothing, in no state. Pose terms are
-/// added, shape terms are not.
+/// added, shape terms are not. lines: if given, the patches of each state with these lines.
 ///
 /// MarginalEnergy gives each state associations of its own: where returns are few, which of them
 /// then count as surface changes the sum by more than the poses do.
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
                                   const FactorOptions& factors, SurfacePatches cut,
                                   const std::vector<const std::vector<double>*>& states,
-                                  ThreadPool* pool);
+                                  ThreadPool* pool,
+                                  std::vector<std::vector<SurfacePatch>>* lines = nullptr);
 
 }  // namespace plumbline
 

@@ -11,6 +11,7 @@
 #include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/ceres_solver.h"
+#include "plumbline/solvers/held_out_returns.h"
 #include "plumbline/solvers/pose_terms.h"
 #include "plumbline/solvers/reduced/free_islands.h"
 #include "plumbline/solvers/reduced/patch_shape.h"
@@ -22,6 +23,8 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr char kStopped[] = "stopped by the callback";
 
 // What a step came to.
 struct StepOutcome {
@@ -53,6 +56,8 @@ class PatchMinimizer {
       const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
+    result_.judged_poses = graph_->poses();
+    if (!Ended()) RunLastRound();
     result_.last_cut.patch_of_return = compressor_.PatchOfReturn(sightings_);
     result_.last_cut.patches = std::move(patches_);
     return std::move(result_);
@@ -67,6 +72,20 @@ class PatchMinimizer {
       CutPatches();
       HoldIslands();
     }
+    const double gain = TakeSteps(gate_sigmas, options_.steps_per_round);
+    Judge(gain, first, result_.rounds.back());
+  }
+
+  // All returns, those held out so far included, on the patches at hand.
+  void RunLastRound() {
+    sightings_ = compressor_.LayOut(patches_.size(), std::move(patch_of_return_));
+    HoldIslands();
+    TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
+    if (result_.stopped) result_.stop_reason = kStopped;
+  }
+
+  // Adds a row to the rounds, and gives what the steps gained.
+  double TakeSteps(double gate_sigmas, int max_steps) {
     const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
     PatchRoundSummary row;
@@ -75,7 +94,7 @@ class PatchMinimizer {
     row.num_sightings = sightings_.sightings.size();
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
     StepOutcome sum;
-    while (row.steps < options_.steps_per_round && !Ended()) {
+    while (row.steps < max_steps && !Ended()) {
       step_start_ = Clock::now();
       frames_ = FramesOf(graph_->poses());
       compressor_.Weigh(patches_, frames_, loss, &sightings_);
@@ -95,9 +114,9 @@ class PatchMinimizer {
     }
     row.final_cost = cost_;
     row.moved_sigmas = MovedSigmas(sum.moved_squared);
-    Judge(sum.gain, first, row);
     result_.rounds.push_back(row);
     result_.minimization_time_s += SecondsSince(start) - (result_.setup_time_s - setup_time_s);
+    return sum.gain;
   }
 
   // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
@@ -111,15 +130,18 @@ class PatchMinimizer {
 
   void CutPatches() {
     const auto start = Clock::now();
-    SurfacePatches cut =
-        CutIntoPatches(*graph_, surface_, PatchOptionsFor(factors_, association_), pool_);
+    SurfacePatchOptions options = PatchOptionsFor(factors_, association_);
+    options.hold_out = true;
+    SurfacePatches cut = CutIntoPatches(*graph_, surface_, options, pool_);
     if (factors_.shape.enabled) {
       adjacent_ =
           FindAdjacentPatches(*graph_, surface_, cut, association_.min_segment_length_m, pool_);
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
     patches_ = std::move(cut.patches);
-    sightings_ = compressor_.LayOut(patches_.size(), std::move(cut.patch_of_return));
+    patch_of_return_ = std::move(cut.patch_of_return);
+    sightings_ = compressor_.LayOut(
+        patches_.size(), WithoutHeldOut(*graph_, patch_of_return_, int{SurfacePatches::kNone}));
     result_.cutting_time_s += SecondsSince(start);
   }
 
@@ -232,7 +254,7 @@ class PatchMinimizer {
                         gain <= options_.relative_tolerance * round.initial_cost &&
                         round.moved_sigmas <= options_.move_tolerance_sigmas;
     reason << (result_.converged ? ": within the tolerances" : "");
-    result_.stop_reason = result_.stopped ? "stopped by the callback" : reason.str();
+    result_.stop_reason = result_.stopped ? kStopped : reason.str();
   }
 
   const MeasuredSurface& surface_;
@@ -248,6 +270,7 @@ class PatchMinimizer {
   // Lowers the cost for the weights at hand, if it can: changes the poses of the graph and cost_.
   const std::function<void()> move_poses_;
   std::vector<SurfacePatch> patches_;
+  std::vector<int> patch_of_return_;  // with those held out; until the last round
   std::vector<AdjacentPatches> adjacent_;
   PatchSightings sightings_;
   std::vector<PoseFrame> frames_;

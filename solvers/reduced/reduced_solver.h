@@ -18,6 +18,8 @@ struct ReducedResult {
   std::vector<PatchRoundSummary> rounds;
   SurfacePatches first_cut;  ///< of the first round: the surfaces as the given poses place them
   SurfacePatches last_cut;   ///< of the last round, with the lines that suit the final poses
+  /// The poses (x, y, yaw) before the last round: what came of them without the held-out returns.
+  std::vector<double> judged_poses;
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that
@@ -33,8 +35,10 @@ struct ReducedResult {
 /// the poses, with the lines eliminated from the linear system and refitted exactly after each.
 /// A step that does not lower the cost is shortened, or not taken.
 ///
-/// Ends when a round lowers the cost and moves the returns by less than the tolerances. Updates
-/// the poses of the graph; leaves its points alone. Bitwise the same for any number of threads.
+/// The rounds do without the held-out returns, see held_out_returns.h, and end when one lowers the
+/// cost and moves the returns by less than the tolerances. A last step takes all returns in, so
+/// that none is lost to the result; it is left out if the callback stopped the rounds. Updates the
+/// poses of the graph; leaves its points alone. Bitwise the same for any number of threads.
 ///
 /// A group of poses that no term ties to a fixed one keeps its first pose. The graph must have
 /// returns.

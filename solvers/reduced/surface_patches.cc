@@ -215,7 +215,8 @@ SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& sur
   grid.octant_yaw_rad = DominantDirection(graph, surface, pool);
   grid.cell_yaw_rad = grid.octant_yaw_rad + kGridTurnRad;
   SurfacePatches result;
-  const SurfaceCells cells = SortIntoCells(graph, surface, grid, pool, &result.patch_of_return);
+  const SurfaceCells cells =
+      SortIntoCells(graph, surface, grid, pool, &result.patch_of_return, options.hold_out);
   Quadtree quadtree(cells, options);
   result.patches = quadtree.Cut(grid);
   constexpr std::size_t kReturnsPerChunk = 65536;

@@ -45,6 +45,8 @@ struct SurfacePatchOptions {
   double max_eigenvalue_ratio = 0.15;
   /// Of a return off its surface.
   SurfaceNoise noise;
+  /// Held-out returns have no say in the patches. They get the one of their cell, if it has one.
+  bool hold_out = false;
 };
 
 /// The patches that suit the noise, and the limit that the tangent lines of single points have. One

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/float_environment.h"
 
 namespace plumbline {
 namespace {
@@ -283,6 +284,7 @@ const ConflictPeak& MapConsistency::WorstPeak() const {
 
 MapConsistency MeasureMapConsistency(const SlamGraph& graph,
                                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
+  const DefaultFloatEnvironment float_environment;
   const std::vector<Viewpoint> viewpoints = ChooseViewpoints(graph, world_from_robot);
   std::vector<Pair> pairs = ChoosePairs(viewpoints);
   ComparePairs(graph, viewpoints, pool, &pairs);

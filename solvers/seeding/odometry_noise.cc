@@ -250,6 +250,17 @@ OdometryNoiseReport EstimateOdometryNoise(const SequentialTrajectory& trajectory
   return report;
 }
 
+MotionOptions RefinementMotion(const OdometryNoiseReport& report, const MotionOptions& given) {
+  constexpr double kCaution = 3.0;
+  constexpr double kResolutionM = 0.003;  // what wheels do not tell from standing still
+  MotionOptions motion = given;
+  if (!report.translation.estimated) return motion;
+  motion.translation_per_translation = std::min(
+      given.translation_per_translation, kCaution * report.motion.translation_per_translation);
+  motion.translation_floor_m = std::min(given.translation_floor_m, kResolutionM);
+  return motion;
+}
+
 Pose2 CorrectStep(const Pose2& step, const OdometryNoiseReport& report) {
   const auto significant = [](const SystematicError& error) {
     return error.IsSignificant() ? error.value : 0.0;

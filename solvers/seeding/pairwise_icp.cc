@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/seeding/local_map.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
@@ -172,6 +173,7 @@ bool PairwiseIcpOptions::Check(std::string* error) const {
 
 PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Pose2& guess,
                     const PairwiseIcpOptions& options) {
+  const DefaultFloatEnvironment float_environment;
   LocalMap map(kCellM);
   map.Rebuild({&from}, {Pose2()});
   PosePrediction start;

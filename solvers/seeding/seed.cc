@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/correct_odometry.h"
@@ -66,6 +67,7 @@ void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
 Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
                    const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                    ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+  const DefaultFloatEnvironment float_environment;
   std::string error;
   if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
   if (normals.size() != graph->num_returns()) {

@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_APPS_CHECKPOINT_H_
+#define PLUMBLINE_APPS_CHECKPOINT_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/seeding/seed.h"
+
+namespace plumbline {
+
+/// All that a seed depends on, as pairs of a name for people and a value.
+using RunFingerprint = std::vector<std::pair<std::string, std::string>>;
+
+/// Size and checksum of the log, and every flag of this program but those that change neither poses
+/// nor points (folders, pictures, threads, truth). Fails like a reader of the log if it cannot be
+/// read.
+Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint);
+
+/// Keeps what the seeding has changed in a graph, and what it reported, so that another run can go
+/// on from there to the same results, bit for bit. The file is whole or not there. NotFound or
+/// Unavailable if it cannot be written.
+Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
+                       const SlamGraph& graph, const SeedingReport& seeding);
+
+/// Puts a graph, fresh from the log, where the seeding had left it. NotFound or Unavailable if the
+/// file cannot be read, DataLoss if it is damaged or cut off, InvalidArgument if it is no
+/// checkpoint, one of another version, or one of another log or of other flags; the message names
+/// what differs. The graph and the report are then as they were.
+Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint, SlamGraph* graph,
+                      SeedingReport* seeding);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_CHECKPOINT_H_

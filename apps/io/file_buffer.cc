@@ -1,0 +1,68 @@
+#include "plumbline/apps/io/file_buffer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kBufferSize = std::size_t{1} << 16;
+
+}  // namespace
+
+FileBuffer::~FileBuffer() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool FileBuffer::Open(const std::string& path) {
+  constexpr mode_t kReadAndWriteForAll = 0666;  // less what the user's mask takes away
+  descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadAndWriteForAll);
+  if (descriptor_ < 0) return Fail();
+  buffer_.resize(kBufferSize);
+  setp(buffer_.data(), buffer_.data() + buffer_.size());
+  return true;
+}
+
+bool FileBuffer::Close() {
+  Flush();
+  // What has no disk behind it (a pipe, a device) cannot be waited for.
+  if (fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOTSUP) Fail();
+  if (close(descriptor_) != 0) Fail();
+  descriptor_ = -1;
+  setp(nullptr, nullptr);
+  return error_ == 0;
+}
+
+FileBuffer::int_type FileBuffer::overflow(int_type character) {
+  if (!Flush()) return traits_type::eof();
+  if (!traits_type::eq_int_type(character, traits_type::eof())) {
+    *pptr() = traits_type::to_char_type(character);
+    pbump(1);
+  }
+  return traits_type::not_eof(character);
+}
+
+int FileBuffer::sync() { return Flush() ? 0 : -1; }
+
+bool FileBuffer::Flush() {
+  if (descriptor_ < 0 || error_ != 0) return false;
+  const char* begin = pbase();
+  while (begin < pptr()) {
+    const ssize_t size = write(descriptor_, begin, static_cast<std::size_t>(pptr() - begin));
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) return Fail();
+    begin += size;
+  }
+  setp(buffer_.data(), buffer_.data() + buffer_.size());
+  return true;
+}
+
+bool FileBuffer::Fail() {
+  if (error_ == 0) error_ = errno;
+  return false;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,19 @@
+#ifndef PLUMBLINE_APPS_IO_ROSBAG_RECORDS_H_
+#define PLUMBLINE_APPS_IO_ROSBAG_RECORDS_H_
+
+#include <string>
+
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// Looks at the records of a ROS bag (format 2.0; others are left alone): DataLoss, naming the
+/// byte, if one is longer than what is left of the file, or its header is none. The library for
+/// bags takes every length for true: it reads beyond its memory, or asks for gigabytes and ends the
+/// program. What is inside of compressed chunks is not looked at. NotFound or InvalidArgument if
+/// the file cannot be read.
+Status CheckRosbagRecords(const std::string& path);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_IO_ROSBAG_RECORDS_H_

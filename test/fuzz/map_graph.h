@@ -1,0 +1,58 @@
+#ifndef PLUMBLINE_TEST_FUZZ_MAP_GRAPH_H_
+#define PLUMBLINE_TEST_FUZZ_MAP_GRAPH_H_
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/graph_poses.h"
+#include "plumbline/apps/io/occupancy_grid.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/pose_graph/refine_pose_graph.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/fuzz/input_file.h"
+
+namespace plumbline {
+
+/// Does to a graph that a reader accepted what plumbline_slam does, in short, so that garbage which
+/// looks like a graph shows what it breaks further on. Graphs that take long are left alone.
+inline void MapGraph(bool seed, SlamGraph graph) {
+  constexpr int kMaxPoses = 20;
+  constexpr std::size_t kMaxReturns = 2000;
+  if (graph.num_poses() > kMaxPoses || graph.num_returns() > kMaxReturns) return;
+  ThreadPool pool(1);
+  SolverOptions options;
+  options.num_threads = 1;
+  options.reduced.max_rounds = 2;
+  const MeasuredSurface surface =
+      MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
+  if (seed) {
+    SeedingReport report;
+    Require(SeedGraph(SeedingOptions(), options.factors.motion, surface.normals, {}, &pool, &graph,
+                      &report)
+                .ok());
+  } else {
+    RefinePoseGraph(&graph);
+  }
+  for (const double number : graph.poses()) Require(std::isfinite(number));
+  for (const double number : graph.points()) Require(std::isfinite(number));
+  if (graph.num_returns() == 0) return;
+  const SolverSummary summary = Solve(options, surface, &graph);
+  for (const double number : graph.poses()) Require(std::isfinite(number));
+  for (const double number : graph.points()) Require(std::isfinite(number));
+  MeasureMapConsistency(graph, PosesOf(graph), &pool);
+  OccupancyGridOptions grid_options;
+  grid_options.max_cells = 1e6;
+  OccupancyGrid grid;
+  // A map that needs more cells is refused.
+  if (!BuildOccupancyGrid(graph, grid_options, &grid).ok()) return;
+  Require(!grid.cells.empty());
+}
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_TEST_FUZZ_MAP_GRAPH_H_

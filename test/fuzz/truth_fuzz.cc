@@ -1,0 +1,40 @@
+#include <cmath>
+#include <cstdio>
+
+#include "plumbline/apps/truth.h"
+#include "plumbline/test/fuzz/input_file.h"
+
+namespace {
+
+// Two scans of a few beams.
+plumbline::SlamGraph MakeGraph() {
+  plumbline::SlamGraph graph;
+  plumbline::LaserModel laser;
+  laser.num_beams = 3;
+  laser.bearing_step_rad = 0.5;
+  int laser_id = 0, pose = 0;
+  plumbline::Require(graph.AddLaser(laser, &laser_id).ok());
+  for (const double time_s : {0.0, 1.0}) {
+    plumbline::Require(graph.AddPose({time_s, 0.0, 0.0}, time_s, &pose).ok());
+    plumbline::Require(graph.AddScan(pose, laser_id, {1.0, 2.0, 3.0}).ok());
+  }
+  return graph;
+}
+
+}  // namespace
+
+// The input is a table of hits.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace plumbline;
+  static const InputFile hits;
+  static const SlamGraph graph = MakeGraph();
+  const std::string path = hits.Holding(data, size), trajectory = path + ".tum";
+  Require(WriteTumTrajectory(trajectory, TrajectoryOf(graph)).ok());
+  Truth truth;
+  const bool read = ReadTruth(trajectory, path, graph, &truth).ok();
+  std::remove(trajectory.c_str());
+  if (!read) return 0;
+  Require(truth.points.size() == graph.points().size());
+  Require(std::isfinite(CompareWithTruth(graph, truth).mean_pose_error_m));
+  return 0;
+}

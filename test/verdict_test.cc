@@ -1,0 +1,138 @@
+#include "plumbline/solvers/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "plumbline/solvers/held_out_returns.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Verdict Figures(double final_energy, double final_error) {
+  Verdict verdict;
+  verdict.seed_energy = 100.0;
+  verdict.final_energy = final_energy;
+  verdict.num_held_out = 50;
+  verdict.seed_held_out_error = 1.0;
+  verdict.final_held_out_error = final_error;
+  verdict.held_out_noise = 0.05;
+  return verdict;
+}
+
+Verdict Compare(const SlamGraph& graph, const std::vector<double>& seed,
+                const std::vector<double>& poses, int num_threads = 2) {
+  ThreadPool pool(num_threads);
+  const FactorOptions factors;
+  const MeasuredSurface surface = SurfaceOf(graph);
+  SlamGraph at_seed = graph;
+  at_seed.poses() = seed;
+  SurfacePatchOptions options = PatchOptionsFor(factors, AssociationOptions());
+  options.hold_out = true;
+  return CompareWithSeed(graph, surface, factors, CutIntoPatches(at_seed, surface, options, &pool),
+                         seed, poses, &pool);
+}
+
+NoisyRoom LargeRoom() {
+  NoisyRoomOptions options;
+  options.num_poses = 48;
+  return MakeNoisyRoom(options);
+}
+
+TEST(VerdictTest, BothYardsticksHaveToAgree) {
+  EXPECT_TRUE(Figures(90.0, 0.9).IsBetter());
+  EXPECT_FALSE(Figures(110.0, 0.9).IsBetter());
+  EXPECT_FALSE(Figures(90.0, 1.2).IsBetter());
+  EXPECT_FALSE(Figures(100.0, 0.9).IsBetter());
+  // Up to twice what chance does.
+  EXPECT_TRUE(Figures(90.0, 1.09).IsBetter());
+  EXPECT_FALSE(Figures(90.0, 1.11).IsBetter());
+}
+
+TEST(VerdictTest, WithoutHeldOutReturnsTheEnergyDecides) {
+  Verdict verdict = Figures(90.0, 0.0);
+  verdict.num_held_out = 0;
+  verdict.seed_held_out_error = verdict.held_out_noise = 0.0;
+  EXPECT_TRUE(verdict.IsBetter());
+}
+
+TEST(VerdictTest, TextNamesWhatSpeaksAgainstTheState) {
+  EXPECT_THAT(Figures(90.0, 0.9).Text(), HasSubstr("100 -> 90, 50 held-out returns"));
+  EXPECT_THAT(Figures(90.0, 0.9).Text(), Not(HasSubstr(";")));
+  EXPECT_THAT(Figures(110.0, 0.9).Text(), HasSubstr("; the energy is not lower"));
+  EXPECT_THAT(Figures(90.0, 1.2).Text(), HasSubstr("; the held-out returns fit worse"));
+}
+
+TEST(VerdictTest, TheTruthBeatsADisturbedSeedAndNotTheOtherWayRound) {
+  const NoisyRoom room = LargeRoom();
+  NoisyRoom disturbed = LargeRoom();
+  DisturbPoses(0.02, &disturbed.graph);
+  const Verdict better = Compare(room.graph, disturbed.graph.poses(), room.graph.poses());
+  EXPECT_TRUE(better.IsBetter()) << better.Text();
+  EXPECT_LT(better.final_held_out_error, better.seed_held_out_error - 3.0 * better.held_out_noise);
+  const Verdict worse = Compare(room.graph, room.graph.poses(), disturbed.graph.poses());
+  EXPECT_FALSE(worse.LowersEnergy());
+  EXPECT_FALSE(worse.LowersHeldOutError());
+}
+
+TEST(VerdictTest, ConstraintsThatContradictTheScansDoNotBribeTheHeldOutReturns) {
+  // One edge far more certain than all returns together: following it lowers the energy.
+  NoisyRoom room = LargeRoom();
+  const Eigen::Matrix3d covariance = 1e-12 * Eigen::Matrix3d::Identity();
+  std::vector<double> followed = room.graph.poses();
+  followed[3 * 20] += 0.3;
+  ASSERT_TRUE(room.graph
+                  .AddRelativePose(
+                      {0, 20, Between(Pose2(&followed[0]), Pose2(&followed[3 * 20])), covariance})
+                  .ok());
+  const Verdict verdict = Compare(room.graph, room.graph.poses(), followed);
+  EXPECT_TRUE(verdict.LowersEnergy());
+  EXPECT_FALSE(verdict.LowersHeldOutError()) << verdict.Text();
+  EXPECT_FALSE(verdict.IsBetter());
+}
+
+TEST(VerdictTest, WhatIsHeldOutHasNoSayInTheLinesItIsHeldAgainst) {
+  // Held-out returns that are 2 cm short keep that distance; lines that they had a say in would
+  // come to meet them.
+  SyntheticScene scene;
+  scene.faces = {{{2, -3}, {2, 3}}};
+  for (int i = 0; i < 8; ++i) scene.poses.emplace_back(0.0, 0.03 * i, 0.0);
+  SlamGraph graph = MakeGraph(scene);
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) {
+      const double cosine = std::cos(graph.returns().bearing_rad[r]);
+      graph.SetRange(r, graph.returns().range_m[r] - 0.02 / cosine);
+    });
+  }
+  std::vector<double> shifted = graph.poses();
+  for (std::size_t i = 0; i < shifted.size(); i += 3) shifted[i] += 1e-3;
+  const Verdict verdict = Compare(graph, graph.poses(), shifted);
+  const FactorOptions factors;
+  const double variance = std::pow(NoiseOf(factors).StandardDeviation(), 2);
+  EXPECT_GT(verdict.num_held_out, 50u);
+  EXPECT_NEAR(verdict.seed_held_out_error, 0.02 * 0.02 / variance, 0.6);
+  // All poses moved, and their lines with them.
+  EXPECT_NEAR(verdict.final_held_out_error, verdict.seed_held_out_error, 1e-6);
+}
+
+TEST(VerdictTest, AnyNumberOfThreadsGivesTheSameBits) {
+  const NoisyRoom room = LargeRoom();
+  NoisyRoom disturbed = LargeRoom();
+  DisturbPoses(0.01, &disturbed.graph);
+  const Verdict one = Compare(room.graph, disturbed.graph.poses(), room.graph.poses(), 1);
+  const Verdict many = Compare(room.graph, disturbed.graph.poses(), room.graph.poses(), 5);
+  EXPECT_EQ(one.seed_energy, many.seed_energy);
+  EXPECT_EQ(one.final_energy, many.final_energy);
+  EXPECT_EQ(one.seed_held_out_error, many.seed_held_out_error);
+  EXPECT_EQ(one.final_held_out_error, many.final_held_out_error);
+  EXPECT_EQ(one.held_out_noise, many.held_out_noise);
+}
+
+}  // namespace
+}  // namespace plumbline
