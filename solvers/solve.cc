@@ -10,6 +10,7 @@
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/alternating_cg.h"
 #include "plumbline/solvers/ceres_solver.h"
+#include "plumbline/solvers/constraint_start.h"
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/held_out_returns.h"
 #include "plumbline/solvers/marginal_energy.h"
@@ -78,8 +79,8 @@ class JointSolver {
       own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
       surface_ = &own_surface_;
     }
-    seed_poses_ = best_poses_ = graph_->poses();
-    summary_.seed_marginal_energy = best_energy_ = MarginalEnergyUnder(CurrentLines());
+    seed_poses_ = graph_->poses();
+    FindStart();
     if (options_.IsOverPatches()) {
       RunReduced();
     } else {
@@ -92,6 +93,17 @@ class JointSolver {
  private:
   const CeresOptions* Ceres() const {
     return options_.type == SolverType::kCeres ? &options_.ceres : nullptr;
+  }
+
+  // Where odometry and relative poses flatly contradict the seed, what they say may be the better
+  // start.
+  void FindStart() {
+    const auto suggested = StartFromConstraints(*graph_, options_.factors.motion);
+    if (!suggested) return;
+    seed_patches_ = CutSurfaces();
+    graph_->poses() = *suggested;
+    summary_.started_from_constraints = Compare({*suggested, CutSurfaces()}).LowersEnergy();
+    if (!summary_.started_from_constraints) graph_->poses() = seed_poses_;
   }
 
   // Rounds over patches, then the points in closed form.
@@ -108,45 +120,31 @@ class JointSolver {
     last_inner_.stop_reason = result.stop_reason;
     converged_ = result.converged;
     summary_.association_time_s = result.cutting_time_s;
-    SetSeedPatches(std::move(result.first_cut));
-    summary_.verdict = Compare(result.judged_poses);
-    if (IsBetter(summary_.verdict)) {
-      best_round_ = static_cast<int>(summary_.patch_rounds.size());
-    } else {
-      graph_->poses() = seed_poses_;
-    }
+    if (!summary_.started_from_constraints) seed_patches_ = std::move(result.first_cut);
+    judged_patches_ = std::move(result.judged_cut);
+    summary_.verdict = Compare({result.judged_poses, judged_patches_});
+    if (!summary_.verdict.IsBetter()) graph_->poses() = seed_poses_;
     Associations associations;
     associations.lines = CurrentLines();
     best_energy_ = MarginalEnergyUnder(associations.lines);
-    if (best_round_ > 0) {
+    if (summary_.verdict.IsBetter()) {
+      best_round_ = static_cast<int>(summary_.patch_rounds.size());
       FinishReduced(&associations);
     } else {
       RecordSeedTerms(associations);
     }
   }
 
-  // The surfaces as the seed places them, for the verdict.
-  void SetSeedPatches(SurfacePatches cut) {
-    seed_patches_ = std::move(cut);
-    // Where these went depends on the seed, which they would speak for.
-    for (std::size_t r = 0; r < surface_->normals.size(); ++r) {
-      if (surface_->normals[r].isZero(0.0f))
-        seed_patches_.patch_of_return[r] = SurfacePatches::kNone;
-    }
+  // The surfaces as the poses at hand place them, without what is held out.
+  SurfacePatches CutSurfaces() {
+    SurfacePatchOptions cutting = PatchOptionsFor(options_.factors, options_.association);
+    cutting.hold_out = true;
+    return CutIntoPatches(*graph_, *surface_, cutting, &pool_);
   }
 
-  // Relative poses are knowledge of their own, and obeying them may cost the scans a little: then
-  // the energy decides, which counts both, unless the map falls apart.
-  bool IsBetter(const Verdict& verdict) const {
-    constexpr double kFallsApart = 2.0;
-    if (verdict.IsBetter()) return true;
-    return verdict.LowersEnergy() && !graph_->relative_poses().empty() &&
-           verdict.final_held_out_error < kFallsApart * verdict.seed_held_out_error;
-  }
-
-  Verdict Compare(const std::vector<double>& poses) {
-    return CompareWithSeed(*graph_, *surface_, options_.factors, seed_patches_, seed_poses_, poses,
-                           &pool_);
+  Verdict Compare(const JudgedState& state) {
+    return CompareWithSeed(*graph_, *surface_, options_.factors, {seed_poses_, seed_patches_},
+                           state, &pool_);
   }
 
   // For want of something better, the terms after are those before.
@@ -184,7 +182,7 @@ class JointSolver {
     const auto start = Clock::now();
     last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_).stopped;
     summary_.solve_time_s += SecondsSince(start);
-    if (!IsBetter(Compare(graph_->poses()))) {
+    if (!Compare({graph_->poses(), judged_patches_}).IsBetter()) {
       graph_->poses() = poses;
       graph_->points() = best_points_;
       return;
@@ -196,10 +194,12 @@ class JointSolver {
   // Rounds without the held-out returns, then one with all, so that none is lost to the result.
   void RunRounds() {
     const std::vector<double>& seed_points = given_->CopyPoints();
-    best_points_ = seed_points;
-    SurfacePatchOptions cutting = PatchOptionsFor(options_.factors, options_.association);
-    cutting.hold_out = true;
-    SetSeedPatches(CutIntoPatches(*graph_, *surface_, cutting, &pool_));
+    if (summary_.started_from_constraints) {
+      graph_->ResetPointsFromPoses();
+    } else {
+      seed_patches_ = CutSurfaces();
+    }
+    Keep(MarginalEnergyUnder(CurrentLines()));
 
     // A return without a normal has no line, and then says nothing of poses and lines.
     const Eigen::Vector2f no_normal = Eigen::Vector2f::Zero();
@@ -209,14 +209,14 @@ class JointSolver {
     RunFittedRounds();
     associated_ = surface_;
 
-    summary_.verdict = Compare(graph_->poses());
-    if (!IsBetter(summary_.verdict)) {
-      best_round_ = 0;
-      graph_->poses() = best_poses_ = seed_poses_;
-      graph_->points() = best_points_ = seed_points;
-      best_energy_ = summary_.seed_marginal_energy;
+    summary_.verdict = Compare({graph_->poses(), CutSurfaces()});
+    if (!summary_.verdict.IsBetter()) {
+      graph_->poses() = seed_poses_;
+      graph_->points() = seed_points;
+      best_energy_ = MarginalEnergyUnder(CurrentLines());
+    } else if (!ended_) {
+      RunRound({fine_radius_m_, 1.0});
     }
-    if (best_round_ > 0 && !ended_) RunRound({fine_radius_m_, 1.0});
     summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
   }
 
@@ -361,7 +361,10 @@ class JointSolver {
     summary_.termination = Termination();
     std::ostringstream message;
     message << summary_.verdict.Text();
-    if (best_round_ == 0) {
+    if (summary_.started_from_constraints) {
+      message << ", started from odometry and relative poses, which the seed contradicts";
+    }
+    if (!summary_.verdict.IsBetter()) {
       message << ": the seed is returned as it was";
     } else {
       message << ", best in round " << best_round_ << " of "
@@ -372,9 +375,10 @@ class JointSolver {
   }
 
   TerminationType Termination() const {
-    if (best_round_ == 0 && !last_inner_.usable) return TerminationType::kFailure;
+    const bool better = summary_.verdict.IsBetter();
+    if (!better && !last_inner_.usable) return TerminationType::kFailure;
     if (last_inner_.stopped) return TerminationType::kUserStopped;
-    if (best_round_ == 0) return TerminationType::kNoImprovement;
+    if (!better) return TerminationType::kNoImprovement;
     return converged_ ? TerminationType::kConverged : TerminationType::kMaxIterations;
   }
 
@@ -388,13 +392,14 @@ class JointSolver {
   const MeasuredSurface* surface_;               // what the caller has measured, or own_surface_
   const MeasuredSurface* associated_ = nullptr;  // rounds of associations: what takes part in them
   SurfacePatches seed_patches_;                  // the surfaces as the seed places them
-  SurfacePatches last_patches_;                  // over patches: and as the result does
+  SurfacePatches judged_patches_;                // over patches: as what is judged does
+  SurfacePatches last_patches_;                  // over patches: as the result does
   SolverSummary summary_;
   InnerResult last_inner_;
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated
   bool converged_ = false;  // the last fine round gained next to nothing
   double best_energy_ = 0.0;
-  int best_round_ = 0;  // 0: the seed
+  int best_round_ = 0;  // 0: the start
   std::vector<double> seed_poses_;
   std::vector<double> best_poses_;
   std::vector<double> best_points_;

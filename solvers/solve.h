@@ -27,7 +27,7 @@ double FineRadius(const SolverOptions& options);
 ///
 /// On return the graph holds the best state seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
-/// by energy and by these returns, see verdict.h; then one last round takes them in. The graph
+/// by energy and by these returns (see Verdict); then one last round takes them in. The graph
 /// holds the given state, bit for bit, if nothing was better; the message says by which yardstick.
 /// Bad options, no returns, or a state that is not finite or beyond 1e8 m: termination kFailure,
 /// the message names the culprit, and the graph is unchanged.

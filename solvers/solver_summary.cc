@@ -68,10 +68,9 @@ std::string SolverSummary::BriefReport() const {
         num_relative_poses, seed_chi2, final_chi2);
   }
   return Format(
-      "%s: %s in %.2f s, %zu rounds, %zu iterations, %zu poses, %zu points, marginal energy %.6e "
-      "-> %.6e",
+      "%s: %s in %.2f s, %zu rounds, %zu iterations, %zu poses, %zu points, energy %.6e -> %.6e",
       solver.c_str(), ToString(termination), total_time_s, rounds.size() + patch_rounds.size(),
-      iterations.size(), num_poses, num_points, seed_marginal_energy, final_marginal_energy);
+      iterations.size(), num_poses, num_points, verdict.seed_energy, verdict.final_energy);
 }
 
 std::string SolverSummary::RoundTable() const {
@@ -107,11 +106,11 @@ std::string SolverSummary::FullReport() const {
         1e3 * displacements.mean_m, 1e3 * displacements.max_m, displacements.max_beam_sigmas);
   }
   report += Format(
-      "\nVerdict, under the seed's patches          seed          final\n"
+      "\nVerdict, under the patches of both         seed          final\n"
       "  energy                        %13.6e  %13.6e\n"
-      "  held-out error [sigmas^2]     %13.4f  %13.4f  (%zu returns, +- %.4f by chance)\n",
+      "  held-out error [sigmas^2]     %13.4f  %13.4f  (%zu returns; up to %.4f)\n",
       verdict.seed_energy, verdict.final_energy, verdict.seed_held_out_error,
-      verdict.final_held_out_error, verdict.num_held_out, verdict.held_out_noise);
+      verdict.final_held_out_error, verdict.num_held_out, verdict.LargestHeldOutError());
   report +=
       "\nTerms, under the last associations\n"
       "  term                count    cost before     cost after  RMS (whitened, in units)\n";

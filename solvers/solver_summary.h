@@ -104,17 +104,20 @@ struct SolverSummary {
   /// at the seed), and at the end.
   std::array<TermSummary, kNumTerms> terms;
 
-  /// How well the poses explain the map: energy with every point eliminated, each state under
-  /// associations of its own, which makes states of different rounds comparable. See
+  /// How well the resulting poses explain the map: energy with every point eliminated, under the
+  /// tangent lines that these poses give, which makes results of different solvers comparable. See
   /// marginal_energy.h.
-  double seed_marginal_energy = 0.0;
-  double final_marginal_energy = 0.0;  ///< of the result
+  double final_marginal_energy = 0.0;
 
   /// Solvers that move the poses only: how many relative poses they went by, and the sum of their
   /// squared whitened errors. They have neither rounds nor terms nor marginal energies.
   std::size_t num_relative_poses = 0;
   double seed_chi2 = 0.0;   ///< of the poses given
   double final_chi2 = 0.0;  ///< of the result
+
+  /// The given poses contradicted odometry and relative poses, and the solver started from where
+  /// these put the poses; see constraint_start.h.
+  bool started_from_constraints = false;
 
   /// What decides whether the result is better than the seed. Of the poses found without the
   /// held-out returns, also if they were refused.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <sstream>
 #include <utility>
 
@@ -15,89 +14,144 @@
 namespace plumbline {
 namespace {
 
-// rho(d^2 / s^2) of every held-out return on a patch, in order.
-std::vector<double> HeldOutErrors(const SlamGraph& graph, const MeasuredSurface& surface,
-                                  const FactorOptions& factors,
-                                  const std::vector<int>& patch_of_return,
-                                  const std::vector<SurfacePatch>& patches,
-                                  const std::vector<double>& poses) {
-  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
-  const SurfaceNoise noise = NoiseOf(factors);
-  std::vector<double> errors;
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    const PoseFrame frame(&poses[3 * graph.scan(s).pose]);
-    const Eigen::Vector2d laser = graph.LaserOfScan(s).robot_from_laser.translation();
-    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) {
-      if (patch_of_return[r] == SurfacePatches::kNone) return;
-      const SurfacePatch& patch = patches[patch_of_return[r]];
-      const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
-      const double distance = patch.Distance(frame.Rotate(in_robot) + frame.translation());
-      const double variance =
-          noise.surface_variance + noise.BeamVariance(frame.Rotate(in_robot - laser), patch.normal);
-      errors.push_back(loss.Rho(distance * distance / variance));
-    });
-  }
-  return errors;
-}
+constexpr double kRounding = 1e-9;  // share: measured points have single precision
 
-struct MeanAndError {
-  double mean = 0.0;
-  double standard_error = 0.0;
+// Of one held-out return: rho(d^2 / s^2), summed over the patches that it is on, of the seed's and
+// of the state's surfaces.
+struct HeldOutReturn {
+  int num_patches = 0;
+  double seed_error = 0.0;
+  double state_error = 0.0;
 };
 
-MeanAndError MeanOf(const std::vector<double>& values) {
-  MeanAndError result;
-  const double n = static_cast<double>(values.size());
-  for (const double value : values) result.mean += value / n;
-  double squares = 0.0;
-  for (const double value : values) squares += std::pow(value - result.mean, 2);
-  if (n > 1.0) result.standard_error = std::sqrt(squares / (n * (n - 1.0)));
-  return result;
-}
+class Judge {
+ public:
+  Judge(const SlamGraph& graph, const MeasuredSurface& surface, const FactorOptions& factors,
+        ThreadPool* pool)
+      : graph_(graph),
+        surface_(surface),
+        factors_(factors),
+        noise_(NoiseOf(factors)),
+        loss_(GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas)),
+        pool_(pool) {}
+
+  // Takes what these patches say of both states into account.
+  void Hear(const SurfacePatches& cut, const std::vector<double>& seed,
+            const std::vector<double>& state) {
+    SurfacePatches fitted;
+    fitted.patches = cut.patches;
+    fitted.patch_of_return =
+        WithoutHeldOut(graph_, cut.patch_of_return, int{SurfacePatches::kNone});
+    for (std::size_t r = 0; r < surface_.normals.size(); ++r) {
+      if (!HasNormal(r)) fitted.patch_of_return[r] = SurfacePatches::kNone;
+    }
+    std::vector<std::vector<SurfacePatch>> lines;
+    const std::vector<double> energies = PatchEnergies(
+        graph_, surface_, factors_, std::move(fitted), {&seed, &state}, pool_, &lines);
+    seed_energy_ += energies[0];
+    state_energy_ += energies[1];
+    ++num_cuts_;
+    AddErrors(cut.patch_of_return, lines, seed, state);
+  }
+
+  Verdict Conclude() const {
+    Verdict verdict;
+    verdict.with_relative_poses = !graph_.relative_poses().empty();
+    verdict.seed_energy = seed_energy_ / num_cuts_;
+    verdict.final_energy = state_energy_ / num_cuts_;
+    verdict.energy_rounding =
+        kRounding * (verdict.seed_energy + static_cast<double>(graph_.num_returns()));
+    double sightings = 0.0;
+    for (const HeldOutReturn& held_out : held_out_) {
+      if (held_out.num_patches == 0) continue;
+      ++verdict.num_held_out;
+      sightings += held_out.num_patches;
+      verdict.seed_held_out_error += held_out.seed_error;
+      verdict.final_held_out_error += held_out.state_error;
+    }
+    if (verdict.num_held_out == 0) return verdict;
+    const double change = (verdict.final_held_out_error - verdict.seed_held_out_error) / sightings;
+    double squares = 0.0;
+    for (const HeldOutReturn& held_out : held_out_) {
+      const double expected = held_out.num_patches * change;
+      squares += std::pow(held_out.state_error - held_out.seed_error - expected, 2);
+    }
+    verdict.seed_held_out_error /= sightings;
+    verdict.final_held_out_error /= sightings;
+    verdict.held_out_noise = std::sqrt(squares) / sightings;
+    return verdict;
+  }
+
+ private:
+  bool HasNormal(std::size_t r) const { return !surface_.normals[r].isZero(0.0f); }
+
+  // lines: of the patches, at the seed and at the state.
+  void AddErrors(const std::vector<int>& patch_of_return,
+                 const std::vector<std::vector<SurfacePatch>>& lines,
+                 const std::vector<double>& seed, const std::vector<double>& state) {
+    std::size_t i = 0;
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      const int pose = graph_.scan(s).pose;
+      const PoseFrame at_seed(&seed[3 * pose]), at_state(&state[3 * pose]);
+      const Eigen::Vector2d laser = graph_.LaserOfScan(s).robot_from_laser.translation();
+      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t r) {
+        if (i == held_out_.size()) held_out_.emplace_back();
+        HeldOutReturn& held_out = held_out_[i++];
+        const int patch = patch_of_return[r];
+        if (patch == SurfacePatches::kNone || !HasNormal(r)) return;
+        const Eigen::Vector2d in_robot = surface_.points[r].cast<double>();
+        ++held_out.num_patches;
+        held_out.seed_error += Error(in_robot, in_robot - laser, at_seed, lines[0][patch]);
+        held_out.state_error += Error(in_robot, in_robot - laser, at_state, lines[1][patch]);
+      });
+    }
+  }
+
+  double Error(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& beam, const PoseFrame& frame,
+               const SurfacePatch& patch) const {
+    const double distance = patch.Distance(frame.Rotate(in_robot) + frame.translation());
+    const double variance =
+        noise_.surface_variance + noise_.BeamVariance(frame.Rotate(beam), patch.normal);
+    return loss_.Rho(distance * distance / variance);
+  }
+
+  const SlamGraph& graph_;
+  const MeasuredSurface& surface_;
+  const FactorOptions& factors_;
+  const SurfaceNoise noise_;
+  const GemanMcClure loss_;
+  ThreadPool* pool_;
+  int num_cuts_ = 0;
+  double seed_energy_ = 0.0, state_energy_ = 0.0;
+  std::vector<HeldOutReturn> held_out_;  // of the graph, in order of scans
+};
 
 }  // namespace
 
+double Verdict::LargestHeldOutError() const {
+  const double by_chance = (1.0 + kRounding) * seed_held_out_error + 2.0 * held_out_noise;
+  return with_relative_poses ? std::max(by_chance, 2.0 * seed_held_out_error) : by_chance;
+}
+
 std::string Verdict::Text() const {
   std::ostringstream text;
-  text << "energy under the seed's patches " << seed_energy << " -> " << final_energy << ", "
+  text << "energy under the patches of both " << seed_energy << " -> " << final_energy << ", "
        << num_held_out << " held-out returns: mean squared distance " << seed_held_out_error
        << " -> " << final_held_out_error << " sigmas^2";
   if (!LowersEnergy()) text << "; the energy is not lower";
-  if (!LowersHeldOutError()) {
-    text << "; the held-out returns fit worse, by more than chance (" << held_out_noise << ")";
+  if (!KeepsHeldOutError()) {
+    text << "; the held-out returns fit worse, beyond the " << LargestHeldOutError() << " allowed";
   }
   return text.str();
 }
 
 Verdict CompareWithSeed(const SlamGraph& graph, const MeasuredSurface& surface,
-                        const FactorOptions& factors, const SurfacePatches& seed_patches,
-                        const std::vector<double>& seed, const std::vector<double>& poses,
-                        ThreadPool* pool) {
-  SurfacePatches fitted;
-  fitted.patches = seed_patches.patches;
-  fitted.patch_of_return =
-      WithoutHeldOut(graph, seed_patches.patch_of_return, int{SurfacePatches::kNone});
-  std::vector<std::vector<SurfacePatch>> lines;
-  const std::vector<double> energies =
-      PatchEnergies(graph, surface, factors, std::move(fitted), {&seed, &poses}, pool, &lines);
-
-  const auto errors = [&](const std::vector<double>& state, std::size_t i) {
-    return HeldOutErrors(graph, surface, factors, seed_patches.patch_of_return, lines[i], state);
-  };
-  const std::vector<double> before = errors(seed, 0), after = errors(poses, 1);
-  std::vector<double> change(after.size());
-  std::transform(after.begin(), after.end(), before.begin(), change.begin(), std::minus<>());
-
-  constexpr double kRounding = 1e-9;  // share: measured points have single precision
-  Verdict verdict;
-  verdict.seed_energy = energies[0];
-  verdict.final_energy = energies[1];
-  verdict.energy_rounding = kRounding * (energies[0] + static_cast<double>(graph.num_returns()));
-  verdict.num_held_out = after.size();
-  verdict.seed_held_out_error = MeanOf(before).mean;
-  verdict.final_held_out_error = MeanOf(after).mean;
-  verdict.held_out_noise = MeanOf(change).standard_error;
-  return verdict;
+                        const FactorOptions& factors, const JudgedState& seed,
+                        const JudgedState& state, ThreadPool* pool) {
+  Judge judge(graph, surface, factors, pool);
+  judge.Hear(seed.patches, seed.poses, state.poses);
+  judge.Hear(state.patches, seed.poses, state.poses);
+  return judge.Conclude();
 }
 
 }  // namespace plumbline

@@ -97,8 +97,8 @@ Result RunAll(SolverType type, int num_threads) {
       << summary.solver << ": " << summary.message;
   result.poses = graph.poses();
   result.points = graph.points();
-  result.figures = {summary.seed_marginal_energy, summary.final_marginal_energy,
-                    summary.verdict.seed_energy, summary.verdict.final_energy};
+  result.figures = {summary.final_marginal_energy, summary.verdict.seed_energy,
+                    summary.verdict.final_energy};
   return result;
 }
 

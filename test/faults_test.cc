@@ -68,8 +68,8 @@ TEST_F(FaultsTest, AStoppedEstimationWritesItsBestState) {
     EXPECT_EQ(Summary()["stopped_by"], name);
     EXPECT_EQ(Summary()["solver"]["termination"], "stopped");
     EXPECT_THAT(Result("out", "report.html"), AllOf(HasSubstr("Stopped early"), HasSubstr(name)));
-    EXPECT_LT(Summary()["solver"]["marginal_energy_final"],
-              Summary()["solver"]["marginal_energy_seed"].get<double>());
+    const auto verdict = Summary()["solver"]["verdict"];
+    EXPECT_LT(verdict["patch_energy_final"], verdict["patch_energy_seed"].get<double>());
   }
 }
 

@@ -216,13 +216,13 @@ TEST(OdometryNoise, RefinesWithWhatTheScansSayOfForwardMotionOnly) {
   EXPECT_EQ(motion.translation_floor_m, given.translation_floor_m);
   report.translation.estimated = report.rotation.estimated = true;
   motion = RefinementMotion(report, given);
-  EXPECT_EQ(motion.translation_per_translation, 3.0 * 0.02);
-  EXPECT_EQ(motion.translation_floor_m, 0.003);
+  EXPECT_EQ(motion.translation_per_translation, 0.02);
+  EXPECT_EQ(motion.translation_floor_m, 0.005);
   EXPECT_EQ(motion.rotation_per_translation_rad_m, given.rotation_per_translation_rad_m);
   given.translation_floor_m = 1e-4;
   EXPECT_EQ(RefinementMotion(report, given).translation_floor_m, 1e-4);
-  given.translation_per_translation = 0.05;  // never more than given
-  EXPECT_EQ(RefinementMotion(report, given).translation_per_translation, 0.05);
+  given.translation_per_translation = 0.015;  // never more than given
+  EXPECT_EQ(RefinementMotion(report, given).translation_per_translation, 0.015);
 }
 
 TEST(OdometryNoise, CorrectsAStepByHand) {

@@ -136,7 +136,7 @@ TEST(ReducedSolveTest, SolvingAgainFindsLittleToDo) {
   SolveSoundly(Reduced(), &room.graph);
   const std::vector<double> poses = room.graph.poses();
   const SolverSummary again = SolveSoundly(Reduced(), &room.graph);
-  EXPECT_GT(again.final_marginal_energy, 0.98 * again.seed_marginal_energy);
+  EXPECT_GT(again.verdict.final_energy, 0.98 * again.verdict.seed_energy);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_NEAR(room.graph.poses()[i], poses[i], 0.01);
   }
@@ -154,7 +154,7 @@ TEST(ReducedSolveTest, TheCallbackStopsIt) {
   EXPECT_EQ(calls, 2);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_THAT(summary.message, HasSubstr("callback"));
-  EXPECT_LT(summary.final_marginal_energy, summary.seed_marginal_energy);
+  EXPECT_LT(summary.verdict.final_energy, summary.verdict.seed_energy);
 }
 
 TEST(ReducedSolveTest, AnyNumberOfThreadsGivesTheSameBits) {
@@ -186,7 +186,7 @@ TEST(ReducedSolveTest, ALongHallOfManyPatchesIsTheSameOnAnyNumberOfThreads) {
   SlamGraph one = hall(), many = hall();
   const SolverSummary summary = SolveSoundly(Reduced(1), &one);
   EXPECT_GT(summary.patch_rounds.front().num_patches, 256u);
-  EXPECT_LT(summary.final_marginal_energy, 0.9 * summary.seed_marginal_energy);
+  EXPECT_LT(summary.verdict.final_energy, 0.9 * summary.verdict.seed_energy);
   SolveSoundly(Reduced(4), &many);
   EXPECT_EQ(many.poses(), one.poses());
   EXPECT_EQ(many.points(), one.points());

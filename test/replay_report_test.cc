@@ -20,6 +20,8 @@ TEST(ReplayReportTest, TableFilesAndChart) {
                   {3, 300, ReplayedSolve::kLoops, 5, 2, 0.9, 90.0, 30.0},
                   {3, 300, ReplayedSolve::kFinal, 5, 0, 0.5, 33.0, 30.3}};
   replay.batch_energy = 30.0;
+  replay.online_energy = 33.0;
+  replay.final_energy = 30.3;
   replay.mean_difference_m = 0.0012;
   replay.max_difference_m = 0.0123;
   const std::string table = ReplayTable(replay);

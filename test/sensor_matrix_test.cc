@@ -48,7 +48,7 @@ Stage StageWith(double mean_m, double max_m) {
 
 TEST(SensorMatrixTest, FailsByWhatIsWorseOrSilentlyLost) {
   SensorOutcome run;
-  run.sigma_range_m = 0.02;
+  run.floor_m = 0.005;
   run.seeded = StageWith(0.010, 0.02);
   run.refined = StageWith(0.0149, 0.4);
   EXPECT_FALSE(run.Failed());

@@ -25,7 +25,7 @@ SensorOutcome Run(int case_index, std::uint64_t seed, double seed_m, double refi
   run.seed = seed;
   run.num_scans = 100;
   run.outlier_share = 0.25;
-  run.sigma_range_m = 0.012;
+  run.floor_m = 0.003;
   run.seeded.error = run.refined.error = TruthError{};
   run.seeded.error->mean_pose_error_m = seed_m;
   run.refined.error->mean_pose_error_m = refined_m;

@@ -21,8 +21,8 @@ SolverSummary Example() {
   summary.solver = "alternating_cg";
   summary.num_poses = 4934;
   summary.num_points = 1739359;
-  summary.seed_marginal_energy = 4.25e6;
-  summary.final_marginal_energy = 3.5e6;
+  summary.verdict.seed_energy = 4.25e6;
+  summary.verdict.final_energy = 3.5e6;
   RoundSummary round;
   round.radius_m = 0.125;
   round.gate_sigmas = 4.75;
@@ -62,7 +62,7 @@ TEST(SolverSummaryTest, BriefReportHoldsTheNumbers) {
   const std::string report = Example().BriefReport();
   EXPECT_EQ(report,
             "alternating_cg: converged in 21.75 s, 2 rounds, 84 iterations, 4934 poses, 1739359 "
-            "points, marginal energy 4.250000e+06 -> 3.500000e+06");
+            "points, energy 4.250000e+06 -> 3.500000e+06");
 }
 
 TEST(SolverSummaryTest, FullReportHoldsRoundsTermsTimesAndReason) {

@@ -95,6 +95,17 @@ struct Row {
   }
 };
 
+// Of odometry and relative poses, per residual: one half is what noise gives.
+double ConstraintCost(const SolverSummary& summary, double TermSummary::*cost) {
+  double sum = 0.0, residuals = 0.0;
+  for (const Term term : {Term::kMotion, Term::kRelativePose}) {
+    const TermSummary& row = summary.terms[static_cast<int>(term)];
+    sum += row.*cost;
+    residuals += static_cast<double>(row.count) * row.residuals_per_block;
+  }
+  return residuals > 0.0 ? sum / residuals : 0.0;
+}
+
 std::string NameOf(const AdversarialCase& run) {
   std::ostringstream name;
   name << (run.seeded ? "log: " : "graph: ") << ToString(run.attack);
@@ -220,7 +231,7 @@ Status WriteAdversarialCsv(const std::string& path,
          "heading_error_before_rad,heading_error_after_rad,wall_before_m,wall_after_m,"
          "entropy_before,entropy_after,alarm,energy_before,energy_after,held_out_returns,held_out_"
          "before,"
-         "held_out_after,held_out_noise,termination\n"
+         "held_out_after,held_out_noise,constraints_before,constraints_after,termination\n"
       << std::setprecision(8);
   for (const AdversarialOutcome& o : outcomes) {
     const Verdict& verdict = o.summary.verdict;
@@ -231,7 +242,9 @@ Status WriteAdversarialCsv(const std::string& path,
         << o.before.mean_map_entropy << ',' << o.after.mean_map_entropy << ',' << o.alarm << ','
         << verdict.seed_energy << ',' << verdict.final_energy << ',' << verdict.num_held_out << ','
         << verdict.seed_held_out_error << ',' << verdict.final_held_out_error << ','
-        << verdict.held_out_noise << ',' << ToString(o.summary.termination) << '\n';
+        << verdict.held_out_noise << ',' << ConstraintCost(o.summary, &TermSummary::initial_cost)
+        << ',' << ConstraintCost(o.summary, &TermSummary::final_cost) << ','
+        << ToString(o.summary.termination) << '\n';
   }
   return file.Commit();
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/apps/graph_poses.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
@@ -96,8 +97,8 @@ class Host {
              static_cast<int>(arrived_closures_.size()),
              num_news_,
              SecondsSince(start),
-             summary.seed_marginal_energy,
-             summary.final_marginal_energy};
+             summary.verdict.seed_energy,
+             summary.verdict.final_energy};
     if (summary.IsSolutionUsable()) return Status::Ok();
     return Status::InvalidArgument("batch " + std::to_string(batch_) + ": " + summary.message);
   }
@@ -143,11 +144,18 @@ Status CheckInput(const SlamGraph& seed, const SeedingReport& report) {
                                  std::to_string(report.sequential_poses.size()));
 }
 
+double EnergyOf(const SlamGraph& graph, const SolverOptions& solver) {
+  ThreadPool pool(solver.num_threads);
+  const MeasuredSurface surface =
+      MeasureSurface(graph, NormalOptionsFor(solver.factors.beam), &pool);
+  return YardstickEnergy(graph, surface, solver, &pool);
+}
+
 Status SolveBatch(const SolverOptions& solver, SlamGraph* graph, Replay* replay) {
   const auto start = Clock::now();
   const SolverSummary summary = Solve(solver, graph);
   replay->batch_time_s = SecondsSince(start);
-  replay->batch_energy = summary.final_marginal_energy;
+  replay->batch_energy = EnergyOf(*graph, solver);
   return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);
 }
 
@@ -199,8 +207,10 @@ Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, cons
     PLUMBLINE_RETURN_IF_ERROR(host.Refine(&step));
     keep();
   }
+  result.online_energy = EnergyOf(host.graph(), solver);
   PLUMBLINE_RETURN_IF_ERROR(host.Finish(&step));
   keep();
+  result.final_energy = EnergyOf(host.graph(), solver);
   result.world_from_robot = PosesOf(host.graph());
   SlamGraph batch = seed;
   PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, &batch, &result));

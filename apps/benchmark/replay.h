@@ -39,7 +39,7 @@ struct ReplayStep {
   int num_closures = 0;  ///< that have arrived
   int num_news = 0;      ///< of these, with this batch and not as the poses had it
   double time_s = 0.0;   ///< pose graph included
-  /// Marginal energy of what was solved, before and after.
+  /// Of what was solved, before and after: comparable with each other alone, see Verdict.
   double initial_energy = 0.0;
   double final_energy = 0.0;
 };
@@ -49,12 +49,15 @@ struct Replay {
   std::vector<Pose2> world_from_robot;  ///< after the final solve
   /// All at once, from the seed.
   double batch_time_s = 0.0;
+  /// YardstickEnergy of the whole drive.
   double batch_energy = 0.0;
+  double online_energy = 0.0;      ///< before the final solve
+  double final_energy = 0.0;       ///< after it
   double mean_difference_m = 0.0;  ///< of the poses of replay and batch solution
   double max_difference_m = 0.0;
 
   /// Final energy over that of the batch solution.
-  double EnergyRatio() const { return steps.back().final_energy / batch_energy; }
+  double EnergyRatio() const { return final_energy / batch_energy; }
 };
 
 /// Replays a drive whose scans have been matched: poses arrive with their scans and odometry,

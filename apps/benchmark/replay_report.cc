@@ -43,9 +43,8 @@ std::string ReplayTable(const Replay& replay) {
     WriteTimes(ToString(kind), std::move(times_s), &table);
   }
   WriteTimes("all", std::move(all_s), &table);
-  const ReplayStep& last = replay.steps.back();
-  table << std::setprecision(1) << "energy      online " << last.initial_energy
-        << ", after the final solve " << last.final_energy << ", all at once "
+  table << std::setprecision(1) << "energy      online " << replay.online_energy
+        << ", after the final solve " << replay.final_energy << ", all at once "
         << replay.batch_energy << " (in " << std::setprecision(3) << replay.batch_time_s << " s)\n"
         << "difference  energy " << std::showpos << 100.0 * (replay.EnergyRatio() - 1.0)
         << std::noshowpos << " %, poses " << 1000.0 * replay.mean_difference_m

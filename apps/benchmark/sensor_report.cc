@@ -148,7 +148,7 @@ Status WriteSensorCsv(const std::string& path, const std::vector<SensorCase>& ca
   for (const char* stage : {"seed", "refined"}) {
     for (const Figure& figure : kFigures) out << ',' << stage << '_' << figure.name;
   }
-  out << ",alarm,worse,silently_lost\n" << std::setprecision(6);
+  out << ",floor_pose_error_m,alarm,worse,silently_lost\n" << std::setprecision(6);
   for (const SensorOutcome& run : outcomes) {
     const SensorCase& sensor = cases[run.case_index];
     out << '"' << sensor.group << "\",\"" << sensor.name << "\"," << run.seed << ','
@@ -156,7 +156,8 @@ Status WriteSensorCsv(const std::string& path, const std::vector<SensorCase>& ca
     for (const Stage* stage : {&run.seeded, &run.refined}) {
       for (const Figure& figure : kFigures) out << ',' << figure.of(*stage);
     }
-    out << ',' << run.alarm << ',' << run.IsWorse() << ',' << run.IsSilentlyLost() << '\n';
+    out << ',' << run.floor_m << ',' << run.alarm << ',' << run.IsWorse() << ','
+        << run.IsSilentlyLost() << '\n';
   }
   return file.Commit();
 }
@@ -171,6 +172,7 @@ Status WriteSensorJson(const std::string& path, const std::vector<SensorCase>& c
                                             {"outlier_share", run.outlier_share},
                                             {"seeded", StageJson(run.seeded)},
                                             {"refined", StageJson(run.refined)},
+                                            {"floor_pose_error_m", run.floor_m},
                                             {"alarm", run.alarm},
                                             {"worse", run.IsWorse()},
                                             {"silently_lost", run.IsSilentlyLost()}});

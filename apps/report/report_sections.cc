@@ -94,16 +94,20 @@ ReportTable VerdictTable(const Verdict& verdict) {
   const std::string chance = "+- " + ShortText(verdict.held_out_noise) + " by chance";
   return {
       "Verdict: is the result better than the seed?",
-      {"Under the seed's patches", "Seed", "Refined", "Lower?"},
+      {"Under the patches of both", "Seed", "Refined", "Speaks for it?"},
       {{"Energy", ShortText(verdict.seed_energy), ShortText(verdict.final_energy),
         verdict.LowersEnergy() ? "yes" : "no"},
        {"Squared distance of held-out returns [sigma^2], " + chance,
         FixedText(verdict.seed_held_out_error, 4), FixedText(verdict.final_held_out_error, 4),
-        verdict.LowersHeldOutError() ? "yes" : "no"}},
+        verdict.KeepsHeldOutError() ? "yes" : "no"}},
       WithThousands(verdict.num_held_out) +
-          " returns took no part in finding these poses and lines. What is not lower in both is "
-          "refused, and the seed comes back; a rise of the second within twice what chance does "
-          "is let pass."};
+          " returns took no part in finding these poses and lines. If either yardstick speaks "
+          "against the result it is refused, and the seed comes back. The energy has to fall; the "
+          "held-out figure may rise to " +
+          FixedText(verdict.LargestHeldOutError(), 4) +
+          (verdict.with_relative_poses
+               ? ": relative poses are knowledge of their own, which may cost the scans a little."
+               : ", twice what chance does.")};
 }
 
 std::string ConflictText(const FreeSpaceConflict& conflict) {

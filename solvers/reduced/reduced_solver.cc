@@ -57,6 +57,7 @@ class PatchMinimizer {
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
     result_.judged_poses = graph_->poses();
+    result_.judged_cut = {patches_, patch_of_return_};
     if (!Ended()) RunLastRound();
     result_.last_cut.patch_of_return = compressor_.PatchOfReturn(sightings_);
     result_.last_cut.patches = std::move(patches_);

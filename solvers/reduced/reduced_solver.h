@@ -18,8 +18,10 @@ struct ReducedResult {
   std::vector<PatchRoundSummary> rounds;
   SurfacePatches first_cut;  ///< of the first round: the surfaces as the given poses place them
   SurfacePatches last_cut;   ///< of the last round, with the lines that suit the final poses
-  /// The poses (x, y, yaw) before the last round: what came of them without the held-out returns.
+  /// The poses (x, y, yaw) before the last round, what came of them without the held-out returns,
+  /// and the surfaces of that round.
   std::vector<double> judged_poses;
+  SurfacePatches judged_cut;
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that

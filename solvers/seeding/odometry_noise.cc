@@ -251,13 +251,12 @@ OdometryNoiseReport EstimateOdometryNoise(const SequentialTrajectory& trajectory
 }
 
 MotionOptions RefinementMotion(const OdometryNoiseReport& report, const MotionOptions& given) {
-  constexpr double kCaution = 3.0;
-  constexpr double kResolutionM = 0.003;  // what wheels do not tell from standing still
+  constexpr double kJitterM = 0.005;  // 10 ms between the clocks of wheels and laser at 0.5 m/s
   MotionOptions motion = given;
   if (!report.translation.estimated) return motion;
-  motion.translation_per_translation = std::min(
-      given.translation_per_translation, kCaution * report.motion.translation_per_translation);
-  motion.translation_floor_m = std::min(given.translation_floor_m, kResolutionM);
+  motion.translation_per_translation =
+      std::min(given.translation_per_translation, report.motion.translation_per_translation);
+  motion.translation_floor_m = std::min(given.translation_floor_m, kJitterM);
   return motion;
 }
 

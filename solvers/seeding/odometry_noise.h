@@ -61,11 +61,11 @@ OdometryNoiseReport EstimateOdometryNoise(const SequentialTrajectory& trajectory
                                           const MotionOptions& given);
 
 /// The noise that suits the joint estimation on the corrected odometry, never more than `given`.
-/// Forward motion has three times what the scans say of it, where they say anything: with a scanner
-/// that does not see the end of a bare corridor nothing but the odometry holds the map along it,
-/// and the loose defaults let it go by centimetres; but slips are rarer and larger than those of a
-/// normal distribution. The floor is then 3 mm at most, for the alpha has all that grows. Turns
-/// keep `given`, loose on purpose: stiff ones bend corridors.
+/// Forward motion has what the scans say of it, where they say anything: with a scanner that does
+/// not see the end of a bare corridor nothing but the odometry holds the map along it, and the
+/// loose defaults let it go by centimetres. The floor is then 5 mm at most: the alpha has all that
+/// grows, and the floor what comes and goes with each step, such as clocks that are not quite
+/// together. Turns keep `given`, loose on purpose: stiff ones bend corridors.
 MotionOptions RefinementMotion(const OdometryNoiseReport& report, const MotionOptions& given);
 
 /// The step of the odometry without its significant systematic errors.

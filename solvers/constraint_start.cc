@@ -1,0 +1,54 @@
+#include "plumbline/solvers/constraint_start.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/pose_graph/chordal_start.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+
+namespace plumbline {
+namespace {
+
+// Every pose but the first has a step from the one before.
+bool IsChain(const std::vector<RelativePoseConstraint>& steps, int num_poses) {
+  std::vector<char> reached(num_poses);
+  reached[0] = true;
+  for (const RelativePoseConstraint& step : steps) reached[std::max(step.from, step.to)] = true;
+  return std::find(reached.begin(), reached.end(), 0) == reached.end();
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
+                                                        const MotionOptions& motion) {
+  std::vector<RelativePoseConstraint> steps, others;
+  const auto add = [&](const RelativePoseConstraint& edge) {
+    (std::abs(edge.from - edge.to) == 1 ? steps : others).push_back(edge);
+  };
+  for (const OdometryConstraint& c : graph.odometry()) {
+    add({c.from, c.to, c.from_from_to, MotionCovariance(c.from_from_to, motion)});
+  }
+  for (const RelativePoseConstraint& c : graph.relative_poses()) add(c);
+  if (!IsChain(steps, graph.num_poses())) return std::nullopt;
+
+  std::vector<Pose2> poses;
+  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
+  constexpr double kSigmas = 3.0;
+  const double degrees_of_freedom = 3.0 * static_cast<double>(steps.size());
+  if (!(GraphChi2(steps, poses) > kSigmas * kSigmas * degrees_of_freedom)) return std::nullopt;
+
+  std::vector<int> fixed;
+  for (const FixedPose& pose : graph.fixed_poses()) {
+    poses[pose.pose] = pose.world_from_robot;
+    fixed.push_back(pose.pose);
+  }
+  if (!ChordalStart(steps, fixed, &poses)) return std::nullopt;
+  OptimizePoseGraph(steps, others, &poses, fixed);
+  std::vector<double> start;
+  for (const Pose2& pose : poses) start.insert(start.end(), {pose.x, pose.y, pose.yaw});
+  return start;
+}
+
+}  // namespace plumbline

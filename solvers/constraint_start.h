@@ -1,0 +1,25 @@
+#ifndef PLUMBLINE_SOLVERS_CONSTRAINT_START_H_
+#define PLUMBLINE_SOLVERS_CONSTRAINT_START_H_
+
+#include <optional>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/factors/factor_options.h"
+
+namespace plumbline {
+
+/// Where odometry and relative poses put the poses, (x, y, yaw) each, if that is far from where the
+/// graph has them: their steps from pose to pose contradict the graph's state by more than three
+/// standard deviations, root mean square, as after a jump that was not taken out, or where poses
+/// have been mixed up. Steps are believed, relative poses that join others are doubted (Cauchy
+/// loss): one may be a wrong loop closure. Fixed poses stay.
+///
+/// Nothing if the steps agree with the state, if a pose has no step from the one before, or if the
+/// equations cannot be solved.
+std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
+                                                        const MotionOptions& motion);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_CONSTRAINT_START_H_

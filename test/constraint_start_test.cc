@@ -1,0 +1,115 @@
+#include "plumbline/solvers/constraint_start.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kNumPoses = 24;
+
+NoisyRoom Room() {
+  NoisyRoomOptions options;
+  options.num_poses = kNumPoses;
+  return MakeNoisyRoom(options);
+}
+
+double WorstError(const std::vector<double>& poses, const std::vector<Pose2>& truth) {
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    worst_m =
+        std::max(worst_m, (Pose2(&poses[3 * i]).translation() - truth[i].translation()).norm());
+  }
+  return worst_m;
+}
+
+void SwapPoses(int a, int b, SlamGraph* graph) {
+  const Pose2 pose = graph->WorldFromRobot(a);
+  graph->SetPose(a, graph->WorldFromRobot(b));
+  graph->SetPose(b, pose);
+}
+
+void Shuffle(SlamGraph* graph) {
+  for (int i = 1; i + 7 < kNumPoses; i += 3) SwapPoses(i, i + 7, graph);
+  graph->ResetPointsFromPoses();
+}
+
+TEST(ConstraintStartTest, StepsThatAgreeWithThePosesSuggestNothing) {
+  NoisyRoom room = Room();
+  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
+  DisturbPoses(0.005, &room.graph);
+  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
+}
+
+TEST(ConstraintStartTest, PosesThatWereMixedUpAreSorted) {
+  NoisyRoom room = Room();
+  Shuffle(&room.graph);
+  ASSERT_GT(WorstError(room.graph.poses(), room.truth), 0.2);
+  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  ASSERT_TRUE(start);
+  EXPECT_LT(WorstError(*start, room.truth), 0.1);
+}
+
+TEST(ConstraintStartTest, AWrongClosureIsDoubted) {
+  NoisyRoom room = Room();
+  Shuffle(&room.graph);
+  const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  ASSERT_TRUE(
+      room.graph.AddRelativePose({2, kNumPoses - 2, Pose2(50.0, 50.0, 1.0), covariance}).ok());
+  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  ASSERT_TRUE(start);
+  EXPECT_LT(WorstError(*start, room.truth), 1.0);  // believed, it would pull by tens of metres
+}
+
+TEST(ConstraintStartTest, FixedPosesStay) {
+  NoisyRoom room = Room();
+  Shuffle(&room.graph);
+  ASSERT_TRUE(room.graph.FixPose(2).ok());
+  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  ASSERT_TRUE(start);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ((*start)[6 + i], room.graph.poses()[6 + i]);
+}
+
+TEST(ConstraintStartTest, WithoutAStepToEveryPoseNothingIsSuggested) {
+  NoisyRoom room = Room();
+  SlamGraph gap;
+  int laser = 0, pose = 0;
+  ASSERT_TRUE(gap.AddLaser(room.graph.laser(0), &laser).ok());
+  for (const double x : {0.0, 9.0, -9.0, 1.0})
+    ASSERT_TRUE(gap.AddPose(Pose2(x, 0, 0), x, &pose).ok());
+  ASSERT_TRUE(gap.AddOdometry({0, 1, Pose2(0.1, 0, 0)}).ok());
+  ASSERT_TRUE(gap.AddOdometry({2, 3, Pose2(0.1, 0, 0)}).ok());
+  EXPECT_FALSE(StartFromConstraints(gap, MotionOptions()));
+}
+
+class SolveFromConstraints : public testing::TestWithParam<SolverType> {};
+INSTANTIATE_TEST_SUITE_P(JointSolvers, SolveFromConstraints,
+                         testing::Values(SolverType::kReduced, SolverType::kAlternatingCg,
+                                         SolverType::kCeres),
+                         [](const testing::TestParamInfo<SolverType>& info) {
+                           return std::string(ToString(info.param));
+                         });
+
+TEST_P(SolveFromConstraints, BringsMixedUpPosesHome) {
+  NoisyRoom room = Room();
+  Shuffle(&room.graph);
+  SolverOptions options;
+  options.type = GetParam();
+  const SolverSummary summary = Solve(options, &room.graph);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_TRUE(summary.started_from_constraints);
+  EXPECT_THAT(summary.message, HasSubstr("started from odometry and relative poses"));
+  EXPECT_LT(WorstError(room.graph.poses(), room.truth), 0.05);
+}
+
+}  // namespace
+}  // namespace plumbline
