@@ -213,7 +213,7 @@ Status Parse(const std::string& path, std::string_view bytes, Contents* contents
   if (bytes.substr(0, kMagic.size()) != kMagic.substr(0, bytes.size()) || bytes.empty()) {
     return Status::InvalidArgument(path + " is no checkpoint of this program");
   }
-  const Status damaged = Status::DataLoss(path + ": the checkpoint is damaged or cut off");
+  Status damaged = Status::DataLoss(path + ": the checkpoint is damaged or cut off");
   if (bytes.size() < kHeading.size() + kCrcSize) return damaged;
   if (bytes.substr(0, kHeading.size()) != kHeading) {
     return Status::InvalidArgument(path + " is a checkpoint of another version");

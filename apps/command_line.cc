@@ -64,6 +64,8 @@ std::string HelpText(const std::string& usage) {
   return text + "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written.\n";
 }
 
+// std::exit is for programs without other threads, as at this moment all are.
+// NOLINTBEGIN(concurrency-mt-unsafe)
 void ParseCommandLine(const std::string& usage, int argc, char** argv) {
   gflags::SetUsageMessage(usage);
   GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitWrongUsage); };
@@ -78,6 +80,7 @@ void ParseCommandLine(const std::string& usage, int argc, char** argv) {
         Fail("unexpected argument '" + std::string(argv[1]) + "'; see --help", kExitWrongUsage));
   }
 }
+// NOLINTEND(concurrency-mt-unsafe)
 
 int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run) {
   try {

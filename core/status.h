@@ -59,10 +59,10 @@ class [[nodiscard]] Status {
 }  // namespace plumbline
 
 /// Hands a failed Status on to the caller.
-#define PLUMBLINE_RETURN_IF_ERROR(expression)                  \
-  do {                                                         \
-    const ::plumbline::Status plumbline_status = (expression); \
-    if (!plumbline_status.ok()) return plumbline_status;       \
+#define PLUMBLINE_RETURN_IF_ERROR(expression)            \
+  do {                                                   \
+    ::plumbline::Status plumbline_status = (expression); \
+    if (!plumbline_status.ok()) return plumbline_status; \
   } while (false)
 
 #endif  // PLUMBLINE_CORE_STATUS_H_

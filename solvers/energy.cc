@@ -317,9 +317,9 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
                           if (!scan_gradients.empty())
                             linearizer.scan_gradient = &scan_gradients[3 * s];
                           if (!scan_blocks.empty()) linearizer.scan_block = &scan_blocks[6 * s];
-                          linearizer.ClearPointsOf(graph_.scan(s));
-                          ok = VisitScan(static_cast<int>(s), poses, points, terms, with_jacobians,
-                                         &linearizer);
+                          const int scan = static_cast<int>(s);
+                          linearizer.ClearPointsOf(graph_.scan(scan));
+                          ok = VisitScan(scan, poses, points, terms, with_jacobians, &linearizer);
                         }
                         chunk_costs[chunk] = linearizer.costs;
                         chunk_ok[chunk] = ok;

@@ -90,6 +90,7 @@ class PoseOnlySolver {
  private:
   std::vector<Pose2> Poses() const {
     std::vector<Pose2> poses;
+    poses.reserve(graph_->num_poses());
     for (int i = 0; i < graph_->num_poses(); ++i) poses.push_back(graph_->WorldFromRobot(i));
     return poses;
   }

@@ -82,7 +82,7 @@ class Window {
     for (const int pose : poses_) {
       if (is_free_[pose]) graph->SetPose(pose, part_.WorldFromRobot(part_of_pose_[pose]));
     }
-    for (std::size_t s = 0; s < scans_.size(); ++s) {
+    for (int s = 0; s < part_.num_scans(); ++s) {
       const ScanEntry& to = graph->scan(scans_[s]);
       if (is_free_[to.pose]) CopyPoints(part_.scan(s), part_.points(), to, &graph->points());
     }
@@ -170,7 +170,7 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
     prior.sigma_translation_m = std::min(prior.sigma_translation_m, kFixedSigma);
     prior.sigma_rotation_rad = std::min(prior.sigma_rotation_rad, kFixedSigma);
   }
-  const SolverSummary summary = Solve(part_options, part.part());
+  SolverSummary summary = Solve(part_options, part.part());
   if (summary.IsSolutionUsable()) part.WriteBack(graph);
   return summary;
 }

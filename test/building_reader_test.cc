@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <string>
 
@@ -109,9 +108,8 @@ TEST(BuildingReaderTest, DegenerateBuildingsAreRefused) {
 }
 
 TEST(BuildingReaderTest, EmbeddedBuildingCanBeDriven) {
-  const std::filesystem::path project = std::filesystem::path(__FILE__).parent_path().parent_path();
   Building building;
-  Status status = ReadBuilding((project / "datasets/small_building.world").string(), &building);
+  Status status = ReadBuilding(PLUMBLINE_WORLD, &building);
   ASSERT_TRUE(status.ok()) << status.message();
   Drive drive;
   status = Drive::Plan(World(building), DriveOptions(), &drive);

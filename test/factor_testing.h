@@ -60,15 +60,15 @@ inline Eigen::Matrix3d CorrelatedCovariance() {
   return covariance;
 }
 
-struct Evaluation {
+struct FactorEvaluation {
   bool ok = false;
   Eigen::VectorXd residuals;
   std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobians;
 };
 
 /// Evaluates into buffers filled with NaN, so that an entry left unwritten shows.
-inline Evaluation Evaluate(const ceres::CostFunction& factor, const Blocks& blocks) {
-  Evaluation result;
+inline FactorEvaluation Evaluate(const ceres::CostFunction& factor, const Blocks& blocks) {
+  FactorEvaluation result;
   result.residuals.setConstant(factor.num_residuals(), kNaN);
   std::vector<const double*> parameters;
   for (const std::vector<double>& block : blocks) {
@@ -84,7 +84,7 @@ inline Evaluation Evaluate(const ceres::CostFunction& factor, const Blocks& bloc
 
 inline void ExpectResiduals(const ceres::CostFunction& factor, const Blocks& blocks,
                             const std::vector<double>& expected, double tolerance = 1e-12) {
-  const Evaluation actual = Evaluate(factor, blocks);
+  const FactorEvaluation actual = Evaluate(factor, blocks);
   ASSERT_TRUE(actual.ok);
   ASSERT_EQ(actual.residuals.size(), static_cast<Eigen::Index>(expected.size()));
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -95,7 +95,7 @@ inline void ExpectResiduals(const ceres::CostFunction& factor, const Blocks& blo
 /// Same residuals and Jacobians.
 inline void ExpectSame(const ceres::CostFunction& a, const ceres::CostFunction& b,
                        const Blocks& blocks) {
-  const Evaluation at_a = Evaluate(a, blocks), at_b = Evaluate(b, blocks);
+  const FactorEvaluation at_a = Evaluate(a, blocks), at_b = Evaluate(b, blocks);
   ASSERT_TRUE(at_a.ok && at_b.ok);
   const auto near = [](const auto& p, const auto& q) {
     return (p - q).norm() <= 1e-10 * (1.0 + q.norm());
@@ -152,8 +152,8 @@ inline void ExpectFactorLaws(const ceres::CostFunction& factor, const ceres::Cos
 inline void ExpectSameCostAfterMove(const ceres::CostFunction& factor,
                                     const ceres::CostFunction& moved_factor, const Pose2& motion,
                                     const Blocks& blocks) {
-  const Evaluation before = Evaluate(factor, blocks);
-  const Evaluation after = Evaluate(moved_factor, Moved(motion, blocks));
+  const FactorEvaluation before = Evaluate(factor, blocks);
+  const FactorEvaluation after = Evaluate(moved_factor, Moved(motion, blocks));
   ASSERT_TRUE(before.ok && after.ok);
   EXPECT_NEAR(after.residuals.squaredNorm(), before.residuals.squaredNorm(),
               1e-9 * (1.0 + before.residuals.squaredNorm()));

@@ -24,7 +24,7 @@ struct Twin {
 TEST(ManifoldFactor, HasTheHandWorkedValueAndDerivative) {
   const ManifoldFactor factor({{0.6, 0.8, 2.0}, 2.0});
   ExpectResiduals(factor, {{3.0, 4.0}}, {6.0});
-  const Evaluation at = Evaluate(factor, {{3.0, 4.0}});
+  const FactorEvaluation at = Evaluate(factor, {{3.0, 4.0}});
   EXPECT_DOUBLE_EQ(at.jacobians[0](0, 0), 1.2);
   EXPECT_DOUBLE_EQ(at.jacobians[0](0, 1), 1.6);
 }

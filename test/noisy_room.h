@@ -47,7 +47,9 @@ inline NoisyRoom MakeNoisyRoom(const NoisyRoomOptions& options = NoisyRoomOption
   const auto motion = [&](int from, int to) {
     const Pose2 exact = Between(room.truth[from], room.truth[to]);
     const double sigma = options.odometry_sigma;
-    return exact * Pose2(random.Gaussian(sigma), random.Gaussian(sigma), random.Gaussian(sigma));
+    // One after the other: compilers differ in the order of arguments.
+    const double yaw = random.Gaussian(sigma), y = random.Gaussian(sigma);
+    return exact * Pose2(random.Gaussian(sigma), y, yaw);
   };
   for (int i = 0; i + 1 < options.num_poses; ++i) {
     EXPECT_TRUE(room.graph.AddOdometry({i, i + 1, motion(i, i + 1)}).ok());

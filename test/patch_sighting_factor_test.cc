@@ -73,7 +73,7 @@ TEST(PatchSightingFactor, HasTheHandWorkedValueAndDerivative) {
   d_pose << 0.0, 2.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -4.0;
   Eigen::Matrix<double, 3, 2> d_line;
   d_line << 1.0, -2.0, 0.0, 0.0, 4.0, 0.0;
-  const Evaluation at = Evaluate(factor, blocks);
+  const FactorEvaluation at = Evaluate(factor, blocks);
   EXPECT_LT((at.jacobians[0] - d_pose).norm(), 1e-12) << at.jacobians[0];
   EXPECT_LT((at.jacobians[1] - d_line).norm(), 1e-12) << at.jacobians[1];
 }
@@ -91,7 +91,7 @@ TEST(PatchSightingFactor, CostsWhatItsReturnsCost) {
         const double distance = normal.dot(pose * r.point - kOrigin) - offset_m;
         expected += r.weight * distance * distance;
       }
-      const Evaluation at =
+      const FactorEvaluation at =
           Evaluate(factor, {ToBlock(pose), {std::atan2(normal.y(), normal.x()), offset_m}});
       ASSERT_TRUE(at.ok);
       EXPECT_NEAR(at.residuals.squaredNorm(), expected, 1e-12 * (1.0 + expected));
@@ -117,8 +117,8 @@ TEST(PatchSightingFactor, IsUnchangedWhenTheWorldMoves) {
   const std::vector<WeightedReturn> returns = Returns()[0];
   const PatchSightingFactor factor(Compress(returns, kOrigin));
   const PatchSightingFactor moved(Compress(returns, motion * kOrigin));
-  const Evaluation before = Evaluate(factor, {ToBlock(pose), {0.4, 1.5}});
-  const Evaluation after = Evaluate(moved, {ToBlock(motion * pose), {0.4 + motion.yaw, 1.5}});
+  const FactorEvaluation before = Evaluate(factor, {ToBlock(pose), {0.4, 1.5}});
+  const FactorEvaluation after = Evaluate(moved, {ToBlock(motion * pose), {0.4 + motion.yaw, 1.5}});
   ASSERT_TRUE(before.ok && after.ok);
   EXPECT_LT((after.residuals - before.residuals).norm(), 1e-12);
 }

@@ -69,7 +69,7 @@ TEST(PosePriorFactor, WrapsTheYawError) {
 TEST(PosePriorFactor, SquaredNormIsTheMahalanobisDistance) {
   const Eigen::Matrix3d covariance = CorrelatedCovariance();
   const Eigen::Vector3d e(0.2, -0.3, 0.1);
-  const Evaluation at =
+  const FactorEvaluation at =
       Evaluate(PosePriorFactor(PriorAt(Pose2(), covariance)), {{e.x(), e.y(), e.z()}});
   EXPECT_NEAR(at.residuals.squaredNorm(), e.dot(covariance.inverse() * e), 1e-10);
 }

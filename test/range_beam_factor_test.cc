@@ -49,7 +49,7 @@ TEST(RangeBeamFactor, HasTheHandWorkedValueAndDerivative) {
   d_pose << 6.0, -8.0, -3.0, 16.0, 12.0, 100.0 * (-1.0 - 0.5 * 0.16);
   Eigen::Matrix2d d_point;
   d_point << -6.0, 8.0, -16.0, -12.0;
-  const Evaluation at = Evaluate(factor, blocks);
+  const FactorEvaluation at = Evaluate(factor, blocks);
   EXPECT_LT((at.jacobians[0] - d_pose).norm(), 1e-10) << at.jacobians[0];
   EXPECT_LT((at.jacobians[1] - d_point).norm(), 1e-10) << at.jacobians[1];
 }

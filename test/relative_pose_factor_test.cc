@@ -53,7 +53,8 @@ TEST(RelativePoseFactor, SquaredNormIsTheMahalanobisDistance) {
   const Pose2 a(1.0, 2.0, -0.6), b(2.0, 1.0, 0.4), a_from_b(1.2, -0.4, 0.9);
   const Pose2 actual = Between(a, b);
   const Eigen::Vector3d e(actual.x - a_from_b.x, actual.y - a_from_b.y, actual.yaw - a_from_b.yaw);
-  const Evaluation at = Evaluate(RelativePoseFactor(Measured(a_from_b)), {ToBlock(a), ToBlock(b)});
+  const FactorEvaluation at =
+      Evaluate(RelativePoseFactor(Measured(a_from_b)), {ToBlock(a), ToBlock(b)});
   const double expected = e.dot(CorrelatedCovariance().inverse() * e);
   EXPECT_NEAR(at.residuals.squaredNorm(), expected, 1e-10 * expected);
 }

@@ -25,7 +25,9 @@ inline std::string AsG2o(const NoisyRoom& room) {
   const LaserModel& laser = graph.LaserOfScan(0);
   RandomStates random(21);
   const auto noise = [&](double sigma) {
-    return Pose2(random.Gaussian(sigma), random.Gaussian(sigma), random.Gaussian(sigma));
+    // One after the other: compilers differ in the order of arguments.
+    const double yaw = random.Gaussian(sigma), y = random.Gaussian(sigma);
+    return Pose2(random.Gaussian(sigma), y, yaw);
   };
   for (int i = 0; i < graph.num_poses(); ++i) {
     text << "VERTEX_SE2 " << 10 * i << Text(i == 0 ? room.truth[0] : room.truth[i] * noise(0.05))

@@ -96,8 +96,8 @@ TEST(ShapeFactor, DerivativeOfTheNormalHasItsClosedForm) {
     const Eigen::Matrix2d d_normal =
         (Eigen::Matrix2d::Identity() - n * n.transpose()) * m / (previous - current).norm();
     // With sigma = 1 the residual is n* - n.
-    const Evaluation at = Evaluate(ShapeFactor(ShapeResidual({1, 0}, ShapeCategory::k0, 1.0)),
-                                   {ToBlock(previous), ToBlock(current)});
+    const FactorEvaluation at = Evaluate(ShapeFactor(ShapeResidual({1, 0}, ShapeCategory::k0, 1.0)),
+                                         {ToBlock(previous), ToBlock(current)});
     EXPECT_LT((-at.jacobians[0] - d_normal).norm(), 1e-12 * (1.0 + d_normal.norm()));
     EXPECT_LT((-at.jacobians[1] + d_normal).norm(), 1e-12 * (1.0 + d_normal.norm()));
   }

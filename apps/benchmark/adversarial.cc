@@ -43,6 +43,7 @@ const std::vector<AttackLevels>& AllAttacks() {
 
 MapState Measure(const SlamGraph& graph, const std::vector<Pose2>& truth, ThreadPool* pool) {
   std::vector<Pose2> poses;
+  poses.reserve(graph.num_poses());
   for (int pose = 0; pose < graph.num_poses(); ++pose) poses.push_back(graph.WorldFromRobot(pose));
   const Pose2 truth_from_world = AlignTrajectories(poses, truth);
   PoseErrors errors(StatisticsConvention::kEvo);

@@ -48,7 +48,8 @@ class Falsifier {
       for (SimulatedScan& scan : log_.scans) AddPeople(&scan.scan.ranges);
     }
     if (run_.attack != Attack::kMirrored && run_.attack != Attack::kRepeatedScan) return;
-    for (const int i : Draw(std::lround(run_.level * num_scans), num_scans, &source_)) {
+    const int num_drawn = static_cast<int>(std::lround(run_.level * num_scans));
+    for (const int i : Draw(num_drawn, num_scans, &source_)) {
       std::vector<double>& ranges = log_.scans[i].scan.ranges;
       if (run_.attack == Attack::kMirrored) {
         std::reverse(ranges.begin(), ranges.end());
@@ -157,7 +158,8 @@ class Falsifier {
 
   void Shuffle(std::vector<Pose2>* poses) {
     const int num_poses = static_cast<int>(poses->size());
-    const std::vector<int> drawn = Draw(std::lround(run_.level * num_poses), num_poses, &source_);
+    const int num_drawn = static_cast<int>(std::lround(run_.level * num_poses));
+    const std::vector<int> drawn = Draw(num_drawn, num_poses, &source_);
     for (std::size_t i = 1; i < drawn.size(); ++i) {
       std::swap((*poses)[drawn[i - 1]], (*poses)[drawn[i]]);
     }

@@ -7,13 +7,14 @@
 #include <cstdio>
 #include <cstring>
 #include <iostream>
+#include <system_error>
 #include <utility>
 
 namespace plumbline {
 namespace {
 
 Status SystemError(const char* call) {
-  return Status::Unavailable(std::string(call) + ": " + std::strerror(errno));
+  return Status::Unavailable(std::string(call) + ": " + std::generic_category().message(errno));
 }
 
 bool WriteAll(int descriptor, const std::string& text) {
@@ -40,8 +41,9 @@ std::string ReadAll(int descriptor) {
 Status StatusOfExit(int wait_status) {
   if (WIFSIGNALED(wait_status)) {
     const int number = WTERMSIG(wait_status);
-    return Status::Unavailable("ended by signal " + std::to_string(number) + " (" +
-                               strsignal(number) + ")");
+    // Unsafe in two threads at once, but children are run from one.
+    const std::string name = strsignal(number);  // NOLINT(concurrency-mt-unsafe)
+    return Status::Unavailable("ended by signal " + std::to_string(number) + " (" + name + ")");
   }
   const int code = WEXITSTATUS(wait_status);
   return code == 0 ? Status::Ok()
@@ -65,7 +67,7 @@ Status RunInChild(const std::function<std::string()>& work, std::string* result)
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child < 0) {
-    const Status status = SystemError("fork");
+    Status status = SystemError("fork");
     close(ends[0]);
     close(ends[1]);
     return status;

@@ -140,7 +140,7 @@ class Localiser {
 
   // On its surface, where the beam's noise puts it: the end of the beam, moved along C n.
   Vector2d PointOf(std::size_t r) const {
-    const Vector2d point = poses_[PoseOf(r)] * drive_.graph.PointInRobot(r);
+    Vector2d point = poses_[PoseOf(r)] * drive_.graph.PointInRobot(r);
     if (!surfaces_[r].exists) return point;
     Vector2d normal;
     const double distance = surfaces_[r].Distance(point, &normal);

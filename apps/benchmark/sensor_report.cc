@@ -43,6 +43,7 @@ std::vector<const SensorOutcome*> RunsOf(const std::vector<SensorOutcome>& outco
 std::vector<double> ValuesOf(const std::vector<const SensorOutcome*>& runs,
                              Stage SensorOutcome::*stage, const Figure& figure) {
   std::vector<double> values;
+  values.reserve(runs.size());
   for (const SensorOutcome* run : runs) values.push_back(figure.of(run->*stage));
   return values;
 }

@@ -133,6 +133,7 @@ std::vector<double> MeansOverStretches(const SlamGraph& graph, const std::vector
     stretches[beam * SyntheticOutcome::kNumStretches / total].push_back(errors[r]);
   }
   std::vector<double> means;
+  means.reserve(stretches.size());
   for (const std::vector<double>& stretch : stretches) {
     means.push_back(MeanAndVarianceOf(stretch).mean);
   }

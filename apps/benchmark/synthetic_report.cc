@@ -97,6 +97,7 @@ ChartSeries SeriesOf(const std::vector<SyntheticOutcome>& outcomes, int noise, M
   const std::size_t size = runs.empty() ? 0 : (runs.front()->*errors).size();
   for (std::size_t i = first; i < size; ++i) {
     std::vector<double> values;
+    values.reserve(runs.size());
     for (const SyntheticOutcome* run : runs) values.push_back((run->*errors)[i]);
     const Quartiles quartiles = QuartilesOf(values);
     series.x.push_back(x_step * static_cast<double>(i));

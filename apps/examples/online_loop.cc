@@ -181,6 +181,7 @@ double MeanError(const std::vector<Pose2>& poses, const std::vector<Pose2>& trut
 
 std::vector<Pose2> PosesOf(const plumbline::SlamGraph& graph) {
   std::vector<Pose2> poses;
+  poses.reserve(graph.num_poses());
   for (int pose = 0; pose < graph.num_poses(); ++pose) poses.push_back(graph.WorldFromRobot(pose));
   return poses;
 }

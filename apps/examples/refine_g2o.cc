@@ -243,6 +243,7 @@ Status Run(const std::string& input, const std::string& output) {
               g2o.graph.num_poses(), g2o.graph.relative_poses().size(), g2o.graph.num_scans(),
               g2o.graph.num_returns());
   std::vector<Pose2> given;
+  given.reserve(g2o.graph.num_poses());
   for (int i = 0; i < g2o.graph.num_poses(); ++i) given.push_back(g2o.graph.WorldFromRobot(i));
   PLUMBLINE_RETURN_IF_ERROR(Refine(&g2o.graph));
   double sum_m = 0.0, most_m = 0.0;

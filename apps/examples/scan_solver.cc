@@ -120,6 +120,8 @@ class ScanSolver {
   virtual void Clear() {}
   virtual void Reset() {}
   virtual std::unordered_map<int, Eigen::Vector3d>* getGraph() { return nullptr; }
+  // By value, as karto has it.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param)
   virtual void ModifyNode(const int&, Eigen::Vector3d) {}
   virtual void GetNodeOrientation(const int&, double&) {}
 };

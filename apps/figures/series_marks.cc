@@ -100,8 +100,9 @@ double ChartLegend::height_px() const { return std::ceil(num_rows_ * kRowHeight 
 
 void ChartLegend::Draw(double left, double top, cairo_t* context) const {
   for (std::size_t i = 0; i < labels_.size(); ++i) {
-    const double x = left + (i % num_columns_) * column_px_;
-    const double y = top + (i / num_columns_ + 0.5) * kRowHeight * font_px_;
+    const std::size_t row = i / num_columns_, column = i % num_columns_;
+    const double x = left + column * column_px_;
+    const double y = top + (row + 0.5) * kRowHeight * font_px_;
     const double sample_px = kSampleLength * font_px_;
     const SeriesStyle style = StyleOfSeries(i);
     StrokeSeries({{x, y}, {x + sample_px, y}}, style, font_px_, context);

@@ -172,7 +172,8 @@ double FindNoReturnLevel(const std::vector<CarmenScan>& scans) {
     }
   }
   const bool found = num_top >= 10 && num_top > 10 * num_next && num_next + num_lower > 0;
-  return found ? level_m : kUnknown;
+  if (!found) return kUnknown;
+  return level_m;
 }
 
 void SetMaxRanges(double flaser_max_range_m, std::vector<CarmenScan>* scans) {

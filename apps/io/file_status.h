@@ -2,7 +2,6 @@
 #define PLUMBLINE_APPS_IO_FILE_STATUS_H_
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -15,7 +14,8 @@ namespace plumbline {
 /// such file or directory". `error_number` is the value of errno; 0 if the cause is unknown.
 inline std::string FileErrorText(const std::string& action, const std::string& path,
                                  int error_number) {
-  const std::string cause = error_number == 0 ? "unknown cause" : std::strerror(error_number);
+  const std::string cause =
+      error_number == 0 ? "unknown cause" : std::generic_category().message(error_number);
   return "cannot " + action + " '" + path + "': " + cause;
 }
 

@@ -73,7 +73,7 @@ class ScanScorer {
   // One outline around the free triangles between neighbouring beams, from the laser along one
   // triangle after the other and back.
   void AddFreeSpace(const ScanEntry& entry, const Eigen::Vector2d& laser) {
-    const int* beam = &graph_.returns().beam[entry.first_return];
+    const int* beam = graph_.returns().beam.data() + entry.first_return;
     const double turn = graph_.laser(entry.laser).bearing_step_rad < 0.0 ? -1.0 : 1.0;
     if (!IsPlace(laser)) return;
     Eigen::Vector2d tip = laser;

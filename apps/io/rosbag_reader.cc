@@ -53,8 +53,9 @@ bool ToIsometry(const Position& position, const geometry_msgs::Quaternion& rotat
 // Reads one bag.
 class BagReader {
  public:
-  BagReader(const std::string& path, const RosbagReadOptions& options)
-      : bag_(path), options_(options) {
+  BagReader(const std::string& path, const RosbagReadOptions& options) : options_(options) {
+    // Its constructor can do this too, and if it throws leaks what it has read.
+    bag_.open(path);
     recording_.path = path;
     recording_.odom_frame = WithoutSlash(options.odom_frame);
   }

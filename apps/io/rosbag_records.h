@@ -7,11 +7,12 @@
 
 namespace plumbline {
 
-/// Looks at the records of a ROS bag (format 2.0; others are left alone): DataLoss, naming the
-/// byte, if one is longer than what is left of the file, or its header is none. The library for
-/// bags takes every length for true: it reads beyond its memory, or asks for gigabytes and ends the
-/// program. What is inside of compressed chunks is not looked at. NotFound or InvalidArgument if
-/// the file cannot be read.
+/// Looks at the records of a ROS bag: DataLoss, naming the byte, if one is longer than what is left
+/// of the file, its header is none, or it points where there is nothing of the kind; and for other
+/// formats than 2.0. The library for bags takes all this for true: it reads beyond its memory, or
+/// asks for gigabytes and ends the program; also of what has almost the right first line. What is
+/// inside of compressed chunks is not looked at. NotFound or InvalidArgument if the file cannot be
+/// read.
 Status CheckRosbagRecords(const std::string& path);
 
 }  // namespace plumbline

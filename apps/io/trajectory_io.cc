@@ -36,6 +36,7 @@ TimedPose ReadPose(FieldReader* fields) {
 
 std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph) {
   std::vector<TimedPose> trajectory;
+  trajectory.reserve(graph.num_poses());
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     trajectory.push_back({graph.timestamp_s(pose), graph.WorldFromRobot(pose)});
   }

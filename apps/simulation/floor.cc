@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "plumbline/apps/simulation/floor_plan.h"
@@ -200,7 +199,7 @@ void FloorBuilder::AddRoom(Room room) {
                 room.row.At(room.door_x + half_door, 0.0));
   const std::vector<Vector2d> way = WayIn(room);
   for (std::size_t i = 1; i < way.size(); ++i) KeepClear(way[i - 1], way[i]);
-  rooms_.push_back(std::move(room));
+  rooms_.push_back(room);
 }
 
 void FloorBuilder::FurnishRoom(Room* room) {

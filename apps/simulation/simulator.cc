@@ -36,7 +36,7 @@ Reading TakeReading(const World& world, const World* moving, const Pose2& world_
                     double bearing_rad, const LaserModel& laser, const LaserNoise& noise,
                     NoiseSource* source) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  const Reading no_return{laser.max_range_m, {kNaN, kNaN}};
+  Reading no_return{laser.max_range_m, {kNaN, kNaN}};
   // Every beam draws the same numbers, whatever it meets.
   const double bearing_error = noise.sigma_bearing_rad * source->Gaussian();
   const double range_error = noise.sigma_range_m * source->Gaussian();

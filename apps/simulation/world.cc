@@ -37,7 +37,8 @@ double IntersectFace(const Face& face, const Vector2d& origin, const Vector2d& d
   const double distance = Cross(to_face, along) / determinant;
   const double share = Cross(to_face, direction) / determinant;
   const bool hit = distance >= 0.0 && share >= -kSlack && share <= 1.0 + kSlack;
-  return hit ? distance : kInfinity;
+  if (!hit) return kInfinity;
+  return distance;
 }
 
 double IntersectDisc(const Disc& disc, const Vector2d& origin, const Vector2d& direction) {

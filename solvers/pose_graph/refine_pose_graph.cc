@@ -33,6 +33,7 @@ PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& call
     graph->SetPose(pose.pose, pose.world_from_robot);
     fixed.push_back(pose.pose);
   }
+  poses.reserve(graph->num_poses());
   for (int i = 0; i < graph->num_poses(); ++i) poses.push_back(graph->WorldFromRobot(i));
 
   PoseGraphSummary summary;

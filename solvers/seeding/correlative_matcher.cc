@@ -96,7 +96,8 @@ class BranchAndBound {
     std::vector<Candidate> top;
     // From the middle outwards: of equal scores the one nearest to the prediction is taken.
     for (int k = 0; k <= 2 * steps; ++k) {
-      AddHeading(window_.center.yaw + ((k & 1) != 0 ? 1 : -1) * ((k + 1) / 2) * step_rad);
+      const int offset = (k & 1) != 0 ? (k + 1) / 2 : -(k / 2);
+      AddHeading(window_.center.yaw + offset * step_rad);
       AddBlocks(level, &top);
     }
     Descend(level, &top);
@@ -292,6 +293,8 @@ void CorrelativeMatcher::Splat(const Eigen::Vector2d& point) {
   for (int y = 0; y < kKernelSide; ++y) {
     std::uint8_t* row = &levels_[0][static_cast<std::size_t>(y_low + y) * width_ + x_low];
     for (int x = 0; x < kKernelSide; ++x) {
+      // Never negative, where adding 0.5 would be wrong; std::lround is a call per cell.
+      // NOLINTNEXTLINE(bugprone-incorrect-roundings)
       row[x] = std::max(row[x], static_cast<std::uint8_t>(along_x[x] * along_y[y] + 0.5));
     }
   }

@@ -161,6 +161,7 @@ class CandidateTester {
 
   std::vector<FreeSpaceScan> FreeSpaceOf(const std::vector<int>& keys) const {
     std::vector<FreeSpaceScan> scans;
+    scans.reserve(keys.size());
     for (const int k : keys) scans.emplace_back(graph_, keys_.key_scans[k].scan);
     return scans;
   }

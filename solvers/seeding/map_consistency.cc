@@ -101,7 +101,9 @@ class ViewpointGrid {
       for (std::int64_t column = x - kReachCells; column <= x + kReachCells; ++column) {
         const auto cell = cells_.find(Id(column, row));
         if (cell == cells_.end()) continue;
-        if (std::hypot(column + 0.5 - pose.x, row + 0.5 - pose.y) > kReachM) continue;
+        const double center_x = static_cast<double>(column) + 0.5;
+        const double center_y = static_cast<double>(row) + 0.5;
+        if (std::hypot(center_x - pose.x, center_y - pose.y) > kReachM) continue;
         earlier.emplace_back(&cell->second, CountEarlier(cell->second, viewpoint));
         total += earlier.back().second;
       }
