@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/number_text.h"
+#include "plumbline/core/graph_poses.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "plumbline/apps/alarm.h"
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
@@ -20,6 +19,7 @@
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/stop_signal.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/marginal_energy.h"

@@ -10,6 +10,7 @@
 #include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
+#include "plumbline/core/graph_poses.h"
 
 namespace plumbline {
 namespace {
@@ -81,11 +82,9 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
   TruthError error;
   const int n = graph.num_poses();
   if (n == 0) return error;
-  std::vector<Pose2> estimated, exact;
-  for (int p = 0; p < n; ++p) {
-    estimated.push_back(graph.WorldFromRobot(p));
-    exact.push_back(truth.trajectory[p].world_from_robot);
-  }
+  const std::vector<Pose2> estimated = PosesOf(graph);
+  std::vector<Pose2> exact;
+  for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
   const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
   for (int p = 0; p < n; ++p) {
     const Pose2 pose = truth_from_estimate * estimated[p];

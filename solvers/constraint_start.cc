@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumbline/core/pose2.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/pose_graph/chordal_start.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -33,8 +33,7 @@ std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
   for (const RelativePoseConstraint& c : graph.relative_poses()) add(c);
   if (!IsChain(steps, graph.num_poses())) return std::nullopt;
 
-  std::vector<Pose2> poses;
-  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
+  std::vector<Pose2> poses = PosesOf(graph);
   constexpr double kSigmas = 3.0;
   const double degrees_of_freedom = 3.0 * static_cast<double>(steps.size());
   if (!(GraphChi2(steps, poses) > kSigmas * kSigmas * degrees_of_freedom)) return std::nullopt;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
@@ -88,18 +89,12 @@ class PoseOnlySolver {
   }
 
  private:
-  std::vector<Pose2> Poses() const {
-    std::vector<Pose2> poses;
-    poses.reserve(graph_->num_poses());
-    for (int i = 0; i < graph_->num_poses(); ++i) poses.push_back(graph_->WorldFromRobot(i));
-    return poses;
-  }
-  double Chi2() const { return errors_.Chi2(Poses()); }
+  double Chi2() const { return errors_.Chi2(PosesOf(*graph_)); }
 
   PoseGraphResult Descend() {
     std::vector<int> fixed;
     for (const FixedPose& pose : graph_->fixed_poses()) fixed.push_back(pose.pose);
-    std::vector<Pose2> poses = Poses(), before = poses;
+    std::vector<Pose2> poses = PosesOf(*graph_), before = poses;
     StochasticDescentOptions sgd = options_.sgd;
     sgd.callback = [&](int iteration, const std::vector<Pose2>& now) {
       double squared_step = 0.0;

@@ -23,7 +23,8 @@ double FineRadius(const SolverOptions& options);
 
 /// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
 /// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
-/// should be right to a few decimetres (SeedGraph brings it there).
+/// should be right to a few decimetres (SeedGraph brings it there); where odometry and relative
+/// poses flatly contradict it, from where these put the poses, if that lowers the energy.
 ///
 /// On return the graph holds the best state seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state

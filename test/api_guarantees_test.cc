@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
@@ -90,8 +91,7 @@ void ExpectSameGraph(const SlamGraph& a, const SlamGraph& b) {
 
 // Of the state of `graph`, in the terms of the given one and the surfaces as that places them.
 double EnergyOf(const Way& way, const SlamGraph& given, const SlamGraph& graph) {
-  std::vector<Pose2> poses;
-  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
+  const std::vector<Pose2> poses = PosesOf(graph);
   if (MovesPosesOnly(way.type)) return GraphChi2(given.relative_poses(), poses);
   const FactorOptions factors;
   ThreadPool pool(1);

@@ -14,6 +14,7 @@ namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kNumPoses = 24;
 
@@ -108,6 +109,26 @@ TEST_P(SolveFromConstraints, BringsMixedUpPosesHome) {
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.started_from_constraints);
   EXPECT_THAT(summary.message, HasSubstr("started from odometry and relative poses"));
+  EXPECT_LT(WorstError(room.graph.poses(), room.truth), 0.05);
+}
+
+TEST_P(SolveFromConstraints, ScansThatContradictTheOdometryKeepTheirStart) {
+  // Every step turns by six standard deviations too much.
+  NoisyRoom room = Room();
+  SolverOptions options;
+  options.type = GetParam();
+  options.factors.motion.rotation_floor_rad = 0.01;
+  options.factors.motion.rotation_per_rotation = 1e-3;
+  options.factors.motion.rotation_per_translation_rad_m = 1e-3;
+  for (std::size_t i = 0; i < room.graph.odometry().size(); ++i) {
+    Pose2 step = room.graph.odometry()[i].from_from_to;
+    step.yaw += 0.06;
+    room.graph.SetOdometryMotion(i, step);
+  }
+  ASSERT_TRUE(StartFromConstraints(room.graph, options.factors.motion));
+  const SolverSummary summary = Solve(options, &room.graph);
+  EXPECT_FALSE(summary.started_from_constraints);
+  EXPECT_THAT(summary.message, Not(HasSubstr("started from odometry")));
   EXPECT_LT(WorstError(room.graph.poses(), room.truth), 0.05);
 }
 

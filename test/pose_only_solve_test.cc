@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/noisy_room.h"
@@ -30,11 +31,7 @@ NoisyRoom RoomWithEdges() {
   return room;
 }
 
-double Chi2(const SlamGraph& graph) {
-  std::vector<Pose2> poses;
-  for (int i = 0; i < graph.num_poses(); ++i) poses.push_back(graph.WorldFromRobot(i));
-  return GraphChi2(graph.relative_poses(), poses);
-}
+double Chi2(const SlamGraph& graph) { return GraphChi2(graph.relative_poses(), PosesOf(graph)); }
 
 class PoseOnlySolveTest : public testing::TestWithParam<SolverType> {
  protected:

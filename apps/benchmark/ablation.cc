@@ -8,12 +8,12 @@
 
 #include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/seed.h"

@@ -11,6 +11,7 @@
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/seed.h"
@@ -42,9 +43,7 @@ const std::vector<AttackLevels>& AllAttacks() {
 }
 
 MapState Measure(const SlamGraph& graph, const std::vector<Pose2>& truth, ThreadPool* pool) {
-  std::vector<Pose2> poses;
-  poses.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) poses.push_back(graph.WorldFromRobot(pose));
+  const std::vector<Pose2> poses = PosesOf(graph);
   const Pose2 truth_from_world = AlignTrajectories(poses, truth);
   PoseErrors errors(StatisticsConvention::kEvo);
   for (std::size_t i = 0; i < truth.size(); ++i) errors.Add(truth[i], truth_from_world * poses[i]);
@@ -95,17 +94,6 @@ struct Row {
     return text.str();
   }
 };
-
-// Of odometry and relative poses, per residual: one half is what noise gives.
-double ConstraintCost(const SolverSummary& summary, double TermSummary::*cost) {
-  double sum = 0.0, residuals = 0.0;
-  for (const Term term : {Term::kMotion, Term::kRelativePose}) {
-    const TermSummary& row = summary.terms[static_cast<int>(term)];
-    sum += row.*cost;
-    residuals += static_cast<double>(row.count) * row.residuals_per_block;
-  }
-  return residuals > 0.0 ? sum / residuals : 0.0;
-}
 
 std::string NameOf(const AdversarialCase& run) {
   std::ostringstream name;
@@ -232,7 +220,7 @@ Status WriteAdversarialCsv(const std::string& path,
          "heading_error_before_rad,heading_error_after_rad,wall_before_m,wall_after_m,"
          "entropy_before,entropy_after,alarm,energy_before,energy_after,held_out_returns,held_out_"
          "before,"
-         "held_out_after,held_out_noise,constraints_before,constraints_after,termination\n"
+         "held_out_after,held_out_noise,termination\n"
       << std::setprecision(8);
   for (const AdversarialOutcome& o : outcomes) {
     const Verdict& verdict = o.summary.verdict;
@@ -243,9 +231,7 @@ Status WriteAdversarialCsv(const std::string& path,
         << o.before.mean_map_entropy << ',' << o.after.mean_map_entropy << ',' << o.alarm << ','
         << verdict.seed_energy << ',' << verdict.final_energy << ',' << verdict.num_held_out << ','
         << verdict.seed_held_out_error << ',' << verdict.final_held_out_error << ','
-        << verdict.held_out_noise << ',' << ConstraintCost(o.summary, &TermSummary::initial_cost)
-        << ',' << ConstraintCost(o.summary, &TermSummary::final_cost) << ','
-        << ToString(o.summary.termination) << '\n';
+        << verdict.held_out_noise << ',' << ToString(o.summary.termination) << '\n';
   }
   return file.Commit();
 }

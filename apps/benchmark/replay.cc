@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "plumbline/apps/benchmark/solver_run.h"
-#include "plumbline/apps/graph_poses.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"

@@ -12,6 +12,7 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
@@ -81,9 +82,9 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
 }
 
 void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, SeedingOutcome* outcome) {
-  std::vector<Pose2> estimated, truth;
+  const std::vector<Pose2> estimated = PosesOf(graph);
+  std::vector<Pose2> truth;
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    estimated.push_back(graph.WorldFromRobot(pose));
     truth.push_back(log.scans[pose].world_from_robot);
   }
   const Pose2 truth_from_world = AlignTrajectories(estimated, truth);

@@ -7,11 +7,11 @@
 
 #include "plumbline/apps/alarm.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/solve.h"
 

@@ -8,7 +8,7 @@
 
 #include "plumbline/apps/benchmark/known_walls.h"
 #include "plumbline/apps/benchmark/match_graph.h"
-#include "plumbline/apps/graph_poses.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"

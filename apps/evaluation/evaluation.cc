@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/log_map.h"
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/ply_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <cstdio>
 
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/joined_returns.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/pose_frame.h"

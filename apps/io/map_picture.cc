@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
 #include "plumbline/apps/number_text.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {

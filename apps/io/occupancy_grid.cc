@@ -5,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/occupancy_scores.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/joined_returns.h"
 #include "plumbline/core/options_check.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/core/float_environment.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/pose_graph/chordal_start.h"
 
 namespace plumbline {
@@ -28,13 +29,11 @@ PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& call
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<RelativePoseConstraint>& edges = graph->relative_poses();
   std::vector<int> fixed;
-  std::vector<Pose2> poses;
   for (const FixedPose& pose : graph->fixed_poses()) {
     graph->SetPose(pose.pose, pose.world_from_robot);
     fixed.push_back(pose.pose);
   }
-  poses.reserve(graph->num_poses());
-  for (int i = 0; i < graph->num_poses(); ++i) poses.push_back(graph->WorldFromRobot(i));
+  std::vector<Pose2> poses = PosesOf(*graph);
 
   PoseGraphSummary summary;
   summary.num_poses = poses.size();

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/apps/graph_poses.h"
 #include "plumbline/apps/io/occupancy_grid.h"
+#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"

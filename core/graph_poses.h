@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_GRAPH_POSES_H_
-#define PLUMBLINE_APPS_GRAPH_POSES_H_
+#ifndef PLUMBLINE_CORE_GRAPH_POSES_H_
+#define PLUMBLINE_CORE_GRAPH_POSES_H_
 
 #include <vector>
 
@@ -18,4 +18,4 @@ inline std::vector<Pose2> PosesOf(const SlamGraph& graph) {
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_GRAPH_POSES_H_
+#endif  // PLUMBLINE_CORE_GRAPH_POSES_H_
