@@ -3,14 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/evaluation/relations_metric.h"
+#include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/factor_testing.h"
 #include "plumbline/test/synthetic_scene.h"
+#include "plumbline/test/temp_file.h"
 
 namespace plumbline {
 namespace {
@@ -260,6 +266,57 @@ TEST(CalibrationTest, RefusesAndLeavesTheGraphAlone) {
   graph = MakeDrive(false, 4, 1);
   ASSERT_TRUE(graph.AddPose({1.0, 1.0, 0.0}, 9.0, &id).ok());
   ExpectRefused(options, graph, "nothing ties pose 4 to a fixed pose");
+}
+
+// A reference tells where the robot's frame is: here the relative poses that Freiburg's benchmark
+// gives of building 079, whose log has the laser 4 cm behind the robot's centre. Odometry is left
+// out, for it turns about a point near the laser.
+TEST(CalibrationTest, FindsTheMountingOfARealLogFromReferencePoses) {
+  if (DatasetsFolder().empty()) GTEST_SKIP() << "PLUMBLINE_DATASETS is not set";
+  CarmenLog log;
+  ASSERT_TRUE(ReadCarmenLog(DatasetsFolder() + "/fr079.clf.gz", CarmenReadOptions(), &log).ok());
+  std::vector<Relation> relations;
+  ASSERT_TRUE(ReadRelations(DatasetsFolder() + "/fr079.relations", &relations).ok());
+  EXPECT_NEAR(EstimateLaserMounting(log).robot_from_laser.x, -0.04, 1e-4);
+  SlamGraph drive;
+  ASSERT_TRUE(BuildGraph(log, 0, &drive).ok());
+  drive.SetMounting(0, Pose2());
+  SeedingReport seeding;
+  ASSERT_TRUE(SeedGraph(SeedingOptions(), SolverOptions(), &drive, &seeding).ok());
+
+  SlamGraph graph;
+  std::vector<double> times_s;
+  for (int pose = 0, id = 0; pose < drive.num_poses(); ++pose) {
+    times_s.push_back(drive.timestamp_s(pose));
+    ASSERT_TRUE(graph.AddPose(drive.WorldFromRobot(pose), times_s.back(), &id).ok());
+  }
+  for (int scan = 0; scan < drive.num_scans(); ++scan) {
+    ASSERT_TRUE(graph.AddScanOf(drive, scan, drive.scan(scan).pose).ok());
+  }
+  // As well as scans can be laid over each other by hand.
+  const Eigen::Vector3d sigmas(0.03, 0.03, DegToRad(0.5));
+  const Eigen::Matrix3d covariance = sigmas.cwiseAbs2().asDiagonal();
+  const auto pose_at = [&](double time_s) {
+    const auto after = std::lower_bound(times_s.begin(), times_s.end(), time_s - 0.005);
+    return static_cast<int>(after - times_s.begin());
+  };
+  for (const Relation& r : relations) {
+    const int from = pose_at(r.from_s), to = pose_at(r.to_s);
+    ASSERT_NEAR(times_s.at(from), r.from_s, 0.005);
+    ASSERT_NEAR(times_s.at(to), r.to_s, 0.005);
+    ASSERT_TRUE(graph.AddRelativePose({from, to, r.from_from_to, covariance}).ok());
+  }
+  CalibrationOptions options;
+  options.laser_mounting = true;
+  Calibration calibration;
+  const SolverSummary summary =
+      SolveWithCalibration(SolverOptions(), options, &graph, &calibration);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  ASSERT_EQ(calibration.parameters.size(), 3u);
+  for (const CalibratedParameter& p : calibration.parameters) EXPECT_TRUE(p.IsDetermined());
+  EXPECT_NEAR(calibration.parameters[0].value, -0.04, 0.01);
+  EXPECT_NEAR(calibration.parameters[1].value, 0.0, 0.01);
+  EXPECT_NEAR(calibration.parameters[2].value, 0.0, DegToRad(1.0));
 }
 
 }  // namespace
