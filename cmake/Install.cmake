@@ -37,8 +37,13 @@ install(FILES ${PROJECT_BINARY_DIR}/plumblineConfig.cmake
         DESTINATION ${PLUMBLINE_PACKAGE_DIR} COMPONENT library)
 install(FILES ${PROJECT_BINARY_DIR}/plumbline.pc DESTINATION ${PLUMBLINE_PC_DIR}
         COMPONENT library)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/plumbline COMPONENT library
+# Where Debian looks for it: by the names of the packages below.
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libplumbline-dev COMPONENT library
         RENAME copyright)
+if(PLUMBLINE_BUILD_APPS)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/plumbline COMPONENT programs
+          RENAME copyright)
+endif()
 
 if(NOT PLUMBLINE_TOP_LEVEL)
   return()
