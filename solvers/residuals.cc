@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/range_beam_factor.h"
 #include "plumbline/factors/surface_noise.h"
@@ -104,6 +105,7 @@ Status EvaluateChecked(const SolverOptions& options, const SlamGraph& graph, Res
 
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
                          Residuals* residuals) {
+  const DefaultFloatEnvironment float_environment;
   return CatchExceptions([&] { return EvaluateChecked(options, graph, residuals); });
 }
 

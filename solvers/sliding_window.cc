@@ -190,6 +190,7 @@ bool WindowOptions::Check(std::string* error) const {
 
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
                           SlamGraph* graph) {
+  const DefaultFloatEnvironment float_environment;
   return CatchFailures(options, [&] {
     std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph->num_poses()));
     std::iota(newest.begin(), newest.end(), graph->num_poses() - static_cast<int>(newest.size()));

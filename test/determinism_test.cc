@@ -141,8 +141,8 @@ TEST(Determinism, AnyFloatingPointEnvironmentOfTheHost) {
   }
 }
 
-// A window, and what is known of a pose, on one and the same graph.
-TEST(Determinism, WindowAndCovariance) {
+// A window, its residuals, and what is known of a pose, on one and the same graph.
+TEST(Determinism, WindowResidualsAndCovariance) {
   const SlamGraph seeded = Seeded(1);
   const auto run = [&](int num_threads) {
     SlamGraph graph = seeded;
@@ -155,8 +155,17 @@ TEST(Determinism, WindowAndCovariance) {
     const int last = graph.num_poses() - 1;
     const Status status = ComputePoseCovariances(options, graph, {{last, last}}, &covariances);
     EXPECT_TRUE(status.ok()) << status.message();
+    Residuals residuals;
+    EXPECT_TRUE(EvaluateResiduals(options, graph, &residuals).ok());
     const double* numbers = covariances.front().data();
-    return Result{{}, graph.poses(), graph.points(), {numbers, numbers + 9}};
+    Result result{{}, graph.poses(), graph.points(), {numbers, numbers + 9}};
+    for (const Eigen::Vector3d& step : residuals.odometry) {
+      result.figures.insert(result.figures.end(), step.data(), step.data() + 3);
+    }
+    for (const Eigen::Vector2d& beam : residuals.beams) {
+      result.figures.insert(result.figures.end(), beam.data(), beam.data() + 2);
+    }
+    return result;
   };
   const Result expected = run(1);
   for (const int threads : {2, 4}) ExpectSame(expected, run(threads), std::to_string(threads));
