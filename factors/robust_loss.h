@@ -5,6 +5,12 @@
 
 namespace plumbline {
 
+/// What a robust loss makes of one residual.
+struct RobustTerm {
+  double rho = 0.0;          ///< twice the cost
+  double information = 0.0;  ///< in iteratively re-weighted least squares: rho' over the variance
+};
+
 /// Geman-McClure loss of the squared whitened residual s (both dimensionless):
 ///   rho(s) = a s / (a + s),   a = gate^2,
 /// about s for small residuals and never more than a: an outlier far beyond the gate costs a
@@ -21,6 +27,12 @@ struct GemanMcClure {
   double Weight(double s) const {
     const double ratio = scale_squared / (scale_squared + s);
     return ratio * ratio;
+  }
+  /// Of a residual of this variance, s = residual^2 / variance, by one division for both.
+  RobustTerm Term(double residual, double variance) const {
+    const double squared = residual * residual;
+    const double factor = scale_squared / (scale_squared * variance + squared);
+    return {squared * factor, variance * factor * factor};
   }
   /// rho''(s), negative throughout.
   double Curvature(double s) const { return -2.0 * Weight(s) / (scale_squared + s); }

@@ -22,6 +22,16 @@ TEST(GemanMcClure, IsQuadraticNearZeroAndSaturatesFarOut) {
   EXPECT_LT(loss.Weight(1e6), 1e-10);
 }
 
+TEST(GemanMcClure, TakesAResidualWithItsVariance) {
+  const GemanMcClure loss = GemanMcClure::FromGate(2.0);
+  for (const double residual : {0.0, 0.01, -0.3, 50.0}) {
+    const double variance = 0.04, s = residual * residual / variance;
+    const RobustTerm term = loss.Term(residual, variance);
+    EXPECT_NEAR(term.rho, loss.Rho(s), 1e-15 * loss.scale_squared);
+    EXPECT_NEAR(term.information, loss.Weight(s) / variance, 1e-15 / variance);
+  }
+}
+
 TEST(GemanMcClure, DerivativesAgreeWithNumericDifferences) {
   const GemanMcClure loss = GemanMcClure::FromGate(1.7);
   for (const double s : {0.01, 0.5, 2.89, 10.0, 300.0}) {

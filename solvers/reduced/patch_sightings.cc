@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "plumbline/core/line_fit.h"
+
 namespace plumbline {
 namespace {
 
@@ -41,6 +43,14 @@ struct LineInRobot {
 struct Residual {
   Eigen::Vector2d z, beam, normal;  // the return, seen from robot and laser [m]; of the line
   double distance, variance;        // from the line [m]; of that [m^2]
+
+  Residual(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& laser, const LineInRobot& line,
+           const SurfaceNoise& noise)
+      : z(in_robot),
+        beam(in_robot - laser),
+        normal(line.normal),
+        distance(line.normal.dot(in_robot) + line.offset),
+        variance(noise.surface_variance + noise.BeamVariance(beam, line.normal)) {}
 };
 
 }  // namespace
@@ -160,27 +170,23 @@ std::vector<int> ReturnCompressor::PatchOfReturn(const PatchSightings& sightings
 }
 
 template <typename Body>
-void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<SurfacePatch>& patches,
-                                       const PoseFrame& frame, const PatchSightings& sightings,
-                                       const Body& body) const {
+void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<SurfacePatch>& patches,
+                                  const PoseFrame& frame, const PatchSightings& sightings,
+                                  const Body& body) const {
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
     const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
     const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
-    int current = SurfacePatches::kNone;
-    LineInRobot line(SurfacePatch(), frame);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (sighting_of_return_[r] == SurfacePatches::kNone) continue;
-      if (sighting_of_return_[r] != current) {
-        current = sighting_of_return_[r];
-        line = LineInRobot(patches[sightings.sightings[current].patch], frame);
-      }
-      Residual residual;
-      residual.z = surface_.points[r].cast<double>();
-      residual.beam = residual.z - laser;
-      residual.normal = line.normal;
-      residual.variance = noise_.surface_variance + noise_.BeamVariance(residual.beam, line.normal);
-      residual.distance = line.normal.dot(residual.z) + line.offset;
-      body(current, residual);
+    const std::size_t end = scan.first_return + scan.num_returns;
+    for (std::size_t begin = scan.first_return, after = begin; begin < end; begin = after) {
+      const int sighting = sighting_of_return_[begin];
+      for (++after; after < end && sighting_of_return_[after] == sighting;) ++after;
+      if (sighting == SurfacePatches::kNone) continue;
+      const LineInRobot line(patches[sightings.sightings[sighting].patch], frame);
+      body(sighting, [&, begin, after](const auto& take) {
+        for (std::size_t r = begin; r < after; ++r) {
+          take(Residual(surface_.points[r].cast<double>(), laser, line, noise_));
+        }
+      });
     }
   }
 }
@@ -198,16 +204,20 @@ double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
       sighting.centroid.setZero();
     }
     double cost = 0.0;
-    ForEachResidual(pose, patches, frames[pose], *sightings, [&](int index, const Residual& r) {
-      const double squared = r.distance * r.distance / r.variance;
-      const double weight = loss.Weight(squared) / r.variance;
-      cost += 0.5 * loss.Rho(squared);
+    ForEachRun(pose, patches, frames[pose], *sightings, [&](int index, const auto& for_each) {
+      // Sums of a run are kept at hand; those of the sighting are in memory.
+      PointMoments run;
+      for_each([&](const Residual& r) {
+        const RobustTerm term = loss.Term(r.distance, r.variance);
+        cost += 0.5 * term.rho;
+        run.Add(r.z.x(), r.z.y(), term.information);
+      });
       PatchSighting& sighting = sightings->sightings[index];
-      sighting.weight += weight;
-      sighting.centroid += weight * r.z;
-      sighting.xx += weight * r.z.x() * r.z.x();
-      sighting.xy += weight * r.z.x() * r.z.y();
-      sighting.yy += weight * r.z.y() * r.z.y();
+      sighting.weight += run.weight;
+      sighting.centroid += Eigen::Vector2d(run.x, run.y);
+      sighting.xx += run.xx;
+      sighting.xy += run.xy;
+      sighting.yy += run.yy;
     });
     for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
          ++k) {
@@ -232,16 +242,17 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<SurfaceP
   pool_->ForEachChunk(
       graph_.num_poses(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t pose = begin; pose < end; ++pose) {
-          ForEachResidual(pose, patches, frames[pose], sightings,
-                          [&](int index, const Residual& r) {
-                            const double weight =
-                                loss.Weight(r.distance * r.distance / r.variance) / r.variance;
-                            const double slope = r.normal.dot(r.beam.normalized());
-                            slopes[index].weight += weight * slope;
-                            slopes[index].moment += weight * slope * r.z;
-                            slopes[index].curvature += weight * slope * slope;
-                            slopes[index].gradient += weight * slope * r.distance;
-                          });
+          ForEachRun(pose, patches, frames[pose], sightings, [&](int index, const auto& for_each) {
+            RangeSlope& slope = slopes[index];
+            for_each([&](const Residual& r) {
+              const double weight = loss.Term(r.distance, r.variance).information;
+              const double cosine = r.normal.dot(r.beam.normalized());
+              slope.weight += weight * cosine;
+              slope.moment += weight * cosine * r.z;
+              slope.curvature += weight * cosine * cosine;
+              slope.gradient += weight * cosine * r.distance;
+            });
+          });
         }
       });
   return slopes;

@@ -81,11 +81,11 @@ class ReturnCompressor {
                                       const PatchSightings& sightings) const;
 
  private:
-  // Calls body(sighting, return) for every return of a pose that lies on a patch.
+  // Neighbouring beams of a scan that end on the same patch are a run. Calls body(sighting,
+  // for_each) for every run of a pose, where for_each(take) calls take with each return of it.
   template <typename Body>
-  void ForEachResidual(std::size_t pose, const std::vector<SurfacePatch>& patches,
-                       const PoseFrame& frame, const PatchSightings& sightings,
-                       const Body& body) const;
+  void ForEachRun(std::size_t pose, const std::vector<SurfacePatch>& patches,
+                  const PoseFrame& frame, const PatchSightings& sightings, const Body& body) const;
   template <typename Body>
   void ForEachReturnOnPatch(std::size_t pose, const Body& body);
   // The patches that each pose sees, ascending, in one list per chunk of poses.
