@@ -47,7 +47,8 @@ struct Result {
 
 // Doubles that compare equal may differ in their bytes, and NaN is not even equal to itself.
 bool SameBytes(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
 }
 void ExpectSame(const Result& a, const Result& b, const std::string& what) {
   EXPECT_TRUE(SameBytes(a.seed_poses, b.seed_poses)) << what << ", seed";
