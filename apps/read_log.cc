@@ -11,6 +11,7 @@
 #include "plumbline/apps/io/ros_recording.h"
 #include "plumbline/apps/io/rosbag_reader.h"
 #include "plumbline/apps/log_flags.h"
+#include "plumbline/solvers/mirrored_scans.h"
 
 namespace plumbline {
 namespace {
@@ -64,6 +65,9 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
+  // No error: it may be the odometry that is mirrored.
+  const Status mirrored = CheckScansAreNotMirrored(result);
+  if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
   *counts = result_counts;
   *graph = std::move(result);
   return Status::Ok();

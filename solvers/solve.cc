@@ -14,6 +14,7 @@
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/held_out_returns.h"
 #include "plumbline/solvers/marginal_energy.h"
+#include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/point_recovery.h"
 #include "plumbline/solvers/pose_only_solve.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
@@ -412,6 +413,7 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     const bool poses_only = MovesPosesOnly(options.type);
     Status status = CheckSolverInput(options, *graph);
     if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, *graph);
+    if (status.ok() && !poses_only) status = CheckScansAreNotMirrored(*graph);
     if (!status.ok()) return SolverFailure(options, status);
     GivenState given(graph);
     SolverSummary summary;

@@ -46,9 +46,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{Attack::kTruth, 0.0, 0.0}, Case{Attack::kDrift, 3.0, 10.0},
                     Case{Attack::kWrongClosures, 0.1, 5.0}, Case{Attack::kJump, 1.0, 5.0},
                     Case{Attack::kShuffled, 0.1, 100.0}, Case{Attack::kShuffled, 1.0, 100.0},
-                    Case{Attack::kMirrored, 0.1, 2.0}, Case{Attack::kPeople, 0.3, 3.0},
-                    Case{Attack::kMissingOdometry, 0.5, 5.0}, Case{Attack::kNoise, 0.2, 3.0},
-                    Case{Attack::kNoise, 5.0, 2.0}, Case{Attack::kRepeatedScan, 0.1, 0.0}),
+                    Case{Attack::kMirrored, 0.1, 2.0}, Case{Attack::kMirrored, 1.0, 0.0},
+                    Case{Attack::kPeople, 0.3, 3.0}, Case{Attack::kMissingOdometry, 0.5, 5.0},
+                    Case{Attack::kNoise, 0.2, 3.0}, Case{Attack::kNoise, 5.0, 2.0},
+                    Case{Attack::kRepeatedScan, 0.1, 0.0}),
     [](const testing::TestParamInfo<Case>& info) { return "Case" + std::to_string(info.index); });
 
 TEST_P(NeverWorseTest, HoldsForAHostsGraph) {

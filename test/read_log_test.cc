@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/carmen_writer.h"
+#include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/test/temp_file.h"
 
 namespace plumbline {
@@ -30,6 +34,33 @@ TEST(ReadLogTest, ReadsTheFirstScansAndCountsWhatDoesNotFit) {
   EXPECT_EQ(graph.num_returns(), 4u);
   EXPECT_EQ(counts.num_skipped_records, 1u);
   EXPECT_EQ(counts.num_out_of_order, 1u);
+}
+
+TEST(ReadLogTest, BeamsInReverseOrderAreNoticed) {
+  SimulatedLog log;
+  SimulationOptions options;
+  options.scan_period_s = 0.5;
+  ASSERT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), options, &log).ok());
+  const std::string path = TempFolder() + "a.clf";
+  for (const bool reversed : {false, true}) {
+    if (reversed) {
+      for (SimulatedScan& scan : log.scans) {
+        std::reverse(scan.scan.ranges.begin(), scan.scan.ranges.end());
+      }
+    }
+    ASSERT_TRUE(WriteCarmenLog(path, log).ok());
+    SlamGraph graph;
+    LogCounts counts;
+    testing::internal::CaptureStderr();
+    const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+    const std::string said = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(status.ok()) << status.message();
+    if (reversed) {
+      EXPECT_THAT(said, HasSubstr("warning: " + path + ": the scans look mirrored: for "));
+    } else {
+      EXPECT_EQ(said, "");
+    }
+  }
 }
 
 TEST(ReadLogTest, ALogWithoutReturnsIsAnError) {

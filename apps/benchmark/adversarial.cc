@@ -14,6 +14,7 @@
 #include "plumbline/core/graph_poses.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
@@ -72,7 +73,8 @@ struct Row {
 
   void Add(const AdversarialOutcome& outcome) {
     ++runs;
-    returned += outcome.summary.termination == TerminationType::kNoImprovement ? 1 : 0;
+    const TerminationType end = outcome.summary.termination;
+    returned += end == TerminationType::kNoImprovement || end == TerminationType::kFailure ? 1 : 0;
     if (outcome.PosesAreWorse()) ++(outcome.alarm ? worse_warned : worse_silent);
     blurrier += outcome.MapIsBlurrier() ? 1 : 0;
     before_m.push_back(outcome.before.pose_error_m);
@@ -174,7 +176,10 @@ Status RunAdversarialCase(const AdversarialCase& run, SolverOptions solver,
   }
   result.before = Measure(problem.graph, problem.truth, &pool);
   result.summary = Solve(solver, &problem.graph);
-  if (!result.summary.IsSolutionUsable()) return Status::InvalidArgument(result.summary.message);
+  // To refuse mirrored scans is to give the start back.
+  if (!result.summary.IsSolutionUsable() && CheckScansAreNotMirrored(problem.graph).ok()) {
+    return Status::InvalidArgument(result.summary.message);
+  }
   result.after = Measure(problem.graph, problem.truth, &pool);
   *outcome = std::move(result);
   return Status::Ok();
