@@ -23,6 +23,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/marginal_energy.h"
+#include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
 #include "plumbline/solvers/solve.h"
 
@@ -38,6 +39,7 @@ class PoseGraphRun {
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Read());
     PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
+    PLUMBLINE_RETURN_IF_ERROR(CheckScans());
     PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults({options_.log}));
@@ -73,6 +75,14 @@ class PoseGraphRun {
         EstimateMemory(file_.graph, options_.solver, false, options_.outputs.picture_side_px);
     std::cout << memory.Text() << std::flush;
     return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
+  }
+
+  // Rather now than by the solver, with pictures written.
+  Status CheckScans() const {
+    if (by_edges_only()) return Status::Ok();
+    const Status mirrored = CheckScansAreNotMirrored(file_.graph);
+    return mirrored.ok() ? mirrored
+                         : Status::InvalidArgument(options_.log + ": " + mirrored.message());
   }
 
   void RefineByEdges() {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
@@ -40,6 +41,21 @@ class PoseGraphRunTest : public testing::Test {
 
   const std::string folder_ = TempFolder();
 };
+
+// The same file with its vertices elsewhere.
+std::string WithVertices(const std::string& g2o, const std::vector<Pose2>& poses) {
+  std::string text;
+  std::istringstream lines(g2o);
+  int vertex = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("VERTEX_SE2", 0) == 0) {
+      line = "VERTEX_SE2 " + std::to_string(10 * vertex) + Text(poses[vertex]);
+      ++vertex;
+    }
+    text += line + "\n";
+  }
+  return text;
+}
 
 TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   NoisyRoom room = MakeNoisyRoom();
@@ -97,17 +113,7 @@ TEST_F(PoseGraphRunTest, ScansOutOfOrderCannotBeCheckedForPasses) {
 
 TEST_F(PoseGraphRunTest, KeepsAGivenStartThatTheScansFitBetter) {
   const NoisyRoom room = MakeNoisyRoom();
-  std::string text;
-  std::istringstream lines(AsG2o(room));
-  int vertex = 0;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("VERTEX_SE2", 0) == 0) {
-      line = "VERTEX_SE2 " + std::to_string(10 * vertex) + Text(room.truth[vertex]);
-      ++vertex;
-    }
-    text += line + "\n";
-  }
-  WriteFile(folder_ + "a.g2o", text);
+  WriteFile(folder_ + "a.g2o", WithVertices(AsG2o(room), room.truth));
   ASSERT_TRUE(Run("a.g2o").ok());
   EXPECT_EQ(Summary()["joint"]["start"], "given");
 }
@@ -183,6 +189,18 @@ TEST_F(PoseGraphRunTest, FixedVerticesStay) {
   PoseGraphFile refined;
   ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
   EXPECT_NEAR(refined.graph.WorldFromRobot(0).x, 0.0, 1e-6);
+}
+
+TEST_F(PoseGraphRunTest, MirroredScansAreRefusedBeforeAnythingIsWritten) {
+  NoisyRoomOptions options;
+  options.num_poses = 24;
+  NoisyRoom room = MakeNoisyRoom(options);
+  const std::string text = AsG2o(room);
+  for (Pose2& pose : room.truth) pose = {pose.x, -pose.y, -pose.yaw};
+  WriteFile(folder_ + "a.g2o", WithVertices(text, room.truth));
+  EXPECT_THAT(Run("a.g2o").message(), HasSubstr("a.g2o: the scans look mirrored"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
+  EXPECT_TRUE(Run("a.g2o", SolverType::kPoseGraph).ok());  // does not look at them
 }
 
 TEST_F(PoseGraphRunTest, AFileThatCannotBeReadLeavesNoResults) {
