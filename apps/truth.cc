@@ -84,6 +84,7 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
   if (n == 0) return error;
   const std::vector<Pose2> estimated = PosesOf(graph);
   std::vector<Pose2> exact;
+  exact.reserve(n);
   for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
   const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
   for (int p = 0; p < n; ++p) {

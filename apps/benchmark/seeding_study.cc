@@ -84,6 +84,7 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
 void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, SeedingOutcome* outcome) {
   const std::vector<Pose2> estimated = PosesOf(graph);
   std::vector<Pose2> truth;
+  truth.reserve(estimated.size());
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     truth.push_back(log.scans[pose].world_from_robot);
   }
