@@ -77,10 +77,13 @@ class PoseGraphRun {
     return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
   }
 
-  // Rather now than by the solver, with pictures written.
+  // Rather now than by the solver, with pictures written. It starts where file or edges say.
   Status CheckScans() const {
-    if (by_edges_only()) return Status::Ok();
-    const Status mirrored = CheckScansAreNotMirrored(file_.graph);
+    if (!has_scans() || by_edges_only()) return Status::Ok();
+    if (VoteOnTurns(file_.graph, file_.graph.poses()).SayRight()) return Status::Ok();
+    SlamGraph by_edges = file_.graph;
+    RefinePoseGraph(&by_edges);
+    const Status mirrored = CheckScansAreNotMirrored(file_.graph, by_edges.poses());
     return mirrored.ok() ? mirrored
                          : Status::InvalidArgument(options_.log + ": " + mirrored.message());
   }

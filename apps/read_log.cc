@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -66,7 +67,7 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
   // No error: it may be the odometry that is mirrored.
-  const Status mirrored = CheckScansAreNotMirrored(result);
+  const Status mirrored = CheckScansAreNotMirrored(result, std::nullopt);
   if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
   *counts = result_counts;
   *graph = std::move(result);

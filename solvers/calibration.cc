@@ -14,6 +14,7 @@
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/constraint_start.h"
 #include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/pose_terms.h"
 #include "plumbline/solvers/reduced/calibrated_graph.h"
@@ -279,7 +280,8 @@ Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibr
     return Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
                                    " does not look at the returns, and calibration needs them");
   }
-  PLUMBLINE_RETURN_IF_ERROR(CheckScansAreNotMirrored(graph));
+  PLUMBLINE_RETURN_IF_ERROR(
+      CheckScansAreNotMirrored(graph, StartFromConstraints(graph, options.factors.motion)));
   return calibration.laser_mounting || calibration.range_scale ? CheckMountings(graph)
                                                                : Status::Ok();
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -59,10 +60,13 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
 
 class JointSolver {
  public:
-  // Keeps references to all its arguments. given: of the graph.
-  JointSolver(const SolverOptions& options, const MeasuredSurface* surface, GivenState* given,
+  // Keeps references to all its arguments. suggested: see StartFromConstraints. given: of the
+  // graph.
+  JointSolver(const SolverOptions& options, const MeasuredSurface* surface,
+              const std::optional<std::vector<double>>& suggested, GivenState* given,
               SlamGraph* graph)
       : options_(options),
+        suggested_(suggested),
         given_(given),
         graph_(graph),
         fine_radius_m_(FineRadius(options)),
@@ -99,11 +103,10 @@ class JointSolver {
   // Where odometry and relative poses flatly contradict the seed, what they say may be the better
   // start.
   void FindStart() {
-    const auto suggested = StartFromConstraints(*graph_, options_.factors.motion);
-    if (!suggested) return;
+    if (!suggested_) return;
     seed_patches_ = CutSurfaces();
-    graph_->poses() = *suggested;
-    summary_.started_from_constraints = Compare({*suggested, CutSurfaces()}).LowersEnergy();
+    graph_->poses() = *suggested_;
+    summary_.started_from_constraints = Compare({*suggested_, CutSurfaces()}).LowersEnergy();
     if (!summary_.started_from_constraints) graph_->poses() = seed_poses_;
   }
 
@@ -384,6 +387,7 @@ class JointSolver {
   }
 
   const SolverOptions& options_;
+  const std::optional<std::vector<double>>& suggested_;
   GivenState* given_;
   SlamGraph* graph_;
   const double fine_radius_m_;
@@ -413,7 +417,11 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     const bool poses_only = MovesPosesOnly(options.type);
     Status status = CheckSolverInput(options, *graph);
     if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, *graph);
-    if (status.ok() && !poses_only) status = CheckScansAreNotMirrored(*graph);
+    std::optional<std::vector<double>> suggested;
+    if (status.ok() && !poses_only) {
+      suggested = StartFromConstraints(*graph, options.factors.motion);
+      status = CheckScansAreNotMirrored(*graph, suggested);
+    }
     if (!status.ok()) return SolverFailure(options, status);
     GivenState given(graph);
     SolverSummary summary;
@@ -421,7 +429,7 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       given.CopyPoints();
       summary = SolvePosesOnly(options, graph);
     } else {
-      summary = JointSolver(options, surface, &given, graph).Run();
+      summary = JointSolver(options, surface, suggested, &given, graph).Run();
     }
     given.KeepNewState();
     return summary;

@@ -30,10 +30,10 @@ double FineRadius(const SolverOptions& options);
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
 /// by energy and by these returns (see Verdict); then one last round takes them in. The graph
 /// holds the given state, bit for bit, if nothing was better; the message says by which yardstick.
-/// Bad options, no returns, scans that look mirrored to the poses (see mirrored_scans.h), or a
-/// state that is not finite or beyond 1e8 m: termination kFailure, the message names the culprit,
-/// and the graph is unchanged. So it is if memory runs out or the callback throws; nothing is
-/// thrown from here.
+/// Bad options, no returns, scans that match as mirror images only around the turns of the poses
+/// (beams counted from the wrong side, or a laser that hangs upside down), or a state that is not
+/// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
+/// unchanged. So it is if memory runs out or the callback throws; nothing is thrown from here.
 ///
 /// Graphs are independent of each other: several threads may solve one each.
 ///

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "plumbline/solvers/calibration.h"
@@ -41,20 +43,20 @@ SyntheticScene Room(int num_poses) {
   return scene;
 }
 
-// As a host has it that counts the beams from the wrong side: every scan of which `is_reversed`.
+// As a host has it that counts the beams from the wrong side: every scan that `is_reversed` says.
 template <typename Predicate>
 SlamGraph Reversed(const SlamGraph& from, const Predicate& is_reversed) {
   SlamGraph graph;
   int laser = 0, pose = 0;
-  EXPECT_TRUE(graph.AddLaser(from.laser(0), &laser).ok());
   for (int s = 0; s < from.num_scans(); ++s) {
     const ScanEntry& scan = from.scan(s);
-    const int num_beams = from.laser(0).num_beams;
+    const int num_beams = from.LaserOfScan(s).num_beams;
     std::vector<double> ranges(num_beams, std::numeric_limits<double>::infinity());
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const int beam = from.returns().beam[r];
       ranges[is_reversed(s) ? num_beams - 1 - beam : beam] = from.returns().range_m[r];
     }
+    EXPECT_TRUE(graph.AddLaser(from.LaserOfScan(s), &laser).ok());
     EXPECT_TRUE(graph.AddPose(from.WorldFromRobot(scan.pose), s, &pose).ok());
     EXPECT_TRUE(graph.AddScan(pose, laser, ranges).ok());
   }
@@ -63,16 +65,65 @@ SlamGraph Reversed(const SlamGraph& from, const Predicate& is_reversed) {
 
 bool Every(int /*scan*/) { return true; }
 
+TurnVotes Vote(const SlamGraph& graph) { return VoteOnTurns(graph, graph.poses()); }
+Status Check(const SlamGraph& graph) { return CheckScansAreNotMirrored(graph, std::nullopt); }
+
+void ExpectToldApart(const SyntheticScene& scene) {
+  const SlamGraph graph = MakeGraph(scene);
+  const TurnVotes sound = Vote(graph), mirrored = Vote(Reversed(graph, Every));
+  EXPECT_GE(sound.as_they_are, 20);
+  EXPECT_EQ(sound.mirrored, 0);
+  EXPECT_GE(mirrored.mirrored, 20);
+  EXPECT_EQ(mirrored.as_they_are, 0);
+}
+
 TEST(MirroredScansTest, TurnsTellScansFromTheirMirrorImages) {
   for (const int num_poses : {24, 60, 1000}) {  // turns of 30, 12 and 0.7 degrees
-    const SlamGraph graph = MakeGraph(Room(num_poses));
-    const TurnVotes sound = VoteOnTurns(graph);
-    EXPECT_GE(sound.as_they_are, 20) << num_poses;
-    EXPECT_EQ(sound.mirrored, 0) << num_poses;
-    const TurnVotes mirrored = VoteOnTurns(Reversed(graph, Every));
-    EXPECT_EQ(mirrored.as_they_are, sound.mirrored) << num_poses;
-    EXPECT_EQ(mirrored.mirrored, sound.as_they_are) << num_poses;
+    SCOPED_TRACE(num_poses);
+    ExpectToldApart(Room(num_poses));
   }
+  // Beams counted clockwise, and rightly said to be.
+  SyntheticScene scene = Room(24);
+  scene.laser.first_bearing_rad = DegToRad(120.0);
+  scene.laser.bearing_step_rad = DegToRad(-1.0);
+  ExpectToldApart(scene);
+}
+
+TEST(MirroredScansTest, SoDoTwoLasersThatTakeTurns) {
+  SyntheticScene scene = Room(48);
+  const SlamGraph front = MakeGraph(scene);
+  scene.laser.robot_from_laser = {-0.2, 0.0, kPi};
+  const SlamGraph rear = MakeGraph(scene);
+  SlamGraph both;
+  int pose = 0;
+  for (int s = 0; s < front.num_scans(); ++s) {
+    ASSERT_TRUE(both.AddPose(front.WorldFromRobot(s), s, &pose).ok());
+    ASSERT_TRUE(both.AddScanOf(s % 2 == 0 ? front : rear, s, pose).ok());
+  }
+  EXPECT_GE(Vote(both).as_they_are, 20);
+  EXPECT_GE(Vote(Reversed(both, Every)).mirrored, 20);
+}
+
+TEST(MirroredScansTest, UpsideDownIsNoticedWhereverTheFanLooks) {
+  const SyntheticScene scene = Room(24);
+  SyntheticScene hanging = scene;
+  hanging.laser.first_bearing_rad *= -1.0;
+  hanging.laser.bearing_step_rad *= -1.0;
+  const SlamGraph seen = MakeGraph(hanging);
+  SlamGraph told;
+  int laser = 0, pose = 0;
+  ASSERT_TRUE(told.AddLaser(scene.laser, &laser).ok());
+  for (int s = 0; s < seen.num_scans(); ++s) {
+    const ScanEntry& scan = seen.scan(s);
+    std::vector<double> ranges(scene.laser.num_beams, std::numeric_limits<double>::infinity());
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      ranges[seen.returns().beam[r]] = seen.returns().range_m[r];
+    }
+    ASSERT_TRUE(told.AddPose(seen.WorldFromRobot(s), s, &pose).ok());
+    ASSERT_TRUE(told.AddScan(pose, laser, ranges).ok());
+  }
+  EXPECT_EQ(Vote(seen).mirrored, 0);
+  EXPECT_TRUE(Vote(told).SayMirrored());
 }
 
 TEST(MirroredScansTest, SolveRefusesThemAndLeavesTheGraphAlone) {
@@ -84,37 +135,85 @@ TEST(MirroredScansTest, SolveRefusesThemAndLeavesTheGraphAlone) {
     options.type = type;
     const SolverSummary summary = Solve(options, &graph);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
-    EXPECT_THAT(summary.message, HasSubstr("the scans look mirrored: for 2"));
+    EXPECT_THAT(summary.message, HasSubstr("the scans look mirrored: around 2"));
     EXPECT_EQ(graph.poses(), given.poses());
     EXPECT_EQ(graph.points(), given.points());
     CalibrationOptions mounting;
     mounting.laser_mounting = true;
     Calibration calibration;
     EXPECT_THAT(SolveWithCalibration(options, mounting, &graph, &calibration).message,
-                HasSubstr("the scans look mirrored: for 2"));
+                HasSubstr("the scans look mirrored: around 2"));
     EXPECT_EQ(graph.poses(), given.poses());
   }
 }
 
-TEST(MirroredScansTest, YawCountedClockwiseIsTheSameMistake) {
-  SyntheticScene scene = Room(24);
-  scene.laser = PanoramicLaser(180);
-  SlamGraph graph = MakeGraph(scene);
-  EXPECT_TRUE(CheckScansAreNotMirrored(graph).ok());
-  for (std::size_t i = 0; i < graph.poses().size(); i += 3) {
-    graph.poses()[i + 1] *= -1.0;
-    graph.poses()[i + 2] *= -1.0;
+// With an odometry as good as the poses of the room, and solved by someone who knows how good.
+SlamGraph WithOdometry(const std::vector<Pose2>& truth, SlamGraph graph) {
+  for (int i = 0; i + 1 < graph.num_poses(); ++i) {
+    EXPECT_TRUE(graph.AddOdometry({i, i + 1, Between(truth[i], truth[i + 1])}).ok());
   }
-  EXPECT_THAT(CheckScansAreNotMirrored(graph).message(), HasSubstr("counted clockwise"));
+  return graph;
+}
+SolverOptions GoodOdometry() {
+  SolverOptions options;
+  MotionOptions& motion = options.factors.motion;
+  motion.rotation_per_rotation = motion.rotation_per_translation_rad_m = 0.05;
+  motion.translation_per_translation = motion.translation_per_rotation_m_rad = 0.05;
+  return options;
 }
 
-// The robust losses deal with some, and it takes enough turns to tell.
-TEST(MirroredScansTest, NeedsAlmostAllOfEnoughTurns) {
+TEST(MirroredScansTest, PosesThatTheOdometryReplacesAreNoReason) {
+  SyntheticScene scene = Room(24);
+  scene.laser = PanoramicLaser(180);
+  SlamGraph graph = WithOdometry(scene.poses, MakeGraph(scene));
+  for (int i = 0; i < graph.num_poses(); ++i) {  // a mirror image about the first pose's x axis
+    const Pose2& pose = scene.poses[i];
+    graph.SetPose(i, {2.0 * scene.poses[0].x - pose.x, pose.y, kPi - pose.yaw});
+  }
+  EXPECT_TRUE(Vote(graph).SayMirrored());
+  const SolverSummary summary = Solve(GoodOdometry(), &graph);
+  EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_TRUE(summary.started_from_constraints);
+}
+
+TEST(MirroredScansTest, WherePosesSayNothingTheOdometryDoes) {
+  const SyntheticScene scene = Room(24);
+  SlamGraph graph = WithOdometry(scene.poses, Reversed(MakeGraph(scene), Every));
+  std::fill(graph.poses().begin(), graph.poses().end(), 0.0);
+  EXPECT_FALSE(Vote(graph).AreEnough());
+  EXPECT_THAT(Solve(GoodOdometry(), &graph).message, HasSubstr("the scans look mirrored"));
+}
+
+TEST(MirroredScansTest, ItTakesEnoughTurns) {
+  SyntheticScene scene = Room(24);
+  scene.poses.resize(7);
+  const SlamGraph few = Reversed(MakeGraph(scene), Every);
+  EXPECT_GE(Vote(few).mirrored, 5);
+  EXPECT_LT(Vote(few).mirrored, 8);
+  EXPECT_TRUE(Check(few).ok());
+  EXPECT_TRUE(Check(SlamGraph()).ok());
+}
+
+// The robust losses deal with some mirrored scans.
+TEST(MirroredScansTest, ItTakesAlmostAllVotes) {
   const SlamGraph graph = MakeGraph(Room(24));
-  EXPECT_TRUE(
-      CheckScansAreNotMirrored(Reversed(graph, [](int scan) { return scan % 5 == 0; })).ok());
-  EXPECT_TRUE(CheckScansAreNotMirrored(Reversed(MakeGraph(Room(5)), Every)).ok());
-  EXPECT_TRUE(CheckScansAreNotMirrored(SlamGraph()).ok());
+  const SlamGraph most = Reversed(graph, [](int scan) { return scan >= 5; });
+  EXPECT_GT(Vote(most).mirrored, 3 * Vote(most).as_they_are);
+  EXPECT_TRUE(Check(most).ok());
+  const SlamGraph almost_all = Reversed(graph, [](int scan) { return scan >= 2; });
+  EXPECT_EQ(Vote(almost_all).as_they_are, 1);
+  EXPECT_FALSE(Check(almost_all).ok());
+}
+
+// A square room is the same after a quarter of a turn: 44 degrees, taken for 46, would fit as a
+// mirror image.
+TEST(MirroredScansTest, TurnsThatASquareForgivesDoNotVote) {
+  SyntheticScene scene;
+  scene.faces = {{{-2, -2}, {2, -2}}, {{2, -2}, {2, 2}}, {{2, 2}, {-2, 2}}, {{-2, 2}, {-2, -2}}};
+  for (int i = 0; i < 24; ++i) scene.poses.emplace_back(0.0, 0.0, DegToRad(44.0 * i));
+  SlamGraph graph = MakeGraph(scene);
+  for (std::size_t i = 2; i < graph.poses().size(); i += 3) graph.poses()[i] *= 46.0 / 44.0;
+  EXPECT_FALSE(Vote(graph).SayMirrored());
 }
 
 TEST(MirroredScansTest, WhatLooksTheSameBothWaysDoesNotVote) {
@@ -125,7 +224,7 @@ TEST(MirroredScansTest, WhatLooksTheSameBothWaysDoesNotVote) {
         {{4.0 * std::cos(from), 4.0 * std::sin(from)}, {4.0 * std::cos(to), 4.0 * std::sin(to)}});
   }
   for (int i = 0; i < 24; ++i) scene.poses.emplace_back(0.0, 0.0, DegToRad(20.0 * i));
-  const TurnVotes votes = VoteOnTurns(MakeGraph(scene));
+  const TurnVotes votes = Vote(MakeGraph(scene));
   EXPECT_EQ(votes.as_they_are + votes.mirrored, 0);
 }
 

@@ -56,7 +56,7 @@ TEST(ReadLogTest, BeamsInReverseOrderAreNoticed) {
     const std::string said = testing::internal::GetCapturedStderr();
     ASSERT_TRUE(status.ok()) << status.message();
     if (reversed) {
-      EXPECT_THAT(said, HasSubstr("warning: " + path + ": the scans look mirrored: for "));
+      EXPECT_THAT(said, HasSubstr("warning: " + path + ": the scans look mirrored: around "));
     } else {
       EXPECT_EQ(said, "");
     }

@@ -177,7 +177,8 @@ Status RunAdversarialCase(const AdversarialCase& run, SolverOptions solver,
   result.before = Measure(problem.graph, problem.truth, &pool);
   result.summary = Solve(solver, &problem.graph);
   // To refuse mirrored scans is to give the start back.
-  if (!result.summary.IsSolutionUsable() && CheckScansAreNotMirrored(problem.graph).ok()) {
+  if (!result.summary.IsSolutionUsable() &&
+      !VoteOnTurns(problem.graph, problem.graph.poses()).SayMirrored()) {
     return Status::InvalidArgument(result.summary.message);
   }
   result.after = Measure(problem.graph, problem.truth, &pool);

@@ -81,7 +81,7 @@ class ReturnCompressor {
                                       const PatchSightings& sightings) const;
 
  private:
-  // Neighbouring beams of a scan that end on the same patch are a run. Calls body(sighting,
+  // Neighbouring returns of a scan on the same patch are a run. Calls body(sighting,
   // for_each) for every run of a pose, where for_each(take) calls take with each return of it.
   template <typename Body>
   void ForEachRun(std::size_t pose, const std::vector<SurfacePatch>& patches,
