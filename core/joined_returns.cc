@@ -18,14 +18,10 @@ constexpr int kMaxBeamGap = 2;
 
 void MeasuredPoints(const SlamGraph& graph, int scan_id, std::vector<Eigen::Vector2d>* points) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const LaserReturns& returns = graph.returns();
   const Pose2& robot_from_laser = graph.laser(scan.laser).robot_from_laser;
   points->resize(scan.num_returns);
   for (std::size_t k = 0; k < scan.num_returns; ++k) {
-    const std::size_t r = scan.first_return + k;
-    // As PointInRobot has it, but with one sine and cosine for both turns.
-    (*points)[k] = robot_from_laser.translation() +
-                   BeamEnd(returns.range_m[r], robot_from_laser.yaw + returns.bearing_rad[r]);
+    (*points)[k] = robot_from_laser * graph.PointInLaser(scan.first_return + k);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/input_limits.h"
@@ -20,7 +21,15 @@ Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   if (!laser.Check(&error)) return Status::InvalidArgument("laser model: " + error);
   const auto known = std::find(lasers_.begin(), lasers_.end(), laser);
   *laser_id = static_cast<int>(known - lasers_.begin());
-  if (known == lasers_.end()) lasers_.push_back(laser);
+  if (known != lasers_.end()) return Status::Ok();
+  const DefaultFloatEnvironment float_environment;
+  std::vector<Eigen::Vector2d> directions;
+  directions.reserve(laser.num_beams);
+  for (int beam = 0; beam < laser.num_beams; ++beam) {
+    directions.push_back(BeamEnd(1.0, laser.Bearing(beam)));
+  }
+  beam_directions_.push_back(std::move(directions));
+  lasers_.push_back(laser);
   return Status::Ok();
 }
 
@@ -70,7 +79,8 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
     returns_.bearing_rad.push_back(r.bearing_rad);
     returns_.beam.push_back(r.beam);
     returns_.scan.push_back(num_scans());
-    const Eigen::Vector2d end = world_from_laser * BeamEnd(r.range_m, r.bearing_rad);
+    const Eigen::Vector2d end =
+        world_from_laser * (r.range_m * BeamDirection(laser_id, r.beam, r.bearing_rad));
     points_.insert(points_.end(), {end.x(), end.y()});
   }
   scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
@@ -194,29 +204,31 @@ Pose2 SlamGraph::WorldFromLaser(int scan_id) const {
   return WorldFromRobot(scans_[scan_id].pose) * LaserOfScan(scan_id).robot_from_laser;
 }
 
-Eigen::Vector2d SlamGraph::PointInRobot(std::size_t r) const {
-  return LaserOfScan(returns_.scan[r]).robot_from_laser *
-         BeamEnd(returns_.range_m[r], returns_.bearing_rad[r]);
-}
-
 void SlamGraph::SetRange(std::size_t r, double range_m) {
   const LaserModel& laser = LaserOfScan(returns_.scan[r]);
   returns_.range_m[r] =
       std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0));
 }
 
-void SlamGraph::ResetPointsFromPoses() {
+void SlamGraph::PlacePoints(const std::vector<double>& poses, std::vector<double>* points) const {
   const DefaultFloatEnvironment float_environment;
-  for (int s = 0; s < num_scans(); ++s) {
-    const ScanEntry& entry = scans_[s];
-    const Pose2 world_from_laser = WorldFromLaser(s);
-    for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-      const Eigen::Vector2d end =
-          world_from_laser * BeamEnd(returns_.range_m[r], returns_.bearing_rad[r]);
-      points_[2 * r] = end.x();
-      points_[2 * r + 1] = end.y();
+  for (const ScanEntry& scan : scans_) {
+    const Pose2 world_from_laser =
+        Pose2(&poses[3 * scan.pose]) * lasers_[scan.laser].robot_from_laser;
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const Eigen::Vector2d end = world_from_laser * PointInLaser(r);
+      (*points)[2 * r] = end.x();
+      (*points)[2 * r + 1] = end.y();
     }
   }
+}
+
+void SlamGraph::ResetPointsFromPoses() { PlacePoints(poses_, &points_); }
+
+std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) const {
+  std::vector<double> points(points_.size());
+  PlacePoints(poses, &points);
+  return points;
 }
 
 }  // namespace plumbline

@@ -124,8 +124,16 @@ class SlamGraph {
 
   /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
+  /// Measured end of a beam [m] in the frame of its laser.
+  Eigen::Vector2d PointInLaser(std::size_t return_id) const {
+    const int laser = scans_[returns_.scan[return_id]].laser;
+    return returns_.range_m[return_id] *
+           BeamDirection(laser, returns_.beam[return_id], returns_.bearing_rad[return_id]);
+  }
   /// Measured end of a beam [m] in the frame of the robot.
-  Eigen::Vector2d PointInRobot(std::size_t return_id) const;
+  Eigen::Vector2d PointInRobot(std::size_t return_id) const {
+    return LaserOfScan(returns_.scan[return_id]).robot_from_laser * PointInLaser(return_id);
+  }
 
   /// In the order of addition.
   const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
@@ -157,6 +165,9 @@ class SlamGraph {
 
   /// Puts every map point where its measurement and the current pose say.
   void ResetPointsFromPoses();
+  /// Where the measurements put the map points, seen from these poses: x, y [m] in the world, two
+  /// numbers per return. poses: three numbers per pose, as poses() has them.
+  std::vector<double> MeasuredMap(const std::vector<double>& poses) const;
 
  private:
   struct Return {
@@ -166,11 +177,20 @@ class SlamGraph {
   Status CheckScan(int pose_id, int laser_id) const;
   // In the order of their beams.
   void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
+  // Unit vector, in the frame of the laser. Known from the laser's model, but for returns that
+  // AddPoints gave bearings of their own: sines and cosines are most of the work of placing a map.
+  Eigen::Vector2d BeamDirection(int laser_id, int beam, double bearing_rad) const {
+    const bool by_model = bearing_rad == lasers_[laser_id].Bearing(beam);
+    return by_model ? beam_directions_[laser_id][beam] : BeamEnd(1.0, bearing_rad);
+  }
+  // points: two numbers per return.
+  void PlacePoints(const std::vector<double>& poses, std::vector<double>* points) const;
   Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
   std::vector<FixedPose> gauge_;  // the first pose as it was added
   std::vector<FixedPose> fixed_poses_;
   std::vector<LaserModel> lasers_;
+  std::vector<std::vector<Eigen::Vector2d>> beam_directions_;  // per laser and beam
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;
   LaserReturns returns_;

@@ -85,14 +85,11 @@ MapEstimate TruthOf(const SimulatedLog& log, const SlamGraph& graph) {
 }
 
 std::vector<double> PlacedReturns(const SlamGraph& graph, const std::vector<Pose2>& poses) {
-  std::vector<double> points;
-  points.reserve(2 * graph.num_returns());
-  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    const Pose2& pose = poses[graph.scan(graph.returns().scan[r]).pose];
-    const Eigen::Vector2d point = pose * graph.PointInRobot(r);
-    points.insert(points.end(), {point.x(), point.y()});
+  std::vector<double> coordinates;
+  for (const Pose2& pose : poses) {
+    coordinates.insert(coordinates.end(), {pose.x, pose.y, pose.yaw});
   }
-  return points;
+  return graph.MeasuredMap(coordinates);
 }
 
 }  // namespace plumbline

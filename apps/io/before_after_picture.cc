@@ -12,9 +12,7 @@
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
 #include "plumbline/core/graph_poses.h"
-#include "plumbline/core/joined_returns.h"
 #include "plumbline/core/options_check.h"
-#include "plumbline/core/pose_frame.h"
 
 namespace plumbline {
 namespace {
@@ -45,22 +43,6 @@ Status CheckInput(const SlamGraph& graph, const std::vector<double>& poses_befor
                                    " is not finite");
   }
   return Status::Ok();
-}
-
-// Where the measurements put the map points, seen from the poses.
-std::vector<double> MeasuredPoints(const SlamGraph& graph, const std::vector<double>& poses) {
-  std::vector<double> points_in_world;
-  points_in_world.reserve(2 * graph.num_returns());
-  std::vector<Eigen::Vector2d> points_in_robot;
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    const PoseFrame robot(&poses[3 * graph.scan(scan).pose]);
-    MeasuredPoints(graph, scan, &points_in_robot);
-    for (const Eigen::Vector2d& point : points_in_robot) {
-      const Eigen::Vector2d point_in_world = robot.translation() + robot.Rotate(point);
-      points_in_world.insert(points_in_world.end(), {point_in_world.x(), point_in_world.y()});
-    }
-  }
-  return points_in_world;
 }
 
 // Where the two maps are on the canvas [px].
@@ -155,7 +137,7 @@ Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   Panel panels[2] = {{options.before_title, {}}, {options.after_title, {}}};
-  panels[0].hits = CountHits(MeasuredPoints(graph, poses_before), raster);
+  panels[0].hits = CountHits(graph.MeasuredMap(poses_before), raster);
   panels[1].hits = CountHits(graph.points(), raster);
 
   const Layout layout(raster);

@@ -21,16 +21,12 @@ constexpr int kNumNeighbours = 4;
 
 FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
   const ScanEntry& entry = graph.scan(scan);
-  const Eigen::Matrix2d rotation =
-      Eigen::Rotation2Dd(laser_.robot_from_laser.yaw).toRotationMatrix();
   std::vector<double> range_of_beam(laser_.num_beams, 0.0);
   for (std::size_t k = 0; k < entry.num_returns; ++k) {
     const std::size_t r = entry.first_return + k;
     range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
     if (k % kReturnStride != 0) continue;
-    const Eigen::Vector2d in_laser =
-        BeamEnd(graph.returns().range_m[r], graph.returns().bearing_rad[r]);
-    points_in_robot_.push_back(rotation * in_laser + laser_.robot_from_laser.translation());
+    points_in_robot_.push_back(laser_.robot_from_laser * graph.PointInLaser(r));
   }
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;
