@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -21,36 +22,15 @@ constexpr double kSmallestVariance = 1e-8;
 class CellSortedPoints {
  public:
   CellSortedPoints(const std::vector<double>& points, double radius_m)
-      : radius_m_(radius_m), cell_m_(radius_m / kCellsPerRadius) {
-    const std::size_t num_points = points.size() / 2;
-    std::vector<int> cell_of_point(num_points);
-    for (std::size_t i = 0; i < num_points; ++i) {
-      const std::uint64_t key = Key(Index(points[2 * i]), Index(points[2 * i + 1]));
-      // Neighbouring beams mostly end in the same cell.
-      if (i == 0 || key != cells_[cell_of_point[i - 1]].key) {
-        const auto [entry, is_new] = cell_of_key_.try_emplace(key, static_cast<int>(cells_.size()));
-        if (is_new) {
-          cells_.emplace_back();
-          cells_.back().key = key;
-        }
-        cell_of_point[i] = entry->second;
-      } else {
-        cell_of_point[i] = cell_of_point[i - 1];
-      }
-      ++cells_[cell_of_point[i]].num_points;
-    }
-    std::size_t first = 0;
-    for (Cell& cell : cells_) {
-      cell.first = first;
-      first += std::exchange(cell.num_points, 0);
-    }
-    points_.resize(num_points);
-    for (std::size_t i = 0; i < num_points; ++i) {
-      Cell& cell = cells_[cell_of_point[i]];
+      : radius_m_(radius_m),
+        cell_m_(radius_m / kCellsPerRadius),
+        cells_per_m_(kCellsPerRadius / radius_m) {
+    const std::vector<int> cell_of_point = FindCells(points);
+    const std::vector<int> place_of_cell = SortCells();
+    points_.resize(cell_of_point.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      Cell& cell = cells_[place_of_cell[cell_of_point[i]]];
       const Eigen::Vector2d point(points[2 * i], points[2 * i + 1]);
-      if (cell.num_points == 0) {
-        cell.center = {(Index(point.x()) + 0.5) * cell_m_, (Index(point.y()) + 0.5) * cell_m_};
-      }
       const Eigen::Vector2d offset = point - cell.center;
       cell.moments.Add(offset.x(), offset.y());
       points_[cell.first + cell.num_points++] = point;
@@ -60,11 +40,14 @@ class CellSortedPoints {
   // Moments about `center` of all points within the radius of it.
   PointMoments MomentsAround(const Eigen::Vector2d& center) const {
     PointMoments moments;
-    const double cx = Index(center.x()), cy = Index(center.y());
-    for (int dx = -kCellsPerRadius; dx <= kCellsPerRadius; ++dx) {
-      for (int dy = -kCellsPerRadius; dy <= kCellsPerRadius; ++dy) {
-        const auto entry = cell_of_key_.find(Key(cx + dx, cy + dy));
-        if (entry != cell_of_key_.end()) AddCell(cells_[entry->second], center, &moments);
+    const std::int64_t column = Index(center.x()), row = Index(center.y());
+    for (std::int64_t y = row - kCellsPerRadius; y <= row + kCellsPerRadius; ++y) {
+      const auto first = std::lower_bound(
+          cells_.begin(), cells_.end(), Key(column - kCellsPerRadius, y),
+          [](const Cell& cell, std::uint64_t key) { return cell.key < key; });
+      const std::uint64_t last_key = Key(column + kCellsPerRadius, y);
+      for (auto cell = first; cell != cells_.end() && cell->key <= last_key; ++cell) {
+        AddCell(*cell, center, &moments);
       }
     }
     return moments;
@@ -72,6 +55,7 @@ class CellSortedPoints {
 
  private:
   static constexpr int kCellsPerRadius = 3;
+  static constexpr std::int64_t kIndexOffset = std::int64_t{1} << 30;
 
   struct Cell {
     std::uint64_t key = 0;
@@ -81,31 +65,88 @@ class CellSortedPoints {
     PointMoments moments;  // about the centre
   };
 
+  // Makes the cells, in order of their first points, and counts their points.
+  std::vector<int> FindCells(const std::vector<double>& points) {
+    std::unordered_map<std::uint64_t, int> cell_of_key;
+    std::vector<int> cell_of_point(points.size() / 2);
+    int cell = -1;
+    for (std::size_t i = 0; i < cell_of_point.size(); ++i) {
+      const std::uint64_t key = Key(Index(points[2 * i]), Index(points[2 * i + 1]));
+      // Neighbouring beams mostly end in the same cell.
+      if (cell < 0 || key != cells_[cell].key) {
+        const auto [entry, is_new] = cell_of_key.try_emplace(key, static_cast<int>(cells_.size()));
+        if (is_new) {
+          cells_.emplace_back();
+          cells_.back().key = key;
+        }
+        cell = entry->second;
+      }
+      cell_of_point[i] = cell;
+      ++cells_[cell].num_points;
+    }
+    return cell_of_point;
+  }
+
+  // Row by row, and makes room for their points. Gives the new place of each cell.
+  std::vector<int> SortCells() {
+    std::vector<int> cell_at(cells_.size()), place_of_cell(cells_.size());
+    std::iota(cell_at.begin(), cell_at.end(), 0);
+    std::sort(cell_at.begin(), cell_at.end(),
+              [this](int a, int b) { return cells_[a].key < cells_[b].key; });
+    std::vector<Cell> sorted;
+    sorted.reserve(cells_.size());
+    std::size_t first = 0;
+    for (const int old : cell_at) {
+      place_of_cell[old] = static_cast<int>(sorted.size());
+      sorted.push_back(cells_[old]);
+      sorted.back().first = first;
+      sorted.back().center = Center(cells_[old].key);
+      first += std::exchange(sorted.back().num_points, 0);
+    }
+    cells_.swap(sorted);
+    return place_of_cell;
+  }
+
   void AddCell(const Cell& cell, const Eigen::Vector2d& center, PointMoments* moments) const {
+    constexpr double kRounding = 1e-9;
     const Eigen::Vector2d offset = cell.center - center;
-    const double half = 0.5 * cell_m_;
-    if ((offset.cwiseAbs().array() + half).matrix().norm() < (1.0 - 1e-9) * radius_m_) {
+    const Eigen::Array2d distance = offset.cwiseAbs();
+    const double half = 0.5 * cell_m_, radius_squared = radius_m_ * radius_m_;
+    if ((distance + half).matrix().squaredNorm() < (1.0 - kRounding) * radius_squared) {
       *moments += cell.moments.Shifted(offset.x(), offset.y());
       return;
     }
+    const Eigen::Vector2d nearest = (distance - half).max(0.0);
+    if (nearest.squaredNorm() > (1.0 + kRounding) * radius_squared) return;
     for (std::size_t i = cell.first; i < cell.first + cell.num_points; ++i) {
       const Eigen::Vector2d to_point = points_[i] - center;
-      if (to_point.squaredNorm() <= radius_m_ * radius_m_) moments->Add(to_point.x(), to_point.y());
+      // No branch: nobody could foresee it.
+      const double inside = to_point.squaredNorm() <= radius_squared ? 1.0 : 0.0;
+      moments->Add(to_point.x(), to_point.y(), inside);
     }
   }
 
-  double Index(double coordinate_m) const { return std::floor(coordinate_m / cell_m_); }
-  // 31 bits each hold any map on Earth.
-  static std::uint64_t Key(double column, double row) {
-    constexpr std::int64_t kOffset = std::int64_t{1} << 30;
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(row) + kOffset) << 32 |
-           static_cast<std::uint64_t>(static_cast<std::int64_t>(column) + kOffset);
+  // std::floor is a call into the C library unless the build is for newer processors only.
+  std::int64_t Index(double coordinate_m) const {
+    const double cells = coordinate_m * cells_per_m_;
+    const auto truncated = static_cast<std::int64_t>(cells);
+    return truncated - (static_cast<double>(truncated) > cells ? 1 : 0);
+  }
+  // 31 bits each hold any map on Earth. In order of rows, and in a row of columns.
+  static std::uint64_t Key(std::int64_t column, std::int64_t row) {
+    return static_cast<std::uint64_t>(row + kIndexOffset) << 32 |
+           static_cast<std::uint64_t>(column + kIndexOffset);
+  }
+  Eigen::Vector2d Center(std::uint64_t key) const {
+    const auto center = [this](std::uint64_t index) {
+      return (static_cast<double>(static_cast<std::int64_t>(index) - kIndexOffset) + 0.5) * cell_m_;
+    };
+    return {center(key & 0xffffffff), center(key >> 32)};
   }
 
   double radius_m_;
-  double cell_m_;
-  std::unordered_map<std::uint64_t, int> cell_of_key_;
-  std::vector<Cell> cells_;
+  double cell_m_, cells_per_m_;
+  std::vector<Cell> cells_;  // in order of keys
   std::vector<Eigen::Vector2d> points_;
 };
 
