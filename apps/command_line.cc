@@ -11,6 +11,10 @@
 #include <string_view>
 #include <utility>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 DECLARE_bool(help);
 DECLARE_bool(helpshort);
 
@@ -29,6 +33,17 @@ int Fail(const std::string& message, ExitCode code) {
 
 bool EndsWith(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
+}
+
+// Arrays with an entry per return come and go all the time. Were each thread to keep those that it
+// has freed to itself, a run would take a fifth more memory; were they given back to the system, a
+// tenth more time. To be called while there is one thread.
+void KeepOneHeap() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 1);
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
+#endif
 }
 
 // The default as one would type it: gflags prints 17 digits of a number.
@@ -83,6 +98,7 @@ void ParseCommandLine(const std::string& usage, int argc, char** argv) {
 // NOLINTEND(concurrency-mt-unsafe)
 
 int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run) {
+  KeepOneHeap();
   try {
     const Status usage = check_flags();
     if (!usage.ok()) return Fail(usage.message(), kExitWrongUsage);
