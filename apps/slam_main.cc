@@ -3,6 +3,7 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <cctype>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
@@ -103,7 +104,6 @@ class SlamRun {
   Status Run() {
     if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
     PLUMBLINE_RETURN_IF_ERROR(ReadLog());
-    AddStage("odometry");
     odometry_poses_ = graph_.poses();
     PLUMBLINE_RETURN_IF_ERROR(FindSeed());
     PLUMBLINE_RETURN_IF_ERROR(BeginResults());
@@ -111,9 +111,8 @@ class SlamRun {
     if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
     seed_poses_ = graph_.poses();
     PLUMBLINE_RETURN_IF_ERROR(
-        Picture("map_seed.png", by_pose_graph ? "Sequential matching" : "Seed"));
+        RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png"));
     PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
-    AddStage(by_pose_graph ? "sequential matching" : "seed");
     PLUMBLINE_RETURN_IF_ERROR(Refine());
     PLUMBLINE_RETURN_IF_ERROR(WriteResults());
     return checkpoint_written_;
@@ -213,10 +212,10 @@ class SlamRun {
         output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
     graph_.poses().swap(odometry_poses_);
     graph_.ResetPointsFromPoses();
-    const Status drawn = Picture("map_odometry.png", "Odometry");
+    const Status recorded = RecordMap("Odometry", "map_odometry.png");
     graph_.poses().swap(odometry_poses_);
     graph_.ResetPointsFromPoses();
-    return drawn;
+    return recorded;
   }
 
   // A solver of pose graphs has the work still to do that the seeding did by its own.
@@ -257,6 +256,7 @@ class SlamRun {
                           ? SolveWithCalibration(solver_options_, calibration_options_, &graph_,
                                                  &summary_.calibration)
                           : Solve(solver_options_, surface_, &graph_);
+    surface_ = MeasuredSurface();  // of no more use, and as large as what the results need
     if (!summary_.solver.IsSolutionUsable()) {
       return Status::InvalidArgument(summary_.solver.message);
     }
@@ -292,13 +292,15 @@ class SlamRun {
       return WriteClosurePicture(output_.File("closures.png"), graph_,
                                  summary_.seeding.loops.matches, outputs_.picture_side_px);
     });
+    Stage optimised;
+    tasks.push_back([&] { return Measure("refined, optimised points", &optimised); });
     PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
     if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
-    const std::vector<double> optimised = graph_.points();
     graph_.ResetPointsFromPoses();
-    AddStage(calibration_options_.IsOn() ? "refined, calibrated ranges" : "refined, raw ranges");
-    graph_.points() = optimised;
-    AddStage("refined, optimised points");
+    const std::string ranges = calibration_options_.IsOn() ? "calibrated" : "raw";
+    summary_.stages.push_back(
+        MeasureStage("refined, " + ranges + " ranges", graph_, TruthOrNull(), &*pool_));
+    summary_.stages.push_back(optimised);
     PLUMBLINE_RETURN_IF_ERROR(WriteReport());
     // The last one: its presence says that the others are there.
     PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
@@ -335,18 +337,31 @@ class SlamRun {
     std::cerr << AlarmText(summary_.alarms);
   }
 
-  Status Picture(const std::string& name, const std::string& title) {
-    MapPictureOptions options;
-    options.title = title;
-    options.max_side_px = outputs_.picture_side_px;
-    maps_.push_back({title, output_.File(name), MapArea()});
-    return WriteMapPicture(output_.File(name), graph_, options, &maps_.back().area);
+  // What the map looks like as it stands, and how good it is.
+  Status RecordMap(const std::string& title, const std::string& picture) {
+    maps_.push_back({title, output_.File(picture), MapArea()});
+    summary_.stages.emplace_back();
+    std::string stage = title;
+    stage.front() = static_cast<char>(std::tolower(stage.front()));
+    return RunAll({[&] { return Draw(&maps_.back()); },
+                   [&] { return Measure(stage, &summary_.stages.back()); }},
+                  &*pool_);
   }
+  Status Draw(ReportMap* map) const {
+    MapPictureOptions options;
+    options.title = map->name;
+    options.max_side_px = outputs_.picture_side_px;
+    return WriteMapPicture(map->png_path, graph_, options, &map->area);
+  }
+  // One of several tasks, each on a thread.
+  Status Measure(const std::string& name, Stage* stage) const {
+    ThreadPool one_thread(1);
+    *stage = MeasureStage(name, graph_, TruthOrNull(), &one_thread);
+    return Status::Ok();
+  }
+  const Truth* TruthOrNull() const { return truth_ ? &*truth_ : nullptr; }
   Status Trajectory(const std::string& name) const {
     return WriteTumTrajectory(output_.File(name), TrajectoryOf(graph_));
-  }
-  void AddStage(const std::string& name) {
-    summary_.stages.push_back(MeasureStage(name, graph_, truth_ ? &*truth_ : nullptr, &*pool_));
   }
 
   SolverOptions solver_options_;
