@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t kPatchesPerChunk = 256;
 constexpr std::size_t kPosesPerChunk = 128;
 
+// Of the patches, when S is applied.
+constexpr std::size_t kNumParts = 16;
+
 // Relative to the diagonal: enough to keep what no term sees where it is, and far softer than the
 // bending modes of a long corridor.
 constexpr double kDamping = 1e-8;
@@ -64,6 +67,14 @@ struct Linearized {
     return gradient;
   }
 };
+
+// The parts have about as many sightings each.
+std::size_t FirstPatchOfPart(const PatchSightings& sightings, std::size_t part) {
+  const std::size_t first_sighting = sightings.sightings.size() * part / kNumParts;
+  const auto patch = std::lower_bound(sightings.first_of_patch.begin(),
+                                      sightings.first_of_patch.end() - 1, first_sighting);
+  return static_cast<std::size_t>(patch - sightings.first_of_patch.begin());
+}
 
 // Moments of the sightings of patch `p` in the world, about the patch's origin, and what its shape
 // terms add to them.
@@ -163,7 +174,7 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
                            const PatchSighting& sighting = sightings.sightings[i];
                            const Linearized linear(sighting, patches[p], frames[sighting.pose]);
                            line_block += linear.LineBlock();
-                           line_coupling[i] = {linear.CrossBlock(), sighting.pose, sighting.patch};
+                           line_coupling[i] = {linear.CrossBlock(), sighting.pose};
                          }
                          // K_p = (cross block) L^-T with line_block = L L^T.
                          const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
@@ -228,29 +239,32 @@ void PoseSystem::HoldLines() {
 
 void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,
                        Eigen::VectorXd* result) const {
-  line_values_.resize(sightings.num_patches());
-  pool->ForEachChunk(
-      line_values_.size(), kPatchesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-          Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-          for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1];
-               ++i) {
-            sum += line_coupling[i].rows.transpose() * v.segment<3>(3 * line_coupling[i].pose);
-          }
-          line_values_[p] = sum;
-        }
-      });
+  // The couplings are by far most of what is read. Those of a patch are at hand still when its K_p
+  // is applied to K_p^T v; but as patches share poses, each part of them has a sum of its own.
+  part_sums_.resize(kNumParts);
+  pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
+    Eigen::VectorXd& sums = part_sums_[part];
+    sums.setZero(v.size());
+    const std::size_t end = FirstPatchOfPart(sightings, part + 1);
+    for (std::size_t p = FirstPatchOfPart(sightings, part); p < end; ++p) {
+      const std::size_t first = sightings.first_of_patch[p];
+      const std::size_t last = sightings.first_of_patch[p + 1];
+      Eigen::Vector2d line = Eigen::Vector2d::Zero();
+      for (std::size_t i = first; i < last; ++i) {
+        line += line_coupling[i].rows.transpose() * v.segment<3>(3 * line_coupling[i].pose);
+      }
+      for (std::size_t i = first; i < last; ++i) {
+        sums.segment<3>(3 * line_coupling[i].pose) += line_coupling[i].rows * line;
+      }
+    }
+  });
   result->resize(v.size());
   pool->ForEachChunk(diagonal.size(), kPosesPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        for (std::size_t pose = begin; pose < end; ++pose) {
                          const Eigen::Index row = 3 * static_cast<Eigen::Index>(pose);
                          Eigen::Vector3d sum = diagonal[pose] * v.segment<3>(row);
-                         for (std::size_t k = sightings.first_of_pose[pose];
-                              k < sightings.first_of_pose[pose + 1]; ++k) {
-                           const LineCoupling& coupling = line_coupling[sightings.of_pose[k]];
-                           sum -= coupling.rows * line_values_[coupling.patch];
-                         }
+                         for (const Eigen::VectorXd& part : part_sums_) sum -= part.segment<3>(row);
                          result->segment<3>(row) = sum;
                        }
                      });

@@ -32,7 +32,6 @@ struct PoseCoupling {
 struct LineCoupling {
   Eigen::Matrix<double, 3, 2> rows;
   int pose = 0;
-  int patch = 0;
 };
 
 /// The Gauss-Newton system of the poses, the patches' lines eliminated:
@@ -68,7 +67,7 @@ struct PoseSystem {
                     const std::vector<PoseFrame>& frames, ThreadPool* pool);
   void AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses);
 
-  mutable std::vector<Eigen::Vector2d> line_values_;  // K_p^T v, per patch
+  mutable std::vector<Eigen::VectorXd> part_sums_;  // of K_p K_p^T v, over some patches each
 };
 
 }  // namespace plumbline
