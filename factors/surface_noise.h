@@ -22,6 +22,13 @@ struct SurfaceNoise {
     const double across = beam.x() * normal.y() - beam.y() * normal.x();
     return range_variance * along * along / beam.squaredNorm() + bearing_variance * across * across;
   }
+  /// C n [m^2].
+  Eigen::Vector2d BeamCovarianceTimes(const Eigen::Vector2d& beam,
+                                      const Eigen::Vector2d& normal) const {
+    const Eigen::Vector2d side(-beam.y(), beam.x());
+    return (range_variance * beam.dot(normal) / beam.squaredNorm()) * beam +
+           (bearing_variance * side.dot(normal)) * side;
+  }
 
   /// Of a return that meets its surface at a right angle and close by [m].
   double StandardDeviation() const { return std::sqrt(range_variance + surface_variance); }

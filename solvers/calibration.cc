@@ -79,7 +79,8 @@ class PatchedState {
         patches_(cut.patches),
         frames_(FramesOf(graph.graph().poses())),
         terms_(graph.Terms(factors)) {
-    energy_ = SettleLines(compressor_, frames_, gate_sigmas, pool, &sightings_, &patches_) +
+    SettleLines(compressor_, frames_, gate_sigmas, pool, &sightings_, &patches_);
+    energy_ = compressor_.Weigh(patches_, frames_, loss_, &sightings_) +
               terms_.Cost(graph.graph().poses());
   }
   PatchedState(const PatchedState&) = delete;

@@ -21,16 +21,16 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
   constexpr double kToleranceM = 1e-5;
   double remaining = distance * surface_variance / (surface_variance + beam_variance);
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double weight = loss.Weight(remaining * remaining / surface_variance);
-    const double next = distance * surface_variance / (surface_variance + weight * beam_variance);
+    const double information = loss.Term(remaining, surface_variance).information;
+    const double next = distance / (1.0 + information * beam_variance);
     const bool settled = std::abs(next - remaining) <= kToleranceM;
     remaining = next;
     if (settled) break;
   }
   const double moved = distance - remaining;
   const double cost_on_line =
-      moved * moved / beam_variance + loss.Rho(remaining * remaining / surface_variance);
-  return cost_on_line < loss.Rho(distance * distance / surface_variance) ? remaining : distance;
+      moved * moved / beam_variance + loss.Term(remaining, surface_variance).rho;
+  return cost_on_line < loss.Term(distance, surface_variance).rho ? remaining : distance;
 }
 
 void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
@@ -46,17 +46,12 @@ void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>&
     point = frame.Rotate(in_robot) + frame.translation();
     if (!Associations::HasLine(lines[r])) continue;
     const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
-    const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
-    const double variance = noise.BeamVariance(beam, normal);
+    const Eigen::Vector2d covariance_normal =
+        noise.BeamCovarianceTimes(frame.Rotate(in_robot - laser), normal);
+    const double variance = normal.dot(covariance_normal);
     const double distance = normal.dot(point) - lines[r].offset;
     const double moved =
         distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
-    // C n, by the beam's own axes.
-    const Eigen::Vector2d axis = beam.normalized();
-    const Eigen::Vector2d side(-axis.y(), axis.x());
-    const Eigen::Vector2d covariance_normal =
-        noise.range_variance * axis.dot(normal) * axis +
-        noise.bearing_variance * beam.squaredNorm() * side.dot(normal) * side;
     point -= covariance_normal * (moved / variance);
   }
 }
@@ -103,10 +98,11 @@ void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, cons
     const double beam_sigmas =
         std::sqrt(along * along / (range_squared * noise.range_variance) +
                   across * across / (range_squared * range_squared * noise.bearing_variance));
-    displacements->mean_m += moved.norm();
-    displacements->max_m = std::max(displacements->max_m, moved.norm());
+    const double moved_m = moved.norm();
+    displacements->mean_m += moved_m;
+    displacements->max_m = std::max(displacements->max_m, moved_m);
     displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
-    Count(moved.norm(), beam_sigmas, displacements);
+    Count(moved_m, beam_sigmas, displacements);
   }
 }
 

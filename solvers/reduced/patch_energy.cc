@@ -10,16 +10,15 @@
 
 namespace plumbline {
 
-double SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame>& frames,
-                   double gate_sigmas, ThreadPool* pool, PatchSightings* sightings,
-                   std::vector<SurfacePatch>* patches) {
+void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame>& frames,
+                 double gate_sigmas, ThreadPool* pool, PatchSightings* sightings,
+                 std::vector<SurfacePatch>* patches) {
   // The lines at hand may be those of other poses: all returns pull at first, and then those near
   // the lines.
   for (const double gate : {1e3, gate_sigmas}) {
     compressor.Weigh(*patches, frames, GemanMcClure::FromGate(gate), sightings);
     FitPatchLines(*sightings, frames, pool, patches);
   }
-  return compressor.Weigh(*patches, frames, GemanMcClure::FromGate(gate_sigmas), sightings);
 }
 
 std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
@@ -29,13 +28,14 @@ std::vector<double> PatchEnergies(const SlamGraph& graph, const MeasuredSurface&
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
   PatchSightings sightings = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
   const PoseTerms terms(graph, factors);
+  const double gate_sigmas = factors.manifold.robust_gate_sigmas;
   std::vector<double> energies;
   for (const std::vector<double>* poses : states) {
     const std::vector<PoseFrame> frames = FramesOf(*poses);
     std::vector<SurfacePatch> patches = cut.patches;
-    energies.push_back(SettleLines(compressor, frames, factors.manifold.robust_gate_sigmas, pool,
-                                   &sightings, &patches) +
-                       terms.Cost(*poses));
+    SettleLines(compressor, frames, gate_sigmas, pool, &sightings, &patches);
+    const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
+    energies.push_back(compressor.Cost(patches, frames, loss, sightings) + terms.Cost(*poses));
     if (lines != nullptr) lines->push_back(std::move(patches));
   }
   return energies;

@@ -14,10 +14,10 @@
 namespace plumbline {
 
 /// Puts every line where all its returns and then the robust weights put it, whatever poses it came
-/// from, and gives the robust cost of the returns there; the sightings then have its weights.
-double SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame>& frames,
-                   double gate_sigmas, ThreadPool* pool, PatchSightings* sightings,
-                   std::vector<SurfacePatch>* patches);
+/// from. The sightings are left with weights of no further use.
+void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame>& frames,
+                 double gate_sigmas, ThreadPool* pool, PatchSightings* sightings,
+                 std::vector<SurfacePatch>* patches);
 
 /// Energies of several states of the poses, (x, y, yaw) each, under one and the same association of
 /// returns to patches, as CutIntoPatches gives it. Every point is at its optimum, and every line

@@ -191,12 +191,23 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<SurfacePat
   }
 }
 
+template <typename Body>
+double ReturnCompressor::SumOverPoses(const Body& cost_of_pose) const {
+  const std::size_t num_poses = graph_.num_poses();
+  std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
+  pool_->ForEachChunk(num_poses, kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        for (std::size_t pose = begin; pose < end; ++pose) {
+                          costs[chunk] += cost_of_pose(pose);
+                        }
+                      });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
 double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
                                const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
                                PatchSightings* sightings) const {
-  const std::size_t num_poses = graph_.num_poses();
-  std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
-  const auto weigh_pose = [&](std::size_t pose) {
+  return SumOverPoses([&](std::size_t pose) {
     for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
          ++k) {
       PatchSighting& sighting = sightings->sightings[sightings->of_pose[k]];
@@ -224,14 +235,19 @@ double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
       Center(&sightings->sightings[sightings->of_pose[k]]);
     }
     return cost;
-  };
-  pool_->ForEachChunk(num_poses, kPosesPerChunk,
-                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        for (std::size_t pose = begin; pose < end; ++pose) {
-                          costs[chunk] += weigh_pose(pose);
-                        }
-                      });
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
+  });
+}
+
+double ReturnCompressor::Cost(const std::vector<SurfacePatch>& patches,
+                              const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
+                              const PatchSightings& sightings) const {
+  return SumOverPoses([&](std::size_t pose) {
+    double cost = 0.0;
+    ForEachRun(pose, patches, frames[pose], sightings, [&](int, const auto& for_each) {
+      for_each([&](const Residual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
+    });
+    return cost;
+  });
 }
 
 std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<SurfacePatch>& patches,

@@ -74,6 +74,10 @@ class ReturnCompressor {
   double Weigh(const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
                const GemanMcClure& loss, PatchSightings* sightings) const;
 
+  /// The robust cost that Weigh gives, and nothing else.
+  double Cost(const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
+              const GemanMcClure& loss, const PatchSightings& sightings) const;
+
   /// One per sighting, with the weights that Weigh gives to the same lines and poses.
   std::vector<RangeSlope> RangeSlopes(const std::vector<SurfacePatch>& patches,
                                       const std::vector<PoseFrame>& frames,
@@ -88,6 +92,9 @@ class ReturnCompressor {
                   const PoseFrame& frame, const PatchSightings& sightings, const Body& body) const;
   template <typename Body>
   void ForEachReturnOnPatch(std::size_t pose, const Body& body);
+  // The sum of cost_of_pose(pose), in the same order for any number of threads.
+  template <typename Body>
+  double SumOverPoses(const Body& cost_of_pose) const;
   // The patches that each pose sees, ascending, in one list per chunk of poses.
   std::vector<std::vector<int>> ListPatches(std::vector<std::size_t>* first_of_pose);
   // Turns the patch of every return into its sighting.

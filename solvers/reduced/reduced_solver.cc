@@ -79,6 +79,7 @@ class PatchMinimizer {
 
   // All returns, those held out so far included, on the patches at hand.
   void RunLastRound() {
+    ForgetSightings();
     sightings_ = compressor_.LayOut(patches_.size(), std::move(patch_of_return_));
     HoldIslands();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
@@ -129,8 +130,15 @@ class PatchMinimizer {
     }
   }
 
+  // Need not lie beside what is about to take their place.
+  void ForgetSightings() {
+    sightings_ = PatchSightings();
+    system_ = PoseSystem();
+  }
+
   void CutPatches() {
     const auto start = Clock::now();
+    ForgetSightings();
     SurfacePatchOptions options = PatchOptionsFor(factors_, association_);
     options.hold_out = true;
     SurfacePatches cut = CutIntoPatches(*graph_, surface_, options, pool_);
