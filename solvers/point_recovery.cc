@@ -86,18 +86,19 @@ void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, cons
   const ScanEntry& scan = graph.scan(scan_id);
   const PoseFrame frame(&graph.poses()[3 * scan.pose]);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
+  const double range_information = 1.0 / noise.range_variance;
+  const double bearing_information = 1.0 / noise.bearing_variance;
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
     const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
     const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const Eigen::Vector2d moved =
         Eigen::Vector2d(graph.points()[2 * r], graph.points()[2 * r + 1]) - measured;
-    const double range_squared = beam.squaredNorm();
+    const double per_range_squared = 1.0 / beam.squaredNorm();
     const double along = moved.dot(beam);
-    const double across = moved.x() * beam.y() - moved.y() * beam.x();
-    const double beam_sigmas =
-        std::sqrt(along * along / (range_squared * noise.range_variance) +
-                  across * across / (range_squared * range_squared * noise.bearing_variance));
+    const double turned_rad = (moved.x() * beam.y() - moved.y() * beam.x()) * per_range_squared;
+    const double beam_sigmas = std::sqrt(along * along * per_range_squared * range_information +
+                                         turned_rad * turned_rad * bearing_information);
     const double moved_m = moved.norm();
     displacements->mean_m += moved_m;
     displacements->max_m = std::max(displacements->max_m, moved_m);

@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kPatchesPerChunk = 256;
 constexpr std::size_t kPosesPerChunk = 128;
 
-// Of the patches, when S is applied.
+// Patches share poses: each part of them has sums of its own over the poses, which are added up in
+// the end. So whatever belongs to a sighting is read once, in the order in which it lies.
 constexpr std::size_t kNumParts = 16;
 
 // Relative to the diagonal: enough to keep what no term sees where it is, and far softer than the
@@ -160,47 +161,51 @@ void PoseSystem::Linearize(const PatchSightings& sightings,
 void PoseSystem::AddSightings(const PatchSightings& sightings,
                               const std::vector<SurfacePatch>& patches,
                               const std::vector<PoseFrame>& frames, ThreadPool* pool) {
+  struct PoseSum {
+    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  };
   line_coupling.resize(sightings.sightings.size());
   line_whitening.assign(patches.size(), Eigen::Matrix2d::Zero());
-  pool->ForEachChunk(patches.size(), kPatchesPerChunk,
+  std::vector<std::vector<PoseSum>> sums(kNumParts);
+  pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
+    sums[part].resize(frames.size());
+    const std::size_t end = FirstPatchOfPart(sightings, part + 1);
+    for (std::size_t p = FirstPatchOfPart(sightings, part); p < end; ++p) {
+      const std::size_t first = sightings.first_of_patch[p];
+      const std::size_t last = sightings.first_of_patch[p + 1];
+      const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
+      Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
+      line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
+      for (std::size_t i = first; i < last; ++i) {
+        const PatchSighting& sighting = sightings.sightings[i];
+        const Linearized linear(sighting, patches[p], frames[sighting.pose]);
+        line_block += linear.LineBlock();
+        line_coupling[i] = {linear.CrossBlock(), sighting.pose};
+        PoseSum& sum = sums[part][sighting.pose];
+        sum.block += linear.PoseBlock();
+        sum.gradient += linear.PoseGradient();
+      }
+      // K_p = (cross block) L^-T with line_block = L L^T.
+      const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
+      if (llt.info() == Eigen::Success) {
+        line_whitening[p] = Eigen::Matrix2d(llt.matrixU())
+                                .triangularView<Eigen::Upper>()
+                                .solve(Eigen::Matrix2d::Identity());
+      }
+      for (std::size_t i = first; i < last; ++i) line_coupling[i].rows *= line_whitening[p];
+    }
+  });
+  pool->ForEachChunk(frames.size(), kPosesPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t p = begin; p < end; ++p) {
-                         const std::size_t first = sightings.first_of_patch[p];
-                         const std::size_t last = sightings.first_of_patch[p + 1];
-                         const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
-                         Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
-                         line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
-                         for (std::size_t i = first; i < last; ++i) {
-                           const PatchSighting& sighting = sightings.sightings[i];
-                           const Linearized linear(sighting, patches[p], frames[sighting.pose]);
-                           line_block += linear.LineBlock();
-                           line_coupling[i] = {linear.CrossBlock(), sighting.pose};
+                       for (std::size_t pose = begin; pose < end; ++pose) {
+                         for (const std::vector<PoseSum>& part : sums) {
+                           diagonal[pose] += part[pose].block;
+                           gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) +=
+                               part[pose].gradient;
                          }
-                         // K_p = (cross block) L^-T with line_block = L L^T.
-                         const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
-                         if (llt.info() == Eigen::Success) {
-                           line_whitening[p] = Eigen::Matrix2d(llt.matrixU())
-                                                   .triangularView<Eigen::Upper>()
-                                                   .solve(Eigen::Matrix2d::Identity());
-                         }
-                         for (std::size_t i = first; i < last; ++i)
-                           line_coupling[i].rows *= line_whitening[p];
                        }
                      });
-  pool->ForEachChunk(
-      frames.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t pose = begin; pose < end; ++pose) {
-          Eigen::Vector3d pose_gradient = Eigen::Vector3d::Zero();
-          for (std::size_t k = sightings.first_of_pose[pose]; k < sightings.first_of_pose[pose + 1];
-               ++k) {
-            const PatchSighting& sighting = sightings.sightings[sightings.of_pose[k]];
-            const Linearized linear(sighting, patches[sighting.patch], frames[pose]);
-            diagonal[pose] += linear.PoseBlock();
-            pose_gradient += linear.PoseGradient();
-          }
-          gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) += pose_gradient;
-        }
-      });
 }
 
 void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses) {
@@ -239,8 +244,7 @@ void PoseSystem::HoldLines() {
 
 void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,
                        Eigen::VectorXd* result) const {
-  // The couplings are by far most of what is read. Those of a patch are at hand still when its K_p
-  // is applied to K_p^T v; but as patches share poses, each part of them has a sum of its own.
+  // The couplings of a patch are at hand still when its K_p is applied to K_p^T v.
   part_sums_.resize(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
     Eigen::VectorXd& sums = part_sums_[part];
