@@ -42,9 +42,9 @@ class CellSortedPoints {
     PointMoments moments;
     const std::int64_t column = Index(center.x()), row = Index(center.y());
     for (std::int64_t y = row - kCellsPerRadius; y <= row + kCellsPerRadius; ++y) {
-      const auto first = std::lower_bound(
-          cells_.begin(), cells_.end(), Key(column - kCellsPerRadius, y),
-          [](const Cell& cell, std::uint64_t key) { return cell.key < key; });
+      const auto first =
+          std::lower_bound(cells_.begin(), cells_.end(), Key(column - kCellsPerRadius, y),
+                           [](const Cell& cell, std::uint64_t key) { return cell.key < key; });
       const std::uint64_t last_key = Key(column + kCellsPerRadius, y);
       for (auto cell = first; cell != cells_.end() && cell->key <= last_key; ++cell) {
         AddCell(*cell, center, &moments);

@@ -21,8 +21,8 @@ TEST(SurfaceNoiseTest, BeamVarianceIsTheBeamsCovarianceAcrossTheSurface) {
     const Eigen::Matrix2d covariance = axes * variances.asDiagonal() * axes.transpose();
     const double expected = normal.dot(covariance * normal);
     EXPECT_NEAR(noise.BeamVariance(range_m * axis, normal), expected, 1e-12 * variances.sum());
-    EXPECT_TRUE(noise.BeamCovarianceTimes(range_m * axis, normal)
-                    .isApprox(covariance * normal, 1e-9));
+    EXPECT_TRUE(
+        noise.BeamCovarianceTimes(range_m * axis, normal).isApprox(covariance * normal, 1e-9));
     // Neither the side of the surface nor the frame matters.
     EXPECT_EQ(noise.BeamVariance(range_m * axis, -normal),
               noise.BeamVariance(range_m * axis, normal));

@@ -196,16 +196,15 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
       for (std::size_t i = first; i < last; ++i) line_coupling[i].rows *= line_whitening[p];
     }
   });
-  pool->ForEachChunk(frames.size(), kPosesPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t pose = begin; pose < end; ++pose) {
-                         for (const std::vector<PoseSum>& part : sums) {
-                           diagonal[pose] += part[pose].block;
-                           gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) +=
-                               part[pose].gradient;
-                         }
-                       }
-                     });
+  pool->ForEachChunk(
+      frames.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          for (const std::vector<PoseSum>& part : sums) {
+            diagonal[pose] += part[pose].block;
+            gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) += part[pose].gradient;
+          }
+        }
+      });
 }
 
 void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses) {
