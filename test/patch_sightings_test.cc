@@ -138,7 +138,7 @@ TEST(PatchSightingsTest, ListsEachPairOfPoseAndPatchOnce) {
     const int patch = sighted.patch_of_return[r];
     if (patch != SurfacePatches::kNone) expected.insert({patch, sighted.PoseOf(r)});
   }
-  EXPECT_EQ(compressor.PatchOfReturn(sightings), sighted.patch_of_return);
+  EXPECT_EQ(compressor.PatchOfReturn(), sighted.patch_of_return);
   ASSERT_EQ(sightings.num_patches(), static_cast<std::size_t>(kNumPatches));
   ASSERT_EQ(static_cast<int>(sightings.num_poses()), sighted.graph.num_poses());
   ASSERT_EQ(sightings.sightings.size(), expected.size());

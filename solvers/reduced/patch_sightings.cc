@@ -18,14 +18,15 @@ void CountsToOffsets(std::vector<std::size_t>* counts) {
   counts->push_back(sum);
 }
 
-// Moments about the origin of the robot become moments about the centroid.
-void Center(PatchSighting* sighting) {
-  if (sighting->weight <= 0.0) return;
-  sighting->centroid /= sighting->weight;
+// From moments about the origin of the robot.
+void SetMoments(const PointMoments& moments, PatchSighting* sighting) {
+  sighting->weight = moments.weight;
+  sighting->centroid = {moments.x, moments.y};
+  if (moments.weight > 0.0) sighting->centroid /= moments.weight;
   const Eigen::Vector2d& m = sighting->centroid;
-  sighting->xx = std::max(0.0, sighting->xx - sighting->weight * m.x() * m.x());
-  sighting->xy -= sighting->weight * m.x() * m.y();
-  sighting->yy = std::max(0.0, sighting->yy - sighting->weight * m.y() * m.y());
+  sighting->xx = std::max(0.0, moments.xx - m.x() * moments.x);
+  sighting->xy = moments.xy - m.x() * moments.y;
+  sighting->yy = std::max(0.0, moments.yy - m.y() * moments.y);
 }
 
 // A patch's line in the frame of the robot: distance of z = normal . z + offset.
@@ -82,7 +83,7 @@ void ReturnCompressor::ForEachReturnOnPatch(std::size_t pose, const Body& body) 
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
     const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (sighting_of_return_[r] != SurfacePatches::kNone) body(&sighting_of_return_[r]);
+      if (entry_of_return_[r] != SurfacePatches::kNone) body(&entry_of_return_[r]);
     }
   }
 }
@@ -109,32 +110,33 @@ std::vector<std::vector<int>> ReturnCompressor::ListPatches(
   return patches_of_chunk;
 }
 
-void ReturnCompressor::NameSightings(const std::vector<std::vector<int>>& patches_of_chunk,
-                                     const PatchSightings& sightings) {
+void ReturnCompressor::NameEntries(const std::vector<std::vector<int>>& patches_of_chunk,
+                                   const PatchSightings& sightings) {
+  patch_of_entry_.resize(sightings.of_pose.size());
   pool_->ForEachChunk(
       graph_.num_poses(), kPosesPerChunk,
       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         const std::vector<int>& patches = patches_of_chunk[chunk];
         const std::size_t start = sightings.first_of_pose[begin];
+        std::copy(patches.begin(), patches.end(), patch_of_entry_.begin() + start);
         for (std::size_t pose = begin; pose < end; ++pose) {
-          const auto first = patches.begin() + (sightings.first_of_pose[pose] - start);
-          const auto last = patches.begin() + (sightings.first_of_pose[pose + 1] - start);
-          int patch = SurfacePatches::kNone, sighting = SurfacePatches::kNone;
+          const auto first = patch_of_entry_.begin() + sightings.first_of_pose[pose];
+          const auto last = patch_of_entry_.begin() + sightings.first_of_pose[pose + 1];
+          int patch = SurfacePatches::kNone, entry = SurfacePatches::kNone;
           ForEachReturnOnPatch(pose, [&](int* of_return) {
             if (*of_return != patch) {
               patch = *of_return;
-              sighting =
-                  sightings
-                      .of_pose[start + (std::lower_bound(first, last, patch) - patches.begin())];
+              entry =
+                  static_cast<int>(std::lower_bound(first, last, patch) - patch_of_entry_.begin());
             }
-            *of_return = sighting;
+            *of_return = entry;
           });
         }
       });
 }
 
 PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int> patch_of_return) {
-  sighting_of_return_ = std::move(patch_of_return);
+  entry_of_return_ = std::move(patch_of_return);
   const std::size_t num_poses = graph_.num_poses();
   PatchSightings result;
   const std::vector<std::vector<int>> patches_of_chunk = ListPatches(&result.first_of_pose);
@@ -157,14 +159,14 @@ PatchSightings ReturnCompressor::LayOut(std::size_t num_patches, std::vector<int
       sighting.patch = patch;
     }
   }
-  NameSightings(patches_of_chunk, result);
+  NameEntries(patches_of_chunk, result);
   return result;
 }
 
-std::vector<int> ReturnCompressor::PatchOfReturn(const PatchSightings& sightings) const {
-  std::vector<int> patches = sighting_of_return_;
+std::vector<int> ReturnCompressor::PatchOfReturn() const {
+  std::vector<int> patches = entry_of_return_;
   for (int& entry : patches) {
-    if (entry != SurfacePatches::kNone) entry = sightings.sightings[entry].patch;
+    if (entry != SurfacePatches::kNone) entry = patch_of_entry_[entry];
   }
   return patches;
 }
@@ -173,16 +175,22 @@ template <typename Body>
 void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<SurfacePatch>& patches,
                                   const PoseFrame& frame, const PatchSightings& sightings,
                                   const Body& body) const {
+  const std::size_t first_entry = sightings.first_of_pose[pose];
+  std::vector<LineInRobot> lines;
+  lines.reserve(sightings.first_of_pose[pose + 1] - first_entry);
+  for (std::size_t k = first_entry; k < sightings.first_of_pose[pose + 1]; ++k) {
+    lines.emplace_back(patches[patch_of_entry_[k]], frame);
+  }
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
     const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
     const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
     const std::size_t end = scan.first_return + scan.num_returns;
     for (std::size_t begin = scan.first_return, after = begin; begin < end; begin = after) {
-      const int sighting = sighting_of_return_[begin];
-      for (++after; after < end && sighting_of_return_[after] == sighting;) ++after;
-      if (sighting == SurfacePatches::kNone) continue;
-      const LineInRobot line(patches[sightings.sightings[sighting].patch], frame);
-      body(sighting, [&, begin, after](const auto& take) {
+      const int entry = entry_of_return_[begin];
+      for (++after; after < end && entry_of_return_[after] == entry;) ++after;
+      if (entry == SurfacePatches::kNone) continue;
+      const LineInRobot line = lines[entry - first_entry];
+      body(entry - first_entry, [&, begin, after](const auto& take) {
         for (std::size_t r = begin; r < after; ++r) {
           take(Residual(surface_.points[r].cast<double>(), laser, line, noise_));
         }
@@ -208,31 +216,22 @@ double ReturnCompressor::Weigh(const std::vector<SurfacePatch>& patches,
                                const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
                                PatchSightings* sightings) const {
   return SumOverPoses([&](std::size_t pose) {
-    for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
-         ++k) {
-      PatchSighting& sighting = sightings->sightings[sightings->of_pose[k]];
-      sighting.weight = sighting.xx = sighting.xy = sighting.yy = 0.0;
-      sighting.centroid.setZero();
-    }
+    const std::size_t first = sightings->first_of_pose[pose];
+    // At hand, while the sightings of a pose lie all over memory.
+    std::vector<PointMoments> moments(sightings->first_of_pose[pose + 1] - first);
     double cost = 0.0;
-    ForEachRun(pose, patches, frames[pose], *sightings, [&](int index, const auto& for_each) {
-      // Sums of a run are kept at hand; those of the sighting are in memory.
-      PointMoments run;
-      for_each([&](const Residual& r) {
-        const RobustTerm term = loss.Term(r.distance, r.variance);
-        cost += 0.5 * term.rho;
-        run.Add(r.z.x(), r.z.y(), term.information);
-      });
-      PatchSighting& sighting = sightings->sightings[index];
-      sighting.weight += run.weight;
-      sighting.centroid += Eigen::Vector2d(run.x, run.y);
-      sighting.xx += run.xx;
-      sighting.xy += run.xy;
-      sighting.yy += run.yy;
-    });
-    for (std::size_t k = sightings->first_of_pose[pose]; k < sightings->first_of_pose[pose + 1];
-         ++k) {
-      Center(&sightings->sightings[sightings->of_pose[k]]);
+    ForEachRun(pose, patches, frames[pose], *sightings,
+               [&](std::size_t entry, const auto& for_each) {
+                 PointMoments run;
+                 for_each([&](const Residual& r) {
+                   const RobustTerm term = loss.Term(r.distance, r.variance);
+                   cost += 0.5 * term.rho;
+                   run.Add(r.z.x(), r.z.y(), term.information);
+                 });
+                 moments[entry] += run;
+               });
+    for (std::size_t entry = 0; entry < moments.size(); ++entry) {
+      SetMoments(moments[entry], &sightings->sightings[sightings->of_pose[first + entry]]);
     }
     return cost;
   });
@@ -243,7 +242,7 @@ double ReturnCompressor::Cost(const std::vector<SurfacePatch>& patches,
                               const PatchSightings& sightings) const {
   return SumOverPoses([&](std::size_t pose) {
     double cost = 0.0;
-    ForEachRun(pose, patches, frames[pose], sightings, [&](int, const auto& for_each) {
+    ForEachRun(pose, patches, frames[pose], sightings, [&](std::size_t, const auto& for_each) {
       for_each([&](const Residual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
     });
     return cost;
@@ -258,17 +257,19 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<SurfaceP
   pool_->ForEachChunk(
       graph_.num_poses(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t pose = begin; pose < end; ++pose) {
-          ForEachRun(pose, patches, frames[pose], sightings, [&](int index, const auto& for_each) {
-            RangeSlope& slope = slopes[index];
-            for_each([&](const Residual& r) {
-              const double weight = loss.Term(r.distance, r.variance).information;
-              const double cosine = r.normal.dot(r.beam.normalized());
-              slope.weight += weight * cosine;
-              slope.moment += weight * cosine * r.z;
-              slope.curvature += weight * cosine * cosine;
-              slope.gradient += weight * cosine * r.distance;
-            });
-          });
+          const int* sighting_of_entry = sightings.of_pose.data() + sightings.first_of_pose[pose];
+          ForEachRun(pose, patches, frames[pose], sightings,
+                     [&](std::size_t entry, const auto& for_each) {
+                       RangeSlope& slope = slopes[sighting_of_entry[entry]];
+                       for_each([&](const Residual& r) {
+                         const double weight = loss.Term(r.distance, r.variance).information;
+                         const double cosine = r.normal.dot(r.beam.normalized());
+                         slope.weight += weight * cosine;
+                         slope.moment += weight * cosine * r.z;
+                         slope.curvature += weight * cosine * cosine;
+                         slope.gradient += weight * cosine * r.distance;
+                       });
+                     });
         }
       });
   return slopes;

@@ -66,7 +66,7 @@ class ReturnCompressor {
   PatchSightings LayOut(std::size_t num_patches, std::vector<int> patch_of_return);
 
   /// What LayOut took over.
-  std::vector<int> PatchOfReturn(const PatchSightings& sightings) const;
+  std::vector<int> PatchOfReturn() const;
 
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the patch's line,
   /// s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the returns,
@@ -85,8 +85,9 @@ class ReturnCompressor {
                                       const PatchSightings& sightings) const;
 
  private:
-  // Neighbouring returns of a scan on the same patch are a run. Calls body(sighting,
-  // for_each) for every run of a pose, where for_each(take) calls take with each return of it.
+  // Neighbouring returns of a scan on the same patch are a run. Calls body(entry, for_each) for
+  // every run of a pose, where for_each(take) calls take with each return of it. entry: into
+  // of_pose of the sightings, from the pose's first one.
   template <typename Body>
   void ForEachRun(std::size_t pose, const std::vector<SurfacePatch>& patches,
                   const PoseFrame& frame, const PatchSightings& sightings, const Body& body) const;
@@ -97,9 +98,9 @@ class ReturnCompressor {
   double SumOverPoses(const Body& cost_of_pose) const;
   // The patches that each pose sees, ascending, in one list per chunk of poses.
   std::vector<std::vector<int>> ListPatches(std::vector<std::size_t>* first_of_pose);
-  // Turns the patch of every return into its sighting.
-  void NameSightings(const std::vector<std::vector<int>>& patches_of_chunk,
-                     const PatchSightings& sightings);
+  // Turns the patch of every return into its entry.
+  void NameEntries(const std::vector<std::vector<int>>& patches_of_chunk,
+                   const PatchSightings& sightings);
 
   const SlamGraph& graph_;
   const MeasuredSurface& surface_;
@@ -107,7 +108,8 @@ class ReturnCompressor {
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose
   std::vector<std::size_t> first_scan_of_pose_;
-  std::vector<int> sighting_of_return_;  // its patch, until the sightings are laid out
+  std::vector<int> entry_of_return_;  // its patch, until the sightings are laid out
+  std::vector<int> patch_of_entry_;
 };
 
 }  // namespace plumbline

@@ -59,7 +59,7 @@ class PatchMinimizer {
     result_.judged_poses = graph_->poses();
     result_.judged_cut = {patches_, patch_of_return_};
     if (!Ended()) RunLastRound();
-    result_.last_cut.patch_of_return = compressor_.PatchOfReturn(sightings_);
+    result_.last_cut.patch_of_return = compressor_.PatchOfReturn();
     result_.last_cut.patches = std::move(patches_);
     return std::move(result_);
   }
