@@ -106,7 +106,7 @@ DEFINE_bool(reduced_lines_follow, Defaults().reduced.lines_follow,
 DEFINE_double(reduced_first_gate_factor, Defaults().reduced.first_gate_factor,
               "reduced: factor on the robust gate in the first round");
 DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
-              "reduced: ends when a round gains less [fraction of the cost], and");
+              "reduced: ends when a round gains less in its last step [fraction of the cost], and");
 DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
               "reduced: moves returns across their surfaces by less [standard deviations]");
 

@@ -36,7 +36,7 @@ struct ReducedOptions {
   int steps_per_round = 2;
   /// Factor on the robust gate of the manifold term in the first round.
   double first_gate_factor = 2.0;
-  /// Rounds end when one lowers the cost by less than this fraction and
+  /// A round whose last step lowers the cost by less than this fraction is the last but one if it
   double relative_tolerance = 5e-3;
   /// moves returns across their surfaces, relative to those of the pose before, by less than this:
   /// root mean square in standard deviations of a return.

@@ -73,8 +73,8 @@ class PatchMinimizer {
       CutPatches();
       HoldIslands();
     }
-    const double gain = TakeSteps(gate_sigmas, options_.steps_per_round);
-    Judge(gain, first, result_.rounds.back());
+    const double last_gain = TakeSteps(gate_sigmas, options_.steps_per_round);
+    Judge(last_gain, first, result_.rounds.back());
   }
 
   // All returns, those held out so far included, on the patches at hand.
@@ -86,7 +86,7 @@ class PatchMinimizer {
     if (result_.stopped) result_.stop_reason = kStopped;
   }
 
-  // Adds a row to the rounds, and gives what the steps gained.
+  // Adds a row to the rounds, and gives what the last step gained.
   double TakeSteps(double gate_sigmas, int max_steps) {
     const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
@@ -95,7 +95,8 @@ class PatchMinimizer {
     row.num_patches = patches_.size();
     row.num_sightings = sightings_.sightings.size();
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
-    StepOutcome sum;
+    StepOutcome outcome;
+    double moved_squared = 0.0;
     while (row.steps < max_steps && !Ended()) {
       step_start_ = Clock::now();
       frames_ = FramesOf(graph_->poses());
@@ -108,17 +109,16 @@ class PatchMinimizer {
       }
       cost_ = Cost(graph_->poses(), frames_);
       if (row.steps == 0) row.initial_cost = cost_;
-      const StepOutcome outcome = Step();
-      sum.gain += outcome.gain;
-      sum.moved_squared += outcome.moved_squared;
+      outcome = Step();
+      moved_squared += outcome.moved_squared;
       ++row.steps;
       if (outcome.gain <= options_.relative_tolerance * cost_) break;
     }
     row.final_cost = cost_;
-    row.moved_sigmas = MovedSigmas(sum.moved_squared);
+    row.moved_sigmas = MovedSigmas(moved_squared);
     result_.rounds.push_back(row);
     result_.minimization_time_s += SecondsSince(start) - (result_.setup_time_s - setup_time_s);
-    return sum.gain;
+    return outcome.gain;
   }
 
   // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
@@ -254,13 +254,13 @@ class PatchMinimizer {
     return std::sqrt(moved_squared / std::max(total_weight * noise_m * noise_m, 1.0));
   }
 
-  void Judge(double gain, bool first, const PatchRoundSummary& round) {
+  void Judge(double last_gain, bool first, const PatchRoundSummary& round) {
     if (!result_.usable) return;
     std::ostringstream reason;
-    reason << "a round lowered the cost of " << round.initial_cost << " by " << gain
-           << " and moved returns by " << round.moved_sigmas << " sigmas";
+    reason << "a round brought the cost down to " << round.final_cost << ", by " << last_gain
+           << " in its last step, and moved returns by " << round.moved_sigmas << " sigmas";
     result_.converged = !first && !result_.stopped &&
-                        gain <= options_.relative_tolerance * round.initial_cost &&
+                        last_gain <= options_.relative_tolerance * round.final_cost &&
                         round.moved_sigmas <= options_.move_tolerance_sigmas;
     reason << (result_.converged ? ": within the tolerances" : "");
     result_.stop_reason = result_.stopped ? kStopped : reason.str();
