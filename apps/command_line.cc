@@ -40,9 +40,11 @@ bool EndsWith(std::string_view text, std::string_view ending) {
 // tenth more time. To be called while there is one thread.
 void KeepOneHeap() {
 #ifdef __GLIBC__
+  // NOLINTBEGIN(concurrency-mt-unsafe)
   mallopt(M_ARENA_MAX, 1);
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, -1);
+  // NOLINTEND(concurrency-mt-unsafe)
 #endif
 }
 

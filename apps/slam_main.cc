@@ -212,7 +212,7 @@ class SlamRun {
         output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
     graph_.poses().swap(odometry_poses_);
     graph_.ResetPointsFromPoses();
-    const Status recorded = RecordMap("Odometry", "map_odometry.png");
+    Status recorded = RecordMap("Odometry", "map_odometry.png");
     graph_.poses().swap(odometry_poses_);
     graph_.ResetPointsFromPoses();
     return recorded;

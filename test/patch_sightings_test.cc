@@ -238,6 +238,7 @@ TEST(PatchSightingsTest, WeighingAgainStartsFromNothing) {
   double cost = 0.0;
   const PatchSightings once = LayOutAndWeigh(sighted, loss, &pool, &cost);
   EXPECT_EQ(again, cost);
+  EXPECT_EQ(compressor.Cost(sighted.patches, frames, loss, sightings), cost);
   for (std::size_t i = 0; i < once.sightings.size(); ++i) {
     ExpectSameBits(sightings.sightings[i], once.sightings[i]);
   }

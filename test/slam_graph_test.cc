@@ -129,9 +129,12 @@ TEST_F(SlamGraphTest, PointsFollowThePosesOnlyWhenAsked) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 4.0, kInfinity}).ok());
   graph_.SetPose(first_, Pose2(0.0, 0.0, 0.0));
   ExpectPoint(0, 2.0, 2.5);
+  const std::vector<double> measured = graph_.MeasuredMap(graph_.poses());
+  ExpectPoint(0, 2.0, 2.5);
   graph_.ResetPointsFromPoses();
   ExpectPoint(0, 0.5, -1.0);
   ExpectPoint(1, 4.5, 0.0);
+  EXPECT_EQ(graph_.points(), measured);
 }
 
 TEST_F(SlamGraphTest, BadInputIsNamedAndChangesNothing) {
