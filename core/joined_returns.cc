@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/pose_frame.h"
+
 namespace plumbline {
 namespace {
 
@@ -18,10 +20,10 @@ constexpr int kMaxBeamGap = 2;
 
 void MeasuredPoints(const SlamGraph& graph, int scan_id, std::vector<Eigen::Vector2d>* points) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const Pose2& robot_from_laser = graph.laser(scan.laser).robot_from_laser;
+  const PoseFrame laser(graph.laser(scan.laser).robot_from_laser);
   points->resize(scan.num_returns);
   for (std::size_t k = 0; k < scan.num_returns; ++k) {
-    (*points)[k] = robot_from_laser * graph.PointInLaser(scan.first_return + k);
+    (*points)[k] = laser.Rotate(graph.PointInLaser(scan.first_return + k)) + laser.translation();
   }
 }
 

@@ -18,9 +18,10 @@ bool LaserModel::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(num_beams, <=, 1000000);
   PLUMBLINE_CHECK_FINITE_OPTION(first_bearing_rad, >=, -2.0 * kPi);
   PLUMBLINE_CHECK_FINITE_OPTION(first_bearing_rad, <=, 2.0 * kPi);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(bearing_step_rad), >=, 0.0);
   if (num_beams > 1) {
-    PLUMBLINE_CHECK_FINITE_OPTION(std::abs(bearing_step_rad), >, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(std::abs(bearing_step_rad), <=, kPi);
+    PLUMBLINE_CHECK_OPTION(std::abs(bearing_step_rad), >, 0.0);
+    PLUMBLINE_CHECK_OPTION(std::abs(bearing_step_rad), <=, kPi);
   }
   PLUMBLINE_CHECK_FINITE_OPTION(min_range_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_range_m, >, min_range_m);

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "plumbline/core/pose2.h"
+
 namespace plumbline {
 
 /// A pose with its rotation at hand.
@@ -14,6 +16,8 @@ struct PoseFrame {
   PoseFrame() = default;
   explicit PoseFrame(const double* pose)
       : x(pose[0]), y(pose[1]), c(std::cos(pose[2])), s(std::sin(pose[2])) {}
+  explicit PoseFrame(const Pose2& pose)
+      : x(pose.x), y(pose.y), c(std::cos(pose.yaw)), s(std::sin(pose.yaw)) {}
 
   /// From the robot's axes to those of the world.
   Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {

@@ -8,6 +8,7 @@
 
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/input_limits.h"
+#include "plumbline/core/pose_frame.h"
 
 namespace plumbline {
 namespace {
@@ -28,6 +29,7 @@ Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   for (int beam = 0; beam < laser.num_beams; ++beam) {
     directions.push_back(BeamEnd(1.0, laser.Bearing(beam)));
   }
+  lasers_.reserve(lasers_.size() + 1);  // both or none, also without memory
   beam_directions_.push_back(std::move(directions));
   lasers_.push_back(laser);
   return Status::Ok();
@@ -73,14 +75,14 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
 
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
   const DefaultFloatEnvironment float_environment;
-  const Pose2 world_from_laser = WorldFromRobot(pose_id) * lasers_[laser_id].robot_from_laser;
+  const PoseFrame laser(WorldFromRobot(pose_id) * lasers_[laser_id].robot_from_laser);
   for (const Return& r : returns) {
     returns_.range_m.push_back(r.range_m);
     returns_.bearing_rad.push_back(r.bearing_rad);
     returns_.beam.push_back(r.beam);
     returns_.scan.push_back(num_scans());
-    const Eigen::Vector2d end =
-        world_from_laser * (r.range_m * BeamDirection(laser_id, r.beam, r.bearing_rad));
+    const Eigen::Vector2d in_laser = r.range_m * BeamDirection(laser_id, r.beam, r.bearing_rad);
+    const Eigen::Vector2d end = laser.Rotate(in_laser) + laser.translation();
     points_.insert(points_.end(), {end.x(), end.y()});
   }
   scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
@@ -213,10 +215,9 @@ void SlamGraph::SetRange(std::size_t r, double range_m) {
 void SlamGraph::PlacePoints(const std::vector<double>& poses, std::vector<double>* points) const {
   const DefaultFloatEnvironment float_environment;
   for (const ScanEntry& scan : scans_) {
-    const Pose2 world_from_laser =
-        Pose2(&poses[3 * scan.pose]) * lasers_[scan.laser].robot_from_laser;
+    const PoseFrame laser{Pose2(&poses[3 * scan.pose]) * lasers_[scan.laser].robot_from_laser};
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const Eigen::Vector2d end = world_from_laser * PointInLaser(r);
+      const Eigen::Vector2d end = laser.Rotate(PointInLaser(r)) + laser.translation();
       (*points)[2 * r] = end.x();
       (*points)[2 * r + 1] = end.y();
     }

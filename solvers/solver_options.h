@@ -36,10 +36,12 @@ struct ReducedOptions {
   int steps_per_round = 2;
   /// Factor on the robust gate of the manifold term in the first round.
   double first_gate_factor = 2.0;
-  /// A round whose last step lowers the cost by less than this fraction is the last but one if it
+  /// Rounds end, but never with the first, when the last step of one lowers the cost by less than
+  /// this fraction of it and
   double relative_tolerance = 5e-3;
-  /// moves returns across their surfaces, relative to those of the pose before, by less than this:
-  /// root mean square in standard deviations of a return.
+  /// the round moves returns across their surfaces, relative to those of the pose before, by less
+  /// than this: root mean square in standard deviations of a return. One step with all returns
+  /// follows.
   double move_tolerance_sigmas = 0.1;
   /// The lines follow the poses: refitted exactly after each step, which knows that they will be.
   /// Otherwise they are fixed within a round, as in the published alternation, and the poses creep.

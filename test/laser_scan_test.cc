@@ -77,6 +77,8 @@ TEST(LaserModel, ClockwiseAndSingleBeamLasersAreFine) {
   laser.num_beams = 1;
   laser.bearing_step_rad = 0.0;
   EXPECT_TRUE(laser.Check(nullptr));
+  laser.bearing_step_rad = NAN;  // a bearing all the same
+  EXPECT_FALSE(laser.Check(nullptr));
 }
 
 TEST(LaserModel, EqualityComparesEveryField) {

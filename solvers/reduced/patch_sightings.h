@@ -58,11 +58,12 @@ struct RangeSlope {
 /// Turns millions of returns into sightings, again and again as the weights follow the residuals.
 class ReturnCompressor {
  public:
-  /// Keeps references to the graph and the surface. Takes patch_of_return over.
+  /// Keeps references to the graph and the surface.
   ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
                    const SurfaceNoise& noise, ThreadPool* pool);
 
-  /// Lays out the sightings, all of weight zero.
+  /// Lays out the sightings, all of weight zero. Takes patch_of_return over. The sightings that the
+  /// other functions want are those of the last layout.
   PatchSightings LayOut(std::size_t num_patches, std::vector<int> patch_of_return);
 
   /// What LayOut took over.

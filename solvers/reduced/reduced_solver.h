@@ -37,10 +37,11 @@ struct ReducedResult {
 /// the poses, with the lines eliminated from the linear system and refitted exactly after each.
 /// A step that does not lower the cost is shortened, or not taken.
 ///
-/// The rounds do without the held-out returns, see held_out_returns.h, and end when one lowers the
-/// cost and moves the returns by less than the tolerances. A last step takes all returns in, so
-/// that none is lost to the result; it is left out if the callback stopped the rounds. Updates the
-/// poses of the graph; leaves its points alone. Bitwise the same for any number of threads.
+/// The rounds do without the held-out returns, see held_out_returns.h, and end when the last step
+/// of one lowers the cost, and the round moves the returns, by less than the tolerances. A last
+/// step takes all returns in, so that none is lost to the result; it is left out if the callback
+/// stopped the rounds. Updates the poses of the graph; leaves its points alone. Bitwise the same
+/// for any number of threads.
 ///
 /// A group of poses that no term ties to a fixed one keeps its first pose. The graph must have
 /// returns.

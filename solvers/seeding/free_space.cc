@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/pose_frame.h"
 
 namespace plumbline {
 namespace {
@@ -21,12 +22,13 @@ constexpr int kNumNeighbours = 4;
 
 FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
   const ScanEntry& entry = graph.scan(scan);
+  const PoseFrame mounting(laser_.robot_from_laser);
   std::vector<double> range_of_beam(laser_.num_beams, 0.0);
   for (std::size_t k = 0; k < entry.num_returns; ++k) {
     const std::size_t r = entry.first_return + k;
     range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
     if (k % kReturnStride != 0) continue;
-    points_in_robot_.push_back(laser_.robot_from_laser * graph.PointInLaser(r));
+    points_in_robot_.push_back(mounting.Rotate(graph.PointInLaser(r)) + mounting.translation());
   }
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;
