@@ -3,15 +3,20 @@
 #include <gflags/gflags.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "plumbline/apps/command_line.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
+#include "plumbline/apps/simulation/faulty_drive.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/apps/simulation/truth_writer.h"
 
@@ -96,6 +101,23 @@ DEFINE_double(odom_leap_distance_m, Defaults().odometry_leap.distance_m, "How fa
 DEFINE_double(odom_leap_direction_deg, RadToDeg(Defaults().odometry_leap_direction_rad),
               "In which direction, seen from the robot [deg]");
 
+DEFINE_string(fault, "none",
+              "What goes wrong, which a mapper is not told: carried or carried_in_gap (the robot, "
+              "along its path), slip (wheels report what the robot does not do), dropped_scans, "
+              "clock_offset (odometry of another time), repeated (a stretch of the log comes once "
+              "more), frozen or frozen_to_end (the laser), mounting (the laser is turned), "
+              "two_buildings (the log of another one follows)");
+DEFINE_double(fault_at_share, 0.0,
+              "Share of the path driven before the fault, between 0 and 1 (0: as usual for it)");
+DEFINE_double(fault_distance_m, 0.0,
+              "How far the robot is carried, or how much too far the wheels report; if negative, "
+              "too little (0: as usual) [m]");
+DEFINE_double(fault_time_s, 0.0,
+              "How long the fault lasts, or how much too old the odometry is; if negative, too new "
+              "(0: as usual) [s]");
+DEFINE_double(fault_angle_deg, 0.0,
+              "By how much the laser is turned, counter-clockwise (0: as usual) [deg]");
+
 namespace plumbline {
 namespace {
 
@@ -133,7 +155,58 @@ SimulationOptions OptionsFromFlags() {
   return options;
 }
 
-void PrintSummary(const SimulatedLog& log) {
+// A flag that says how a fault is: its name, without what they begin with, and what it sets, in
+// units of the fault's field.
+struct FaultFlag {
+  const char* name;
+  double value, units_per_flag_unit;
+  double Fault::*field;
+};
+
+std::vector<FaultFlag> FaultFlags() {
+  return {{"at_share", FLAGS_fault_at_share, 1.0, &Fault::at_share},
+          {"distance_m", FLAGS_fault_distance_m, 1.0, &Fault::distance_m},
+          {"time_s", FLAGS_fault_time_s, 1.0, &Fault::time_s},
+          {"angle_deg", FLAGS_fault_angle_deg, DegToRad(1.0), &Fault::angle_rad}};
+}
+
+Status FaultFromFlags(Fault* fault) {
+  FaultKind kind;
+  if (!FromString(FLAGS_fault, &kind) || kind == FaultKind::kInjected) {
+    return Status::InvalidArgument("--fault=" + FLAGS_fault + ": there is none; see --help");
+  }
+  *fault = Fault::Default(kind);
+  for (const FaultFlag& flag : FaultFlags()) {
+    if (flag.value == 0.0) continue;
+    const std::string name = std::string("--fault_") + flag.name;
+    if (fault->*flag.field == 0.0) {
+      return Status::InvalidArgument(name + " does not belong to --fault=" + FLAGS_fault);
+    }
+    fault->*flag.field = flag.units_per_flag_unit * flag.value;
+    std::string error;
+    if (!fault->Check(&error)) return Status::InvalidArgument(name + ": the fault's " + error);
+  }
+  return Status::Ok();
+}
+
+Status CheckFault() {
+  Fault fault;
+  PLUMBLINE_RETURN_IF_ERROR(FaultFromFlags(&fault));
+  if (fault.kind == FaultKind::kNone) return Status::Ok();
+  if (FLAGS_carry_distance_m != 0.0) {
+    return Status::InvalidArgument("--fault and --carry_distance_m exclude each other");
+  }
+  if (FLAGS_odom_leap_distance_m != 0.0) {
+    return Status::InvalidArgument("--fault and --odom_leap_distance_m exclude each other");
+  }
+  if (fault.kind == FaultKind::kTwoBuildings && FLAGS_building.empty()) {
+    return Status::InvalidArgument("--fault=two_buildings needs --building, which makes up both");
+  }
+  return Status::Ok();
+}
+
+// first_scan: as SimulateWithFault has it.
+void PrintSummary(const SimulatedLog& log, const Fault& fault, std::size_t first_scan) {
   std::size_t num_returns = 0;
   for (const SimulatedScan& scan : log.scans) {
     for (const double range : scan.scan.ranges) num_returns += log.laser.IsReturn(range) ? 1 : 0;
@@ -144,6 +217,9 @@ void PrintSummary(const SimulatedLog& log) {
             << " returns, " << log.path_length_m << " m driven in " << last.scan.timestamp_s
             << " s; odometry ends " << std::hypot(error.x, error.y) << " m and "
             << RadToDeg(std::abs(error.yaw)) << " deg off\n";
+  if (fault.kind == FaultKind::kNone || first_scan >= log.scans.size()) return;
+  std::cout << "fault " << ToString(fault.kind) << " from scan " << first_scan << " on, at "
+            << log.scans[first_scan].scan.timestamp_s << " s\n";
 }
 
 Status CheckFlags() {
@@ -159,27 +235,38 @@ Status CheckFlags() {
   if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   std::string error;
   if (!OptionsFromFlags().Check(&error)) return Status::InvalidArgument("simulation: " + error);
-  return Status::Ok();
+  return CheckFault();
 }
 
-// The building that --world or --building asks for.
-Status MakeBuilding(Building* building) {
+// The building that --world asks for, or one out of this seed that --building asks for.
+Status MakeBuilding(std::uint64_t seed, Building* building) {
   if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
   BuildingKind kind = BuildingKind::kRandom;
   FromString(FLAGS_building, &kind);  // CheckFlags knows the name
-  *building = GenerateBuilding(kind, FLAGS_seed);
+  *building = GenerateBuilding(kind, seed);
   return Status::Ok();
 }
 
 Status Run() {
+  Fault fault;
+  PLUMBLINE_RETURN_IF_ERROR(FaultFromFlags(&fault));
   Building building;
-  PLUMBLINE_RETURN_IF_ERROR(MakeBuilding(&building));
+  PLUMBLINE_RETURN_IF_ERROR(MakeBuilding(FLAGS_seed, &building));
+  std::optional<World> second;
+  if (fault.kind == FaultKind::kTwoBuildings) {
+    Building another;
+    PLUMBLINE_RETURN_IF_ERROR(MakeBuilding(SecondSeed(FLAGS_seed), &another));
+    second.emplace(std::move(another));
+  }
   SimulatedLog log;
-  PLUMBLINE_RETURN_IF_ERROR(Simulate(World(std::move(building)), OptionsFromFlags(), &log));
+  std::size_t first_scan = 0;
+  PLUMBLINE_RETURN_IF_ERROR(SimulateWithFault(World(std::move(building)),
+                                              second ? &*second : nullptr, OptionsFromFlags(),
+                                              fault, &log, &first_scan));
   PLUMBLINE_RETURN_IF_ERROR(WriteCarmenLog(FLAGS_log, log));
   if (!FLAGS_truth.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueTrajectory(FLAGS_truth, log));
   if (!FLAGS_hits.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueHits(FLAGS_hits, log));
-  PrintSummary(log);
+  PrintSummary(log, fault, first_scan);
   return Status::Ok();
 }
 
@@ -191,7 +278,9 @@ int main(int argc, char** argv) {
       "Simulates a robot with a laser scanner in a building.\n\n"
       "  plumbline_simulate --world=datasets/small_building.world --log=small_building.clf "
       "--truth=small_building.tum --hits=small_building.hits\n"
-      "  plumbline_simulate --building=random --seed=7 --log=random_7.clf --truth=random_7.tum",
+      "  plumbline_simulate --building=random --seed=7 --log=random_7.clf --truth=random_7.tum\n"
+      "  plumbline_simulate --building=random --seed=7 --fault=frozen --fault_at_share=0.5 "
+      "--fault_time_s=12 --log=frozen.clf",
       argc, argv);
   return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iomanip>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -20,46 +21,87 @@
 namespace plumbline {
 namespace {
 
-constexpr std::uint32_t kJumpStream = 5;  // 0 to 4 belong to simulator and buildings
+constexpr std::uint32_t kFaultStream = 5;  // 0 to 4 belong to simulator and buildings
+constexpr double kScanPeriodS = 0.45;      // a scan every 0.18 m
+constexpr int kSlipScans = 15;
+
+// Uniform between two bounds.
+double Draw(double low, double high, NoiseSource* source) {
+  return low + (high - low) * source->Uniform();
+}
+
+double WithDrawnSign(double value, NoiseSource* source) {
+  return source->Uniform() < 0.5 ? value : -value;
+}
+
+Fault DrawFault(FaultKind kind, NoiseSource* source) {
+  Fault fault = Fault::Default(kind);
+  const bool slips = kind == FaultKind::kSlip;
+  if (fault.distance_m != 0.0) fault.distance_m = Draw(0.5, slips ? 3.0 : 6.0, source);
+  if (fault.at_share != 0.0) {
+    fault.at_share =
+        kind == FaultKind::kFrozenToEnd ? Draw(0.6, 0.9, source) : Draw(0.2, 0.8, source);
+  }
+  if (slips) {
+    fault.distance_m = WithDrawnSign(fault.distance_m, source);
+    fault.time_s = kSlipScans * kScanPeriodS;
+  }
+  if (kind == FaultKind::kClockOffset) fault.time_s = WithDrawnSign(fault.time_s, source);
+  if (kind == FaultKind::kMounting) fault.angle_rad = WithDrawnSign(fault.angle_rad, source);
+  return fault;
+}
 
 SimulationOptions SimulationOf(const SeedingCase& run) {
   SimulationOptions options;
-  options.scan_period_s = 0.45;  // a scan every 0.18 m
+  options.scan_period_s = kScanPeriodS;
   options.seed = run.seed;
   options.odometry_noise = Scaled(options.odometry_noise, run.odometry_factor);
   return options;
 }
 
-Status SimulateCase(const SeedingCase& run, SimulatedLog* log, double* carried_turn_rad) {
-  const World world(GenerateBuilding(run.building, run.seed));
-  SimulationOptions options = SimulationOf(run);
-  if (run.jump == Jump::kCarried) {
-    Drive drive;
-    PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &drive));
-    const double from_m = run.jump_share * drive.length_m();
-    options.carry = {from_m, run.jump_m};
-    *carried_turn_rad = Between(drive.WorldFromRobot(drive.TimeAt(from_m)),
-                                drive.WorldFromRobot(drive.TimeAt(from_m + run.jump_m)))
-                            .yaw;
+// By how much the heading changes over the stretch over which the robot is carried.
+Status MeasureCarriedTurn(const World& world, const SimulationOptions& options, const Fault& fault,
+                          double* turn_rad) {
+  if (fault.kind != FaultKind::kCarried && fault.kind != FaultKind::kCarriedInGap) {
+    return Status::Ok();
   }
-  return Simulate(world, options, log);
+  Drive drive;
+  PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &drive));
+  const double from_m = fault.at_share * drive.length_m();
+  *turn_rad = Between(drive.WorldFromRobot(drive.TimeAt(from_m)),
+                      drive.WorldFromRobot(drive.TimeAt(from_m + fault.distance_m)))
+                  .yaw;
+  return Status::Ok();
+}
+
+// first_scan: as SimulateWithFault has it.
+Status SimulateCase(const SeedingCase& run, SimulatedLog* log, std::size_t* first_scan,
+                    double* carried_turn_rad) {
+  const World world(GenerateBuilding(run.building, run.seed));
+  const SimulationOptions options = SimulationOf(run);
+  PLUMBLINE_RETURN_IF_ERROR(MeasureCarriedTurn(world, options, run.fault, carried_turn_rad));
+  std::optional<World> second;
+  if (run.fault.kind == FaultKind::kTwoBuildings) {
+    second.emplace(GenerateBuilding(run.building, SecondSeed(run.seed)));
+  }
+  return SimulateWithFault(world, second ? &*second : nullptr, options, run.fault, log, first_scan);
 }
 
 // Moves everything after one key scan ahead, as if matching and odometry had measured it.
 void InjectJump(const SeedingCase& run, SequentialTrajectory* trajectory) {
   std::vector<KeyScan>& keys = trajectory->key_scans;
-  const double path_m = run.jump_share * keys.back().path_m;
+  const double path_m = run.fault.at_share * keys.back().path_m;
   auto first = std::find_if(keys.begin(), keys.end() - 1,
                             [&](const KeyScan& key) { return key.path_m > path_m; });
   const Pose2 at = trajectory->world_from_robot[first->pose];
-  const Eigen::Vector2d shift = BeamEnd(run.jump_m, at.yaw);
+  const Eigen::Vector2d shift = BeamEnd(run.fault.distance_m, at.yaw);
   Pose2& step = trajectory->odometry[first->pose];
-  step = step * Pose2(run.jump_m, 0.0, 0.0);
+  step = step * Pose2(run.fault.distance_m, 0.0, 0.0);
   for (std::size_t pose = first->pose; pose < trajectory->world_from_robot.size(); ++pose) {
     trajectory->world_from_robot[pose].x += shift.x();
     trajectory->world_from_robot[pose].y += shift.y();
   }
-  for (; first != keys.end(); ++first) first->path_m += run.jump_m;
+  for (; first != keys.end(); ++first) first->path_m += run.fault.distance_m;
 }
 
 Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seeding,
@@ -81,17 +123,26 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
   return Status::Ok();
 }
 
-void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, SeedingOutcome* outcome) {
-  const std::vector<Pose2> estimated = PosesOf(graph);
+// Of the poses from `first` to before `end`, after the rigid motion that fits them best.
+void AddErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated, std::size_t first,
+               std::size_t end, PoseErrors* errors) {
+  if (first == end) return;
   std::vector<Pose2> truth;
-  truth.reserve(estimated.size());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    truth.push_back(log.scans[pose].world_from_robot);
-  }
-  const Pose2 truth_from_world = AlignTrajectories(estimated, truth);
+  for (std::size_t i = first; i < end; ++i) truth.push_back(log.scans[i].world_from_robot);
+  const std::vector<Pose2> part(estimated.begin() + first, estimated.begin() + end);
+  const Pose2 truth_from_world = AlignTrajectories(part, truth);
+  for (std::size_t i = 0; i < part.size(); ++i) errors->Add(truth[i], truth_from_world * part[i]);
+}
+
+// first_scan: as SimulateWithFault has it.
+void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, std::size_t first_scan,
+                   SeedingOutcome* outcome) {
+  const std::vector<Pose2> estimated = PosesOf(graph);
+  const bool is_parted = IsAlarmDue(outcome->run.fault.kind);
   PoseErrors errors(StatisticsConvention::kEvo);
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    errors.Add(truth[i], truth_from_world * estimated[i]);
+  AddErrors(log, estimated, 0, is_parted ? first_scan : estimated.size(), &errors);
+  if (outcome->run.fault.kind == FaultKind::kTwoBuildings) {
+    AddErrors(log, estimated, first_scan, estimated.size(), &errors);
   }
   const ErrorStatistics translation = errors.Statistics().translation_m;
   outcome->max_error_m = translation.max;
@@ -101,52 +152,60 @@ void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, SeedingOutco
 // Runs of one class, counted by what became of them.
 struct Tally {
   int runs = 0, right_quiet = 0, right_alarm = 0, wrong_alarm = 0, wrong_silent = 0, repaired = 0;
+  double time_s = 0.0;
 
   void Add(const SeedingOutcome& outcome) {
     ++runs;
     repaired += outcome.repaired ? 1 : 0;
+    time_s += outcome.time_s;
     int& count = outcome.IsRight() ? (outcome.alarm ? right_alarm : right_quiet)
                                    : (outcome.alarm ? wrong_alarm : wrong_silent);
     ++count;
   }
 };
 
-void WriteRow(const std::string& name, const Tally& tally, std::ostream* table) {
-  *table << std::left << std::setw(24) << name << std::right << std::setw(6) << tally.runs
-         << std::setw(13) << tally.right_quiet << std::setw(13) << tally.right_alarm
-         << std::setw(13) << tally.wrong_alarm << std::setw(14) << tally.wrong_silent
-         << std::setw(10) << tally.repaired << std::fixed << std::setprecision(1) << std::setw(11)
-         << 100.0 * (tally.right_quiet + tally.right_alarm) / std::max(1, tally.runs) << " %\n";
+// Of the outcomes that `belongs` picks; none if there are none.
+template <typename Predicate>
+void WriteRow(const std::string& name, const std::vector<SeedingOutcome>& outcomes,
+              const Predicate& belongs, std::ostream* table) {
+  Tally tally;
+  for (const SeedingOutcome& outcome : outcomes) {
+    if (belongs(outcome.run)) tally.Add(outcome);
+  }
+  if (tally.runs == 0) return;
+  *table << std::left << std::setw(16) << name << std::right << std::setw(5) << tally.runs
+         << std::setw(14) << tally.right_quiet << std::setw(14) << tally.right_alarm
+         << std::setw(14) << tally.wrong_alarm << std::setw(15) << tally.wrong_silent
+         << std::setw(10) << tally.repaired << std::fixed << std::setprecision(1) << std::setw(8)
+         << 100.0 * (tally.right_quiet + tally.right_alarm) / tally.runs << std::setw(11)
+         << tally.time_s << '\n';
 }
 
 }  // namespace
 
-const char* ToString(Jump jump) {
-  switch (jump) {
-    case Jump::kNone:
-      return "none";
-    case Jump::kCarried:
-      return "carried";
-    case Jump::kInjected:
-      return "injected";
-  }
-  return "?";
+bool IsAlarmDue(FaultKind kind) {
+  return kind == FaultKind::kFrozenToEnd || kind == FaultKind::kTwoBuildings;
 }
 
-std::vector<SeedingCase> SeedingCases(int num_runs) {
+std::vector<SeedingCase> SeedingCases(int num_runs, std::uint64_t first_seed) {
   constexpr double kOdometryFactors[] = {0.5, 1.0, 2.0};
+  constexpr FaultKind kNone = FaultKind::kNone;
+  constexpr FaultKind kRound[] = {
+      kNone, FaultKind::kCarried,  FaultKind::kInjected,     FaultKind::kCarriedInGap,
+      kNone, FaultKind::kSlip,     FaultKind::kDroppedScans, FaultKind::kClockOffset,
+      kNone, FaultKind::kRepeated, FaultKind::kFrozen,       FaultKind::kFrozenToEnd,
+      kNone, FaultKind::kMounting, FaultKind::kTwoBuildings};
+  constexpr int kRoundLength = sizeof(kRound) / sizeof(kRound[0]);
   std::vector<SeedingCase> cases;
   for (int i = 0; i < num_runs; ++i) {
+    const int step = i / 2;
     SeedingCase run;
     run.building = i % 2 == 0 ? BuildingKind::kRandom : BuildingKind::kRepetitive;
-    run.seed = i / 2 + 1;
-    run.odometry_factor = kOdometryFactors[i / 8 % 3];
-    if (i / 2 % 2 == 1) {
-      NoiseSource source(i, kJumpStream);
-      run.jump = i / 4 % 2 == 0 ? Jump::kCarried : Jump::kInjected;
-      run.jump_m = 0.5 + 5.5 * source.Uniform();
-      run.jump_share = 0.2 + 0.6 * source.Uniform();
-    }
+    run.seed = first_seed + step;
+    // A round is a multiple of three, so each round begins with another factor.
+    run.odometry_factor = kOdometryFactors[(step + step / kRoundLength) % 3];
+    NoiseSource source(2 * run.seed + i % 2, kFaultStream);
+    run.fault = DrawFault(kRound[step % kRoundLength], &source);
     cases.push_back(run);
   }
   return cases;
@@ -158,7 +217,8 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   result.run = run;
   SimulatedLog log;
   SlamGraph graph;
-  PLUMBLINE_RETURN_IF_ERROR(SimulateCase(run, &log, &result.carried_turn_rad));
+  std::size_t first_scan = 0;
+  PLUMBLINE_RETURN_IF_ERROR(SimulateCase(run, &log, &first_scan, &result.carried_turn_rad));
   PLUMBLINE_RETURN_IF_ERROR(MakeGraph(log, &graph));
 
   const auto start = std::chrono::steady_clock::now();
@@ -167,7 +227,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
       EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool);
   SeedingReport report;
   PLUMBLINE_RETURN_IF_ERROR(
-      run.jump == Jump::kInjected
+      run.fault.kind == FaultKind::kInjected
           ? SeedWithInjectedJump(run, seeding, factors.motion, normals, &pool, &graph, &report)
           : SeedGraph(seeding, factors.motion, normals, {}, &pool, &graph, &report));
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
@@ -177,7 +237,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   result.alarm = report.alarm;
   result.repaired = report.Repaired();
   result.time_s = duration.count();
-  MeasureErrors(log, graph, &result);
+  MeasureErrors(log, graph, first_scan, &result);
   *outcome = result;
   return Status::Ok();
 }
@@ -197,23 +257,21 @@ Status RunSeedingStudy(const std::vector<SeedingCase>& cases, const SeedingOptio
 
 std::string SeedingTable(const std::vector<SeedingOutcome>& outcomes) {
   std::ostringstream table;
-  table << "buildings   jump          runs  right, quiet  false alarm  wrong, alarm  wrong, SILENT"
-           "  repaired  consistent\n";
-  Tally all;
-  for (const BuildingKind building : {BuildingKind::kRandom, BuildingKind::kRepetitive}) {
-    for (const Jump jump : {Jump::kNone, Jump::kCarried, Jump::kInjected}) {
-      Tally tally;
-      for (const SeedingOutcome& outcome : outcomes) {
-        if (outcome.run.building != building || outcome.run.jump != jump) continue;
-        tally.Add(outcome);
-        all.Add(outcome);
-      }
-      std::string name = ToString(building);
-      name.resize(12, ' ');
-      WriteRow(name + ToString(jump), tally, &table);
-    }
+  table
+      << "fault            runs  right, quiet  right, alarm  wrong, alarm  wrong, SILENT  repaired"
+         " right %  seeding, s\n";
+  for (const FaultKind kind : kFaultKinds) {
+    WriteRow(
+        ToString(kind), outcomes, [kind](const SeedingCase& run) { return run.fault.kind == kind; },
+        &table);
   }
-  WriteRow("all", all, &table);
+  for (const BuildingKind kind : {BuildingKind::kRandom, BuildingKind::kRepetitive}) {
+    WriteRow(
+        std::string("all ") + ToString(kind), outcomes,
+        [kind](const SeedingCase& run) { return run.building == kind; }, &table);
+  }
+  WriteRow(
+      "all", outcomes, [](const SeedingCase&) { return true; }, &table);
   return table.str();
 }
 
@@ -221,16 +279,19 @@ Status WriteSeedingCsv(const std::string& path, const std::vector<SeedingOutcome
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   std::ostream& out = file.stream();
-  out << "building,seed,odometry_factor,jump,jump_m,jump_share,carried_turn_rad,scans,path_length_"
-         "m,max_error_m,"
-         "mean_error_m,alarm,repaired,time_s\n";
+  out << "building,seed,odometry_factor,fault,fault_at_share,fault_distance_m,fault_time_s,"
+         "fault_angle_rad,carried_turn_rad,scans,path_length_m,max_error_m,mean_error_m,right,"
+         "alarm,"
+         "repaired,time_s\n";
   out << std::setprecision(6);
   for (const SeedingOutcome& outcome : outcomes) {
     const SeedingCase& run = outcome.run;
+    const Fault& fault = run.fault;
     out << ToString(run.building) << ',' << run.seed << ',' << run.odometry_factor << ','
-        << ToString(run.jump) << ',' << run.jump_m << ',' << run.jump_share << ','
-        << outcome.carried_turn_rad << ',' << outcome.num_scans << ',' << outcome.path_length_m
-        << ',' << outcome.max_error_m << ',' << outcome.mean_error_m << ',' << outcome.alarm << ','
+        << ToString(fault.kind) << ',' << fault.at_share << ',' << fault.distance_m << ','
+        << fault.time_s << ',' << fault.angle_rad << ',' << outcome.carried_turn_rad << ','
+        << outcome.num_scans << ',' << outcome.path_length_m << ',' << outcome.max_error_m << ','
+        << outcome.mean_error_m << ',' << outcome.IsRight() << ',' << outcome.alarm << ','
         << outcome.repaired << ',' << outcome.time_s << '\n';
   }
   return file.Commit();

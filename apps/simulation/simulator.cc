@@ -61,7 +61,8 @@ Reading TakeReading(const World& world, const World* moving, const Pose2& world_
 
 void TakeScan(const World& world, const World* moving, const SimulationOptions& options,
               NoiseSource* source, SimulatedScan* scan) {
-  const Pose2 world_from_laser = scan->world_from_robot * options.laser.robot_from_laser;
+  const Pose2 world_from_laser =
+      scan->world_from_robot * options.laser.robot_from_laser * options.mounting_error;
   for (int beam = 0; beam < options.laser.num_beams; ++beam) {
     const Reading reading =
         TakeReading(world, moving, world_from_laser, options.laser.Bearing(beam), options.laser,
@@ -91,51 +92,100 @@ Pose2 DisturbStep(const Pose2& step, const OdometryNoise& noise, NoiseSource* so
   return Pose2(0.0, 0.0, noisy_rot1) * Pose2(noisy_trans, 0.0, noisy_rot2);
 }
 
-// The planned drive as it happens: without the stretch over which the robot is carried.
+// The planned drive as it happens: the robot does not drive the stretch over which it is carried.
 class ActualDrive {
  public:
-  ActualDrive(const Drive& plan, const DriveFault& carry)
+  ActualDrive(const Drive& plan, const DriveFault& carry, double carry_duration_s)
       : plan_(plan),
         carried_at_s_(plan.TimeAt(carry.at_path_m)),
         skipped_s_(plan.TimeAt(carry.at_path_m + carry.distance_m) - carried_at_s_),
-        skipped_m_(std::clamp(plan.length_m() - carry.at_path_m, 0.0, carry.distance_m)) {}
+        skipped_m_(std::clamp(plan.length_m() - carry.at_path_m, 0.0, carry.distance_m)),
+        pause_s_(skipped_s_ > 0.0 ? carry_duration_s : 0.0) {}
 
-  double duration_s() const { return plan_.duration_s() - skipped_s_; }
+  double duration_s() const { return plan_.duration_s() - skipped_s_ + pause_s_; }
   double length_m() const { return plan_.length_m() - skipped_m_; }
-  Pose2 WorldFromRobot(double time_s) const { return plan_.WorldFromRobot(PlannedTime(time_s)); }
+
+  // Not while it is carried.
+  Pose2 WorldFromRobot(double time_s) const {
+    return plan_.WorldFromRobot(time_s > carried_at_s_ ? time_s - pause_s_ + skipped_s_ : time_s);
+  }
+
+  // Both ends excluded.
+  bool IsCarried(double time_s) const {
+    return carried_at_s_ < time_s && time_s < carried_at_s_ + pause_s_;
+  }
 
   // The motion from one time to a later one, as the wheels roll.
   Pose2 RolledMotion(double from_s, double to_s) const {
+    // They rest while it is carried.
+    if (IsCarried(from_s)) from_s = carried_at_s_;
+    if (IsCarried(to_s)) to_s = carried_at_s_;
     const Pose2 from = WorldFromRobot(from_s), to = WorldFromRobot(to_s);
     if (from_s > carried_at_s_ || to_s <= carried_at_s_) return Between(from, to);
     return Between(from, plan_.WorldFromRobot(carried_at_s_)) *
            Between(plan_.WorldFromRobot(carried_at_s_ + skipped_s_), to);
   }
 
-  // Whether the robot passes this point of its path from one time to a later one.
-  bool Passes(double path_m, double from_s, double to_s) const {
+  // When the robot passes this point of its path; for one that it is carried over, when it is
+  // picked up.
+  double TimeAt(double path_m) const {
     const double planned_s = plan_.TimeAt(path_m);
-    return PlannedTime(from_s) <= planned_s && planned_s < PlannedTime(to_s);
+    if (planned_s < carried_at_s_) return planned_s;
+    return std::max(carried_at_s_, planned_s - skipped_s_ + pause_s_);
   }
 
  private:
-  // When the plan has the robot where it really is at this time.
-  double PlannedTime(double time_s) const {
-    return time_s > carried_at_s_ ? time_s + skipped_s_ : time_s;
-  }
-
   const Drive& plan_;
-  const double carried_at_s_, skipped_s_, skipped_m_;
+  const double carried_at_s_, skipped_s_, skipped_m_, pause_s_;
 };
 
-// What the odometry reports of the way from one scan to the next.
+// How much of the odometry's leap falls between two times: from 0 to 1.
+double ShareOfLeap(const ActualDrive& drive, double from_s, double to_s,
+                   const SimulationOptions& options) {
+  const double start_s = drive.TimeAt(options.odometry_leap.at_path_m);
+  const double duration_s = options.odometry_leap_duration_s;
+  if (duration_s == 0.0) return from_s <= start_s && start_s < to_s ? 1.0 : 0.0;
+  const double overlap_s = std::min(to_s, start_s + duration_s) - std::max(from_s, start_s);
+  return std::max(0.0, overlap_s / duration_s);
+}
+
+// What the odometry reports of the way from one time to a later one.
 Pose2 OdometryStep(const ActualDrive& drive, double from_s, double to_s,
                    const SimulationOptions& options, NoiseSource* source) {
   const Pose2 step = DisturbStep(drive.RolledMotion(from_s, to_s), options.odometry_noise, source);
-  const DriveFault& leap = options.odometry_leap;
-  if (!drive.Passes(leap.at_path_m, from_s, to_s)) return step;
-  const Eigen::Vector2d shift = BeamEnd(leap.distance_m, options.odometry_leap_direction_rad);
+  const double share = ShareOfLeap(drive, from_s, to_s, options);
+  if (share == 0.0) return step;
+  const Eigen::Vector2d shift =
+      BeamEnd(share * options.odometry_leap.distance_m, options.odometry_leap_direction_rad);
   return Pose2(shift.x(), shift.y(), 0.0) * step;
+}
+
+Pose2 WithWrappedYaw(Pose2 pose) {
+  pose.yaw = NormalizeAngle(pose.yaw);
+  return pose;
+}
+
+// Times and poses of all scans; what they see comes later.
+std::vector<SimulatedScan> PlaceScans(const ActualDrive& drive, const SimulationOptions& options) {
+  std::vector<SimulatedScan> scans;
+  NoiseSource source(options.seed, kOdometryStream);
+  double odometry_s = 0.0;
+  const int num_periods = static_cast<int>(drive.duration_s() / options.scan_period_s);
+  for (int i = 0; i <= num_periods; ++i) {
+    SimulatedScan scan;
+    scan.scan.timestamp_s = i * options.scan_period_s;
+    if (drive.IsCarried(scan.scan.timestamp_s)) continue;
+    scan.world_from_robot = WithWrappedYaw(drive.WorldFromRobot(scan.scan.timestamp_s));
+    const double last_odometry_s = odometry_s;
+    odometry_s =
+        std::clamp(scan.scan.timestamp_s - options.odometry_delay_s, 0.0, drive.duration_s());
+    scan.odom_from_robot = WithWrappedYaw(
+        scans.empty() ? drive.WorldFromRobot(odometry_s)
+                      : scans.back().odom_from_robot *
+                            OdometryStep(drive, last_odometry_s, odometry_s, options, &source));
+    scans.push_back(std::move(scan));
+  }
+  return scans;
 }
 
 }  // namespace
@@ -186,7 +236,13 @@ bool SimulationOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(scan_period_s, >=, 1e-3);
   PLUMBLINE_CHECK_NESTED_OPTIONS(carry);
   PLUMBLINE_CHECK_NESTED_OPTIONS(odometry_leap);
+  PLUMBLINE_CHECK_FINITE_OPTION(carry_duration_s, >=, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_leap_direction_rad), >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(odometry_leap_duration_s, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_delay_s), >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.x), >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.y), >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.yaw), >=, 0.0);
   PLUMBLINE_CHECK_NESTED_OPTIONS(traffic);
   return laser.Check(error) && drive.Check(error) && laser_noise.Check(error) &&
          odometry_noise.Check(error);
@@ -198,7 +254,7 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
   Drive plan;
   PLUMBLINE_RETURN_IF_ERROR(Drive::Plan(world, options.drive, &plan));
 
-  const ActualDrive drive(plan, options.carry);
+  const ActualDrive drive(plan, options.carry, options.carry_duration_s);
   const double num_readings = drive.duration_s() / options.scan_period_s * options.laser.num_beams;
   if (!(num_readings <= kMaxReadings)) {
     return Status::InvalidArgument(world.building().name +
@@ -209,29 +265,14 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
   SimulatedLog result;
   result.laser = options.laser;
   result.path_length_m = drive.length_m();
+  result.scans = PlaceScans(drive, options);
   NoiseSource laser_source(options.seed, kLaserStream);
-  NoiseSource odometry_source(options.seed, kOdometryStream);
-  const int num_scans = 1 + static_cast<int>(drive.duration_s() / options.scan_period_s);
-  for (int i = 0; i < num_scans; ++i) {
-    SimulatedScan scan;
-    scan.scan.timestamp_s = i * options.scan_period_s;
-    scan.world_from_robot = drive.WorldFromRobot(scan.scan.timestamp_s);
-    scan.world_from_robot.yaw = NormalizeAngle(scan.world_from_robot.yaw);
-    if (i == 0) {
-      scan.odom_from_robot = scan.world_from_robot;
-    } else {
-      const SimulatedScan& last = result.scans.back();
-      scan.odom_from_robot =
-          last.odom_from_robot * OdometryStep(drive, last.scan.timestamp_s, scan.scan.timestamp_s,
-                                              options, &odometry_source);
-      scan.odom_from_robot.yaw = NormalizeAngle(scan.odom_from_robot.yaw);
-    }
+  for (SimulatedScan& scan : result.scans) {
     std::optional<World> moving;
     if (options.traffic.IsOn()) {
       moving = traffic.At(scan.scan.timestamp_s, scan.world_from_robot.translation());
     }
     TakeScan(world, moving ? &*moving : nullptr, options, &laser_source, &scan);
-    result.scans.push_back(std::move(scan));
   }
   *log = std::move(result);
   return Status::Ok();

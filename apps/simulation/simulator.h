@@ -61,9 +61,18 @@ struct SimulationOptions {
   TrafficOptions traffic;
   /// The robot is carried, or slides, along its path, at most to its end. The wheels do not notice.
   DriveFault carry;
+  /// How long that takes, during which nothing is recorded [s]; 0: it happens between two scans.
+  double carry_duration_s = 0.0;
   /// The odometry leaps in this direction, seen from the robot [rad], although the robot does not.
   DriveFault odometry_leap;
   double odometry_leap_direction_rad = 0.0;
+  /// The leap is spread evenly over this time [s], like the slip of a wheel; 0: it is at once.
+  double odometry_leap_duration_s = 0.0;
+  /// The clocks of wheels and laser disagree: a scan comes with the odometry of this much earlier,
+  /// or later where negative, at most with that of the start and of the end [s].
+  double odometry_delay_s = 0.0;
+  /// The laser is really mounted at laser.robot_from_laser times this, which nobody knows.
+  Pose2 mounting_error;
   std::uint64_t seed = 1;
 
   SimulationOptions();
@@ -75,7 +84,8 @@ struct SimulatedScan {
   /// Ranges rounded to mm, as a log holds them; a beam without a return reads max_range_m.
   LaserScan scan;
   Pose2 world_from_robot;  ///< true pose; yaw in [-pi, pi)
-  Pose2 odom_from_robot;   ///< pose by odometry; equal to the true one at the first scan
+  /// Pose by odometry; at the first scan the true one, of the time that the odometry is of.
+  Pose2 odom_from_robot;
   /// Point [m, world frame] on the surface that each beam measured. NaN if it has no return, or one
   /// from something that does not belong to the building.
   std::vector<Eigen::Vector2d> hits;
@@ -89,6 +99,7 @@ struct SimulatedLog {
 
 /// Drives a robot along the path of a building and records what its laser and wheels report. The
 /// same options give the same log; the odometry depends neither on the laser nor on the traffic.
+/// Time goes on while nothing is recorded.
 /// InvalidArgument on options out of range, where Drive::Plan fails and beyond 1e8 readings; `log`
 /// is then untouched.
 Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log);
