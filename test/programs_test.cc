@@ -202,9 +202,30 @@ TEST_F(ProgramsTest, SimulatesTheSameBuildingFromTheSameSeed) {
   EXPECT_TRUE(ReadFile(folder_ + "a.clf") == ReadFile(folder_ + "b.clf"));
 }
 
+TEST_F(ProgramsTest, SimulatesFaultsAndRefusesBadOnesByTheirFlag) {
+  const std::string drive = "--building=random --seed=3 --num_beams=9 --log=" + folder_ + "a.clf ";
+  const Outcome frozen = Run("simulate", drive + "--fault=frozen --fault_time_s=6");
+  ASSERT_EQ(frozen.exit_code, 0) << frozen.err;
+  EXPECT_THAT(frozen.out, HasSubstr("\nfault frozen from scan "));
+  ASSERT_EQ(Run("simulate", drive + "--fault=two_buildings").exit_code, 0);
+  const std::vector<std::vector<std::string>> refused = {
+      {"--fault=broken", "--fault=broken"},
+      {"--fault=injected", "--fault=injected"},
+      {"--fault_at_share=0.5", "--fault_at_share does not belong to --fault=none"},
+      {"--fault=frozen --fault_distance_m=2", "--fault_distance_m does not belong"},
+      {"--fault=frozen --fault_at_share=1.5", "--fault_at_share: the fault's at_share = 1.5"},
+      {"--fault=mounting --fault_angle_deg=nan", "--fault_angle_deg"},
+      {"--fault=carried --carry_distance_m=1", "--fault and --carry_distance_m"},
+      {"--fault=slip --odom_leap_distance_m=1", "--fault and --odom_leap_distance_m"}};
+  for (const auto& pair : refused) ExpectUsageError(Run("simulate", drive + pair[0]), pair[1]);
+  ExpectUsageError(Run("simulate", "--world=a --log=a.clf --fault=two_buildings"),
+                   "--fault=two_buildings needs --building");
+}
+
 TEST_F(ProgramsTest, StudiesTheSeeding) {
   const Outcome run =
-      Run("benchmark", "--experiment=seeding_study --buildings=4 --csv=" + folder_ + "study.csv");
+      Run("benchmark", "--experiment=seeding_study --buildings=4 --study_first_seed=3 --csv=" +
+                           folder_ + "study.csv");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, IsEmpty());
   EXPECT_THAT(run.out, AllOf(HasSubstr("wrong, SILENT"), HasSubstr("\n4 runs in ")));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -261,6 +262,76 @@ TEST(SimulatorTest, OdometryLeapsAndTheRobotDoesNot) {
   }
 }
 
+// The clock goes on; neither wheels nor laser tell of the time in which it is carried.
+TEST(SimulatorTest, NothingIsRecordedWhileTheRobotIsCarried) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  options.carry = {2.25, 1.5};  // from 4.5 s on
+  options.carry_duration_s = 5.0;
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  // 9.5 s of driving less 0.5 s, which is no whole step: the robot sets out again at 9.5 s.
+  ASSERT_EQ(log.scans.size(), 10u);
+  EXPECT_EQ(log.scans[4].scan.timestamp_s, 4.0);
+  EXPECT_EQ(log.scans[5].scan.timestamp_s, 10.0);
+  EXPECT_EQ(log.scans[9].scan.timestamp_s, 14.0);
+  EXPECT_NEAR(log.path_length_m, 4.5, 1e-12);
+  EXPECT_NEAR(log.scans[4].world_from_robot.x, 4.0, 1e-12);
+  EXPECT_NEAR(log.scans[5].world_from_robot.x, 6.0, 1e-12);
+  EXPECT_NEAR(log.scans[5].odom_from_robot.x, 4.5, 1e-12);
+  EXPECT_NEAR(log.scans[9].world_from_robot.x, 8.0, 1e-12);
+  EXPECT_NEAR(log.scans[9].odom_from_robot.x, 6.5, 1e-12);
+}
+
+TEST(SimulatorTest, ASlipIsSpreadOverItsTime) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  options.odometry_leap = {2.25, 1.0};  // from 4.5 s on
+  options.odometry_leap_duration_s = 4.0;
+  for (const double sign : {1.0, -1.0}) {
+    options.odometry_leap_direction_rad = sign > 0.0 ? 0.0 : kPi;
+    const SimulatedLog log = SimulatedIn(SmallHall(), options);
+    ASSERT_EQ(log.scans.size(), 13u);
+    for (std::size_t i = 0; i < log.scans.size(); ++i) {
+      const double slipped_m = std::clamp((i - 4.5) / 4.0, 0.0, 1.0);
+      EXPECT_NEAR(log.scans[i].world_from_robot.x, 2.0 + 0.5 * i, 1e-12);
+      EXPECT_NEAR(log.scans[i].odom_from_robot.x, 2.0 + 0.5 * i + sign * slipped_m, 1e-12);
+      EXPECT_NEAR(log.scans[i].odom_from_robot.y, 3.0, 1e-12);
+    }
+  }
+}
+
+TEST(SimulatorTest, OdometryOfAnotherTime) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  for (const double delay_s : {0.4, -0.4}) {
+    options.odometry_delay_s = delay_s;
+    const SimulatedLog log = SimulatedIn(SmallHall(), options);
+    ASSERT_EQ(log.scans.size(), 13u);
+    for (std::size_t i = 0; i < log.scans.size(); ++i) {
+      EXPECT_NEAR(log.scans[i].world_from_robot.x, 2.0 + 0.5 * i, 1e-12);
+      EXPECT_NEAR(log.scans[i].odom_from_robot.x, 2.0 + 0.5 * std::clamp(i - delay_s, 0.0, 12.0),
+                  1e-12);
+    }
+  }
+}
+
+// Beam 180 looks ahead by the log, and by 90 deg to the left in truth.
+TEST(SimulatorTest, AMountingErrorTurnsTheLaserAndNotWhatTheLogSays) {
+  SimulationOptions options = Exact();
+  const SimulatedLog sound = SimulatedIn(SmallHall(), options);
+  options.mounting_error = Pose2(0.0, 0.0, kPi / 2);
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  EXPECT_TRUE(log.laser == sound.laser);
+  EXPECT_EQ(sound.scans[0].scan.ranges[180], 8.0);
+  EXPECT_EQ(log.scans[0].scan.ranges[180], 3.0);
+  EXPECT_EQ(log.scans[0].scan.ranges[0], sound.scans[0].scan.ranges[180]);
+  EXPECT_EQ(log.scans.back().world_from_robot.yaw, sound.scans.back().world_from_robot.yaw);
+  EXPECT_EQ(log.scans.back().odom_from_robot.x, sound.scans.back().odom_from_robot.x);
+}
+
 TEST(SimulatorTest, RefusesBadOptionsByName) {
   SimulatedLog log;
   SimulationOptions options;
@@ -280,6 +351,19 @@ TEST(SimulatorTest, RefusesBadOptionsByName) {
   options = SimulationOptions();
   options.carry.distance_m = -1.0;
   EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("carry.distance_m = -1"));
+  options = SimulationOptions();
+  options.carry_duration_s = -1.0;
+  EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("carry_duration_s = -1"));
+  options = SimulationOptions();
+  options.odometry_leap_duration_s = -1.0;
+  EXPECT_THAT(Simulate(SmallHall(), options, &log).message(),
+              HasSubstr("odometry_leap_duration_s = -1"));
+  options = SimulationOptions();
+  options.odometry_delay_s = std::nan("");
+  EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("odometry_delay_s"));
+  options = SimulationOptions();
+  options.mounting_error.yaw = std::nan("");
+  EXPECT_THAT(Simulate(SmallHall(), options, &log).message(), HasSubstr("mounting_error.yaw"));
   EXPECT_TRUE(log.scans.empty());
 }
 
