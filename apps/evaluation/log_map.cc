@@ -14,6 +14,7 @@ Status ReadLogMap(const std::string& log_path, const std::string& trajectory_pat
   LogCounts counts;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &counts, &log));
   std::vector<double> scan_times_s;
+  scan_times_s.reserve(log.num_scans());
   for (int scan = 0; scan < log.num_scans(); ++scan) {
     scan_times_s.push_back(log.timestamp_s(log.scan(scan).pose));
   }

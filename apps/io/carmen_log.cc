@@ -153,6 +153,7 @@ std::size_t SortByTime(std::vector<Record>* records) {
   }
   if (num_out_of_order == 0) return 0;
   std::vector<double> times_s;
+  times_s.reserve(records->size());
   for (const Record& record : *records) times_s.push_back(record.timestamp_s);
   if (!ClockFault(times_s).empty()) return 0;
   std::stable_sort(records->begin(), records->end(), older);
