@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "plumbline/apps/evaluation/alignment.h"
+#include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/graph_poses.h"
@@ -21,6 +23,15 @@ long long Milliseconds(double timestamp_s) { return std::llround(1e3 * timestamp
 Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* truth) {
   std::vector<TimedPose> read;
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(path, &read));
+  Pairing pairing;
+  PLUMBLINE_RETURN_IF_ERROR(
+      ChoosePairing({path, TimesOf(read)}, {"the log", TimesOf(graph)}, kSameTime_s, &pairing));
+  if (pairing.by_order) {
+    for (int p = 0; p < graph.num_poses(); ++p) {
+      truth->trajectory.push_back({graph.timestamp_s(p), read[p].world_from_robot});
+    }
+    return Status::Ok();
+  }
   std::map<long long, Pose2> by_time;
   for (const TimedPose& pose : read) {
     by_time[Milliseconds(pose.timestamp_s)] = pose.world_from_robot;
@@ -37,6 +48,11 @@ Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* tr
 }
 
 Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
+  const std::string fault = ClockFault(TimesOf(graph));
+  if (!fault.empty()) {
+    return Status::InvalidArgument(path + ": hits find their scans by time, but of the log " +
+                                   fault);
+  }
   TextReader reader;
   PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
   std::map<std::pair<long long, int>, std::pair<double, double>> hits;

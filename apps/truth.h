@@ -28,7 +28,8 @@ struct TruthError {
 };
 
 /// Reads a TUM trajectory and, if hits_path is not empty, a table of lines `t beam x y`, and joins
-/// them to the graph's poses by time (to 1 ms). Files may be compressed. NotFound or
+/// them to the graph's poses by time (to 1 ms); poses of the same times one by one are joined in
+/// their order. Files may be compressed. Fails like ChoosePairing. NotFound or
 /// InvalidArgument if a file cannot be read, DataLoss if it is truncated or corrupt;
 /// InvalidArgument, naming file, line and field, on a line that is none of these, and if a pose of
 /// the graph has no truth. Replaces *truth on success only.

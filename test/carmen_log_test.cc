@@ -202,6 +202,19 @@ TEST_F(CarmenLogTest, SortsByTimeAndKeepsDuplicates) {
   EXPECT_EQ(log_.num_out_of_order, 3u);  // Scans 3 and 5, and the second ODOM.
 }
 
+TEST_F(CarmenLogTest, AUselessClockSortsNothing) {
+  std::string content;
+  double range_m = 0.0;
+  for (const double time_s : {-0.4, -0.9, 4e9, 4e9, 4e9, 4e9, 4e9}) {
+    content += Flaser({++range_m}, time_s);
+  }
+  ASSERT_TRUE(Read(content).ok());
+  std::vector<double> order;
+  for (const CarmenScan& s : log_.scans) order.push_back(s.ranges[0]);
+  EXPECT_THAT(order, ElementsAre(1, 2, 3, 4, 5, 6, 7));
+  EXPECT_EQ(log_.num_out_of_order, 0u);
+}
+
 TEST_F(CarmenLogTest, MaxRangeIsTheParameterOr80Metres) {
   EXPECT_EQ(MaxRange({1.0, 2.0, 3.0}), 80.0);
   EXPECT_EQ(MaxRange({1.0, 2.0, 3.0}, "PARAM robot_front_laser_max 30.5 host 0\n"), 30.5);

@@ -138,6 +138,85 @@ TEST_F(EvaluateProgramTest, ScansWithoutAPoseAreLeftOutAndCounted) {
   EXPECT_THAT(EvaluationTables(evaluation), HasSubstr("1 scans have no pose"));
 }
 
+// Five scans on the way to a wall straight ahead, and their poses, all at one time.
+class UselessClockTest : public EvaluateProgramTest {
+ protected:
+  UselessClockTest() {
+    std::string log, poses;
+    for (int scan = 0; scan < 5; ++scan) {
+      log += "FLASER 181";
+      for (int beam = 0; beam < 181; ++beam) {
+        const double ahead = std::cos((beam - 90) * kPi / 180.0);
+        log += ' ' + std::to_string(ahead > 0.2 ? (4.0 - 0.5 * scan) / ahead : 81.83);
+      }
+      log += " 0 0 0 0 0 0 0 host 0\n";
+      poses += "0 " + std::to_string(0.5 * scan) + " 0 0 0 0 0 1\n";
+    }
+    WriteFile(Path("a.clf"), log);
+    WriteFile(Path("a.tum"), poses);
+    WriteFile(Path("short.tum"), poses.substr(0, poses.size() / 5 * 4));
+  }
+};
+
+TEST_F(UselessClockTest, ScansAreAtPosesInTheirOrder) {
+  EvaluationInputs inputs = Inputs();
+  inputs.log = Path("a.clf");
+  const Evaluation evaluation = Measure(inputs);
+  EXPECT_TRUE(evaluation.log_by_order);
+  EXPECT_LT(evaluation.raw_ranges->radii[0].quality.wall_thickness_m, 0.001);
+  EXPECT_THAT(EvaluationTables(evaluation),
+              HasSubstr("the clock is useless: scan i is put at pose i\n"));
+  ASSERT_TRUE(WriteEvaluationJson(Path("a.json"), evaluation).ok());
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(Path("a.json")));
+  EXPECT_EQ(json["map_raw_ranges"]["paired_by_order"], true);
+
+  inputs.trajectory = Path("short.tum");
+  EXPECT_THAT(ErrorOf(inputs),
+              AllOf(StartsWith(Path("a.clf") + ": its clock is useless: 1 different time for 5 "),
+                    HasSubstr(Path("short.tum") + " has not the same times")));
+}
+
+TEST_F(UselessClockTest, PosesAreComparedInTheirOrder) {
+  EvaluationInputs inputs = Inputs();
+  inputs.truth = Path("a.tum");
+  const Evaluation evaluation = Measure(inputs);
+  EXPECT_TRUE(evaluation.truth_by_order);
+  EXPECT_NEAR(evaluation.trajectory->absolute.translation_m.max, 0.0, 1e-12);
+  EXPECT_EQ(evaluation.trajectory->relative_frames.num_matched, 4u);
+  EXPECT_THAT(EvaluationTables(evaluation),
+              HasSubstr("the clock is useless: pose i is compared with true pose i\n"));
+  ASSERT_TRUE(WriteEvaluationJson(Path("a.json"), evaluation).ok());
+  const nlohmann::json json = nlohmann::json::parse(ReadFile(Path("a.json")));
+  EXPECT_EQ(json["absolute"]["paired_by_order"], true);
+
+  inputs.truth = Path("short.tum");
+  EXPECT_THAT(ErrorOf(inputs), StartsWith(Path("short.tum") + ": its clock is useless"));
+}
+
+TEST_F(UselessClockTest, RelationsAreRefused) {
+  EvaluationInputs inputs = Inputs();
+  inputs.relations = Path("a.relations");
+  WriteFile(inputs.relations, "0 1 0 0 0 0 0 0\n");
+  EXPECT_EQ(ErrorOf(inputs), Path("a.tum") +
+                                 ": its clock is useless: 1 different time for 5 entries: "
+                                 "relations find their poses by time");
+  WriteTrajectory("0");
+  WriteFile(inputs.relations, "0.5 0.5 1 0 0 0 0 0\n1.5 1.5 1 0 0 0 0 0\n");
+  EXPECT_EQ(ErrorOf(inputs),
+            Path("a.relations") + ": its clock is useless: no relation has two different times");
+}
+
+TEST_F(EvaluateProgramTest, AGoodClockIsNotSpokenOf) {
+  WriteLog();
+  WriteTrajectory("0");
+  EvaluationInputs inputs = Inputs();
+  inputs.log = Path("a.clf");
+  inputs.truth = Path("a.tum");
+  const Evaluation evaluation = Measure(inputs);
+  EXPECT_FALSE(evaluation.log_by_order || evaluation.truth_by_order);
+  EXPECT_THAT(EvaluationTables(evaluation), Not(HasSubstr("useless")));
+}
+
 TEST_F(EvaluateProgramTest, PassesThatContradictEachOtherAreReported) {
   // A corridor along x with its wall 1.5 m to the left and to the right, driven to x = 10 m and,
   // with the laser looking back, home again. Beams every degree, straight ahead they meet nothing.

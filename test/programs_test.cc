@@ -254,6 +254,22 @@ TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {
   ExpectError(Slam("a.clf", "--truth=" + folder_ + "a.tum"), folder_ + "a.tum: no pose");
 }
 
+TEST_F(ProgramsTest, EvaluatesScansOfAUselessClockInTheirOrder) {
+  std::string log, poses;
+  for (int scan = 0; scan < 3; ++scan) {
+    log += "FLASER 5 2 2 2 2 2 0 0 0 0 0 0 0 host 0\n";
+    poses += "0 0 0 0 0 0 0 1\n";
+  }
+  WriteFile(folder_ + "a.clf", log);
+  WriteFile(folder_ + "a.tum", poses);
+  const std::string flags = "--log=" + folder_ + "a.clf --trajectory=" + folder_ + "a.tum";
+  const Outcome run = Run("evaluate", flags);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("the clock is useless: scan i is put at pose i"));
+  WriteFile(folder_ + "a.tum", poses + poses);
+  ExpectError(Run("evaluate", flags), folder_ + "a.clf: its clock is useless");
+}
+
 TEST_F(ProgramsTest, HelpShowsTheFlagsOfTheProgram) {
   const Outcome slam = Run("slam", "--help");
   EXPECT_EQ(slam.exit_code, 0);

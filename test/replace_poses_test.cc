@@ -64,6 +64,16 @@ TEST_F(ReplacePosesTest, ScansOfOneTimeKeepTheirOwnPoses) {
   EXPECT_THAT(Places(), ElementsAre(1.0, 2.0, 3.0, 4.0));
 }
 
+TEST_F(ReplacePosesTest, AUselessClockNeedsAPoseForEach) {
+  MakeGraph({1.0, 1.0, 1.0});
+  ASSERT_TRUE(Replace({"1", "1", "1"}).ok());
+  EXPECT_THAT(Places(), ElementsAre(1.0, 2.0, 3.0));
+  const Status status = Replace({"1", "1"});
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr(path_ + ": its clock is useless"));
+  EXPECT_THAT(Places(), ElementsAre(1.0, 2.0, 3.0));
+}
+
 TEST_F(ReplacePosesTest, NamesTheFirstPoseWithoutOne) {
   MakeGraph({1.0, 2.25, 3.0, 4.0});
   const Status status = Replace({"1", "2", "3.002", "4"});

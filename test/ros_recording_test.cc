@@ -235,6 +235,15 @@ TEST_F(RosRecordingTest, LateMessagesAreSortedIn) {
   EXPECT_EQ(notes_.num_out_of_order, 2u);
 }
 
+TEST_F(RosRecordingTest, AClockThatStandsStillIsAnError) {
+  for (RosScan& scan : recording_.scans) scan.stamp_s = 100.2;
+  EXPECT_THAT(Failure(),
+              HasSubstr("a.bag: /scan: its clock is useless: 1 different time for 3 entries"));
+  recording_.scans.resize(1);
+  for (TimedPose& pose : recording_.odometry) pose.timestamp_s = 100.2;
+  EXPECT_THAT(Failure(), HasSubstr("a.bag: /odom: its clock is useless"));
+}
+
 TEST_F(RosRecordingTest, AClockThatJumpsBackIsAnError) {
   recording_.scans.push_back(Scan(95.0));
   EXPECT_THAT(Failure(), AllOf(HasSubstr("/scan message 3 (95.000000 s): the clock jumps back by "

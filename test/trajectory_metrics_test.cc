@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -99,6 +100,30 @@ TEST(TrajectoryMetricsTest, PairsThePosesNearestInTime) {
   EXPECT_NEAR(metrics.absolute.translation_m.max, 0.0, 1e-12);
   options.max_time_difference_s = 0.03;
   EXPECT_EQ(MeasureTrajectory(estimate, truth, options).absolute.num_matched, 4u);
+}
+
+TEST(TrajectoryMetricsTest, PairsByOrderWhereTimesDoNotTell) {
+  std::vector<TimedPose> estimate = Along({0.0, 1.0, 3.0, 2.0});
+  for (TimedPose& pose : estimate) pose.timestamp_s = 7.0;
+  const TrajectoryMetricsOptions options;
+  const TrajectoryMetrics metrics = MeasureTrajectory(estimate, estimate, options, {true, true});
+  EXPECT_EQ(metrics.absolute.num_matched, 4u);
+  EXPECT_NEAR(metrics.absolute.translation_m.max, 0.0, 1e-12);
+  EXPECT_EQ(metrics.relative_frames.num_matched, 3u);
+}
+
+TEST(TrajectoryMetricsTest, StepsGoInOrderOfTimeAlsoIfPairsDoNot) {
+  std::vector<TimedPose> estimate = Along({0.0, 1.0, 2.5, 3.0}), truth = Along({0, 1, 2, 3});
+  const TrajectoryMetricsOptions options;
+  const double in_order =
+      MeasureTrajectory(estimate, truth, options).relative_frames.translation_m.mean;
+  std::swap(estimate[0], estimate[2]);
+  std::swap(truth[0], truth[2]);
+  for (const bool by_order : {false, true}) {
+    const TrajectoryMetrics metrics =
+        MeasureTrajectory(estimate, truth, options, {by_order, false});
+    EXPECT_NEAR(metrics.relative_frames.translation_m.mean, in_order, 1e-12);
+  }
 }
 
 TEST(TrajectoryMetricsTest, WithoutACommonTimeThereAreNoFigures) {

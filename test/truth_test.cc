@@ -131,6 +131,23 @@ TEST_F(ReadTruthTest, JoinsByTimeAndBeam) {
   EXPECT_EQ(truth_.points[7], 8.0);
 }
 
+TEST_F(ReadTruthTest, AUselessClockJoinsByOrder) {
+  SlamGraph graph;
+  int id = 0;
+  for (int p = 0; p < 3; ++p) ASSERT_TRUE(graph.AddPose(Pose2(), 7.0, &id).ok());
+  WriteFile(trajectory_path_, "7 1 0 0 0 0 0 1\n7 2 0 0 0 0 0 1\n7 3 0 0 0 0 0 1\n");
+  ASSERT_TRUE(ReadTruth(trajectory_path_, "", graph, &truth_).ok());
+  ASSERT_EQ(truth_.trajectory.size(), 3u);
+  for (int p = 0; p < 3; ++p) EXPECT_EQ(truth_.trajectory[p].world_from_robot.x, p + 1.0);
+  WriteFile(hits_path_, "7 0 1 2\n");
+  EXPECT_THAT(ReadTruth(trajectory_path_, hits_path_, graph, &truth_).message(),
+              HasSubstr(hits_path_ + ": hits find their scans by time"));
+  WriteFile(trajectory_path_, "7 1 0 0 0 0 0 1\n7 2 0 0 0 0 0 1\n");
+  const Status status = ReadTruth(trajectory_path_, "", graph, &truth_);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr(trajectory_path_ + ": its clock is useless"));
+}
+
 TEST_F(ReadTruthTest, HitsMayBeLeftOut) {
   WriteFile(trajectory_path_, good_trajectory_);
   ASSERT_TRUE(ReadTruth(trajectory_path_, "", MakeGraph({{0, 0, 0}}), &truth_).ok());

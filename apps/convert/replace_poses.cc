@@ -1,24 +1,15 @@
 #include "plumbline/apps/convert/replace_poses.h"
 
-#include <cmath>
 #include <limits>
 #include <vector>
 
 #include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/number_text.h"
 
 namespace plumbline {
 namespace {
-
-bool HasTimesOf(const SlamGraph& graph, const std::vector<TimedPose>& trajectory) {
-  if (static_cast<int>(trajectory.size()) != graph.num_poses()) return false;
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    const double difference_s = trajectory[pose].timestamp_s - graph.timestamp_s(pose);
-    if (std::abs(difference_s) > kSameTime_s) return false;
-  }
-  return true;
-}
 
 // The trajectory's pose for each of the graph's.
 Status Match(const std::string& path, const std::vector<TimedPose>& trajectory,
@@ -48,7 +39,11 @@ Status Match(const std::string& path, const std::vector<TimedPose>& trajectory,
 Status ReplacePoses(const std::string& trajectory_path, SlamGraph* graph) {
   std::vector<TimedPose> trajectory;
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(trajectory_path, &trajectory));
-  if (!HasTimesOf(*graph, trajectory)) {
+  Pairing pairing;
+  PLUMBLINE_RETURN_IF_ERROR(ChoosePairing({trajectory_path, TimesOf(trajectory)},
+                                          {"the log or graph", TimesOf(*graph)}, kSameTime_s,
+                                          &pairing));
+  if (!pairing.by_order) {
     std::vector<TimedPose> matches;
     PLUMBLINE_RETURN_IF_ERROR(Match(trajectory_path, trajectory, *graph, &matches));
     trajectory = std::move(matches);

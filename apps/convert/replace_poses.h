@@ -14,8 +14,8 @@ namespace plumbline {
 /// stands, so that scans of one time keep their own poses. Times that the graph does not have are
 /// passed over.
 ///
-/// Fails like ReadTumTrajectory, and with InvalidArgument if a pose has none of its time, naming
-/// the first and the nearest time. The graph is then untouched.
+/// Fails like ReadTumTrajectory and ChoosePairing, and with InvalidArgument if a pose has none of
+/// its time, naming the first and the nearest time. The graph is then untouched.
 Status ReplacePoses(const std::string& trajectory_path, SlamGraph* graph);
 
 }  // namespace plumbline

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/log_map.h"
+#include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/ply_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/graph_poses.h"
@@ -18,6 +20,16 @@ Status EvaluateRelations(const EvaluationInputs& inputs, const std::vector<Timed
                          Evaluation* evaluation) {
   std::vector<Relation> relations;
   PLUMBLINE_RETURN_IF_ERROR(ReadRelations(inputs.relations, &relations));
+  const std::string fault = ClockFault(TimesOf(trajectory));
+  if (!fault.empty()) {
+    return Status::InvalidArgument(inputs.trajectory + ": " + fault +
+                                   ": relations find their poses by time");
+  }
+  if (std::all_of(relations.begin(), relations.end(),
+                  [](const Relation& relation) { return relation.from_s == relation.to_s; })) {
+    return Status::InvalidArgument(inputs.relations +
+                                   ": its clock is useless: no relation has two different times");
+  }
   evaluation->relations = MeasureRelations(relations, trajectory, inputs.relations_options);
   if (evaluation->relations->all.num_matched > 0) return Status::Ok();
   return Status::InvalidArgument(inputs.relations + ": no relation's times are those of " +
@@ -28,7 +40,13 @@ Status EvaluateTrajectory(const EvaluationInputs& inputs, const std::vector<Time
                           Evaluation* evaluation) {
   std::vector<TimedPose> truth;
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(inputs.truth, &truth));
-  evaluation->trajectory = MeasureTrajectory(trajectory, truth, inputs.trajectory_options);
+  const double tolerance_s = std::min(kSameTime_s, inputs.trajectory_options.max_time_difference_s);
+  Pairing pairing;
+  PLUMBLINE_RETURN_IF_ERROR(ChoosePairing({inputs.truth, TimesOf(truth)},
+                                          {inputs.trajectory, TimesOf(trajectory)}, tolerance_s,
+                                          &pairing));
+  evaluation->truth_by_order = pairing.clock_is_useless;
+  evaluation->trajectory = MeasureTrajectory(trajectory, truth, inputs.trajectory_options, pairing);
   if (evaluation->trajectory->absolute.num_matched > 0) return Status::Ok();
   return Status::InvalidArgument(inputs.truth + ": no pose's time is one of " + inputs.trajectory);
 }
@@ -36,10 +54,11 @@ Status EvaluateTrajectory(const EvaluationInputs& inputs, const std::vector<Time
 Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
                    ThreadPool* pool, Evaluation* evaluation) {
   LogMap map;
-  PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, trajectory, &map));
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, inputs.trajectory, trajectory, &map));
   evaluation->raw_ranges = MeasureSharpness(map.graph.points(), pool);
   evaluation->consistency = MeasureMapConsistency(map.graph, PosesOf(map.graph), pool);
   evaluation->num_scans_without_pose = map.num_scans_without_pose;
+  evaluation->log_by_order = map.clock_is_useless;
   return Status::Ok();
 }
 

@@ -28,10 +28,13 @@ struct EvaluationInputs {
 struct Evaluation {
   std::optional<RelationsMetric> relations;
   std::optional<TrajectoryMetrics> trajectory;
+  /// Poses and true poses were paired by order, as their clock is useless.
+  bool truth_by_order = false;
   /// Of the log's ranges at the trajectory's poses; scans without a pose are left out.
   std::optional<MapSharpness> raw_ranges;
   std::optional<MapConsistency> consistency;
   std::size_t num_scans_without_pose = 0;
+  bool log_by_order = false;  ///< likewise: scans and poses
   std::optional<MapSharpness> points;
 };
 
@@ -40,8 +43,8 @@ struct Evaluation {
 Status CheckInputs(const EvaluationInputs& inputs);
 
 /// Reads and measures everything that the inputs name. Fails like CheckInputs, with InvalidArgument
-/// if a trajectory shares no time with what it is measured against, else as the readers say of a
-/// file.
+/// if a trajectory shares no time with what it is measured against or if useless clocks leave open
+/// what belongs together, else as the readers say of a file.
 Status Evaluate(const EvaluationInputs& inputs, Evaluation* evaluation);
 
 }  // namespace plumbline

@@ -3,19 +3,31 @@
 #include <utility>
 
 #include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/read_log.h"
 
 namespace plumbline {
-Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
-                  LogMap* map) {
+
+Status ReadLogMap(const std::string& log_path, const std::string& trajectory_path,
+                  const std::vector<TimedPose>& trajectory, LogMap* map) {
   SlamGraph log;
   LogCounts counts;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &counts, &log));
+  std::vector<double> scan_times_s;
+  scan_times_s.reserve(log.num_scans());
+  for (int scan = 0; scan < log.num_scans(); ++scan) {
+    scan_times_s.push_back(log.timestamp_s(log.scan(scan).pose));
+  }
+  Pairing pairing;
+  PLUMBLINE_RETURN_IF_ERROR(ChoosePairing(
+      {log_path, scan_times_s}, {trajectory_path, TimesOf(trajectory)}, kSameTime_s, &pairing));
   const PoseTimeline timeline(trajectory);
   LogMap result;
+  result.clock_is_useless = pairing.clock_is_useless;
   for (int scan = 0; scan < log.num_scans(); ++scan) {
-    const double timestamp_s = log.timestamp_s(log.scan(scan).pose);
-    const TimedPose* known = timeline.Nearest(timestamp_s, kSameTime_s);
+    const double timestamp_s = scan_times_s[scan];
+    const TimedPose* known =
+        pairing.by_order ? &trajectory[scan] : timeline.Nearest(timestamp_s, kSameTime_s);
     if (known == nullptr) {
       ++result.num_scans_without_pose;
       continue;

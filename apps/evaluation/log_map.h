@@ -13,15 +13,17 @@ namespace plumbline {
 
 /// The scans of a log at the poses of a trajectory.
 struct LogMap {
-  SlamGraph graph;  ///< in order of time; points where the raw ranges put them
+  SlamGraph graph;                ///< in the log's order; points where the raw ranges put them
+  bool clock_is_useless = false;  ///< scans and poses were paired by order
   std::size_t num_scans_without_pose = 0;
 };
 
-/// Reads the log and puts its scans at the poses that have their time (to 1 ms). Scans without a
-/// pose are left out and counted. Fails and warns like ReadLogIntoGraph; InvalidArgument if no
-/// return has a pose.
-Status ReadLogMap(const std::string& log_path, const std::vector<TimedPose>& trajectory,
-                  LogMap* map);
+/// Reads the log and puts its scans at the poses that have their time (to 1 ms), or scan i at pose
+/// i if their times say no more than that, see ChoosePairing. Scans without a pose are left out and
+/// counted. Fails and warns like ReadLogIntoGraph; fails like ChoosePairing, and with
+/// InvalidArgument if no return has a pose. trajectory_path: to name in errors.
+Status ReadLogMap(const std::string& log_path, const std::string& trajectory_path,
+                  const std::vector<TimedPose>& trajectory, LogMap* map);
 
 }  // namespace plumbline
 

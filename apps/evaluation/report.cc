@@ -95,12 +95,14 @@ Json EvaluationJson(const Evaluation& evaluation) {
   }
   if (evaluation.trajectory) {
     json["absolute"] = ErrorsJson(evaluation.trajectory->absolute);
+    json["absolute"]["paired_by_order"] = evaluation.truth_by_order;
     json["relative"] = {{"frames", ErrorsJson(evaluation.trajectory->relative_frames)},
                         {"metres", ErrorsJson(evaluation.trajectory->relative_metres)}};
   }
   if (evaluation.raw_ranges) {
     json["map_raw_ranges"] = SharpnessJson(*evaluation.raw_ranges);
     json["map_raw_ranges"]["scans_without_pose"] = evaluation.num_scans_without_pose;
+    json["map_raw_ranges"]["paired_by_order"] = evaluation.log_by_order;
   }
   if (evaluation.consistency) json["map_consistency"] = ConsistencyJson(*evaluation.consistency);
   if (evaluation.points) json["map_points"] = SharpnessJson(*evaluation.points);
@@ -121,6 +123,9 @@ std::string EvaluationTables(const Evaluation& evaluation) {
     text += ErrorRows("absolute (ATE)", evaluation.trajectory->absolute);
     text += ErrorRows("relative (RPE), frames", evaluation.trajectory->relative_frames);
     text += ErrorRows("relative (RPE), metres", evaluation.trajectory->relative_metres);
+    if (evaluation.truth_by_order) {
+      text += "  the clock is useless: pose i is compared with true pose i\n";
+    }
   }
   if (evaluation.raw_ranges || evaluation.points) {
     if (!text.empty()) text += '\n';
@@ -133,6 +138,7 @@ std::string EvaluationTables(const Evaluation& evaluation) {
     text +=
         Format("  %zu scans have no pose and are left out\n", evaluation.num_scans_without_pose);
   }
+  if (evaluation.log_by_order) text += "  the clock is useless: scan i is put at pose i\n";
   if (evaluation.consistency) text += '\n' + ConsistencyTable(*evaluation.consistency);
   return text;
 }

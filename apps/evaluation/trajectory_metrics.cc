@@ -1,6 +1,8 @@
 #include "plumbline/apps/evaluation/trajectory_metrics.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <numeric>
 
 #include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/evaluation/pose_timeline.h"
@@ -15,8 +17,8 @@ struct PosePairs {
   std::size_t num_unmatched = 0;
 };
 
-PosePairs Pair(const PoseTimeline& estimate, const PoseTimeline& truth,
-               double max_time_difference_s) {
+PosePairs PairByTime(const PoseTimeline& estimate, const PoseTimeline& truth,
+                     double max_time_difference_s) {
   const bool from_truth = estimate.poses().size() > truth.poses().size();
   PosePairs pairs;
   for (const TimedPose& pose : (from_truth ? truth : estimate).poses()) {
@@ -28,6 +30,24 @@ PosePairs Pair(const PoseTimeline& estimate, const PoseTimeline& truth,
     }
     pairs.estimate.push_back((from_truth ? *nearest : pose).world_from_robot);
     pairs.truth.push_back((from_truth ? pose : *nearest).world_from_robot);
+  }
+  return pairs;
+}
+
+// As many poses, of the same times one by one.
+PosePairs PairByOrder(const std::vector<TimedPose>& estimate, const std::vector<TimedPose>& truth,
+                      bool clock_is_useless) {
+  std::vector<std::size_t> order(estimate.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (!clock_is_useless) {
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return estimate[a].timestamp_s < estimate[b].timestamp_s;
+    });
+  }
+  PosePairs pairs;
+  for (const std::size_t i : order) {
+    pairs.estimate.push_back(estimate[i].world_from_robot);
+    pairs.truth.push_back(truth[i].world_from_robot);
   }
   return pairs;
 }
@@ -83,9 +103,11 @@ bool TrajectoryMetricsOptions::Check(std::string* error) const {
 
 TrajectoryMetrics MeasureTrajectory(const std::vector<TimedPose>& estimate,
                                     const std::vector<TimedPose>& truth,
-                                    const TrajectoryMetricsOptions& options) {
-  const PosePairs pairs =
-      Pair(PoseTimeline(estimate), PoseTimeline(truth), options.max_time_difference_s);
+                                    const TrajectoryMetricsOptions& options,
+                                    const Pairing& pairing) {
+  const PosePairs pairs = pairing.by_order ? PairByOrder(estimate, truth, pairing.clock_is_useless)
+                                           : PairByTime(PoseTimeline(estimate), PoseTimeline(truth),
+                                                        options.max_time_difference_s);
   return {AbsoluteErrors(pairs),
           RelativeErrors(pairs, PlacesByFrames(pairs.estimate.size(), options.delta_frames)),
           RelativeErrors(pairs, PlacesByPath(pairs.estimate, options.delta_m))};

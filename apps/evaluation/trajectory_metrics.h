@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/pose_errors.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/trajectory_io.h"
 
 namespace plumbline {
@@ -32,10 +33,12 @@ struct TrajectoryMetrics {
 /// ATE and RPE with the conventions of the tool evo (M. Grupp), `evo_ape --align` and `evo_rpe`:
 /// each pose of the shorter trajectory pairs with the nearest in time of the longer; a step in
 /// metres ends at the first pose at least delta_m further along the path, the first step starting
-/// where the first delta_m end.
+/// where the first delta_m end. Steps go in order of time; if pairing says by order, pose i of the
+/// one pairs with pose i of the other, and with a useless clock steps go in this order.
 TrajectoryMetrics MeasureTrajectory(const std::vector<TimedPose>& estimate,
                                     const std::vector<TimedPose>& truth,
-                                    const TrajectoryMetricsOptions& options);
+                                    const TrajectoryMetricsOptions& options,
+                                    const Pairing& pairing = Pairing());
 
 }  // namespace plumbline
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/angle.h"
@@ -141,7 +142,8 @@ class LogParser {
   double flaser_max_range_m_ = kUnknown;
 };
 
-/// Sorts by time and returns how many records were older than their predecessor.
+/// Sorts by time, if the clock is worth it, and returns how many records were older than their
+/// predecessor.
 template <typename Record>
 std::size_t SortByTime(std::vector<Record>* records) {
   const auto older = [](const Record& a, const Record& b) { return a.timestamp_s < b.timestamp_s; };
@@ -149,7 +151,12 @@ std::size_t SortByTime(std::vector<Record>* records) {
   for (std::size_t i = 1; i < records->size(); ++i) {
     if (older((*records)[i], (*records)[i - 1])) ++num_out_of_order;
   }
-  if (num_out_of_order > 0) std::stable_sort(records->begin(), records->end(), older);
+  if (num_out_of_order == 0) return 0;
+  std::vector<double> times_s;
+  times_s.reserve(records->size());
+  for (const Record& record : *records) times_s.push_back(record.timestamp_s);
+  if (!ClockFault(times_s).empty()) return 0;
+  std::stable_sort(records->begin(), records->end(), older);
   return num_out_of_order;
 }
 

@@ -39,15 +39,17 @@ struct CarmenIssue {
 };
 
 struct CarmenLog {
-  std::vector<CarmenScan> scans;         ///< by time, records of equal time in the file's order
-  std::vector<CarmenOdometry> odometry;  ///< likewise
+  /// By time, records of equal time in the file's order; all in that order if the clock is useless
+  /// (see ClockFault).
+  std::vector<CarmenScan> scans;
+  std::vector<CarmenOdometry> odometry;       ///< likewise
   std::map<std::string, std::string> params;  ///< first word of the value; the last record wins
 
   std::size_t num_records = 0;  ///< FLASER, ROBOTLASER1, ODOM and PARAM lines, unreadable ones too
   std::size_t num_issues = 0;   ///< unreadable records, plus one if a compressed file lacks its end
   std::vector<CarmenIssue> issues;  ///< the first 10 of them
   /// Scans and ODOM records older than the one of their kind before them: where a clock jumped
-  /// back or the logger lagged. Sorting has put them in place.
+  /// back or the logger lagged. Sorting has put them in place. None if the clock is useless.
   std::size_t num_out_of_order = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 
@@ -123,6 +124,8 @@ class GraphBuilder {
   // Messages that come a little late can be sorted in; after a jump of the clock nobody can tell
   // which odometry belongs to which scan.
   Status CheckClock(const std::string& topic, const std::vector<double>& stamps_s) {
+    const std::string fault = ClockFault(stamps_s);
+    if (!fault.empty()) return Error(topic + ": " + fault);
     for (std::size_t i = 1; i < stamps_s.size(); ++i) {
       const double back_s = stamps_s[i - 1] - stamps_s[i];
       if (back_s > options_.max_gap_s) {

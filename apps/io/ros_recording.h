@@ -74,8 +74,8 @@ struct RosGraphNotes {
 ///
 /// InvalidArgument, naming file, topic, message (from 0), stamp and field, on scans that are no
 /// sweep of a laser, several laser frames, no odometry, a laser that is tilted or moves on the
-/// robot, a clock that jumps back, negative max_scans; and if no scan has odometry around it.
-/// Outputs are replaced on success only.
+/// robot, a clock that jumps back or is useless (see ClockFault), negative max_scans; and if no
+/// scan has odometry around it. Outputs are replaced on success only.
 Status BuildGraph(const RosRecording& recording, const RosGraphOptions& options, int max_scans,
                   RosGraphNotes* notes, SlamGraph* graph);
 

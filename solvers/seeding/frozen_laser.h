@@ -1,0 +1,42 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_FROZEN_LASER_H_
+#define PLUMBLINE_SOLVERS_SEEDING_FROZEN_LASER_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// Scans of one laser that show the same returns, bit for bit, although the robot drove on: a
+/// driver that hands out its last sweep again and again.
+struct FrozenStretch {
+  int laser = 0;            ///< laser id
+  int first_scan = 0;       ///< scan id: the genuine one
+  int last_scan = 0;        ///< scan id: the last repetition
+  int num_repeated = 0;     ///< scans of this laser after the first, up to the last
+  double moved_m = 0.0;     ///< length of the path meanwhile, by odometry [m]
+  double turned_rad = 0.0;  ///< sum of the turns meanwhile, without sign, by odometry [rad]
+};
+
+/// Finds all such stretches, each as long as it can be, in the order of their last scans. Needs
+/// scans in the order of their poses and odometry from each pose to the next; where that is missing
+/// nobody knows of a motion, and a stretch ends.
+///
+/// Equal scans are no fault by themselves: a robot at rest has them where the laser rounds. They
+/// are if they have at least 20 returns and the motion must have changed at least 10 of these, each
+/// by more than 6 cm: that is more than the coarsest rounding of a range (5 cm), so that no reading
+/// can have stayed. How much a motion changes a return is how far it shifts the return's surface,
+/// seen from the laser, across itself. Along the walls of a bare corridor that is nothing: equal
+/// scans are right there, or do no harm. Steps of the odometry below 1 mm and 1 mrad are taken for
+/// jitter at rest.
+///
+/// Not told apart: wheels that spin on the spot in front of a laser that rounds its noise away.
+std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph);
+
+/// Tells of each scan of the graph whether it is a repetition. stretches: of this graph.
+std::vector<char> RepeatedScans(const SlamGraph& graph,
+                                const std::vector<FrozenStretch>& stretches);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_FROZEN_LASER_H_
