@@ -77,8 +77,24 @@ Json ConflictJson(const FreeSpaceConflict& conflict) {
           {"share", conflict.Share()}};
 }
 
+// Stretches put back, and steps of the odometry doubted.
+Json LocalJson(const SolverSummary& solver) {
+  Json put_back = Json::array(), doubted = Json::array();
+  for (const WorseStretch& stretch : solver.put_back) {
+    put_back.push_back({{"first_pose", stretch.first},
+                        {"last_pose", stretch.last},
+                        {"held_out_error_seed_sigma2", stretch.seed_error},
+                        {"held_out_error_refused_sigma2", stretch.state_error}});
+  }
+  for (const DoubtedStep& step : solver.doubted_steps) {
+    doubted.push_back({{"step", step.step}, {"sigmas_off_seed", step.sigma_factor}});
+  }
+  return {{"put_back", put_back}, {"doubted_odometry_steps", doubted}};
+}
+
 Json VerdictJson(const Verdict& verdict) {
   return {{"better", verdict.IsBetter()},
+          {"worse_stretches", verdict.num_worse_stretches},
           {"patch_energy_seed", verdict.seed_energy},
           {"patch_energy_final", verdict.final_energy},
           {"held_out_returns", verdict.num_held_out},
@@ -113,6 +129,7 @@ Json SolverJson(const SolverSummary& solver) {
           {"marginal_energy_final", solver.final_marginal_energy},
           {"started_from_constraints", solver.started_from_constraints},
           {"verdict", VerdictJson(solver.verdict)},
+          {"local", LocalJson(solver)},
           {"terms", TermsJson(solver)},
           {"rounds", RoundsJson(solver)},
           {"patch_rounds", PatchRoundsJson(solver)},

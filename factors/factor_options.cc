@@ -38,12 +38,20 @@ bool PosePriorOptions::Check(std::string* error) const {
   return true;
 }
 
+bool DoubtedStep::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_factor, >, 0.0);
+  return true;
+}
+
 bool FactorOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(prior);
   PLUMBLINE_CHECK_NESTED_OPTIONS(motion);
   PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
   PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
   PLUMBLINE_CHECK_NESTED_OPTIONS(shape);
+  for (const DoubtedStep& doubted : doubted_steps) {
+    if (!doubted.Check(error)) return false;
+  }
   return true;
 }
 

@@ -1,7 +1,9 @@
 #ifndef PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
 #define PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 namespace plumbline {
 
@@ -62,6 +64,16 @@ struct PosePriorOptions {
   bool Check(std::string* error) const;
 };
 
+/// A step of the odometry that is known to be worse than the others: the robot was carried, or
+/// slid.
+struct DoubtedStep {
+  std::size_t step = 0;       ///< index into SlamGraph::odometry(); beyond it: no step
+  double sigma_factor = 1.0;  ///< all its standard deviations are this times the model's
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
 /// All sigmas and gates of the energy.
 struct FactorOptions {
   PosePriorOptions prior;    ///< fixed poses
@@ -69,6 +81,9 @@ struct FactorOptions {
   RangeBeamOptions beam;     ///< the laser
   ManifoldOptions manifold;  ///< surfaces are thin
   ShapeOptions shape;        ///< surfaces are parallel or orthogonal
+  /// Where the motion model does not hold. Solve adds such steps by itself, see
+  /// contradicted_steps.h.
+  std::vector<DoubtedStep> doubted_steps;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

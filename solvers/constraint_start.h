@@ -11,8 +11,9 @@ namespace plumbline {
 
 /// Where odometry and relative poses put the poses, (x, y, yaw) each, if that is far from where the
 /// graph has them: their steps from pose to pose contradict the graph's state by more than three
-/// standard deviations, root mean square, as after a jump that was not taken out, or where poses
-/// have been mixed up. Steps are believed, relative poses that join others are doubted (Cauchy
+/// standard deviations, root mean square, as where poses have been mixed up. A step counts for 30
+/// of them at most: a single one that is flatly contradicted, as after a robot was carried, does
+/// not speak for all. Steps are believed, relative poses that join others are doubted (Cauchy
 /// loss): one may be a wrong loop closure. Fixed poses stay.
 ///
 /// Nothing if the steps agree with the state, if a pose has no step from the one before, or if the

@@ -12,6 +12,10 @@ PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options) {
   for (const OdometryConstraint& c : graph.odometry()) {
     motions.push_back({c.from, c.to, MakeMotionResidual(c.from_from_to, options.motion)});
   }
+  for (const DoubtedStep& doubted : options.doubted_steps) {
+    if (doubted.step >= motions.size()) continue;
+    motions[doubted.step].residual.sqrt_information /= doubted.sigma_factor;
+  }
   for (const RelativePoseConstraint& c : graph.relative_poses()) {
     PoseEdge edge{c.from, c.to, {}};
     edge.residual.a_from_b = c.from_from_to;

@@ -10,10 +10,13 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/alternating_cg.h"
+#include "plumbline/solvers/candidate.h"
 #include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/constraint_start.h"
+#include "plumbline/solvers/contradicted_steps.h"
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/held_out_returns.h"
+#include "plumbline/solvers/local_acceptance.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/point_recovery.h"
@@ -58,6 +61,20 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
           std::pow(rounds.coarse_gate_factor, 1.0 - progress)};
 }
 
+// What was done for the sake of single places.
+std::string LocalText(const SolverSummary& summary) {
+  std::string text;
+  if (!summary.doubted_steps.empty()) {
+    text += ", with " + std::to_string(summary.doubted_steps.size()) +
+            " odometry steps doubted that the seed contradicts";
+  }
+  if (!summary.put_back.empty()) {
+    text += ", with " + std::to_string(summary.put_back.size()) +
+            " stretches put back to the seed that had become worse";
+  }
+  return text;
+}
+
 class JointSolver {
  public:
   // Keeps references to all its arguments. suggested: see StartFromConstraints. given: of the
@@ -66,6 +83,7 @@ class JointSolver {
               const std::optional<std::vector<double>>& suggested, GivenState* given,
               SlamGraph* graph)
       : options_(options),
+        factors_(options.factors),
         suggested_(suggested),
         given_(given),
         graph_(graph),
@@ -81,7 +99,7 @@ class JointSolver {
 
   SolverSummary Run() {
     if (surface_ == nullptr) {
-      own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(options_.factors.beam), &pool_);
+      own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(factors_.beam), &pool_);
       surface_ = &own_surface_;
     }
     seed_poses_ = graph_->poses();
@@ -112,22 +130,19 @@ class JointSolver {
 
   // Rounds over patches, then the points in closed form.
   void RunReduced() {
-    ReducedResult result =
-        MinimizeOverPatches(*surface_, options_.factors, options_.reduced, options_.association,
-                            ReportCallback(), &pool_, graph_, Ceres());
-    summary_.patch_rounds = std::move(result.rounds);
-    last_patches_ = std::move(result.last_cut);
-    summary_.solve_time_s = result.minimization_time_s;
-    summary_.setup_time_s = result.setup_time_s;
-    last_inner_.usable = result.usable;
-    last_inner_.stopped = result.stopped;
-    last_inner_.stop_reason = result.stop_reason;
-    converged_ = result.converged;
-    summary_.association_time_s = result.cutting_time_s;
+    ReducedResult result = Minimize();
     if (!summary_.started_from_constraints) seed_patches_ = std::move(result.first_cut);
-    judged_patches_ = std::move(result.judged_cut);
-    summary_.verdict = Compare({result.judged_poses, judged_patches_});
-    if (!summary_.verdict.IsBetter()) graph_->poses() = seed_poses_;
+    Candidate found = Judge().Weigh(result.judged_poses, std::move(result.judged_cut));
+    const std::vector<DoubtedStep> doubted = StepsAgainst(found);
+    if (!doubted.empty()) MinimizeDoubting(doubted, &result, &found);
+    last_patches_ = std::move(result.last_cut);
+    PassVerdict(&found);
+    judged_patches_ = std::move(found.cut);
+    if (summary_.verdict.IsBetter()) {
+      PutBack(summary_.put_back, graph_->fixed_poses(), seed_poses_, &graph_->poses());
+    } else {
+      graph_->poses() = seed_poses_;
+    }
     Associations associations;
     associations.lines = CurrentLines();
     best_energy_ = MarginalEnergyUnder(associations.lines);
@@ -139,21 +154,90 @@ class JointSolver {
     }
   }
 
+  // From the poses at hand.
+  ReducedResult Minimize() {
+    rounds_before_ = static_cast<int>(summary_.patch_rounds.size());
+    ReducedResult result =
+        MinimizeOverPatches(*surface_, factors_, options_.reduced, options_.association,
+                            ReportCallback(), &pool_, graph_, Ceres());
+    summary_.patch_rounds.insert(summary_.patch_rounds.end(), result.rounds.begin(),
+                                 result.rounds.end());
+    rounds_before_ = 0;
+    summary_.solve_time_s += result.minimization_time_s;
+    summary_.setup_time_s += result.setup_time_s;
+    summary_.association_time_s += result.cutting_time_s;
+    last_inner_.usable = result.usable;
+    last_inner_.stopped = result.stopped;
+    last_inner_.stop_reason = result.stop_reason;
+    converged_ = result.converged;
+    return result;
+  }
+
+  // Once more from the seed; what is the better one by the energy without these steps stays.
+  void MinimizeDoubting(const std::vector<DoubtedStep>& steps, ReducedResult* result,
+                        Candidate* found) {
+    const std::vector<double> poses = graph_->poses();
+    const InnerResult inner = last_inner_;
+    const bool converged = converged_;
+    DoubtSteps(steps);
+    graph_->poses() = seed_poses_;
+    ReducedResult second = Minimize();
+    Candidate again = Judge().Weigh(second.judged_poses, std::move(second.judged_cut));
+    if (last_inner_.usable && Judge().IsPreferable(*found, again)) {
+      *result = std::move(second);
+      *found = std::move(again);
+      summary_.started_from_constraints = false;
+      return;
+    }
+    TrustSteps();
+    graph_->poses() = poses;
+    const bool stopped = last_inner_.stopped;
+    last_inner_ = inner;
+    last_inner_.stopped = stopped;
+    converged_ = converged;
+  }
+
+  CandidateJudge Judge() {
+    return {*graph_, *surface_, factors_, {seed_poses_, seed_patches_}, &pool_};
+  }
+  bool Ended() const { return last_inner_.stopped || !last_inner_.usable; }
+  std::vector<DoubtedStep> StepsAgainst(const Candidate& found) const {
+    if (Ended()) return {};
+    return StepsToDoubt(*graph_, factors_, seed_poses_, found.poses, found.worse);
+  }
+
+  void DoubtSteps(const std::vector<DoubtedStep>& steps) {
+    summary_.doubted_steps = steps;
+    factors_.doubted_steps.insert(factors_.doubted_steps.end(), steps.begin(), steps.end());
+  }
+  void TrustSteps() {
+    summary_.doubted_steps.clear();
+    factors_.doubted_steps = options_.factors.doubted_steps;
+  }
+
+  // The parts that are clearly worse than the seed's are put back, and then the whole has to be
+  // better.
+  void PassVerdict(Candidate* found) {
+    summary_.put_back = Judge().PutBackWorse(found);
+    summary_.verdict = found->verdict;
+    if (!summary_.verdict.IsBetter()) summary_.put_back.clear();
+  }
+
   // The surfaces as the poses at hand place them, without what is held out.
   SurfacePatches CutSurfaces() {
-    SurfacePatchOptions cutting = PatchOptionsFor(options_.factors, options_.association);
+    SurfacePatchOptions cutting = PatchOptionsFor(factors_, options_.association);
     cutting.hold_out = true;
     return CutIntoPatches(*graph_, *surface_, cutting, &pool_);
   }
 
   Verdict Compare(const JudgedState& state) {
-    return CompareWithSeed(*graph_, *surface_, options_.factors, {seed_poses_, seed_patches_},
-                           state, &pool_);
+    return CompareWithSeed(*graph_, *surface_, factors_, {seed_poses_, seed_patches_}, state,
+                           &pool_);
   }
 
   // For want of something better, the terms after are those before.
   void RecordSeedTerms(const Associations& associations) {
-    const Energy energy(*graph_, associations, options_.factors, &pool_);
+    const Energy energy(*graph_, associations, factors_, &pool_);
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::initial_cost);
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
@@ -163,16 +247,14 @@ class JointSolver {
     const std::vector<double>& seed_points = given_->CopyPoints();
     AddPatchLines(last_patches_, &associations->lines);
     summary_.displacements =
-        RecoverPoints(*surface_, associations->lines, options_.factors, &pool_, graph_);
-    if (options_.factors.shape.enabled) {
+        RecoverPoints(*surface_, associations->lines, factors_, &pool_, graph_);
+    if (factors_.shape.enabled) {
       associations->shape_pairs = FindShapePairs(*graph_, surface_->normals, associations->lines,
                                                  options_.association, &pool_);
     }
-    const Energy energy(*graph_, *associations, options_.factors, &pool_);
+    const Energy energy(*graph_, *associations, factors_, &pool_);
     RecordTerms(energy, seed_poses_, seed_points, &TermSummary::initial_cost);
-    if (options_.reduced.polish_sweeps > 0 && last_inner_.usable && !last_inner_.stopped) {
-      Polish(energy);
-    }
+    if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
     RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
   }
 
@@ -186,13 +268,14 @@ class JointSolver {
     const auto start = Clock::now();
     last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_).stopped;
     summary_.solve_time_s += SecondsSince(start);
-    if (!Compare({graph_->poses(), judged_patches_}).IsBetter()) {
+    const Candidate polished = Judge().Weigh(graph_->poses(), judged_patches_);
+    if (!polished.verdict.IsBetter()) {
       graph_->poses() = poses;
       graph_->points() = best_points_;
       return;
     }
     best_energy_ = MarginalEnergyUnder(CurrentLines());
-    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
+    summary_.displacements = MeasureDisplacements(*surface_, factors_, &pool_, *graph_);
   }
 
   // Rounds without the held-out returns, then one with all, so that none is lost to the result.
@@ -211,17 +294,51 @@ class JointSolver {
                                  WithoutHeldOut(*graph_, surface_->normals, no_normal)};
     associated_ = &fitted;
     RunFittedRounds();
+    Candidate found = Judge().Weigh(graph_->poses(), CutSurfaces());
+    const std::vector<DoubtedStep> doubted = StepsAgainst(found);
+    if (!doubted.empty()) RunRoundsDoubting(doubted, seed_points, &found);
     associated_ = surface_;
 
-    summary_.verdict = Compare({graph_->poses(), CutSurfaces()});
+    PassVerdict(&found);
     if (!summary_.verdict.IsBetter()) {
       graph_->poses() = seed_poses_;
       graph_->points() = seed_points;
       best_energy_ = MarginalEnergyUnder(CurrentLines());
+    } else if (!summary_.put_back.empty()) {
+      // Another round might draw off again what has been put back.
+      graph_->poses() = found.poses;
+      graph_->ResetPointsFromPoses();
+      best_energy_ = MarginalEnergyUnder(CurrentLines());
     } else if (!ended_) {
       RunRound({fine_radius_m_, 1.0});
     }
-    summary_.displacements = MeasureDisplacements(*surface_, options_.factors, &pool_, *graph_);
+    summary_.displacements = MeasureDisplacements(*surface_, factors_, &pool_, *graph_);
+  }
+
+  // Like MinimizeDoubting.
+  void RunRoundsDoubting(const std::vector<DoubtedStep>& steps,
+                         const std::vector<double>& seed_points, Candidate* found) {
+    const std::vector<double> poses = graph_->poses(), points = graph_->points();
+    const double energy = best_energy_;
+    const int round = best_round_;
+    const bool converged = converged_;
+    DoubtSteps(steps);
+    graph_->poses() = seed_poses_;
+    graph_->points() = seed_points;
+    Keep(MarginalEnergyUnder(CurrentLines()));
+    RunFittedRounds();
+    Candidate again = Judge().Weigh(graph_->poses(), CutSurfaces());
+    if (last_inner_.usable && Judge().IsPreferable(*found, again)) {
+      *found = std::move(again);
+      summary_.started_from_constraints = false;
+      return;
+    }
+    TrustSteps();
+    graph_->poses() = poses;
+    graph_->points() = points;
+    Keep(energy);
+    best_round_ = round;
+    converged_ = converged;
   }
 
   void RunFittedRounds() {
@@ -246,7 +363,7 @@ class JointSolver {
     return lines;
   }
   double MarginalEnergyUnder(const std::vector<TangentLine>& lines) {
-    return MarginalEnergy(*graph_, *surface_, lines, options_.factors, &pool_);
+    return MarginalEnergy(*graph_, *surface_, lines, factors_, &pool_);
   }
 
   // Share of an energy that the rounding of measured points to single precision may change.
@@ -257,7 +374,7 @@ class JointSolver {
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
   // graph is back at the best state.
   bool RunRound(const RoundScale& scale) {
-    FactorOptions factors = options_.factors;
+    FactorOptions factors = factors_;
     factors.manifold.robust_gate_sigmas *= scale.gate_factor;
     factors.shape.robust_gate_sigmas *= scale.gate_factor;
     RoundSummary row;
@@ -316,6 +433,7 @@ class JointSolver {
     return [this](const IterationSummary& from) {
       IterationSummary iteration = from;
       iteration.iteration = static_cast<int>(summary_.iterations.size()) + 1;
+      iteration.round += iteration.round > 0 ? rounds_before_ : 0;
       if (iteration.round == 0) {
         iteration.round =
             static_cast<int>(summary_.rounds.size() + summary_.patch_rounds.size()) + 1;
@@ -354,9 +472,9 @@ class JointSolver {
       summary_.terms[static_cast<int>(term)].sigma = sigma;
       summary_.terms[static_cast<int>(term)].unit = unit;
     };
-    describe(Term::kRangeBeam, options_.factors.beam.sigma_range_m, "m (as range)");
-    describe(Term::kManifold, options_.factors.manifold.sigma_m, "m (robust)");
-    describe(Term::kShape, options_.factors.shape.sigma_rad, "rad (robust)");
+    describe(Term::kRangeBeam, factors_.beam.sigma_range_m, "m (as range)");
+    describe(Term::kManifold, factors_.manifold.sigma_m, "m (robust)");
+    describe(Term::kShape, factors_.shape.sigma_rad, "rad (robust)");
   }
 
   void Conclude() {
@@ -372,7 +490,7 @@ class JointSolver {
       message << ": the seed is returned as it was";
     } else {
       message << ", best in round " << best_round_ << " of "
-              << summary_.rounds.size() + summary_.patch_rounds.size();
+              << summary_.rounds.size() + summary_.patch_rounds.size() << LocalText(summary_);
     }
     message << "; last round: " << last_inner_.stop_reason;
     summary_.message = message.str();
@@ -387,6 +505,7 @@ class JointSolver {
   }
 
   const SolverOptions& options_;
+  FactorOptions factors_;  // the options', and steps of the odometry that turned out to be wrong
   const std::optional<std::vector<double>>& suggested_;
   GivenState* given_;
   SlamGraph* graph_;
@@ -404,7 +523,8 @@ class JointSolver {
   bool ended_ = false;      // by the callback, or because the energy cannot be evaluated
   bool converged_ = false;  // the last fine round gained next to nothing
   double best_energy_ = 0.0;
-  int best_round_ = 0;  // 0: the start
+  int best_round_ = 0;     // 0: the start
+  int rounds_before_ = 0;  // over patches: of earlier minimisations
   std::vector<double> seed_poses_;
   std::vector<double> best_poses_;
   std::vector<double> best_points_;

@@ -28,7 +28,10 @@ double FineRadius(const SolverOptions& options);
 ///
 /// On return the graph holds the best state seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
-/// by energy and by these returns (see Verdict); then one last round takes them in. The graph
+/// by energy and by these returns (see Verdict); then one last round takes them in. Where single
+/// steps of the odometry that the state flatly contradicts have torn poses from the map, it is all
+/// done once more with these doubted (SolverSummary::doubted_steps); stretches that fit clearly
+/// worse than in the given state are put back to its shape (SolverSummary::put_back). The graph
 /// holds the given state, bit for bit, if nothing was better; the message says by which yardstick.
 /// Bad options, no returns, scans that match as mirror images only around the turns of the poses
 /// (beams counted from the wrong side, or a laser that hangs upside down), or a state that is not
@@ -63,7 +66,8 @@ struct Residuals {
 
 /// Evaluates the terms at the graph's state, under the tangent lines that its poses give (and, for
 /// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
-/// costs of SolverSummary::terms, unless its last round was undone; only those of the manifold term
+/// costs of SolverSummary::terms, unless its last round was undone, or it doubted steps which
+/// `options` do not; only those of the manifold term
 /// are robust, and of the lines of that round, which differ a little where poses still moved. Prior
 /// and shape terms are left out. InvalidArgument, with nothing changed, on whatever Solve refuses
 /// and on a point on top of its laser.

@@ -95,6 +95,21 @@ std::string SolverSummary::RoundTable() const {
   return table;
 }
 
+std::string SolverSummary::LocalReport() const {
+  std::string report;
+  for (const DoubtedStep& doubted : doubted_steps) {
+    report += Format("  Odometry step %zu is %.0f sigmas off the seed and was doubted.\n",
+                     doubted.step, doubted.sigma_factor);
+  }
+  for (const WorseStretch& stretch : put_back) {
+    report += Format(
+        "  Poses %d to %d were put back as the seed has them: held-out error %.2f -> "
+        "%.2f sigmas^2 otherwise.\n",
+        stretch.first, stretch.last, stretch.seed_error, stretch.state_error);
+  }
+  return report;
+}
+
 std::string SolverSummary::FullReport() const {
   const std::string end = Format("Termination: %s. ", ToString(termination)) + message + "\n";
   if (num_relative_poses > 0) return BriefReport() + "\n" + end;
@@ -111,6 +126,7 @@ std::string SolverSummary::FullReport() const {
       "  held-out error [sigmas^2]     %13.4f  %13.4f  (%zu returns; up to %.4f)\n",
       verdict.seed_energy, verdict.final_energy, verdict.seed_held_out_error,
       verdict.final_held_out_error, verdict.num_held_out, verdict.LargestHeldOutError());
+  report += LocalReport();
   report +=
       "\nTerms, under the last associations\n"
       "  term                count    cost before     cost after  RMS (whitened, in units)\n";

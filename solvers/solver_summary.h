@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/point_recovery.h"
+#include "plumbline/solvers/pose_change.h"
 #include "plumbline/solvers/verdict.h"
 
 namespace plumbline {
@@ -123,6 +125,14 @@ struct SolverSummary {
   /// held-out returns, also if they were refused.
   Verdict verdict;
 
+  /// Stretches of the drive that the solver had made clearly worse, put back to the seed's shape
+  /// between their neighbours; with the errors before that. See local_acceptance.h.
+  std::vector<WorseStretch> put_back;
+
+  /// Steps of the odometry that the seed flatly contradicts and that tore poses from the map: the
+  /// solver began again with these doubted, see contradicted_steps.h.
+  std::vector<DoubtedStep> doubted_steps;
+
   /// How far the points are from the measured ends of their beams.
   PointDisplacements displacements;
 
@@ -135,6 +145,7 @@ struct SolverSummary {
   bool IsSolutionUsable() const { return termination != TerminationType::kFailure; }
   std::string BriefReport() const;  ///< one line
   std::string RoundTable() const;   ///< a row per round
+  std::string LocalReport() const;  ///< a line per stretch put back and per doubted step
   std::string FullReport() const;   ///< terms, rounds, times, and why it stopped
 };
 

@@ -82,6 +82,20 @@ class Judge {
     return verdict;
   }
 
+  std::vector<PoseChange> ChangesOfPoses() const {
+    std::vector<PoseChange> changes(graph_.num_poses());
+    std::size_t i = 0;
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      PoseChange& change = changes[graph_.scan(s).pose];
+      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t) {
+        const HeldOutReturn& held_out = held_out_[i++];
+        change += {held_out.num_patches, held_out.seed_error, held_out.state_error,
+                   std::pow(held_out.state_error - held_out.seed_error, 2)};
+      });
+    }
+    return changes;
+  }
+
  private:
   bool HasNormal(std::size_t r) const { return !surface_.normals[r].isZero(0.0f); }
 
@@ -142,15 +156,20 @@ std::string Verdict::Text() const {
   if (!KeepsHeldOutError()) {
     text << "; the held-out returns fit worse, beyond the " << LargestHeldOutError() << " allowed";
   }
+  if (num_worse_stretches > 0) {
+    text << "; " << num_worse_stretches << " stretches of the drive fit clearly worse";
+  }
   return text.str();
 }
 
 Verdict CompareWithSeed(const SlamGraph& graph, const MeasuredSurface& surface,
                         const FactorOptions& factors, const JudgedState& seed,
-                        const JudgedState& state, ThreadPool* pool) {
+                        const JudgedState& state, ThreadPool* pool,
+                        std::vector<PoseChange>* changes) {
   Judge judge(graph, surface, factors, pool);
   judge.Hear(seed.patches, seed.poses, state.poses);
   judge.Hear(state.patches, seed.poses, state.poses);
+  if (changes != nullptr) *changes = judge.ChangesOfPoses();
   return judge.Conclude();
 }
 

@@ -9,6 +9,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/pose_change.h"
 #include "plumbline/solvers/reduced/surface_patches.h"
 
 namespace plumbline {
@@ -34,13 +35,18 @@ struct Verdict {
   double held_out_noise = 0.0;
   double energy_rounding = 0.0;  ///< what rounding may change of the energies
   bool with_relative_poses = false;
+  /// Parts of the drive that fit clearly worse than in the seed, see local_acceptance.h.
+  /// CompareWithSeed does not count them, CandidateJudge does.
+  int num_worse_stretches = 0;
 
   bool LowersEnergy() const { return final_energy < seed_energy - energy_rounding; }
   /// Up to this the held-out error may rise: two standard deviations may be chance; with relative
   /// poses, to twice that of the seed if that is more.
   double LargestHeldOutError() const;
   bool KeepsHeldOutError() const { return final_held_out_error <= LargestHeldOutError(); }
-  bool IsBetter() const { return LowersEnergy() && KeepsHeldOutError(); }
+  /// Both yardsticks speak for it, whatever single stretches say.
+  bool IsBetterAsAWhole() const { return LowersEnergy() && KeepsHeldOutError(); }
+  bool IsBetter() const { return IsBetterAsAWhole() && num_worse_stretches == 0; }
   /// The figures, and what speaks against the state.
   std::string Text() const;
 };
@@ -54,10 +60,11 @@ struct JudgedState {
 
 /// Compares a state with the seed. Returns without a normal have no say: which patch they are on
 /// depends on the state, which they would speak for. The result does not depend on the number of
-/// threads.
+/// threads. changes: if given, what the held-out returns of each pose say.
 Verdict CompareWithSeed(const SlamGraph& graph, const MeasuredSurface& surface,
                         const FactorOptions& factors, const JudgedState& seed,
-                        const JudgedState& state, ThreadPool* pool);
+                        const JudgedState& state, ThreadPool* pool,
+                        std::vector<PoseChange>* changes = nullptr);
 
 }  // namespace plumbline
 

@@ -51,6 +51,17 @@ TEST(ConstraintStartTest, StepsThatAgreeWithThePosesSuggestNothing) {
   EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
 }
 
+// A robot that was carried once: that step says nothing against all others, however far it is off.
+TEST(ConstraintStartTest, OneStepThatIsFlatlyContradictedSuggestsNothing) {
+  NoisyRoomOptions options;
+  options.num_poses = 60;
+  NoisyRoom room = MakeNoisyRoom(options);
+  Pose2 step = room.graph.odometry()[20].from_from_to;
+  step.x += 50.0;
+  room.graph.SetOdometryMotion(20, step);
+  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
+}
+
 TEST(ConstraintStartTest, PosesThatWereMixedUpAreSorted) {
   NoisyRoom room = Room();
   Shuffle(&room.graph);

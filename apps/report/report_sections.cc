@@ -110,6 +110,27 @@ ReportTable VerdictTable(const Verdict& verdict) {
                : ", twice what chance does.")};
 }
 
+// Where a part of the drive was treated on its own.
+ReportTable LocalTable(const SolverSummary& solver) {
+  ReportTable table{
+      "Parts of the drive",
+      {"Where", "Seed", "As refined at first", "What was done"},
+      {},
+      "Stretches: squared distance of held-out returns [sigma^2]. Odometry steps: how "
+      "far they are off the seed, in standard deviations."};
+  for (const DoubtedStep& doubted : solver.doubted_steps) {
+    table.rows.push_back({"odometry step " + std::to_string(doubted.step),
+                          ShortText(doubted.sigma_factor), "",
+                          "doubted: it tore poses off the map"});
+  }
+  for (const WorseStretch& stretch : solver.put_back) {
+    table.rows.push_back(
+        {"poses " + std::to_string(stretch.first) + " to " + std::to_string(stretch.last),
+         FixedText(stretch.seed_error, 2), FixedText(stretch.state_error, 2), "put back"});
+  }
+  return table;
+}
+
 std::string ConflictText(const FreeSpaceConflict& conflict) {
   if (conflict.num_compared == 0) return "-";
   return FixedText(kPercent * conflict.Share(), 2) + " % of " +
@@ -179,6 +200,9 @@ void AddSolver(const SolverSummary& solver, HtmlReport* report) {
     return;
   }
   report->tables.push_back(VerdictTable(solver.verdict));
+  if (!solver.doubted_steps.empty() || !solver.put_back.empty()) {
+    report->tables.push_back(LocalTable(solver));
+  }
   report->tables.push_back(TermsTable(solver));
   if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   AddDisplacements(solver.displacements, report);
