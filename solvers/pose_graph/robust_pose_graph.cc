@@ -1,0 +1,183 @@
+#include "plumbline/solvers/pose_graph/robust_pose_graph.h"
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/float_environment.h"
+#include "plumbline/factors/relative_pose_factor.h"
+#include "plumbline/factors/sqrt_information.h"
+
+namespace plumbline {
+namespace {
+
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+// Doubtful edges bend away from three standard deviations on.
+constexpr double kCauchyScale = 3.0;
+// The loss narrows by this factor from step to step.
+constexpr double kNarrowing = 2.0;
+// Steps at the final width, at most, ...
+constexpr int kMaxFinalSteps = 15;
+// ... which end once none of the poses moves by this much [m], [rad]: a tenth of what a scan match
+// knows.
+constexpr double kTolerance = 3e-4;
+
+struct Edge {
+  int from = 0, to = 0;
+  bool doubtful = false;
+  RelativePoseResidual residual;
+};
+
+// The normal equations of one graph. Their pattern stays, their values change.
+class System {
+ public:
+  System(const std::vector<RelativePoseConstraint>& certain,
+         const std::vector<RelativePoseConstraint>& doubtful, std::size_t num_poses)
+      : size_(3 * (static_cast<int>(num_poses) - 1)) {
+    Append(certain, false);
+    Append(doubtful, true);
+    LayPattern();
+  }
+
+  // Largest whitened error of a doubtful edge.
+  double WorstError(const std::vector<Pose2>& poses) const {
+    double worst = 0.0;
+    for (const Edge& edge : edges_) {
+      if (edge.doubtful) worst = std::max(worst, Error(edge, poses).norm());
+    }
+    return worst;
+  }
+
+  // One step of Gauss-Newton with the weights of the loss at this width. Returns the largest change
+  // of a coordinate, or a negative number if there is no step.
+  double Step(double cauchy_scale, std::vector<Pose2>* poses) {
+    Linearize(cauchy_scale, *poses);
+    solver_.factorize(matrix_);
+    if (solver_.info() != Eigen::Success) return -1.0;
+    const Eigen::VectorXd step = solver_.solve(right_);
+    if (!step.allFinite()) return -1.0;
+    for (std::size_t p = 1; p < poses->size(); ++p) {
+      const auto change = step.segment<3>(3 * static_cast<Eigen::Index>(p - 1));
+      (*poses)[p].x += change.x();
+      (*poses)[p].y += change.y();
+      (*poses)[p].yaw += change.z();
+    }
+    return step.size() > 0 ? step.cwiseAbs().maxCoeff() : 0.0;
+  }
+
+ private:
+  void Append(const std::vector<RelativePoseConstraint>& constraints, bool doubtful) {
+    for (const RelativePoseConstraint& constraint : constraints) {
+      Edge edge{constraint.from, constraint.to, doubtful, {}};
+      edge.residual.a_from_b = constraint.from_from_to;
+      if (SqrtInformation(constraint.covariance, &edge.residual.sqrt_information)) {
+        edges_.push_back(edge);
+      }
+    }
+  }
+
+  // The lower triangle: per column of blocks its diagonal block and those below it.
+  void LayPattern() {
+    std::vector<std::pair<int, int>> blocks;  // column, row
+    for (int p = 0; p < size_ / 3; ++p) blocks.emplace_back(p, p);
+    for (const Edge& edge : edges_) {
+      if (edge.from > 0 && edge.to > 0) blocks.push_back(std::minmax(edge.from - 1, edge.to - 1));
+    }
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const auto& [column, row] : blocks) {
+      for (int j = 0; j < 3; ++j) {
+        for (int i = row == column ? j : 0; i < 3; ++i) {
+          entries.emplace_back(3 * row + i, 3 * column + j, 0.0);
+        }
+      }
+    }
+    matrix_.resize(size_, size_);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    solver_.analyzePattern(matrix_);
+  }
+
+  static Eigen::Vector3d Error(const Edge& edge, const std::vector<Pose2>& poses) {
+    Eigen::Vector3d error;
+    const Pose2 &a = poses[edge.from], &b = poses[edge.to];
+    const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
+    edge.residual.Evaluate(from, to, error.data(), nullptr, nullptr);
+    return error;
+  }
+
+  void Linearize(double cauchy_scale, const std::vector<Pose2>& poses) {
+    std::fill(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros(), 0.0);
+    right_ = Eigen::VectorXd::Zero(size_);
+    for (const Edge& edge : edges_) {
+      const Pose2 &a = poses[edge.from], &b = poses[edge.to];
+      const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
+      Eigen::Vector3d error;
+      RowMajor3d d_from, d_to;
+      edge.residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
+      const double weight =
+          edge.doubtful ? 1.0 / (1.0 + error.squaredNorm() / (cauchy_scale * cauchy_scale)) : 1.0;
+      AddBlock(edge.from, edge.from, weight * d_from.transpose() * d_from);
+      AddBlock(edge.to, edge.to, weight * d_to.transpose() * d_to);
+      if (edge.from > edge.to) {
+        AddBlock(edge.from, edge.to, weight * d_from.transpose() * d_to);
+      } else {
+        AddBlock(edge.to, edge.from, weight * d_to.transpose() * d_from);
+      }
+      if (edge.from > 0)
+        right_.segment<3>(3 * edge.from - 3) -= weight * d_from.transpose() * error;
+      if (edge.to > 0) right_.segment<3>(3 * edge.to - 3) -= weight * d_to.transpose() * error;
+    }
+  }
+
+  // row >= column. Pose 0 is no unknown.
+  void AddBlock(int row, int column, const Eigen::Matrix3d& block) {
+    if (row == 0 || column == 0) return;
+    for (int j = 0; j < 3; ++j) {
+      const int first = row == column ? j : 0;  // of the three rows, which lie side by side
+      const int outer = 3 * (column - 1) + j;
+      const int* const begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[outer];
+      const int* const end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[outer + 1];
+      const int* const at = std::lower_bound(begin, end, 3 * (row - 1) + first);
+      double* const values = matrix_.valuePtr() + (at - matrix_.innerIndexPtr());
+      for (int i = first; i < 3; ++i) values[i - first] += block(i, j);
+    }
+  }
+
+  int size_;  // of the system
+  std::vector<Edge> edges_;
+  SparseMatrix matrix_;
+  Eigen::VectorXd right_;
+  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+};
+
+}  // namespace
+
+void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
+                      const std::vector<RelativePoseConstraint>& doubtful,
+                      std::vector<Pose2>* world_from_pose) {
+  if (world_from_pose->size() < 2) return;
+  const DefaultFloatEnvironment float_environment;
+  System system(certain, doubtful, world_from_pose->size());
+  std::vector<Pose2> poses = *world_from_pose;
+  double scale = kCauchyScale;
+  const double worst = system.WorstError(poses);
+  while (scale < worst) scale *= kNarrowing;
+  for (; scale > kCauchyScale; scale /= kNarrowing) {
+    if (system.Step(scale, &poses) < 0.0) return;
+  }
+  for (int i = 0; i < kMaxFinalSteps; ++i) {
+    const double moved = system.Step(kCauchyScale, &poses);
+    if (moved < 0.0) return;
+    if (moved < kTolerance) break;
+  }
+  *world_from_pose = std::move(poses);
+}
+
+}  // namespace plumbline
