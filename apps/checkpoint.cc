@@ -91,8 +91,8 @@ void Visit(Archive& archive, FreeSpaceConflict* conflict) {
 
 template <typename Archive>
 void Visit(Archive& archive, ConflictPeak* peak) {
-  auto& [conflict, pose] = *peak;
-  archive(conflict, pose);
+  auto& [conflict, pose, usual_ratio] = *peak;
+  archive(conflict, pose, usual_ratio);
 }
 
 template <typename Archive>
@@ -102,9 +102,25 @@ void Visit(Archive& archive, SpaceConflict* place) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, ViewpointConflict* viewpoint) {
+  auto& [pose, within, between] = *viewpoint;
+  archive(pose, within, between);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, MapConsistency* map) {
-  auto& [within, between, pairs_within, pairs_between, worst_within, worst_between, places] = *map;
-  archive(within, between, pairs_within, pairs_between, worst_within, worst_between, places);
+  auto& [within, between, pairs_within, pairs_between, worst_within, worst_between,
+         contradicted_share, viewpoints, places] = *map;
+  archive(within, between, pairs_within, pairs_between, worst_within, worst_between,
+          contradicted_share, viewpoints, places);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, WeighedHypothesis* hypothesis) {
+  auto& [kind, first_later, last_later, first_earlier, last_earlier, num_closures, conflict, score,
+         adopted] = *hypothesis;
+  archive(kind, first_later, last_later, first_earlier, last_earlier, num_closures, conflict, score,
+          adopted);
 }
 
 template <typename Archive>
@@ -116,8 +132,9 @@ void Visit(Archive& archive, RelativePoseConstraint* edge) {
 
 template <typename Archive>
 void Visit(Archive& archive, SeedingReport* report) {
-  auto& [sequential, odometry_noise, loops, consistency, pose_graph, poses, alarm] = *report;
-  archive(sequential, odometry_noise, loops, consistency, pose_graph, poses, alarm);
+  auto& [sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, poses, alarm] =
+      *report;
+  archive(sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, poses, alarm);
 }
 
 template <typename Archive>

@@ -16,10 +16,11 @@ std::string Format(const char* format, Values... values) {
   return text;
 }
 
-// "1 scan", "2 scans".
-std::string Count(int number, const std::string& noun) {
-  return std::to_string(number) + ' ' + noun + (number == 1 ? "" : "s");
+std::string Count(int number, const std::string& singular, const std::string& plural) {
+  return std::to_string(number) + ' ' + (number == 1 ? singular : plural);
 }
+// "1 scan", "2 scans".
+std::string Count(int number, const std::string& noun) { return Count(number, noun, noun + "s"); }
 
 std::string MatchingText(const SequentialSeedingReport& report, int num_scans) {
   std::string text =
@@ -120,6 +121,17 @@ std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph) {
   return text;
 }
 
+// The revisions that were adopted, and where the poses began if that is not the matching.
+std::string HypothesesText(const std::vector<WeighedHypothesis>& hypotheses) {
+  std::string text;
+  for (const WeighedHypothesis& hypothesis : hypotheses) {
+    if (!hypothesis.adopted || hypothesis.kind == HypothesisKind::kMatching) continue;
+    text += "  Of " + Count(static_cast<int>(hypotheses.size()), "hypothesis", "hypotheses") +
+            " the scans agree best with this one: " + HypothesisText(hypothesis) + ".\n";
+  }
+  return text;
+}
+
 // Why there is no path of key scans that could be checked.
 std::string NoPathText(const SequentialSeedingReport& report) {
   const char* reason = "There is a single key scan";
@@ -139,12 +151,37 @@ std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops) {
   return counts;
 }
 
+std::string HypothesisText(const WeighedHypothesis& hypothesis) {
+  const auto range = [](int first, int last) {
+    return std::to_string(first) + (last > first ? "-" + std::to_string(last) : "");
+  };
+  const std::string closures = Count(hypothesis.num_closures, "closure") + " of poses " +
+                               range(hypothesis.first_later_pose, hypothesis.last_later_pose) +
+                               " with poses " +
+                               range(hypothesis.first_earlier_pose, hypothesis.last_earlier_pose);
+  switch (hypothesis.kind) {
+    case HypothesisKind::kMatching:
+      return "sequential matching and all closures that agree";
+    case HypothesisKind::kOdometry:
+      return "the poses of the odometry as given and all closures that agree";
+    case HypothesisKind::kOdometryAlone:
+      return "the poses of the odometry as given, and no closures";
+    case HypothesisKind::kWithoutCluster:
+      return "without " + closures;
+    case HypothesisKind::kWithMatch:
+      return "with " + closures;
+    case HypothesisKind::kBrokenSteps:
+      return "steps of the robot that may be wrong";
+  }
+  return "unknown";
+}
+
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph) {
   if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
   std::string text = MatchingText(report.sequential, graph.num_scans());
   if (report.sequential.num_key_scans <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
-         DoubtsText(report.loops, graph);
+         HypothesesText(report.hypotheses) + DoubtsText(report.loops, graph);
 }
 
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency) {

@@ -12,6 +12,9 @@ namespace plumbline {
 /// How many matches of places met each verdict; verdicts that none met are left out.
 std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops);
 
+/// What a hypothesis says, as "without 12 closures of poses 8928-8992 with poses 54-6346".
+std::string HypothesisText(const WeighedHypothesis& hypothesis);
+
 /// What people need to know of a seeding, a fact per line, indented: what was matched, how good the
 /// odometry is, which loops were closed, which steps were wrong. graph: as seeded, a scan per pose.
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph);

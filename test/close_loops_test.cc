@@ -36,9 +36,11 @@ struct Lap {
   }
   LoopClosingReport Close() {
     ThreadPool pool(2);
+    ClosureMemory memory;
     LoopClosingReport report;
     EXPECT_TRUE(
-        CloseLoops(LoopClosureOptions(), graph, surfaces, nullptr, &pool, &keys, &report).ok());
+        CloseLoops(LoopClosureOptions(), graph, surfaces, nullptr, &pool, &memory, &keys, &report)
+            .ok());
     return report;
   }
 };
@@ -76,6 +78,7 @@ Lap MakeLapWithAWrongEdge() {
   SequentialEdge& edge = lap.keys.sequential[kWrongEdge];
   edge.constraint.from_from_to = edge.constraint.from_from_to * Pose2(1.2, 0.9, -0.2);
   edge.evidence = 0.7;
+  edge.in_question = true;
   edge.first_pose_after = kWrongEdge + 1;
   lap.FollowEdges();
   return lap;
@@ -97,7 +100,7 @@ TEST(MakeKeyGraph, AddsWhatMatchAndOdometryKnow) {
   EXPECT_EQ(keys.world_from_key[1].x, 7.0);
   ASSERT_EQ(keys.sequential.size(), 1u);
   const SequentialEdge& edge = keys.sequential[0];
-  EXPECT_FALSE(edge.doubtful());
+  EXPECT_EQ(edge.evidence, 0.0);
   EXPECT_EQ(edge.constraint.from, 0);
   EXPECT_EQ(edge.constraint.to, 1);
   EXPECT_NEAR(edge.constraint.from_from_to.x, 2.0, 1e-12);
@@ -172,6 +175,7 @@ TEST(CloseLoops, ADoubtfulEdgeGivesWayToClosuresAcross) {
 TEST(CloseLoops, ADoubtfulEdgeThatIsRightStays) {
   Lap lap = MakeLap();
   lap.keys.sequential[kWrongEdge].evidence = 0.2;
+  lap.keys.sequential[kWrongEdge].in_question = true;
   lap.keys.sequential[kWrongEdge].first_pose_after = kWrongEdge + 1;
   const LoopClosingReport report = lap.Close();
   ASSERT_EQ(report.doubts.size(), 1u);
@@ -186,9 +190,11 @@ TEST(CloseLoops, ReportsTheBridgesThatWereRefused) {
   LoopClosureOptions options;
   options.min_inlier_ratio_wide = 2.0;  // nothing gets there
   ThreadPool pool(2);
+  ClosureMemory memory;
   LoopClosingReport report;
   ASSERT_TRUE(
-      CloseLoops(options, lap.graph, lap.surfaces, nullptr, &pool, &lap.keys, &report).ok());
+      CloseLoops(options, lap.graph, lap.surfaces, nullptr, &pool, &memory, &lap.keys, &report)
+          .ok());
   // The first key scan beyond the edge is tried as a bridge only: what lies far enough back on the
   // path for a closure is out of reach.
   const auto is_bridge = [](const LoopClosureRecord& match) {
@@ -200,12 +206,57 @@ TEST(CloseLoops, ReportsTheBridgesThatWereRefused) {
 TEST(CloseLoops, StopsWhenItsCallerSaysSo) {
   Lap lap = MakeLap();
   ThreadPool pool(1);
+  ClosureMemory memory;
   LoopClosingReport report;
   const Status status = CloseLoops(
       LoopClosureOptions(), lap.graph, lap.surfaces,
       [](SeedingPhase phase, int, int) { return phase != SeedingPhase::kClosingLoops; }, &pool,
-      &lap.keys, &report);
+      &memory, &lap.keys, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+}
+
+TEST(CloseLoops, AStepThatIsNotInQuestionStays) {
+  Lap lap = MakeLapWithAWrongEdge();
+  lap.keys.sequential[kWrongEdge].in_question = false;
+  const LoopClosingReport report = lap.Close();
+  ASSERT_EQ(report.doubts.size(), 1u);
+  EXPECT_FALSE(report.doubts[0].broken);
+}
+
+TEST(CloseLoops, TestsNothingTwice) {
+  Lap lap = MakeLap();
+  ThreadPool pool(1);
+  ClosureMemory memory;
+  LoopClosingReport report;
+  KeyGraph once = lap.keys, again = lap.keys;
+  int num_tested = 0;
+  const SeedingProgress count = [&](SeedingPhase, int, int num_total) {
+    num_tested += num_total;
+    return true;
+  };
+  const LoopClosureOptions options;
+  ASSERT_TRUE(
+      CloseLoops(options, lap.graph, lap.surfaces, count, &pool, &memory, &once, &report).ok());
+  EXPECT_GT(num_tested, 0);
+  num_tested = 0;
+  ASSERT_TRUE(
+      CloseLoops(options, lap.graph, lap.surfaces, count, &pool, &memory, &again, &report).ok());
+  EXPECT_EQ(num_tested, 0);
+  ASSERT_EQ(once.closures.size(), again.closures.size());
+  for (int k = 0; k < once.size(); ++k) {
+    EXPECT_EQ(once.world_from_key[k].x, again.world_from_key[k].x) << k;
+  }
+}
+
+TEST(CloseLoops, DoesNotFindAgainWhatWasRefused) {
+  Lap lap = MakeLap();
+  const LoopClosingReport with_all = lap.Close();
+  ASSERT_GE(with_all.num_closures, 4);
+  Lap without = MakeLap();
+  without.keys.refused = lap.keys.closures;
+  const LoopClosingReport report = without.Close();
+  EXPECT_EQ(report.num_closures, 0);
+  EXPECT_EQ(report.num_contradicted, with_all.num_closures);
 }
 
 TEST(DoubtfulStep, IsResolvedByTwoClosuresAcrossUnlessItTurnedTheMap) {

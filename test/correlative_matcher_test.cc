@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
@@ -87,6 +89,29 @@ TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
   const SurfacePoints point{{{1.0, 0.0}, {-1.0, 0.0}}};
   EXPECT_FALSE(CorrelativeMatcher({}, 0.1, 1.0).Search(point, {Pose2(), 1.0, 0.1}, 0.1).found);
   EXPECT_FALSE(CorrelativeMatcher(point, 0.1, 1.0).Search({}, {Pose2(), 1.0, 0.1}, 0.1).found);
+}
+
+TEST(CorrelativeMatcher, GivesUpWhereEverythingFitsALittle) {
+  // Bushes: points all over the place, of which a third lies near those of any other.
+  SurfacePoints bushes, others;
+  std::uint32_t state = 1;
+  const auto draw = [&state] {
+    state = state * 1664525u + 1013904223u;
+    return 40.0 * (state >> 8) / 16777216.0 - 20.0;
+  };
+  for (int i = 0; i < 6000; ++i) {
+    const double x = draw(), y = draw();
+    SurfacePoints& points = i % 3 == 0 ? others : bushes;
+    points.push_back({Eigen::Vector2d(x, y), Eigen::Vector2d(1.0, 0.0)});
+  }
+  const CorrelativeMatcher matcher(bushes, 0.1, 15.0);
+  const CorrelativeMatch match = matcher.Search(others, {Pose2(), 15.0, 0.5}, 0.2);
+  EXPECT_TRUE(match.gave_up);
+  EXPECT_TRUE(matcher.FitsElsewhere(others, {Pose2(), 15.0, 0.5}, 0.4, Pose2(), 0.5, 0.1));
+  // Where it fits, that is soon found.
+  const CorrelativeMatch same = matcher.Search(bushes, {Pose2(1.0, 1.0, 0.0), 2.0, 0.1}, 0.4);
+  EXPECT_TRUE(same.found);
+  EXPECT_FALSE(same.gave_up);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ std::vector<SequentialEdge> JudgeLap(int first_moved, const Pose2& error) {
 
 int NumDoubtful(const std::vector<SequentialEdge>& edges) {
   return static_cast<int>(std::count_if(
-      edges.begin(), edges.end(), [](const SequentialEdge& edge) { return edge.doubtful(); }));
+      edges.begin(), edges.end(), [](const SequentialEdge& edge) { return edge.evidence > 0.0; }));
 }
 
 TEST(DoubtfulEdges, ASoundDriveHasNone) { EXPECT_EQ(NumDoubtful(JudgeLap(0, Pose2())), 0); }
@@ -57,7 +57,8 @@ TEST(DoubtfulEdges, TheRestOfThePathMovedMakesOne) {
   for (const int first_moved : {31, 32, 33}) {
     const std::vector<SequentialEdge> edges = JudgeLap(first_moved, Pose2(0.8, 0.5, 0.2));
     EXPECT_EQ(NumDoubtful(edges), 1);
-    EXPECT_TRUE(edges[10].untrusted()) << edges[10].evidence;
+    EXPECT_GE(edges[10].evidence, kUntrustedEvidence);
+    EXPECT_FALSE(edges[10].in_question);
     EXPECT_LE(edges[10].evidence, 1.6);
     EXPECT_FALSE(edges[10].broken);
     EXPECT_EQ(edges[10].first_pose_after, first_moved);

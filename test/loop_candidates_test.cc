@@ -38,7 +38,7 @@ TEST(LoopCandidates, DriftGrowsWithTheWayBetweenTheTwo) {
   EXPECT_EQ(near[0].second, 20);
   EXPECT_FALSE(near[0].wide());
   EXPECT_NEAR(near[0].drift_m, DriftM(20.0), 1e-9);
-  EXPECT_NEAR(near[0].drift_rad, 0.15 + 0.002 * 20.0, 1e-9);
+  EXPECT_NEAR(near[0].drift_rad, 0.15 + 0.001 * 20.0, 1e-9);
   ASSERT_EQ(far.size(), 1u);
   EXPECT_NEAR(far[0].drift_m, DriftM(54.0), 1e-9);
   ASSERT_TRUE(far[0].wide());
@@ -75,6 +75,7 @@ TEST(LoopCandidates, AnUntrustedEdgeMakesItsTwoSidesCandidates) {
   for (int i = 0; i < 8; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
   EXPECT_TRUE(Find(keys).empty());
   keys.sequential[3].evidence = 1.0;
+  keys.sequential[3].in_question = true;
   const std::vector<LoopCandidate> candidates = Find(keys);
   ASSERT_FALSE(candidates.empty());
   for (const LoopCandidate& candidate : candidates) {
@@ -91,6 +92,7 @@ TEST(LoopCandidates, BridgesLeadOverDoubtfulEdges) {
   for (int i = 0; i < 8; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
   EXPECT_TRUE(FindBridges(LoopCandidateOptions(), keys).empty());
   keys.sequential[3].evidence = 0.2;
+  keys.sequential[3].in_question = true;
   const std::vector<LoopCandidate> bridges = FindBridges(LoopCandidateOptions(), keys);
   ASSERT_EQ(bridges.size(), 2u);  // up to 4 m on, at least 1.3 m apart
   EXPECT_EQ(bridges[0].first, 3);

@@ -38,6 +38,26 @@ MapConsistency Measure(const SlamGraph& graph, const std::vector<Pose2>& poses,
   return MeasureMapConsistency(graph, poses, &pool);
 }
 
+TEST(MapConsistency, APeakIsPutToWhatIsUsualOnTheDrive) {
+  MapConsistency consistency;
+  consistency.worst_between.conflict = {600, 300};
+  const double ratio = consistency.Ratio();
+  EXPECT_TRUE(consistency.IsContradictory());
+  consistency.worst_between.usual_ratio = 0.2;  // as little as in most buildings
+  EXPECT_EQ(consistency.Ratio(), ratio);
+  consistency.worst_between.usual_ratio = 0.5;  // people and doors everywhere
+  EXPECT_NEAR(consistency.Ratio(), ratio / 2.0, 1e-12);
+  EXPECT_FALSE(consistency.IsContradictory());
+  consistency.worst_between.usual_ratio = 0.9;
+  EXPECT_NEAR(consistency.Ratio(), ratio / 3.0, 1e-12);  // and no more
+  EXPECT_FALSE(consistency.IsContradictory());
+  consistency.contradicted_share = 0.3;
+  EXPECT_TRUE(consistency.IsContradictory());
+  consistency.contradicted_share = 0.0;
+  consistency.worst_between.usual_ratio = 1.1;  // half of the map contradicts itself
+  EXPECT_TRUE(consistency.IsContradictory());
+}
+
 TEST(MapConsistency, RatioOfTheWorstPlaceToWhatCanBeExplained) {
   MapConsistency consistency;
   EXPECT_EQ(consistency.Ratio(), 1.0);

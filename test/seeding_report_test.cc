@@ -107,6 +107,22 @@ TEST(SeedingTextTest, DoubtfulSteps) {
                                             "put it right.\n")));
 }
 
+TEST(SeedingTextTest, HypothesesThatWereAdopted) {
+  SeedingReport report = MakeReport();
+  report.hypotheses.resize(3);
+  report.hypotheses[0].adopted = true;  // the matching, which needs no word
+  EXPECT_THAT(Text(report), Not(HasSubstr("hypotheses")));
+  WeighedHypothesis& without = report.hypotheses[1];
+  without.kind = HypothesisKind::kWithoutCluster;
+  without.num_closures = 12;
+  without.first_later_pose = 8928;
+  without.last_later_pose = 8992;
+  without.first_earlier_pose = without.last_earlier_pose = 54;
+  without.adopted = true;
+  EXPECT_THAT(Text(report), HasSubstr("  Of 3 hypotheses the scans agree best with this one: "
+                                      "without 12 closures of poses 8928-8992 with poses 54.\n"));
+}
+
 TEST(SeedingTextTest, FaultsOfTheOdometry) {
   SeedingReport report = MakeReport();
   report.sequential.odometry_sign.sign_lost = true;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "plumbline/apps/calibration_report.h"
 #include "plumbline/apps/number_text.h"
@@ -30,6 +31,23 @@ void AddLoops(const LoopClosingReport& loops, HtmlReport* report) {
   report->tables.push_back(std::move(table));
 }
 
+void AddHypotheses(const std::vector<WeighedHypothesis>& hypotheses, HtmlReport* report) {
+  if (hypotheses.empty()) return;
+  ReportTable table{"Hypotheses about the drive",
+                    {"Hypothesis", "Returns compared", "Conflicting", "Score", "Adopted"},
+                    {},
+                    "Score: conflicting returns less those that people, doors and glass explain; "
+                    "the lower, the better. A revision is tried on the hypothesis adopted before "
+                    "it."};
+  for (const WeighedHypothesis& hypothesis : hypotheses) {
+    table.rows.push_back({HypothesisText(hypothesis),
+                          WithThousands(hypothesis.conflict.num_compared),
+                          WithThousands(hypothesis.conflict.num_conflicting),
+                          FixedText(hypothesis.score, 0), hypothesis.adopted ? "yes" : "no"});
+  }
+  report->tables.push_back(std::move(table));
+}
+
 }  // namespace
 
 HtmlReport MakeRunReport(const RunSummary& summary) {
@@ -43,6 +61,7 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
   AddVerdict(summary.alarms, "No sign that the map contradicts itself.", &report);
   AddStages(summary.stages, &report);
   AddLoops(summary.seeding.loops, &report);
+  AddHypotheses(summary.seeding.hypotheses, &report);
   AddConsistency({{"Seed", summary.seeding.consistency}, {"Refined", summary.refined_consistency}},
                  &report);
   report.durations = {{"Reading", summary.read_time_s},

@@ -8,6 +8,8 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/pose_graph/robust_pose_graph.h"
+#include "plumbline/solvers/seeding/closure_clusters.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
 #include "plumbline/solvers/seeding/odometry_span.h"
 
@@ -36,21 +38,13 @@ bool OnlyRepeatsItsEdge(const RelativePoseConstraint& bridge, const KeyGraph& ke
   return EdgeChi2(bridge, keys.world_from_key) <= kMaxClosureChi2;
 }
 
-void Optimize(KeyGraph* keys) {
-  std::vector<RelativePoseConstraint> certain, doubtful = keys->closures;
-  for (const SequentialEdge& edge : keys->sequential) {
-    (edge.doubtful() && !edge.broken ? doubtful : certain).push_back(edge.InForce());
-  }
-  OptimizePoseGraph(certain, doubtful, &keys->world_from_key);
-}
-
 // Breaks the doubtful edge that is farthest off the others, if it is too far and there are enough
 // closures to do without it.
 bool BreakWorstEdge(KeyGraph* keys) {
   SequentialEdge* worst = nullptr;
   double worst_chi2 = kMaxClosureChi2;
   for (SequentialEdge& edge : keys->sequential) {
-    if (!edge.doubtful() || edge.broken) continue;
+    if (!edge.in_question || edge.broken) continue;
     const double chi2 = EdgeChi2(edge.constraint, keys->world_from_key);
     if (chi2 <= worst_chi2) continue;
     if (NumClosuresAcross(edge.constraint.from, *keys) < DoubtfulStep::kMinClosuresAcross) continue;
@@ -83,28 +77,59 @@ bool DropWorstClosures(KeyGraph* keys) {
 
 void OptimizeAndPrune(KeyGraph* keys) {
   do {
-    Optimize(keys);
+    OptimizeKeyScans(keys);
   } while (BreakWorstEdge(keys) || DropWorstClosures(keys));
 }
 
+// Tests the candidates that the memory does not know. One result per candidate, in their order.
 Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
                      const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
                      const std::vector<LoopCandidate>& candidates, const SeedingProgress& progress,
-                     ThreadPool* pool, std::vector<TestedCandidate>* tested) {
-  const int total = static_cast<int>(candidates.size());
-  for (std::size_t begin = 0; begin < candidates.size(); begin += kCandidatesPerReport) {
-    if (progress && !progress(SeedingPhase::kClosingLoops, static_cast<int>(begin), total)) {
+                     ThreadPool* pool, ClosureMemory* memory,
+                     std::vector<TestedCandidate>* tested) {
+  tested->resize(candidates.size());
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (const TestedCandidate* known = memory->Find(candidates[i], keys)) {
+      (*tested)[i] = *known;
+    } else {
+      unknown.push_back(i);
+    }
+  }
+  for (std::size_t begin = 0; begin < unknown.size(); begin += kCandidatesPerReport) {
+    if (progress && !progress(SeedingPhase::kClosingLoops, static_cast<int>(begin),
+                              static_cast<int>(unknown.size()))) {
       return Status::Unavailable("loop closing was stopped by its caller");
     }
-    const std::size_t end = std::min(candidates.size(), begin + kCandidatesPerReport);
-    const std::vector<LoopCandidate> batch(candidates.begin() + static_cast<std::ptrdiff_t>(begin),
-                                           candidates.begin() + static_cast<std::ptrdiff_t>(end));
-    for (TestedCandidate& result :
-         TestLoopCandidates(options, graph, surfaces, keys, batch, pool)) {
-      tested->push_back(std::move(result));
+    const std::size_t end = std::min(unknown.size(), begin + kCandidatesPerReport);
+    std::vector<LoopCandidate> batch;
+    for (std::size_t i = begin; i < end; ++i) batch.push_back(candidates[unknown[i]]);
+    const std::vector<TestedCandidate> results =
+        TestLoopCandidates(options, graph, surfaces, keys, batch, pool);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      (*tested)[unknown[begin + i]] = results[i];
+      memory->Add(batch[i], keys, results[i]);
     }
   }
   return Status::Ok();
+}
+
+// What nearly became a closure.
+void KeepTentative(const LoopClosureOptions& options, std::vector<TestedCandidate> refused,
+                   KeyGraph* keys) {
+  constexpr double kMinInlierRatio = 0.5;
+  refused.erase(std::remove_if(refused.begin(), refused.end(),
+                               [&](const TestedCandidate& result) {
+                                 return result.inlier_ratio < kMinInlierRatio ||
+                                        result.conflict > options.max_free_space_conflict;
+                               }),
+                refused.end());
+  std::stable_sort(refused.begin(), refused.end(),
+                   [](const TestedCandidate& a, const TestedCandidate& b) {
+                     return a.inlier_ratio > b.inlier_ratio;
+                   });
+  keys->tentative.clear();
+  for (const TestedCandidate& result : refused) keys->tentative.push_back(result.edge);
 }
 
 void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refused_bridges,
@@ -114,14 +139,16 @@ void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refus
         {keys.key_scans[edge.from].pose, keys.key_scans[edge.to].pose, edge.from_from_to, verdict});
   };
   for (const auto& edge : keys.closures) record(edge, ClosureVerdict::kAccepted);
-  for (const auto& edge : keys.contradicted) record(edge, ClosureVerdict::kContradicted);
+  for (const auto* wrong : {&keys.contradicted, &keys.refused}) {
+    for (const auto& edge : *wrong) record(edge, ClosureVerdict::kContradicted);
+  }
   for (const auto* refused : {&refused_bridges, &refused_closures}) {
     for (const TestedCandidate& result : *refused) record(result.edge, result.verdict);
   }
   report->num_closures = static_cast<int>(keys.closures.size());
-  report->num_contradicted = static_cast<int>(keys.contradicted.size());
+  report->num_contradicted = static_cast<int>(keys.contradicted.size() + keys.refused.size());
   for (const SequentialEdge& edge : keys.sequential) {
-    if (!edge.doubtful()) continue;
+    if (edge.evidence == 0.0) continue;
     const int from = edge.constraint.from;
     DoubtfulStep doubt;
     doubt.first_pose_after = edge.first_pose_after;
@@ -137,6 +164,14 @@ void WriteReport(const KeyGraph& keys, const std::vector<TestedCandidate>& refus
 }
 
 }  // namespace
+
+void OptimizeKeyScans(KeyGraph* keys) {
+  std::vector<RelativePoseConstraint> certain, doubtful = keys->closures;
+  for (const SequentialEdge& edge : keys->sequential) {
+    (edge.in_question && !edge.broken ? doubtful : certain).push_back(edge.InForce());
+  }
+  OptimizeRobustly(certain, doubtful, &keys->world_from_key);
+}
 
 KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOptions& motion) {
   KeyGraph graph;
@@ -159,8 +194,10 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
 
 Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                  ThreadPool* pool, KeyGraph* keys, LoopClosingReport* report) {
+                  ThreadPool* pool, ClosureMemory* memory, KeyGraph* keys,
+                  LoopClosingReport* report) {
   *report = LoopClosingReport();
+  if (!keys->closures.empty()) OptimizeAndPrune(keys);
   std::vector<TestedCandidate> refused_bridges, refused_closures;
   for (int round = 0; round <= kMaxRounds; ++round) {
     // What the robot did at a doubtful edge is best told from what lies next to it.
@@ -169,14 +206,15 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
         bridging ? FindBridges(options.candidates, *keys)
                  : FindLoopCandidates(options.candidates, *keys, pool);
     std::vector<TestedCandidate> tested;
-    PLUMBLINE_RETURN_IF_ERROR(
-        TestInBatches(options, graph, surfaces, *keys, candidates, progress, pool, &tested));
+    PLUMBLINE_RETURN_IF_ERROR(TestInBatches(options, graph, surfaces, *keys, candidates, progress,
+                                            pool, memory, &tested));
     report->num_candidates += static_cast<int>(candidates.size());
     std::vector<TestedCandidate>& refused = bridging ? refused_bridges : refused_closures;
     refused.clear();
     const std::size_t num_closures = keys->closures.size();
     for (const TestedCandidate& result : tested) {
       if (bridging && OnlyRepeatsItsEdge(result.edge, *keys)) continue;
+      if (RepeatsRefused(result.edge, keys->refused, *keys)) continue;
       if (result.verdict == ClosureVerdict::kAccepted) {
         keys->closures.push_back(result.edge);
       } else if (result.verdict != ClosureVerdict::kNoMatch) {
@@ -187,6 +225,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     OptimizeAndPrune(keys);
     if (!found && !bridging) break;
   }
+  KeepTentative(options, refused_closures, keys);
   WriteReport(*keys, refused_bridges, refused_closures, report);
   return Status::Ok();
 }

@@ -8,6 +8,7 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/seeding/closure_memory.h"
 #include "plumbline/solvers/seeding/key_graph.h"
 #include "plumbline/solvers/seeding/loop_closure.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
@@ -59,10 +60,16 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
 
 /// Looks for closures, adds them and moves the key scans to the optimum of the pose graph, in
 /// rounds: each finds what the one before has brought into reach. Closures that the others
-/// contradict are dropped again. Unavailable if progress stopped it.
+/// contradict are dropped again. Closures that the graph has already are kept, as long as nothing
+/// contradicts them; what it has refused is not found again. memory: of all that was tested for
+/// these key scans so far; grows. Unavailable if progress stopped it.
 Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                  ThreadPool* pool, KeyGraph* keys, LoopClosingReport* report);
+                  ThreadPool* pool, ClosureMemory* memory, KeyGraph* keys,
+                  LoopClosingReport* report);
+
+/// Moves the key scans to the robust optimum of the graph's edges and closures.
+void OptimizeKeyScans(KeyGraph* keys);
 
 /// Carries every pose along with its key scans: as matched to the one before and to the one after,
 /// in the ratio of their distance in time. before: world_from_robot of every pose as the key scans

@@ -24,6 +24,11 @@ constexpr std::size_t kMaxScoredPoints = 200;
 // often show that the block is no use.
 constexpr int kParts = 4;
 
+// A search is given up after this many blocks have been cut up, which takes about 0.1 s. Where a
+// scan fits somewhere, a hundredth of it is enough; to prove of bushes and fences that they fit
+// nowhere takes ten times as many.
+constexpr int kMaxSplits = 100000;
+
 // A better score must be better by more than this, a step of the likelihood grid: along a bare
 // corridor thousands of poses fit alike.
 constexpr double kScoreResolution = 1.0 / 255.0;
@@ -100,7 +105,9 @@ class BranchAndBound {
       AddHeading(window_.center.yaw + offset * step_rad);
       AddBlocks(level, &top);
     }
+    num_splits_ = 0;
     Descend(level, &top);
+    best_.gave_up = num_splits_ > kMaxSplits;
     return best_;
   }
 
@@ -164,10 +171,11 @@ class BranchAndBound {
       if (candidate.score <= best_.score + kScoreResolution) return false;
       if (IsExcluded(candidate, level)) continue;
       if (level == 0) {
-        best_ = {true, PoseOf(candidate), candidate.score};
+        best_ = {true, false, PoseOf(candidate), candidate.score};
         if (any_will_do_) return true;
         continue;
       }
+      if (++num_splits_ > kMaxSplits) return true;
       std::vector<Candidate>& children = children_[level - 1];
       children.clear();
       Split(candidate, level - 1, &children);
@@ -257,6 +265,7 @@ class BranchAndBound {
   double excluded_radius_m_ = 0.0;
   double excluded_angle_rad_ = 0.0;
   bool any_will_do_ = false;
+  int num_splits_ = 0;
 
   std::vector<Heading> headings_;
   std::array<std::vector<Candidate>, kMaxLevel> children_;  // per level those being looked through
@@ -325,7 +334,8 @@ bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWi
                                        double angle_rad) const {
   BranchAndBound search(*this, scan, window, min_score);
   search.SearchElsewhereThan(excluded, radius_m, angle_rad);
-  return search.Run().found;
+  const CorrelativeMatch match = search.Run();
+  return match.found || match.gave_up;
 }
 
 }  // namespace plumbline

@@ -19,6 +19,9 @@ struct SearchWindow {
 
 struct CorrelativeMatch {
   bool found = false;
+  /// The search became too long and was ended: there may be better poses than this one, or there
+  /// may be one after all.
+  bool gave_up = false;
   Pose2 map_from_scan;
   /// Mean likelihood of the scan's points in [0, 1].
   double score = 0.0;
@@ -38,7 +41,7 @@ class CorrelativeMatcher {
                           double min_score) const;
 
   /// Whether any pose of the window that is farther than radius_m or angle_rad from `excluded`
-  /// scores more than min_score.
+  /// scores more than min_score, or may do so as the search was given up.
   bool FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window, double min_score,
                      const Pose2& excluded, double radius_m, double angle_rad) const;
 

@@ -18,25 +18,24 @@ struct KeyScan {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 };
 
-/// A doubtful edge with this much evidence against it ties nothing together on its own. Real drives
-/// through sound places stay below it but for one edge of a thousand.
+/// An edge with this much evidence against it ties nothing together on its own. Real drives through
+/// sound places stay below it but for one edge of a thousand.
 constexpr double kUntrustedEvidence = 0.5;
 
 /// The tie of a key scan to the one before it.
 struct SequentialEdge {
   RelativePoseConstraint constraint;  ///< from key scan k to k + 1
-  /// How badly the scans on its two sides agree, if so badly that the edge is doubtful; else 0.
+  /// How badly the scans on its two sides agree, if much worse than elsewhere on the drive; else 0.
   double evidence = 0.0;
-  /// If it is doubtful, the first pose that disagrees with those before it.
+  /// If there is evidence, the first pose that disagrees with those before it.
   int first_pose_after = 0;
-
-  /// It is doubtful, and closures across it have shown that it is wrong: it no longer counts.
+  /// The hypothesis at hand allows for the edge to be wrong: closures may contradict it.
+  bool in_question = false;
+  /// It is in question, and closures across it have shown that it is wrong: it no longer counts.
   bool broken = false;
 
-  /// Closures may contradict it.
-  bool doubtful() const { return evidence > 0.0; }
   /// Its far side may be anywhere near by.
-  bool untrusted() const { return broken || evidence >= kUntrustedEvidence; }
+  bool untrusted() const { return broken || (in_question && evidence >= kUntrustedEvidence); }
   /// What counts of it: a broken edge keeps the graph in one piece, and no more.
   RelativePoseConstraint InForce() const {
     RelativePoseConstraint in_force = constraint;
@@ -57,6 +56,10 @@ struct KeyGraph {
   std::vector<RelativePoseConstraint> closures;  ///< from the earlier to the later key scan
   /// Closures that the others contradicted: dropped, and not to be found again.
   std::vector<RelativePoseConstraint> contradicted;
+  /// Closures whose whole cluster the map contradicts: neither they nor what repeats them.
+  std::vector<RelativePoseConstraint> refused;
+  /// Matches that were good, but not good enough to be believed by themselves; the best first.
+  std::vector<RelativePoseConstraint> tentative;
 
   int size() const { return static_cast<int>(key_scans.size()); }
 };

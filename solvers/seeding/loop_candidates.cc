@@ -313,7 +313,7 @@ std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, cons
   const std::vector<KeyScan>& keys = graph.key_scans;
   std::vector<LoopCandidate> bridges;
   for (int edge = 0; edge + 1 < graph.size(); ++edge) {
-    if (!graph.sequential[edge].doubtful()) continue;
+    if (!graph.sequential[edge].in_question) continue;
     std::vector<int> before;
     for (int k = edge; k >= 0 && keys[edge].path_m - keys[k].path_m <= kBridgeheadM; --k) {
       before.push_back(k);
@@ -321,7 +321,7 @@ std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, cons
     double next_m = keys[edge + 1].path_m;
     for (int k = edge + 1; k < graph.size(); ++k) {
       if (keys[k].path_m - keys[edge + 1].path_m > options.bridge_path_m) break;
-      if (k > edge + 1 && graph.sequential[k - 1].doubtful()) break;
+      if (k > edge + 1 && graph.sequential[k - 1].in_question) break;
       if (keys[k].path_m < next_m) continue;
       next_m = keys[k].path_m + kBridgeSpacingM;
       bridges.push_back({edge, k, options.drift_floor_m + options.doubt_drift_m,

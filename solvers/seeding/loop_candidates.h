@@ -22,7 +22,7 @@ struct LoopCandidateOptions {
   double max_drift_m = 50.0;
   /// The same for their relative heading [rad], [rad per m].
   double drift_floor_rad = 0.15;
-  double drift_rad_per_m = 0.002;
+  double drift_rad_per_m = 0.001;
   /// How far an untrusted edge may be off on top of that [m], [rad]. Half a turn is left out: many
   /// rooms and corridors look alike from behind.
   double doubt_drift_m = 7.0;

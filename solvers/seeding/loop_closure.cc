@@ -65,9 +65,12 @@ class CandidateTester {
     const ScanMatch fine = MatchScan(map, scan.points(), start, matching);
     tested.edge.from_from_to = fine.world_from_robot;
     tested.edge.covariance = MatchCovariance(fine.information);
-    tested.verdict = Judge(candidate, tested.edge, fine.inlier_ratio);
+    tested.inlier_ratio = fine.inlier_ratio;
+    tested.conflict = ConflictShare(tested.edge);
+    tested.verdict = Judge(candidate, tested);
     if (tested.verdict == ClosureVerdict::kAccepted && candidate.wide() &&
-        (SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
+        (coarse.gave_up ||
+         SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
          HasSecondPeak(search, scan.points(), window, coarse))) {
       tested.verdict = ClosureVerdict::kAmbiguous;
     }
@@ -79,12 +82,11 @@ class CandidateTester {
     return Between(keys_.world_from_key[a], keys_.world_from_key[b]);
   }
 
-  ClosureVerdict Judge(const LoopCandidate& candidate, const RelativePoseConstraint& edge,
-                       double inlier_ratio) const {
+  ClosureVerdict Judge(const LoopCandidate& candidate, const TestedCandidate& tested) const {
     const double min_inlier_ratio =
         candidate.wide() ? options_.min_inlier_ratio_wide : options_.min_inlier_ratio;
-    if (inlier_ratio < min_inlier_ratio) return ClosureVerdict::kLowOverlap;
-    if (ConflictShare(edge) > options_.max_free_space_conflict) {
+    if (tested.inlier_ratio < min_inlier_ratio) return ClosureVerdict::kLowOverlap;
+    if (tested.conflict > options_.max_free_space_conflict) {
       return ClosureVerdict::kFreeSpaceConflict;
     }
     return ClosureVerdict::kAccepted;
@@ -108,7 +110,7 @@ class CandidateTester {
   // confirm it.
   std::vector<int> Neighbours(int center, double path_m) const {
     const auto in_reach = [&](int k, int edge) {
-      return !keys_.sequential[edge].doubtful() &&
+      return !keys_.sequential[edge].in_question &&
              std::abs(keys_.key_scans[k].path_m - keys_.key_scans[center].path_m) <= path_m;
     };
     int low = center, high = center;

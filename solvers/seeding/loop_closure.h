@@ -52,6 +52,8 @@ struct LoopClosureOptions {
 struct TestedCandidate {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
   RelativePoseConstraint edge;
+  double inlier_ratio = 0.0;  ///< share of the scan on surfaces of the other visit
+  double conflict = 0.0;      ///< share of returns that one visit looked through
 };
 
 /// Tests candidates of the key graph. One result per candidate, in their order.

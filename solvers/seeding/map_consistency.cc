@@ -35,6 +35,14 @@ constexpr double kCrowdShare = 0.1;
 // Returns that agree, put to those of a stretch: a person is no proof if little else was compared.
 constexpr double kPriorReturns = 600.0;
 constexpr double kMaxRatio = 3.0;
+// Peaks are put to this many times what is usual on the drive, ...
+constexpr double kPeakOverUsual = 4.0;
+// ... but what is usual excuses no more than this: on a drive outdoors, between bushes, it does.
+constexpr double kMaxExcuse = 3.0;
+// A map is wrong all over if it is usual to conflict more than can be explained.
+constexpr double kMaxUsualRatio = 1.0;
+// Where this share of the stretches contradict others, what is usual is no excuse.
+constexpr double kMaxContradictedShare = 0.25;
 // Fewer conflicting returns of a pair of scans are noise.
 constexpr int kMinConflictingReturns = 10;
 
@@ -45,17 +53,31 @@ struct Viewpoint {
   Pose2 world_from_robot;
 };
 
-std::vector<Viewpoint> ChooseViewpoints(const SlamGraph& graph, const std::vector<Pose2>& poses) {
-  std::vector<Viewpoint> viewpoints;
+// The scans that are compared: one per stretch of the path.
+std::vector<int> ChooseScans(const SlamGraph& graph, const std::vector<Pose2>& poses) {
+  std::vector<int> scans;
   for (int scan = 0; scan < graph.num_scans(); ++scan) {
     if (graph.scan(scan).num_returns == 0) continue;
+    if (!scans.empty()) {
+      const Pose2 step =
+          Between(poses[graph.scan(scans.back()).pose], poses[graph.scan(scan).pose]);
+      if (step.translation().norm() < kSpacingM && std::abs(step.yaw) < kSpacingRad) continue;
+    }
+    scans.push_back(scan);
+  }
+  return scans;
+}
+
+std::vector<Viewpoint> PlaceViewpoints(const SlamGraph& graph, const std::vector<int>& scans,
+                                       const std::vector<Pose2>& poses) {
+  std::vector<Viewpoint> viewpoints;
+  viewpoints.reserve(scans.size());
+  for (const int scan : scans) {
     const int pose = graph.scan(scan).pose;
     double path_m = 0.0;
     if (!viewpoints.empty()) {
-      const Pose2 step = Between(viewpoints.back().world_from_robot, poses[pose]);
-      const double distance_m = step.translation().norm();
-      if (distance_m < kSpacingM && std::abs(step.yaw) < kSpacingRad) continue;
-      path_m = viewpoints.back().path_m + distance_m;
+      const Viewpoint& before = viewpoints.back();
+      path_m = before.path_m + Between(before.world_from_robot, poses[pose]).translation().norm();
     }
     viewpoints.push_back({pose, scan, path_m, poses[pose]});
   }
@@ -164,11 +186,9 @@ std::vector<Pair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
   return pairs;
 }
 
-void ComparePairs(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
+// scans: of the viewpoints.
+void ComparePairs(const std::vector<Viewpoint>& viewpoints, const std::vector<FreeSpaceScan>& scans,
                   ThreadPool* pool, std::vector<Pair>* pairs) {
-  std::vector<FreeSpaceScan> scans;
-  scans.reserve(viewpoints.size());
-  for (const Viewpoint& viewpoint : viewpoints) scans.emplace_back(graph, viewpoint.scan);
   constexpr std::size_t kPairsPerChunk = 64;
   pool->ForEachChunk(
       pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -205,16 +225,33 @@ class PeakFinder {
   explicit PeakFinder(double explicable_share) : explicable_share_(explicable_share) {}
 
   void Try(const FreeSpaceConflict& conflict, int pose) {
-    const double ratio = RatioOf(conflict, explicable_share_);
-    if (conflict.num_compared == 0 || ratio <= worst_) return;
-    worst_ = ratio;
-    peak_ = {conflict, pose};
+    if (conflict.num_compared == 0) return;
+    ratios_.push_back(RatioOf(conflict, explicable_share_));
+    if (ratios_.back() <= worst_) return;
+    worst_ = ratios_.back();
+    peak_.conflict = conflict;
+    peak_.pose = pose;
   }
-  const ConflictPeak& peak() const { return peak_; }
+
+  double ContradictedShare() const {
+    const auto above = std::count_if(ratios_.begin(), ratios_.end(),
+                                     [](double ratio) { return ratio > kMaxRatio; });
+    return ratios_.empty() ? 0.0 : static_cast<double>(above) / static_cast<double>(ratios_.size());
+  }
+
+  ConflictPeak TakePeak() {
+    if (!ratios_.empty()) {
+      const auto median = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
+      std::nth_element(ratios_.begin(), median, ratios_.end());
+      peak_.usual_ratio = *median;
+    }
+    return peak_;
+  }
 
  private:
   double explicable_share_;
   double worst_ = 0.0;
+  std::vector<double> ratios_;
   ConflictPeak peak_;
 };
 
@@ -239,19 +276,19 @@ ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints, const std::ve
     across += change[v];
     finder.Try(across, viewpoints[v].pose);
   }
-  return finder.peak();
+  return finder.TakePeak();
 }
 
 // Of the stretches around each viewpoint.
-ConflictPeak WorstBetween(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
-                          double explicable_share) {
+void FindWorstBetween(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
+                      MapConsistency* consistency) {
   std::vector<FreeSpaceConflict> of_viewpoint(viewpoints.size());
   for (const Pair& pair : pairs) {
     if (!pair.between_passes) continue;
     of_viewpoint[pair.first] += BothWays(pair);
     of_viewpoint[pair.second] += BothWays(pair);
   }
-  PeakFinder finder(explicable_share);
+  PeakFinder finder(consistency->ExplicableShare());
   FreeSpaceConflict stretch;
   std::size_t begin = 0, end = 0;
   for (const Viewpoint& middle : viewpoints) {
@@ -263,7 +300,8 @@ ConflictPeak WorstBetween(const std::vector<Viewpoint>& viewpoints, const std::v
     }
     finder.Try(stretch, middle.pose);
   }
-  return finder.peak();
+  consistency->contradicted_share = finder.ContradictedShare();
+  consistency->worst_between = finder.TakePeak();
 }
 
 }  // namespace
@@ -273,39 +311,63 @@ double MapConsistency::ExplicableShare() const {
 }
 
 double MapConsistency::Ratio(const ConflictPeak& peak) const {
-  return RatioOf(peak.conflict, ExplicableShare());
+  return RatioOf(peak.conflict, ExplicableShare()) /
+         std::clamp(kPeakOverUsual * peak.usual_ratio, 1.0, kMaxExcuse);
 }
 
 bool MapConsistency::IsContradictory(const ConflictPeak& peak) const {
   return Ratio(peak) > kMaxRatio;
 }
 
+bool MapConsistency::IsContradictory() const {
+  return IsContradictory(WorstPeak()) || contradicted_share > kMaxContradictedShare ||
+         worst_between.usual_ratio > kMaxUsualRatio;
+}
+
 const ConflictPeak& MapConsistency::WorstPeak() const {
   return Ratio(worst_within) > Ratio(worst_between) ? worst_within : worst_between;
 }
 
-MapConsistency MeasureMapConsistency(const SlamGraph& graph,
-                                     const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
+ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
+                                   const std::vector<Pose2>& world_from_robot)
+    : graph_(graph), scans_(ChooseScans(graph, world_from_robot)) {
   const DefaultFloatEnvironment float_environment;
-  const std::vector<Viewpoint> viewpoints = ChooseViewpoints(graph, world_from_robot);
+  free_space_.reserve(scans_.size());
+  for (const int scan : scans_) free_space_.emplace_back(graph, scan);
+}
+
+MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_robot,
+                                         ThreadPool* pool) const {
+  const DefaultFloatEnvironment float_environment;
+  const std::vector<Viewpoint> viewpoints = PlaceViewpoints(graph_, scans_, world_from_robot);
   std::vector<Pair> pairs = ChoosePairs(viewpoints);
-  ComparePairs(graph, viewpoints, pool, &pairs);
+  ComparePairs(viewpoints, free_space_, pool, &pairs);
   MapConsistency consistency;
+  for (const Viewpoint& viewpoint : viewpoints) consistency.viewpoints.push_back({viewpoint.pose});
   for (const Pair& pair : pairs) {
+    const FreeSpaceConflict conflict = BothWays(pair);
     FreeSpaceConflict& sum =
         pair.between_passes ? consistency.between_passes : consistency.within_pass;
-    sum += BothWays(pair);
+    sum += conflict;
+    for (const int end : {pair.first, pair.second}) {
+      ViewpointConflict& of_end = consistency.viewpoints[end];
+      (pair.between_passes ? of_end.between_passes : of_end.within_pass) += conflict;
+    }
     ++(pair.between_passes ? consistency.num_pairs_between : consistency.num_pairs_within);
   }
-  const double explicable_share = consistency.ExplicableShare();
-  consistency.worst_within = WorstWithin(viewpoints, pairs, explicable_share);
-  consistency.worst_between = WorstBetween(viewpoints, pairs, explicable_share);
+  consistency.worst_within = WorstWithin(viewpoints, pairs, consistency.ExplicableShare());
+  FindWorstBetween(viewpoints, pairs, &consistency);
   for (const Pair& pair : pairs) {
     const Viewpoint &first = viewpoints[pair.first], &second = viewpoints[pair.second];
     AddPlace(first, second, pair.first_views, pair.seen_by_first, &consistency);
     AddPlace(second, first, pair.second_views, pair.seen_by_second, &consistency);
   }
   return consistency;
+}
+
+MapConsistency MeasureMapConsistency(const SlamGraph& graph,
+                                     const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
+  return ConsistencyMeter(graph, world_from_robot).Measure(world_from_robot, pool);
 }
 
 }  // namespace plumbline

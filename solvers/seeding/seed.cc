@@ -10,8 +10,6 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/correct_odometry.h"
-#include "plumbline/solvers/seeding/doubtful_edges.h"
-#include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/seed_pose_graph.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
@@ -21,36 +19,13 @@ namespace {
 
 // Free-space conflicts over explicable ones that sound maps stay below.
 constexpr double kSuspiciousRatio = 2.0;
-// On alarm this many doubtful edges are broken in turn.
-constexpr std::size_t kMaxRepairs = 3;
-
-// The outcome of one way of closing the loops.
-struct ClosedLoops {
-  LoopClosingReport report;
-  std::vector<Pose2> world_from_robot;
-  std::vector<RelativePoseConstraint> pose_graph;
-  MapConsistency consistency;
-
-  bool Alarm() const {
-    // Two weak signs together are one: what contradicts a little, and a doubt or loops left open.
-    const bool in_doubt =
-        !report.doubts.empty() || (report.num_closures == 0 && !report.matches.empty());
-    return consistency.IsContradictory() || (in_doubt && consistency.Ratio() > kSuspiciousRatio) ||
-           std::any_of(report.doubts.begin(), report.doubts.end(),
-                       [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
-  }
-};
-
-std::vector<int> MostDoubtfulEdges(const KeyGraph& keys) {
-  std::vector<int> edges;
-  for (std::size_t e = 0; e < keys.sequential.size(); ++e) {
-    if (keys.sequential[e].doubtful()) edges.push_back(static_cast<int>(e));
-  }
-  std::stable_sort(edges.begin(), edges.end(), [&](int a, int b) {
-    return keys.sequential[a].evidence > keys.sequential[b].evidence;
-  });
-  if (edges.size() > kMaxRepairs) edges.resize(kMaxRepairs);
-  return edges;
+bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency) {
+  // Two weak signs together are one: what contradicts a little, and a doubt or loops left open.
+  const bool in_doubt =
+      !loops.doubts.empty() || (loops.num_closures == 0 && !loops.matches.empty());
+  return consistency.IsContradictory() || (in_doubt && consistency.Ratio() > kSuspiciousRatio) ||
+         std::any_of(loops.doubts.begin(), loops.doubts.end(),
+                     [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
 }
 
 void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
@@ -126,33 +101,15 @@ Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
                      const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                      const SeedingProgress& progress, ThreadPool* pool,
                      SequentialTrajectory* trajectory, SeedingReport* report) {
-  KeyGraph keys = MakeKeyGraph(*trajectory, motion);
-  MarkDoubtfulEdges(graph, surfaces, trajectory->world_from_robot, pool, &keys);
-  const std::vector<int> suspects = MostDoubtfulEdges(keys);
-  const auto close = [&](KeyGraph attempt, ClosedLoops* result) {
-    PLUMBLINE_RETURN_IF_ERROR(
-        CloseLoops(options.loops, graph, surfaces, progress, pool, &attempt, &result->report));
-    result->world_from_robot = PosesFollowingKeyScans(attempt, trajectory->world_from_robot);
-    RematchAtBreaks(graph, surfaces, attempt, trajectory->odometry, &result->world_from_robot);
-    result->pose_graph = SeedPoseGraph(attempt, *trajectory, motion);
-    result->consistency = MeasureMapConsistency(graph, result->world_from_robot, pool);
-    return Status::Ok();
-  };
-  ClosedLoops best;
-  PLUMBLINE_RETURN_IF_ERROR(close(keys, &best));
-  for (std::size_t i = 0; best.Alarm() && i < suspects.size(); ++i) {
-    KeyGraph broken = keys;
-    broken.sequential[suspects[i]].broken = true;
-    ClosedLoops attempt;
-    PLUMBLINE_RETURN_IF_ERROR(close(std::move(broken), &attempt));
-    if (!attempt.Alarm()) best = std::move(attempt);
-  }
-  report->sequential_poses = std::move(trajectory->world_from_robot);
-  report->pose_graph = std::move(best.pose_graph);
-  trajectory->world_from_robot = std::move(best.world_from_robot);
-  report->alarm = best.Alarm();
-  report->loops = std::move(best.report);
+  MapHypothesis best;
+  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(options.loops, motion, graph, surfaces, progress,
+                                                pool, *trajectory, &best, &report->hypotheses));
+  report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
+  report->alarm = IsAlarming(best.loops, best.consistency);
+  report->loops = std::move(best.loops);
   report->consistency = std::move(best.consistency);
+  report->sequential_poses = std::move(best.start.world_from_robot);
+  trajectory->world_from_robot = std::move(best.world_from_robot);
   return Status::Ok();
 }
 

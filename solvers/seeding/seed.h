@@ -12,6 +12,7 @@
 #include "plumbline/solvers/seeding/close_loops.h"
 #include "plumbline/solvers/seeding/loop_closure.h"
 #include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/seeding/map_hypotheses.h"
 #include "plumbline/solvers/seeding/odometry_noise.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
 #include "plumbline/solvers/solver_options.h"
@@ -31,10 +32,11 @@ struct SeedingOptions {
 
 /// What the seeding found, and whether to trust it.
 struct SeedingReport {
-  SequentialSeedingReport sequential;  ///< scan matching
-  OdometryNoiseReport odometry_noise;  ///< how the odometry errs, by what the scans say
-  LoopClosingReport loops;             ///< loops closed and refused, and doubtful steps
-  MapConsistency consistency;          ///< of the seed
+  SequentialSeedingReport sequential;         ///< scan matching
+  OdometryNoiseReport odometry_noise;         ///< how the odometry errs, by what the scans say
+  LoopClosingReport loops;                    ///< loops closed and refused, and doubtful steps
+  MapConsistency consistency;                 ///< of the seed
+  std::vector<WeighedHypothesis> hypotheses;  ///< in the order in which they were weighed
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;
   /// world_from_robot of every pose before loops were closed.

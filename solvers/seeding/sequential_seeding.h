@@ -44,7 +44,8 @@ struct SequentialSeedingReport {
   int num_key_scans = 0;
   int num_reversed_steps = 0;  ///< steps driven against the odometry's sign
   int num_recovered = 0;       ///< scans that were matched only from a start off the odometry
-  int num_unmatched = 0;       ///< scans that follow the odometry: their map neighbours are gone
+  /// Scans that follow the odometry: nothing near by fits, or not well enough to believe in a slip.
+  int num_unmatched = 0;
 };
 
 enum class SeedingPhase { kMatchingScans, kClosingLoops };

@@ -1,0 +1,431 @@
+#include "plumbline/solvers/seeding/map_hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/seeding/closure_clusters.h"
+#include "plumbline/solvers/seeding/closure_memory.h"
+#include "plumbline/solvers/seeding/doubtful_edges.h"
+#include "plumbline/solvers/seeding/rematch_at_breaks.h"
+
+namespace plumbline {
+namespace {
+
+// A hypothesis that assumes more must leave this share of the conflicting returns less.
+constexpr double kMinGain = 0.1;
+// ... and this many conflicting returns: what people and chairs that moved bring about.
+constexpr double kMinGainReturns = 100.0;
+// Clusters that are weighed at a time: the worst by the conflicts around them, and by how much they
+// strain the graph.
+constexpr std::size_t kMostByConflict = 8;
+constexpr std::size_t kMostByStrain = 4;
+// A wrong cluster bends what lies within this much path [m] of it the most.
+constexpr double kAroundM = 15.0;
+// Matches that nearly became closures are weighed, at most so many at a time.
+constexpr std::size_t kMostTentative = 8;
+// At most so often a cluster is found wrong, or such a match right.
+constexpr int kMaxRevisions = 6;
+// Free-space conflicts over explicable ones, in the worst stretch, that sound maps stay below.
+constexpr double kSuspiciousRatio = 2.0;
+// Steps that may be wrong at the same time, at most: those with the most evidence against them.
+constexpr std::size_t kMaxStepsInQuestion = 12;
+// At most so many of them are taken as wrong without a closure that says so, one at a time.
+constexpr int kMaxForcedBreaks = 3;
+// The odometry is worth a search of its own if its map has no more than this times the conflicts
+// that can be explained.
+constexpr double kSoundOdometry = 2.0;
+
+FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
+  FreeSpaceConflict all = consistency.within_pass;
+  all += consistency.between_passes;
+  return all;
+}
+
+class HypothesisSearch {
+ public:
+  HypothesisSearch(const LoopClosureOptions& options, const MotionOptions& motion,
+                   const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                   const SeedingProgress& progress, ThreadPool* pool,
+                   const SequentialTrajectory& matched, std::vector<WeighedHypothesis>* weighed)
+      : options_(options),
+        motion_(motion),
+        graph_(graph),
+        surfaces_(surfaces),
+        progress_(progress),
+        pool_(pool),
+        matched_(matched),
+        weighed_(*weighed),
+        meter_(graph, matched.world_from_robot) {}
+
+  Status Run(MapHypothesis* best) {
+    doubted_ = MakeKeyGraph(matched_, motion_);
+    MarkDoubtfulEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &doubted_);
+    PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kMatching, matched_, best));
+    PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
+    PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
+    MarkAdopted(best->kind);
+    return Status::Ok();
+  }
+
+ private:
+  Status TryOdometry(MapHypothesis* best) {
+    const SequentialTrajectory odometry = OdometryAsGiven();
+    MapHypothesis given;
+    given.kind = HypothesisKind::kOdometryAlone;
+    given.start = odometry;
+    given.keys = MakeKeyGraph(odometry, motion_);
+    given.world_from_robot = odometry.world_from_robot;
+    given.consistency = meter_.Measure(given.world_from_robot, pool_);
+    Weigh(given);
+    if (IsWorthASearch(given.consistency, *best)) {
+      MapHypothesis closed;
+      PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kOdometry, odometry, &closed));
+      if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
+    }
+    if (IsBetter(given.consistency, best->consistency)) *best = std::move(given);
+    return Status::Ok();
+  }
+
+  // Steps of the sequential matching as wrong as closures say, or as it takes.
+  Status TryBreaks(MapHypothesis* best) {
+    const std::vector<int> suspects = MostDoubtfulSteps();
+    if (suspects.empty() || best->kind != HypothesisKind::kMatching) return Status::Ok();
+    if (!IsSuspicious(best->consistency) && !IsUnresolved(best->loops) &&
+        !GivesWay(suspects, best->keys)) {
+      return Status::Ok();
+    }
+    KeyGraph in_question = doubted_;
+    for (const int step : suspects) in_question.sequential[step].in_question = true;
+    PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
+    for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
+      if (!IsSuspicious(best->consistency)) break;
+      KeyGraph forced = in_question;
+      forced.sequential[suspects[i]].broken = true;
+      PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
+    }
+    return Status::Ok();
+  }
+
+  static bool IsUnresolved(const LoopClosingReport& loops) {
+    return std::any_of(loops.doubts.begin(), loops.doubts.end(),
+                       [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
+  }
+
+  // Whether the closures at hand move a step beyond its noise if it is allowed to be wrong: held as
+  // firmly as its neighbours, it shares its error out among them.
+  static bool GivesWay(const std::vector<int>& steps, KeyGraph keys) {
+    constexpr double kMaxChi2 = 40.0;  // as of a closure
+    for (const int step : steps) keys.sequential[step].in_question = true;
+    OptimizeKeyScans(&keys);
+    return std::any_of(steps.begin(), steps.end(), [&](int step) {
+      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) > kMaxChi2;
+    });
+  }
+
+  Status TryBreak(const KeyGraph& keys, MapHypothesis* best) {
+    MapHypothesis broken;
+    broken.kind = HypothesisKind::kBrokenSteps;
+    broken.start = matched_;
+    broken.keys = keys;
+    PLUMBLINE_RETURN_IF_ERROR(Close(&broken));
+    Weigh(broken);
+    if (IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
+    return Status::Ok();
+  }
+
+  // The worst first.
+  std::vector<int> MostDoubtfulSteps() const {
+    std::vector<int> steps;
+    for (std::size_t e = 0; e < doubted_.sequential.size(); ++e) {
+      if (doubted_.sequential[e].evidence > 0.0) steps.push_back(static_cast<int>(e));
+    }
+    std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
+      return doubted_.sequential[a].evidence > doubted_.sequential[b].evidence;
+    });
+    if (steps.size() > kMaxStepsInQuestion) steps.resize(kMaxStepsInQuestion);
+    return steps;
+  }
+
+  double Score(const MapConsistency& consistency) const {
+    const FreeSpaceConflict all = AllConflicts(consistency);
+    return all.num_conflicting - explicable_share_ * all.num_compared;
+  }
+
+  // Whether one map is better than another by enough to assume more for it.
+  bool IsBetter(const MapConsistency& map, const MapConsistency& other) const {
+    return Score(map) <
+           Score(other) - kMinGain * other.between_passes.num_conflicting - kMinGainReturns;
+  }
+
+  void Weigh(const MapHypothesis& hypothesis) {
+    WeighedHypothesis weighed;
+    weighed.kind = hypothesis.kind;
+    weighed.num_closures = static_cast<int>(hypothesis.keys.closures.size());
+    weighed.conflict = AllConflicts(hypothesis.consistency);
+    weighed.score = Score(hypothesis.consistency);
+    weighed_.push_back(weighed);
+  }
+
+  void MarkAdopted(HypothesisKind kind) {
+    for (WeighedHypothesis& weighed : weighed_) {
+      if (weighed.kind == kind) weighed.adopted = true;
+    }
+  }
+
+  SequentialTrajectory OdometryAsGiven() const {
+    SequentialTrajectory odometry = matched_;
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      odometry.world_from_robot[pose] = graph_.WorldFromRobot(pose);
+    }
+    return odometry;
+  }
+
+  bool IsWorthASearch(const MapConsistency& odometry, const MapHypothesis& best) const {
+    return odometry.between_passes.num_compared > 0 &&
+           odometry.between_passes.Share() <= kSoundOdometry * explicable_share_ &&
+           IsSuspicious(best.consistency);
+  }
+
+  static bool IsSuspicious(const MapConsistency& consistency) {
+    return consistency.Ratio() > kSuspiciousRatio || consistency.IsContradictory();
+  }
+
+  // Closes the loops of a start, and drops the clusters of closures that its map contradicts.
+  Status Explore(HypothesisKind kind, const SequentialTrajectory& start, MapHypothesis* best) {
+    best->kind = kind;
+    best->start = start;
+    best->keys = kind == HypothesisKind::kMatching ? doubted_ : MakeKeyGraph(start, motion_);
+    PLUMBLINE_RETURN_IF_ERROR(Close(best));
+    if (kind == HypothesisKind::kMatching) {
+      explicable_share_ = best->consistency.ExplicableShare();
+    }
+    Weigh(*best);
+    for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
+      bool revised = false;
+      PLUMBLINE_RETURN_IF_ERROR(
+          Revise(HypothesisKind::kWithoutCluster, SuspectClusters(*best), best, &revised));
+      if (revised) continue;
+      PLUMBLINE_RETURN_IF_ERROR(
+          Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
+      if (!revised) break;
+    }
+    return Status::Ok();
+  }
+
+  Status Close(MapHypothesis* hypothesis) {
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(options_, graph_, surfaces_, progress_, pool_, &memory_,
+                                         &hypothesis->keys, &hypothesis->loops));
+    Place(hypothesis);
+    hypothesis->consistency = meter_.Measure(hypothesis->world_from_robot, pool_);
+    return Status::Ok();
+  }
+
+  void Place(MapHypothesis* hypothesis) const {
+    hypothesis->world_from_robot =
+        PosesFollowingKeyScans(hypothesis->keys, hypothesis->start.world_from_robot);
+    RematchAtBreaks(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry,
+                    &hypothesis->world_from_robot);
+  }
+
+  // Closures that are taken out of the graph, or into it, together.
+  using Revision = std::vector<RelativePoseConstraint>;
+
+  // Revises the hypothesis in the way that makes its map the best, if one of them makes it better.
+  // Loops are closed again for that one alone.
+  Status Revise(HypothesisKind kind, const std::vector<Revision>& revisions, MapHypothesis* best,
+                bool* revised) {
+    std::vector<KeyGraph> keys(revisions.size());
+    std::vector<MapConsistency> maps(revisions.size());
+    pool_->ForEachChunk(revisions.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      ThreadPool one_thread(1);
+      keys[i] = kind == HypothesisKind::kWithoutCluster ? Without(revisions[i], best->keys)
+                                                        : With(revisions[i], best->keys);
+      OptimizeKeyScans(&keys[i]);
+      maps[i] = meter_.Measure(PosesFollowingKeyScans(keys[i], best->start.world_from_robot),
+                               &one_thread);
+    });
+    const std::size_t first_record = weighed_.size();
+    std::size_t least = 0;
+    for (std::size_t i = 0; i < revisions.size(); ++i) {
+      RecordRevision(kind, revisions[i], best->keys, maps[i]);
+      if (Score(maps[i]) < Score(maps[least])) least = i;
+    }
+    // A cluster that is wrong shows as soon as it is gone. What a match brings may take the
+    // closures that come into reach with it.
+    const bool is_promising = kind == HypothesisKind::kWithMatch ||
+                              (!maps.empty() && Score(maps[least]) < Score(best->consistency));
+    if (revisions.empty() || !is_promising) return Status::Ok();
+    MapHypothesis other;
+    other.kind = best->kind;
+    other.start = best->start;
+    other.keys = std::move(keys[least]);
+    PLUMBLINE_RETURN_IF_ERROR(Close(&other));
+    *revised = IsBetter(other.consistency, best->consistency);
+    if (!*revised) return Status::Ok();
+    WeighedHypothesis& adopted = weighed_[first_record + least];
+    adopted.adopted = true;
+    adopted.conflict = AllConflicts(other.consistency);
+    adopted.score = Score(other.consistency);
+    *best = std::move(other);
+    return Status::Ok();
+  }
+
+  static KeyGraph With(const Revision& closures, const KeyGraph& keys) {
+    KeyGraph with = keys;
+    with.closures.insert(with.closures.end(), closures.begin(), closures.end());
+    return with;
+  }
+
+  // What the cluster's closures contradicted gets another chance.
+  static KeyGraph Without(const Revision& cluster, const KeyGraph& keys) {
+    KeyGraph without = keys;
+    const auto is_in_cluster = [&](const RelativePoseConstraint& closure) {
+      return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
+        return other.from == closure.from && other.to == closure.to;
+      });
+    };
+    without.closures.clear();
+    for (const RelativePoseConstraint& closure : keys.closures) {
+      (is_in_cluster(closure) ? without.refused : without.closures).push_back(closure);
+    }
+    for (const RelativePoseConstraint& closure : keys.contradicted) {
+      if (!RepeatsRefused(closure, without.refused, keys)) without.closures.push_back(closure);
+    }
+    without.contradicted.clear();
+    return without;
+  }
+
+  void RecordRevision(HypothesisKind kind, const Revision& revision, const KeyGraph& keys,
+                      const MapConsistency& map) {
+    WeighedHypothesis trial;
+    trial.kind = kind;
+    trial.num_closures = static_cast<int>(revision.size());
+    trial.conflict = AllConflicts(map);
+    trial.score = Score(map);
+    const auto pose = [&](int key) { return keys.key_scans[key].pose; };
+    trial.first_later_pose = trial.first_earlier_pose = graph_.num_poses();
+    for (const RelativePoseConstraint& closure : revision) {
+      trial.first_later_pose = std::min(trial.first_later_pose, pose(closure.to));
+      trial.last_later_pose = std::max(trial.last_later_pose, pose(closure.to));
+      trial.first_earlier_pose = std::min(trial.first_earlier_pose, pose(closure.from));
+      trial.last_earlier_pose = std::max(trial.last_earlier_pose, pose(closure.from));
+    }
+    weighed_.push_back(trial);
+  }
+
+  static std::vector<Revision> TentativeMatches(const KeyGraph& keys) {
+    std::vector<Revision> matches;
+    for (const RelativePoseConstraint& match : keys.tentative) {
+      if (matches.size() < kMostTentative) matches.push_back({match});
+    }
+    return matches;
+  }
+
+  // The clusters that are worth a trial, each once.
+  std::vector<Revision> SuspectClusters(const MapHypothesis& hypothesis) const {
+    const std::vector<ClosureCluster> clusters =
+        FindClosureClusters(hypothesis.keys.closures, hypothesis.keys);
+    std::vector<double> conflict(clusters.size()), strain(clusters.size());
+    for (std::size_t i = 0; i < clusters.size(); ++i) {
+      conflict[i] = ExcessAround(clusters[i], hypothesis);
+      strain[i] = Strain(clusters[i], hypothesis.keys);
+    }
+    std::vector<Revision> suspects;
+    std::vector<bool> taken(clusters.size(), false);
+    const auto take = [&](const std::vector<double>& doubt, std::size_t most) {
+      std::vector<std::size_t> order;
+      for (std::size_t i = 0; i < clusters.size(); ++i) {
+        if (!taken[i] && doubt[i] > 0.0) order.push_back(i);
+      }
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return doubt[a] > doubt[b]; });
+      if (order.size() > most) order.resize(most);
+      for (const std::size_t i : order) {
+        taken[i] = true;
+        suspects.emplace_back();
+        for (const int c : clusters[i]) suspects.back().push_back(hypothesis.keys.closures[c]);
+      }
+    };
+    take(conflict, kMostByConflict);
+    take(strain, kMostByStrain);
+    return suspects;
+  }
+
+  // Conflicting returns beyond the explicable ones, of scans around the later end of a cluster with
+  // those of other passes.
+  double ExcessAround(const ClosureCluster& cluster, const MapHypothesis& hypothesis) const {
+    const std::vector<KeyScan>& key_scans = hypothesis.keys.key_scans;
+    // A cluster is in order of the path of its later ends.
+    const auto later_m = [&](int closure) {
+      return key_scans[hypothesis.keys.closures[closure].to].path_m;
+    };
+    const double low_m = later_m(cluster.front()), high_m = later_m(cluster.back());
+    FreeSpaceConflict around;
+    std::size_t key = 0;
+    for (const ViewpointConflict& viewpoint : hypothesis.consistency.viewpoints) {
+      while (key + 1 < key_scans.size() && key_scans[key + 1].pose <= viewpoint.pose) ++key;
+      const double path_m = key_scans[key].path_m;
+      if (path_m >= low_m - kAroundM && path_m <= high_m + kAroundM) {
+        around += viewpoint.between_passes;
+      }
+    }
+    return around.num_conflicting - explicable_share_ * around.num_compared;
+  }
+
+  // Mean squared error of a cluster's closures, beyond what chance makes of it.
+  static double Strain(const ClosureCluster& cluster, const KeyGraph& keys) {
+    constexpr double kByChance = 3.0;  // degrees of freedom
+    double sum = 0.0;
+    for (const int c : cluster) sum += EdgeChi2(keys.closures[c], keys.world_from_key);
+    return sum / static_cast<double>(cluster.size()) - kByChance;
+  }
+
+  const LoopClosureOptions& options_;
+  const MotionOptions& motion_;
+  const SlamGraph& graph_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const SeedingProgress& progress_;
+  ThreadPool* pool_;
+  const SequentialTrajectory& matched_;
+  std::vector<WeighedHypothesis>& weighed_;
+  const ConsistencyMeter meter_;
+  // Of the matching's map; one for all that are compared.
+  double explicable_share_ = 0.06;
+  ClosureMemory memory_;
+  KeyGraph doubted_;  // of the matching, with the evidence against its steps
+};
+
+}  // namespace
+
+const char* ToString(HypothesisKind kind) {
+  switch (kind) {
+    case HypothesisKind::kMatching:
+      return "matching";
+    case HypothesisKind::kOdometry:
+      return "odometry";
+    case HypothesisKind::kOdometryAlone:
+      return "odometry_alone";
+    case HypothesisKind::kWithoutCluster:
+      return "without_cluster";
+    case HypothesisKind::kWithMatch:
+      return "with_match";
+    case HypothesisKind::kBrokenSteps:
+      return "broken_steps";
+  }
+  return "unknown";
+}
+
+Status SearchMapHypotheses(const LoopClosureOptions& options, const MotionOptions& motion,
+                           const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                           const SeedingProgress& progress, ThreadPool* pool,
+                           const SequentialTrajectory& matched, MapHypothesis* best,
+                           std::vector<WeighedHypothesis>* weighed) {
+  weighed->clear();
+  HypothesisSearch search(options, motion, graph, surfaces, progress, pool, matched, weighed);
+  return search.Run(best);
+}
+
+}  // namespace plumbline
