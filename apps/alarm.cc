@@ -80,6 +80,26 @@ std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph&
             "scans before and after look through each other's surfaces", graph, &alarms);
   CheckPeak(consistency, consistency.worst_between,
             "scans of other visits look through the surfaces seen there", graph, &alarms);
+  if (alarms.empty() && consistency.IsContradictory()) {
+    std::ostringstream reason;
+    reason << "many of the places that were seen on several visits contradict each other a little, "
+              "this one most of all";
+    alarms.push_back({PlaceOfPose(graph, consistency.worst_between.pose), reason.str()});
+  }
+  return alarms;
+}
+
+std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
+                                     const SlamGraph& graph) {
+  std::vector<Alarm> alarms;
+  for (const FrozenStretch& stretch : frozen) {
+    std::ostringstream reason;
+    reason << "the laser gave the same scan " << stretch.num_repeated << " times more, up to scan "
+           << stretch.last_scan << ", while the wheels drove " << std::fixed << std::setprecision(1)
+           << stretch.moved_m
+           << " m: the repetitions are left out, and these poses are the odometry's";
+    alarms.push_back({PlaceOfPose(graph, graph.scan(stretch.first_scan).pose), reason.str()});
+  }
   return alarms;
 }
 

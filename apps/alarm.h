@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/seeding/frozen_laser.h"
 #include "plumbline/solvers/seeding/map_consistency.h"
 #include "plumbline/solvers/seeding/seed.h"
 
@@ -36,6 +37,10 @@ std::string AlarmText(const std::vector<Alarm>& alarms);
 /// Where a map contradicts itself, as `consistency` says of the graph's poses: at most one alarm
 /// for the scans of one pass and one for those of different passes.
 std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph);
+
+/// Where the laser was frozen: nothing but the odometry tells of these poses.
+std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
+                                     const SlamGraph& graph);
 
 /// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
 /// contradictions of the refined map, or else of the seed. Places are those of `graph`. Not empty

@@ -58,6 +58,37 @@ Json DoubtsJson(const LoopClosingReport& loops) {
   return json;
 }
 
+Json HypothesesJson(const std::vector<WeighedHypothesis>& hypotheses) {
+  Json json = Json::array();
+  for (const WeighedHypothesis& hypothesis : hypotheses) {
+    Json row = {{"hypothesis", ToString(hypothesis.kind)},
+                {"closures", hypothesis.num_closures},
+                {"compared_returns", hypothesis.conflict.num_compared},
+                {"conflicting_returns", hypothesis.conflict.num_conflicting},
+                {"score", hypothesis.score},
+                {"adopted", hypothesis.adopted}};
+    if (hypothesis.kind == HypothesisKind::kWithoutCluster ||
+        hypothesis.kind == HypothesisKind::kWithMatch) {
+      row["later_poses"] = {hypothesis.first_later_pose, hypothesis.last_later_pose};
+      row["earlier_poses"] = {hypothesis.first_earlier_pose, hypothesis.last_earlier_pose};
+    }
+    json.push_back(row);
+  }
+  return json;
+}
+
+Json FrozenLaserJson(const std::vector<FrozenStretch>& frozen) {
+  Json json = Json::array();
+  for (const FrozenStretch& stretch : frozen) {
+    json.push_back({{"first_scan", stretch.first_scan},
+                    {"last_scan", stretch.last_scan},
+                    {"repeated_scans", stretch.num_repeated},
+                    {"moved_m", stretch.moved_m},
+                    {"turned_rad", stretch.turned_rad}});
+  }
+  return json;
+}
+
 Json SeedingJson(const RunSummary& summary) {
   const SequentialSeedingReport& sequential = summary.seeding.sequential;
   return {{"key_scans", sequential.num_key_scans},
@@ -70,6 +101,8 @@ Json SeedingJson(const RunSummary& summary) {
           {"loop_closures", summary.seeding.loops.num_closures},
           {"verdicts", VerdictsJson(summary.seeding.loops)},
           {"doubtful_steps", DoubtsJson(summary.seeding.loops)},
+          {"hypotheses", HypothesesJson(summary.seeding.hypotheses)},
+          {"frozen_laser", FrozenLaserJson(summary.frozen_laser)},
           {"alarm", summary.seeding.alarm},
           {"time_s", summary.seed_time_s}};
 }

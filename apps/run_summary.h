@@ -21,7 +21,8 @@ struct RunSummary {
   std::size_t num_returns = 0;
   std::size_t num_skipped_records = 0;
   double read_time_s = 0.0;
-  double seed_time_s = 0.0;  ///< normals included
+  double seed_time_s = 0.0;                 ///< normals included
+  std::vector<FrozenStretch> frozen_laser;  ///< its repeated scans are left out
   SeedingReport seeding;
   SolverSummary solver;
   Calibration calibration;  ///< empty if none was asked for

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/alarm.h"
@@ -40,6 +41,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/seeding/frozen_laser.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
@@ -133,6 +135,7 @@ class SlamRun {
     const auto start = Clock::now();
     LogCounts counts;
     PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph_));
+    PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&graph_, &summary_.frozen_laser));
     // Rather now than at the end of the run, with most of the results written.
     PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, graph_, outputs_.map_resolution_m));
     if (!FLAGS_truth.empty()) {
@@ -273,6 +276,9 @@ class SlamRun {
     }
     summary_.refined_consistency = MeasureMapConsistency(graph_, PosesOf(graph_), &*pool_);
     summary_.alarms = RunAlarms(summary_.seeding, summary_.refined_consistency, graph_);
+    for (Alarm& alarm : FrozenLaserAlarms(summary_.frozen_laser, graph_)) {
+      summary_.alarms.push_back(std::move(alarm));
+    }
     return Status::Ok();
   }
 

@@ -223,5 +223,33 @@ TEST_F(FrozenLaserTest, WithoutOdometryNobodyKnows) {
   EXPECT_THAT(FindFrozenStretches(SlamGraph()), IsEmpty());
 }
 
+TEST_F(FrozenLaserTest, RepetitionsLoseTheirReturnsAndNothingElse) {
+  Add(kAhead);
+  AddFrozen(kAhead);
+  AddFrozen(kAhead);
+  Add(kAhead);
+  ASSERT_TRUE(graph_.AddRelativePose({0, 3, Pose2(0.3, 0.0, 0.0)}).ok());
+  SlamGraph graph = graph_;
+  std::vector<FrozenStretch> frozen;
+  ASSERT_TRUE(DropRepeatedScans(&graph, &frozen).ok());
+  ASSERT_THAT(frozen, SizeIs(1));
+  ASSERT_EQ(graph.num_scans(), graph_.num_scans());
+  ASSERT_EQ(graph.num_poses(), graph_.num_poses());
+  EXPECT_EQ(graph.poses(), graph_.poses());
+  EXPECT_EQ(graph.odometry().size(), graph_.odometry().size());
+  EXPECT_EQ(graph.relative_poses().size(), 1u);
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const bool is_repeated = scan == 1 || scan == 2;
+    EXPECT_EQ(graph.scan(scan).num_returns, is_repeated ? 0u : graph_.scan(scan).num_returns);
+    EXPECT_EQ(graph.scan(scan).pose, graph_.scan(scan).pose);
+    EXPECT_EQ(graph.timestamp_s(graph.scan(scan).pose), graph_.timestamp_s(graph_.scan(scan).pose));
+  }
+  // A sound graph is left alone.
+  SlamGraph again = graph;
+  ASSERT_TRUE(DropRepeatedScans(&again, &frozen).ok());
+  EXPECT_THAT(frozen, IsEmpty());
+  EXPECT_EQ(again.points(), graph.points());
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -15,6 +15,7 @@
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/graph_poses.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/seeding/frozen_laser.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
 
@@ -223,6 +224,8 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
 
   const auto start = std::chrono::steady_clock::now();
   ThreadPool pool(1);
+  std::vector<FrozenStretch> frozen;
+  PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&graph, &frozen));
   const std::vector<Eigen::Vector2f> normals =
       EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool);
   SeedingReport report;
@@ -234,7 +237,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
 
   result.num_scans = graph.num_scans();
   result.path_length_m = log.path_length_m;
-  result.alarm = report.alarm;
+  result.alarm = report.alarm || !frozen.empty();
   result.repaired = report.Repaired();
   result.time_s = duration.count();
   MeasureErrors(log, graph, first_scan, &result);

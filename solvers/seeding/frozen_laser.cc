@@ -182,4 +182,37 @@ std::vector<char> RepeatedScans(const SlamGraph& graph,
   return repeated;
 }
 
+Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
+  *frozen = FindFrozenStretches(*graph);
+  if (frozen->empty()) return Status::Ok();
+  const std::vector<char> is_repeated = RepeatedScans(*graph, *frozen);
+  SlamGraph without;
+  int id = 0;
+  for (int pose = 0; pose < graph->num_poses(); ++pose) {
+    PLUMBLINE_RETURN_IF_ERROR(
+        without.AddPose(graph->WorldFromRobot(pose), graph->timestamp_s(pose), &id));
+  }
+  for (int scan = 0; scan < graph->num_scans(); ++scan) {
+    if (is_repeated[scan] == 0) {
+      PLUMBLINE_RETURN_IF_ERROR(without.AddScanOf(*graph, scan, graph->scan(scan).pose));
+      continue;
+    }
+    const LaserModel& laser = graph->LaserOfScan(scan);
+    PLUMBLINE_RETURN_IF_ERROR(without.AddLaser(laser, &id));
+    const std::vector<double> no_return(laser.num_beams, laser.max_range_m);
+    PLUMBLINE_RETURN_IF_ERROR(without.AddScan(graph->scan(scan).pose, id, no_return));
+  }
+  for (const OdometryConstraint& step : graph->odometry()) {
+    PLUMBLINE_RETURN_IF_ERROR(without.AddOdometry(step));
+  }
+  for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
+    PLUMBLINE_RETURN_IF_ERROR(without.AddRelativePose(constraint));
+  }
+  for (const FixedPose& fixed : graph->fixed_poses()) {
+    PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose));
+  }
+  *graph = std::move(without);
+  return Status::Ok();
+}
+
 }  // namespace plumbline

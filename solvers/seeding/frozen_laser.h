@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
 
 namespace plumbline {
 
@@ -36,6 +37,11 @@ std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph);
 /// Tells of each scan of the graph whether it is a repetition. stretches: of this graph.
 std::vector<char> RepeatedScans(const SlamGraph& graph,
                                 const std::vector<FrozenStretch>& stretches);
+
+/// Takes the returns of all repetitions out of the graph, so that nothing is matched to them: of
+/// these poses the odometry alone tells. Scans keep their ids; returns get new ones. frozen: the
+/// stretches that were found. The graph is the same if there are none.
+Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen);
 
 }  // namespace plumbline
 
