@@ -343,7 +343,10 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   std::vector<Pair> pairs = ChoosePairs(viewpoints);
   ComparePairs(viewpoints, free_space_, pool, &pairs);
   MapConsistency consistency;
-  for (const Viewpoint& viewpoint : viewpoints) consistency.viewpoints.push_back({viewpoint.pose});
+  for (const Viewpoint& viewpoint : viewpoints) {
+    consistency.viewpoints.emplace_back();
+    consistency.viewpoints.back().pose = viewpoint.pose;
+  }
   for (const Pair& pair : pairs) {
     const FreeSpaceConflict conflict = BothWays(pair);
     FreeSpaceConflict& sum =

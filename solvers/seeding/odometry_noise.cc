@@ -218,6 +218,12 @@ MotionOptions StepNoise(const SequentialTrajectory& trajectory, const RandomErro
   return motion;
 }
 
+}  // namespace
+
+bool SystematicError::IsSignificant() const {
+  return std::abs(value) > 4.0 * sigma && std::abs(value) < 0.5;
+}
+
 bool IsLeap(const Pose2& odometry, const Pose2& matched, const MotionOptions& motion) {
   const Eigen::Matrix3d covariance = MotionCovariance(odometry, motion);
   const double sigma_m = std::sqrt(covariance(0, 0) + covariance(1, 1));
@@ -226,12 +232,6 @@ bool IsLeap(const Pose2& odometry, const Pose2& matched, const MotionOptions& mo
              std::max(kLeapM, kLeapSigmas * sigma_m) ||
          std::abs(NormalizeAngle(matched.yaw - odometry.yaw)) >
              std::max(kLeapRad, kLeapSigmas * sigma_rad);
-}
-
-}  // namespace
-
-bool SystematicError::IsSignificant() const {
-  return std::abs(value) > 4.0 * sigma && std::abs(value) < 0.5;
 }
 
 OdometryNoiseReport EstimateOdometryNoise(const SequentialTrajectory& trajectory,

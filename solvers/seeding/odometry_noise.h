@@ -60,6 +60,10 @@ struct OdometryNoiseReport {
 OdometryNoiseReport EstimateOdometryNoise(const SequentialTrajectory& trajectory,
                                           const MotionOptions& given);
 
+/// Whether odometry and matching disagree on a step too much for noise, as
+/// OdometryNoiseReport::num_leaps has it.
+bool IsLeap(const Pose2& odometry, const Pose2& matched, const MotionOptions& motion);
+
 /// The noise that suits the joint estimation on the corrected odometry, never more than `given`.
 /// Forward motion has what the scans say of it, where they say anything: with a scanner that does
 /// not see the end of a bare corridor nothing but the odometry holds the map along it, and the
