@@ -82,7 +82,7 @@ std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph&
             "scans of other visits look through the surfaces seen there", graph, &alarms);
   if (alarms.empty() && consistency.IsContradictory()) {
     std::ostringstream reason;
-    reason << "many of the places that were seen on several visits contradict each other a little, "
+    reason << "many of the places that were seen on several visits contradict each other, "
               "this one most of all";
     alarms.push_back({PlaceOfPose(graph, consistency.worst_between.pose), reason.str()});
   }

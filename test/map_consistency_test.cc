@@ -43,9 +43,9 @@ TEST(MapConsistency, APeakIsPutToWhatIsUsualOnTheDrive) {
   consistency.worst_between.conflict = {600, 300};
   const double ratio = consistency.Ratio();
   EXPECT_TRUE(consistency.IsContradictory());
-  consistency.worst_between.usual_ratio = 0.2;  // as little as in most buildings
+  consistency.worst_between.usual_ratio = 0.15;  // as little as in most buildings
   EXPECT_EQ(consistency.Ratio(), ratio);
-  consistency.worst_between.usual_ratio = 0.5;  // people and doors everywhere
+  consistency.worst_between.usual_ratio = 1.0 / 3.0;  // people and doors everywhere
   EXPECT_NEAR(consistency.Ratio(), ratio / 2.0, 1e-12);
   EXPECT_FALSE(consistency.IsContradictory());
   consistency.worst_between.usual_ratio = 0.9;

@@ -54,6 +54,17 @@ class System {
     return worst;
   }
 
+  // Under the loss of this width.
+  double Cost(double cauchy_scale, const std::vector<Pose2>& poses) const {
+    const double scale_squared = cauchy_scale * cauchy_scale;
+    double cost = 0.0;
+    for (const Edge& edge : edges_) {
+      const double chi2 = Error(edge, poses).squaredNorm();
+      cost += edge.doubtful ? scale_squared * std::log1p(chi2 / scale_squared) : chi2;
+    }
+    return cost;
+  }
+
   // One step of Gauss-Newton with the weights of the loss at this width. Returns the largest change
   // of a coordinate, or a negative number if there is no step.
   double Step(double cauchy_scale, std::vector<Pose2>* poses) {
@@ -172,12 +183,19 @@ void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
   for (; scale > kCauchyScale; scale /= kNarrowing) {
     if (system.Step(scale, &poses) < 0.0) return;
   }
+  std::vector<Pose2> best = poses;
+  double least_cost = system.Cost(kCauchyScale, poses);
   for (int i = 0; i < kMaxFinalSteps; ++i) {
     const double moved = system.Step(kCauchyScale, &poses);
-    if (moved < 0.0) return;
+    if (moved < 0.0) break;
+    const double cost = system.Cost(kCauchyScale, poses);
+    if (cost < least_cost) {
+      least_cost = cost;
+      best = poses;
+    }
     if (moved < kTolerance) break;
   }
-  *world_from_pose = std::move(poses);
+  *world_from_pose = std::move(best);
 }
 
 }  // namespace plumbline

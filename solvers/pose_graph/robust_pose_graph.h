@@ -16,8 +16,9 @@ namespace plumbline {
 /// factorisation whose symbolic part is shared by all steps: some ten times faster than a general
 /// solver where the graph is optimised again and again as edges come and go.
 ///
-/// Pose 0 stays. The certain edges must tie all poses together. The poses stay as they are if a
-/// system cannot be solved. Deterministic; one thread.
+/// Pose 0 stays. All edges together must tie the poses together; edges whose covariance is not
+/// positive definite do not count. Of the steps at the final width the best poses are kept; they
+/// stay as they were if a system cannot be solved. Deterministic; one thread.
 void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
                       const std::vector<RelativePoseConstraint>& doubtful,
                       std::vector<Pose2>* world_from_pose);

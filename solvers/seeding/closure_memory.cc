@@ -13,6 +13,9 @@ namespace {
 constexpr double kSlackM = 0.25;
 constexpr double kSlackRad = 0.05;
 constexpr double kSlackShare = 0.1;
+// What was found nowhere in a wide window, or in two places, may well be found in a part of it:
+// this share is still the same search.
+constexpr double kSameSearchShare = 0.5;
 // Key scans this near on the path [m] see the same place.
 constexpr double kSamePlaceM = 0.5;
 
@@ -54,6 +57,10 @@ bool ClosureMemory::Covers(const Entry& before, const LoopCandidate& candidate,
   if (candidate.wide()) {
     // As much as before was seen, in the same direction. What is left out can only be less.
     if (now.num_surroundings > (1.0 + kSlackShare) * before.num_surroundings) return false;
+    if (before.tested.verdict != ClosureVerdict::kAccepted &&
+        now.drift_m < kSameSearchShare * before.drift_m) {
+      return false;
+    }
     if ((now.surroundings_center - before.surroundings_center).norm() > slack_m) return false;
   }
   if (before.tested.verdict == ClosureVerdict::kNoMatch) return true;

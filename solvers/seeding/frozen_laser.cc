@@ -188,6 +188,9 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   const std::vector<char> is_repeated = RepeatedScans(*graph, *frozen);
   SlamGraph without;
   int id = 0;
+  for (int laser = 0; laser < graph->num_lasers(); ++laser) {  // so that they keep their ids
+    PLUMBLINE_RETURN_IF_ERROR(without.AddLaser(graph->laser(laser), &id));
+  }
   for (int pose = 0; pose < graph->num_poses(); ++pose) {
     PLUMBLINE_RETURN_IF_ERROR(
         without.AddPose(graph->WorldFromRobot(pose), graph->timestamp_s(pose), &id));
@@ -198,9 +201,9 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
       continue;
     }
     const LaserModel& laser = graph->LaserOfScan(scan);
-    PLUMBLINE_RETURN_IF_ERROR(without.AddLaser(laser, &id));
     const std::vector<double> no_return(laser.num_beams, laser.max_range_m);
-    PLUMBLINE_RETURN_IF_ERROR(without.AddScan(graph->scan(scan).pose, id, no_return));
+    PLUMBLINE_RETURN_IF_ERROR(
+        without.AddScan(graph->scan(scan).pose, graph->scan(scan).laser, no_return));
   }
   for (const OdometryConstraint& step : graph->odometry()) {
     PLUMBLINE_RETURN_IF_ERROR(without.AddOdometry(step));
@@ -208,8 +211,10 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
     PLUMBLINE_RETURN_IF_ERROR(without.AddRelativePose(constraint));
   }
-  for (const FixedPose& fixed : graph->fixed_poses()) {
-    PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose));
+  const std::vector<FixedPose>& fixed_poses = graph->fixed_poses();
+  const bool by_default = fixed_poses.size() == 1 && fixed_poses.front().pose == 0;
+  for (const FixedPose& fixed : fixed_poses) {
+    if (!by_default) PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose));
   }
   *graph = std::move(without);
   return Status::Ok();

@@ -36,7 +36,7 @@ constexpr double kCrowdShare = 0.1;
 constexpr double kPriorReturns = 600.0;
 constexpr double kMaxRatio = 3.0;
 // Peaks are put to this many times what is usual on the drive, ...
-constexpr double kPeakOverUsual = 4.0;
+constexpr double kPeakOverUsual = 6.0;
 // ... but what is usual excuses no more than this: on a drive outdoors, between bushes, it does.
 constexpr double kMaxExcuse = 3.0;
 // A map is wrong all over if it is usual to conflict more than can be explained.
@@ -227,6 +227,9 @@ class PeakFinder {
   void Try(const FreeSpaceConflict& conflict, int pose) {
     if (conflict.num_compared == 0) return;
     ratios_.push_back(RatioOf(conflict, explicable_share_));
+    if (conflict.num_compared >= kPriorReturns) {
+      undrawn_ratios_.push_back(conflict.Share() / explicable_share_);
+    }
     if (ratios_.back() <= worst_) return;
     worst_ = ratios_.back();
     peak_.conflict = conflict;
@@ -240,9 +243,10 @@ class PeakFinder {
   }
 
   ConflictPeak TakePeak() {
-    if (!ratios_.empty()) {
-      const auto median = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
-      std::nth_element(ratios_.begin(), median, ratios_.end());
+    if (!undrawn_ratios_.empty()) {
+      const auto median =
+          undrawn_ratios_.begin() + static_cast<std::ptrdiff_t>(undrawn_ratios_.size() / 2);
+      std::nth_element(undrawn_ratios_.begin(), median, undrawn_ratios_.end());
       peak_.usual_ratio = *median;
     }
     return peak_;
@@ -252,6 +256,7 @@ class PeakFinder {
   double explicable_share_;
   double worst_ = 0.0;
   std::vector<double> ratios_;
+  std::vector<double> undrawn_ratios_;  // of stretches where much was compared
   ConflictPeak peak_;
 };
 

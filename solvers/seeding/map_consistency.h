@@ -22,8 +22,9 @@ struct SpaceConflict {
 struct ConflictPeak {
   FreeSpaceConflict conflict;
   int pose = 0;  ///< in the middle of the stretch
-  /// Half of the stretches of the same kind have no more than this times the conflicts that can be
-  /// explained: how much people, doors, glass and bushes there are all over the place.
+  /// Half of the stretches of the same kind, where enough was compared, have no more than this
+  /// times the conflicts that can be explained: how much people, doors, glass and bushes there are
+  /// all over the place.
   double usual_ratio = 0.0;
 };
 
@@ -58,10 +59,11 @@ struct MapConsistency {
   double ExplicableShare() const;
 
   /// Conflicts of a peak over the ones that can be explained: by the explicable share, and by what
-  /// is usual on this drive where that is more than a quarter of it. (Simulated drives have a tenth
-  /// of it, and peaks below 1; real ones that are right have a quarter to eight tenths, and peaks
+  /// is usual on this drive where that is more than a sixth of it. (Simulated drives have a
+  /// fiftieth of it, and peaks below 1; real ones that are right have a tenth to a half, and peaks
   /// of 1.3 to 4 before what is usual is taken off: the share of a peak grows with the share of the
-  /// rest.) Drawn towards 1 where little was compared, and 1 where nothing was.
+  /// rest.) What is usual excuses three times as much at most. Drawn towards 1 where little was
+  /// compared, and 1 where nothing was.
   double Ratio(const ConflictPeak& peak) const;
 
   /// Whether a part of the map must be wrong there: the ratio is above 3.

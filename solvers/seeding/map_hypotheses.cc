@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <utility>
 
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -10,6 +11,7 @@
 #include "plumbline/solvers/seeding/closure_memory.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
+#include "plumbline/solvers/seeding/rematch_at_leaps.h"
 
 namespace plumbline {
 namespace {
@@ -66,7 +68,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kMatching, matched_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
-    MarkAdopted(best->kind);
+    for (const std::size_t record : best->records) weighed_[record].adopted = true;
     return Status::Ok();
   }
 
@@ -79,13 +81,16 @@ class HypothesisSearch {
     given.keys = MakeKeyGraph(odometry, motion_);
     given.world_from_robot = odometry.world_from_robot;
     given.consistency = meter_.Measure(given.world_from_robot, pool_);
-    Weigh(given);
+    Weigh(&given);
     if (IsWorthASearch(given.consistency, *best)) {
       MapHypothesis closed;
       PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kOdometry, odometry, &closed));
       if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
     }
-    if (IsBetter(given.consistency, best->consistency)) *best = std::move(given);
+    if (IsComparable(given.consistency, best->consistency) &&
+        IsBetter(given.consistency, best->consistency)) {
+      *best = std::move(given);
+    }
     return Status::Ok();
   }
 
@@ -98,6 +103,7 @@ class HypothesisSearch {
       return Status::Ok();
     }
     KeyGraph in_question = doubted_;
+    in_question.refused = best->keys.refused;
     for (const int step : suspects) in_question.sequential[step].in_question = true;
     PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
     for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
@@ -131,7 +137,7 @@ class HypothesisSearch {
     broken.start = matched_;
     broken.keys = keys;
     PLUMBLINE_RETURN_IF_ERROR(Close(&broken));
-    Weigh(broken);
+    Weigh(&broken);
     if (IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
     return Status::Ok();
   }
@@ -160,19 +166,20 @@ class HypothesisSearch {
            Score(other) - kMinGain * other.between_passes.num_conflicting - kMinGainReturns;
   }
 
-  void Weigh(const MapHypothesis& hypothesis) {
-    WeighedHypothesis weighed;
-    weighed.kind = hypothesis.kind;
-    weighed.num_closures = static_cast<int>(hypothesis.keys.closures.size());
-    weighed.conflict = AllConflicts(hypothesis.consistency);
-    weighed.score = Score(hypothesis.consistency);
-    weighed_.push_back(weighed);
+  // Whether one map lets passes be compared about as much as another: where they have nothing in
+  // common, nothing conflicts.
+  static bool IsComparable(const MapConsistency& map, const MapConsistency& other) {
+    return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
   }
 
-  void MarkAdopted(HypothesisKind kind) {
-    for (WeighedHypothesis& weighed : weighed_) {
-      if (weighed.kind == kind) weighed.adopted = true;
-    }
+  void Weigh(MapHypothesis* hypothesis) {
+    WeighedHypothesis weighed;
+    weighed.kind = hypothesis->kind;
+    weighed.num_closures = static_cast<int>(hypothesis->keys.closures.size());
+    weighed.conflict = AllConflicts(hypothesis->consistency);
+    weighed.score = Score(hypothesis->consistency);
+    hypothesis->records = {weighed_.size()};
+    weighed_.push_back(weighed);
   }
 
   SequentialTrajectory OdometryAsGiven() const {
@@ -202,7 +209,7 @@ class HypothesisSearch {
     if (kind == HypothesisKind::kMatching) {
       explicable_share_ = best->consistency.ExplicableShare();
     }
-    Weigh(*best);
+    Weigh(best);
     for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
       bool revised = false;
       PLUMBLINE_RETURN_IF_ERROR(
@@ -216,8 +223,9 @@ class HypothesisSearch {
   }
 
   Status Close(MapHypothesis* hypothesis) {
-    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(options_, graph_, surfaces_, progress_, pool_, &memory_,
-                                         &hypothesis->keys, &hypothesis->loops));
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(options_, graph_, surfaces_, progress_, pool_,
+                                         &memories_[hypothesis->kind], &hypothesis->keys,
+                                         &hypothesis->loops));
     Place(hypothesis);
     hypothesis->consistency = meter_.Measure(hypothesis->world_from_robot, pool_);
     return Status::Ok();
@@ -228,6 +236,8 @@ class HypothesisSearch {
         PosesFollowingKeyScans(hypothesis->keys, hypothesis->start.world_from_robot);
     RematchAtBreaks(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry,
                     &hypothesis->world_from_robot);
+    RematchAtLeaps(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_, pool_,
+                   &hypothesis->world_from_robot);
   }
 
   // Closures that are taken out of the graph, or into it, together.
@@ -265,10 +275,10 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Close(&other));
     *revised = IsBetter(other.consistency, best->consistency);
     if (!*revised) return Status::Ok();
-    WeighedHypothesis& adopted = weighed_[first_record + least];
-    adopted.adopted = true;
-    adopted.conflict = AllConflicts(other.consistency);
-    adopted.score = Score(other.consistency);
+    other.records = best->records;
+    other.records.push_back(first_record + least);
+    weighed_[first_record + least].conflict = AllConflicts(other.consistency);
+    weighed_[first_record + least].score = Score(other.consistency);
     *best = std::move(other);
     return Status::Ok();
   }
@@ -329,8 +339,14 @@ class HypothesisSearch {
     const std::vector<ClosureCluster> clusters =
         FindClosureClusters(hypothesis.keys.closures, hypothesis.keys);
     std::vector<double> conflict(clusters.size()), strain(clusters.size());
+    const ExcessAlongPath excess = MeasureExcess(hypothesis);
+    // A cluster is in order of the path of its later ends.
+    const auto later_m = [&](int closure) {
+      return hypothesis.keys.key_scans[hypothesis.keys.closures[closure].to].path_m;
+    };
     for (std::size_t i = 0; i < clusters.size(); ++i) {
-      conflict[i] = ExcessAround(clusters[i], hypothesis);
+      conflict[i] = excess.Between(later_m(clusters[i].front()) - kAroundM,
+                                   later_m(clusters[i].back()) + kAroundM);
       strain[i] = Strain(clusters[i], hypothesis.keys);
     }
     std::vector<Revision> suspects;
@@ -354,25 +370,32 @@ class HypothesisSearch {
     return suspects;
   }
 
-  // Conflicting returns beyond the explicable ones, of scans around the later end of a cluster with
-  // those of other passes.
-  double ExcessAround(const ClosureCluster& cluster, const MapHypothesis& hypothesis) const {
+  // Sums over the path of the conflicting returns beyond the explicable ones, with other passes.
+  struct ExcessAlongPath {
+    std::vector<double> path_m, sum;  // up to each viewpoint, in order of the path
+
+    double Between(double low_m, double high_m) const {
+      const auto up_to = [&](double path) {
+        const auto end = std::upper_bound(path_m.begin(), path_m.end(), path);
+        return end == path_m.begin() ? 0.0 : sum[end - path_m.begin() - 1];
+      };
+      return up_to(high_m) - up_to(low_m);
+    }
+  };
+
+  ExcessAlongPath MeasureExcess(const MapHypothesis& hypothesis) const {
     const std::vector<KeyScan>& key_scans = hypothesis.keys.key_scans;
-    // A cluster is in order of the path of its later ends.
-    const auto later_m = [&](int closure) {
-      return key_scans[hypothesis.keys.closures[closure].to].path_m;
-    };
-    const double low_m = later_m(cluster.front()), high_m = later_m(cluster.back());
-    FreeSpaceConflict around;
+    ExcessAlongPath excess;
+    double sum = 0.0;
     std::size_t key = 0;
     for (const ViewpointConflict& viewpoint : hypothesis.consistency.viewpoints) {
       while (key + 1 < key_scans.size() && key_scans[key + 1].pose <= viewpoint.pose) ++key;
-      const double path_m = key_scans[key].path_m;
-      if (path_m >= low_m - kAroundM && path_m <= high_m + kAroundM) {
-        around += viewpoint.between_passes;
-      }
+      sum += viewpoint.between_passes.num_conflicting -
+             explicable_share_ * viewpoint.between_passes.num_compared;
+      excess.path_m.push_back(key_scans[key].path_m);
+      excess.sum.push_back(sum);
     }
-    return around.num_conflicting - explicable_share_ * around.num_compared;
+    return excess;
   }
 
   // Mean squared error of a cluster's closures, beyond what chance makes of it.
@@ -394,7 +417,9 @@ class HypothesisSearch {
   const ConsistencyMeter meter_;
   // Of the matching's map; one for all that are compared.
   double explicable_share_ = 0.06;
-  ClosureMemory memory_;
+  // By what the surroundings of a key scan look like: that depends on the start, and on which steps
+  // are in question.
+  std::map<HypothesisKind, ClosureMemory> memories_;
   KeyGraph doubted_;  // of the matching, with the evidence against its steps
 };
 

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_SEEDING_MAP_HYPOTHESES_H_
 #define PLUMBLINE_SOLVERS_SEEDING_MAP_HYPOTHESES_H_
 
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
@@ -53,6 +54,7 @@ struct MapHypothesis {
   LoopClosingReport loops;
   std::vector<Pose2> world_from_robot;  ///< per pose of the graph
   MapConsistency consistency;
+  std::vector<std::size_t> records;  ///< of it and of its revisions among those that were weighed
 };
 
 /// Looks for the explanation of the drive whose map agrees best with itself: from which start,

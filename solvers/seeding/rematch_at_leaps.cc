@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "plumbline/solvers/seeding/local_map.h"
 #include "plumbline/solvers/seeding/odometry_noise.h"
@@ -21,14 +22,14 @@ constexpr double kMinInlierRatio = 0.8;
 // ... and this much more than the old one.
 constexpr double kMinGain = 0.05;
 
-// Per pose whether it is next to a leap.
+// Per pose whether it is next to a leap. The first one stays in any case: the drive begins there.
 std::vector<char> NextToLeaps(const std::vector<Pose2>& odometry, const MotionOptions& motion,
                               const std::vector<Pose2>& poses) {
   const int num_poses = static_cast<int>(poses.size());
   std::vector<char> next_to_leap(poses.size(), 0);
   for (int p = 1; p < num_poses; ++p) {
     if (!IsLeap(odometry[p], Between(poses[p - 1], poses[p]), motion)) continue;
-    const int begin = std::max(0, p - kPosesBefore), end = std::min(num_poses, p + kPosesAfter + 1);
+    const int begin = std::max(1, p - kPosesBefore), end = std::min(num_poses, p + kPosesAfter + 1);
     std::fill(next_to_leap.begin() + begin, next_to_leap.begin() + end, 1);
   }
   return next_to_leap;
@@ -42,9 +43,9 @@ LocalMap MapAround(int pose, const KeyGraph& keys, const std::vector<SurfacePoin
   const double path_m = after == keys.key_scans.begin() ? 0.0 : std::prev(after)->path_m;
   std::vector<const SurfacePoints*> scans;
   std::vector<Pose2> places;
-  const auto first = std::partition_point(
-      keys.key_scans.begin(), keys.key_scans.end(),
-      [&](const KeyScan& key) { return key.path_m < path_m - kMapPathM; });
+  const auto first =
+      std::partition_point(keys.key_scans.begin(), keys.key_scans.end(),
+                           [&](const KeyScan& key) { return key.path_m < path_m - kMapPathM; });
   for (auto key = first; key != keys.key_scans.end() && key->path_m <= path_m + kMapPathM; ++key) {
     if (next_to_leap[key->pose] != 0) continue;
     scans.push_back(&surfaces[key->scan]);

@@ -10,7 +10,6 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/seeding/correct_odometry.h"
-#include "plumbline/solvers/seeding/rematch_at_leaps.h"
 #include "plumbline/solvers/seeding/seed_pose_graph.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
@@ -105,8 +104,6 @@ Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
   MapHypothesis best;
   PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(options.loops, motion, graph, surfaces, progress,
                                                 pool, *trajectory, &best, &report->hypotheses));
-  RematchAtLeaps(graph, surfaces, best.keys, best.start.odometry, motion, pool,
-                 &best.world_from_robot);
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
   report->alarm = IsAlarming(best.loops, best.consistency);
   report->loops = std::move(best.loops);

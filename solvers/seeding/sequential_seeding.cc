@@ -59,14 +59,15 @@ class SequentialMatcher {
       }
     }
     if (reversing_ && step->x != 0.0) ++report->num_reversed_steps;
-    if (match.inlier_ratio < kSuspectInlierRatio && Recover(previous, *step, scan, &match)) {
-      ++report->num_recovered;
-    }
+    const bool recovered =
+        match.inlier_ratio < kSuspectInlierRatio && Recover(previous, *step, scan, &match);
     const bool is_slip = SigmasOff(previous, *step, match) > kSlipSigmas;
     if (match.inlier_ratio < (is_slip ? kMinSlipInlierRatio : kMinInlierRatio)) {
       ++report->num_unmatched;
       match.world_from_robot = previous * *step;
       match.information.setZero();
+    } else if (recovered) {
+      ++report->num_recovered;
     }
     return match;
   }
