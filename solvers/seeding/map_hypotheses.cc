@@ -65,8 +65,9 @@ class HypothesisSearch {
   Status Run(MapHypothesis* best) {
     doubted_ = MakeKeyGraph(matched_, motion_);
     MarkDoubtfulEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &doubted_);
-    PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kMatching, matched_, best));
+    PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
+    PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
     for (const std::size_t record : best->records) weighed_[record].adopted = true;
     return Status::Ok();
@@ -84,7 +85,7 @@ class HypothesisSearch {
     Weigh(&given);
     if (IsWorthASearch(given.consistency, *best)) {
       MapHypothesis closed;
-      PLUMBLINE_RETURN_IF_ERROR(Explore(HypothesisKind::kOdometry, odometry, &closed));
+      PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kOdometry, odometry, &closed));
       if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
     }
     if (IsComparable(given.consistency, best->consistency) &&
@@ -200,8 +201,8 @@ class HypothesisSearch {
     return consistency.Ratio() > kSuspiciousRatio || consistency.IsContradictory();
   }
 
-  // Closes the loops of a start, and drops the clusters of closures that its map contradicts.
-  Status Explore(HypothesisKind kind, const SequentialTrajectory& start, MapHypothesis* best) {
+  // Closes the loops of a start.
+  Status Begin(HypothesisKind kind, const SequentialTrajectory& start, MapHypothesis* best) {
     best->kind = kind;
     best->start = start;
     best->keys = kind == HypothesisKind::kMatching ? doubted_ : MakeKeyGraph(start, motion_);
@@ -210,6 +211,12 @@ class HypothesisSearch {
       explicable_share_ = best->consistency.ExplicableShare();
     }
     Weigh(best);
+    return Status::Ok();
+  }
+
+  // Drops the clusters of closures that the map contradicts, and takes in the matches that it
+  // lacks.
+  Status ReviseClosures(MapHypothesis* best) {
     for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
       bool revised = false;
       PLUMBLINE_RETURN_IF_ERROR(
