@@ -16,9 +16,6 @@
 namespace plumbline {
 namespace {
 
-// A closure that ends up five standard deviations off (three degrees of freedom, p = 1e-8) is
-// wrong.
-constexpr double kMaxClosureChi2 = 40.0;
 constexpr int kMaxRounds = 5;
 // Candidates between two reports of progress.
 constexpr std::size_t kCandidatesPerReport = 64;
@@ -35,14 +32,14 @@ bool OnlyRepeatsItsEdge(const RelativePoseConstraint& bridge, const KeyGraph& ke
   for (int edge = bridge.from; edge < bridge.to; ++edge) {
     if (keys.sequential[edge].untrusted()) return false;
   }
-  return EdgeChi2(bridge, keys.world_from_key) <= kMaxClosureChi2;
+  return EdgeChi2(bridge, keys.world_from_key) <= kMaxEdgeChi2;
 }
 
 // Breaks the doubtful edge that is farthest off the others, if it is too far and there are enough
 // closures to do without it.
 bool BreakWorstEdge(KeyGraph* keys) {
   SequentialEdge* worst = nullptr;
-  double worst_chi2 = kMaxClosureChi2;
+  double worst_chi2 = kMaxEdgeChi2;
   for (SequentialEdge& edge : keys->sequential) {
     if (!edge.in_question || edge.broken) continue;
     const double chi2 = EdgeChi2(edge.constraint, keys->world_from_key);
@@ -61,7 +58,7 @@ bool DropWorstClosures(KeyGraph* keys) {
   std::vector<double> wrong;
   for (const RelativePoseConstraint& closure : keys->closures) {
     const double chi2 = EdgeChi2(closure, keys->world_from_key);
-    if (chi2 > kMaxClosureChi2) wrong.push_back(chi2);
+    if (chi2 > kMaxEdgeChi2) wrong.push_back(chi2);
   }
   if (wrong.empty()) return false;
   const auto median = wrong.begin() + static_cast<std::ptrdiff_t>(wrong.size() / 2);
@@ -117,10 +114,9 @@ Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
 // What nearly became a closure.
 void KeepTentative(const LoopClosureOptions& options, std::vector<TestedCandidate> refused,
                    KeyGraph* keys) {
-  constexpr double kMinInlierRatio = 0.5;
   refused.erase(std::remove_if(refused.begin(), refused.end(),
                                [&](const TestedCandidate& result) {
-                                 return result.inlier_ratio < kMinInlierRatio ||
+                                 return result.inlier_ratio < kTentativeInlierRatio ||
                                         result.conflict > options.max_free_space_conflict;
                                }),
                 refused.end());

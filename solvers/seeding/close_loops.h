@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
 #define PLUMBLINE_SOLVERS_SEEDING_CLOSE_LOOPS_H_
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -52,6 +53,12 @@ struct LoopClosingReport {
   /// where matches are tried once, or in the last round, which tries the others anew.
   std::vector<LoopClosureRecord> matches;
   std::vector<DoubtfulStep> doubts;  ///< in order of time
+
+  /// Whether a doubtful step is left that nothing settles.
+  bool IsUnresolved() const {
+    return std::any_of(doubts.begin(), doubts.end(),
+                       [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
+  }
 };
 
 /// The pose graph of a trajectory's key scans, as the sequential matching left it, without

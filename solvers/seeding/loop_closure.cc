@@ -66,7 +66,9 @@ class CandidateTester {
     tested.edge.from_from_to = fine.world_from_robot;
     tested.edge.covariance = MatchCovariance(fine.information);
     tested.inlier_ratio = fine.inlier_ratio;
-    tested.conflict = ConflictShare(tested.edge);
+    if (tested.inlier_ratio >= std::min(kTentativeInlierRatio, options_.min_inlier_ratio)) {
+      tested.conflict = ConflictShare(tested.edge);
+    }
     tested.verdict = Judge(candidate, tested);
     if (tested.verdict == ClosureVerdict::kAccepted && candidate.wide() &&
         (coarse.gave_up ||

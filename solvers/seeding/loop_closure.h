@@ -47,13 +47,17 @@ struct LoopClosureOptions {
   bool Check(std::string* error) const;
 };
 
+/// Matches that show less of the scan than this are not even worth a hypothesis.
+constexpr double kTentativeInlierRatio = 0.5;
+
 /// A candidate's verdict and, if something matched, the edge between key scans that it would be
 /// (from the earlier to the later one).
 struct TestedCandidate {
   ClosureVerdict verdict = ClosureVerdict::kNoMatch;
   RelativePoseConstraint edge;
   double inlier_ratio = 0.0;  ///< share of the scan on surfaces of the other visit
-  double conflict = 0.0;      ///< share of returns that one visit looked through
+  /// Share of returns that one visit looked through; 0 if too little of the scan matched to ask.
+  double conflict = 0.0;
 };
 
 /// Tests candidates of the key graph. One result per candidate, in their order.

@@ -72,6 +72,8 @@ struct MapConsistency {
   /// The peak of the higher ratio, and what is said of it.
   const ConflictPeak& WorstPeak() const;
   double Ratio() const { return Ratio(WorstPeak()); }
+  /// Sound maps stay below this ratio.
+  static constexpr double kSuspiciousRatio = 2.0;
   /// That, or a quarter of all stretches contradict other passes, or half of them do a little.
   bool IsContradictory() const;
 

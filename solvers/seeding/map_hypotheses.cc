@@ -30,8 +30,6 @@ constexpr double kAroundM = 15.0;
 constexpr std::size_t kMostTentative = 8;
 // At most so often a cluster is found wrong, or such a match right.
 constexpr int kMaxRevisions = 6;
-// Free-space conflicts over explicable ones, in the worst stretch, that sound maps stay below.
-constexpr double kSuspiciousRatio = 2.0;
 // Steps that may be wrong at the same time, at most: those with the most evidence against them.
 constexpr std::size_t kMaxStepsInQuestion = 12;
 // At most so many of them are taken as wrong without a closure that says so, one at a time.
@@ -99,7 +97,7 @@ class HypothesisSearch {
   Status TryBreaks(MapHypothesis* best) {
     const std::vector<int> suspects = MostDoubtfulSteps();
     if (suspects.empty() || best->kind != HypothesisKind::kMatching) return Status::Ok();
-    if (!IsSuspicious(best->consistency) && !IsUnresolved(best->loops) &&
+    if (!IsSuspicious(best->consistency) && !best->loops.IsUnresolved() &&
         !GivesWay(suspects, best->keys)) {
       return Status::Ok();
     }
@@ -116,19 +114,13 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  static bool IsUnresolved(const LoopClosingReport& loops) {
-    return std::any_of(loops.doubts.begin(), loops.doubts.end(),
-                       [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
-  }
-
   // Whether the closures at hand move a step beyond its noise if it is allowed to be wrong: held as
   // firmly as its neighbours, it shares its error out among them.
   static bool GivesWay(const std::vector<int>& steps, KeyGraph keys) {
-    constexpr double kMaxChi2 = 40.0;  // as of a closure
     for (const int step : steps) keys.sequential[step].in_question = true;
     OptimizeKeyScans(&keys);
     return std::any_of(steps.begin(), steps.end(), [&](int step) {
-      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) > kMaxChi2;
+      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) > kMaxEdgeChi2;
     });
   }
 
@@ -198,7 +190,7 @@ class HypothesisSearch {
   }
 
   static bool IsSuspicious(const MapConsistency& consistency) {
-    return consistency.Ratio() > kSuspiciousRatio || consistency.IsContradictory();
+    return consistency.Ratio() > MapConsistency::kSuspiciousRatio || consistency.IsContradictory();
   }
 
   // Closes the loops of a start.

@@ -17,15 +17,13 @@
 namespace plumbline {
 namespace {
 
-// Free-space conflicts over explicable ones that sound maps stay below.
-constexpr double kSuspiciousRatio = 2.0;
 bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency) {
   // Two weak signs together are one: what contradicts a little, and a doubt or loops left open.
   const bool in_doubt =
       !loops.doubts.empty() || (loops.num_closures == 0 && !loops.matches.empty());
-  return consistency.IsContradictory() || (in_doubt && consistency.Ratio() > kSuspiciousRatio) ||
-         std::any_of(loops.doubts.begin(), loops.doubts.end(),
-                     [](const DoubtfulStep& doubt) { return doubt.IsUnresolved(); });
+  return consistency.IsContradictory() ||
+         (in_doubt && consistency.Ratio() > MapConsistency::kSuspiciousRatio) ||
+         loops.IsUnresolved();
 }
 
 void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
