@@ -20,7 +20,10 @@ void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, cons
 
 Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
   std::string reason = "the scans before and after disagree, and ";
-  if (step.num_closures_across >= DoubtfulStep::kMinClosuresAcross) {
+  if (step.num_alternatives > 0) {
+    reason += "all that comes later fits at " + std::to_string(step.num_alternatives) + " other " +
+              (step.num_alternatives == 1 ? "place" : "places") + " as well";
+  } else if (step.num_closures_across >= DoubtfulStep::kMinClosuresAcross) {
     reason += "the repair turned all that comes later, which might fit elsewhere as well";
   } else {
     reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";

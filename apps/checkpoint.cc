@@ -73,8 +73,9 @@ void Visit(Archive& archive, LoopClosureRecord* record) {
 
 template <typename Archive>
 void Visit(Archive& archive, DoubtfulStep* step) {
-  auto& [first_pose_after, evidence, broken, turned_rad, num_closures_across] = *step;
-  archive(first_pose_after, evidence, broken, turned_rad, num_closures_across);
+  auto& [first_pose_after, evidence, broken, turned_rad, num_closures_across, num_alternatives] =
+      *step;
+  archive(first_pose_after, evidence, broken, turned_rad, num_closures_across, num_alternatives);
 }
 
 template <typename Archive>
@@ -117,10 +118,10 @@ void Visit(Archive& archive, MapConsistency* map) {
 
 template <typename Archive>
 void Visit(Archive& archive, WeighedHypothesis* hypothesis) {
-  auto& [kind, first_later, last_later, first_earlier, last_earlier, num_closures, conflict, score,
-         adopted] = *hypothesis;
-  archive(kind, first_later, last_later, first_earlier, last_earlier, num_closures, conflict, score,
-          adopted);
+  auto& [kind, first_later, last_later, first_earlier, last_earlier, num_closures, carried_to,
+         first_pose_after, conflict, score, adopted] = *hypothesis;
+  archive(kind, first_later, last_later, first_earlier, last_earlier, num_closures, carried_to,
+          first_pose_after, conflict, score, adopted);
 }
 
 template <typename Archive>

@@ -53,6 +53,7 @@ Json DoubtsJson(const LoopClosingReport& loops) {
                     {"broken", step.broken},
                     {"turned_rad", step.turned_rad},
                     {"closures_across", step.num_closures_across},
+                    {"alternatives", step.num_alternatives},
                     {"unresolved", step.IsUnresolved()}});
   }
   return json;
@@ -71,6 +72,11 @@ Json HypothesesJson(const std::vector<WeighedHypothesis>& hypotheses) {
         hypothesis.kind == HypothesisKind::kWithMatch) {
       row["later_poses"] = {hypothesis.first_later_pose, hypothesis.last_later_pose};
       row["earlier_poses"] = {hypothesis.first_earlier_pose, hypothesis.last_earlier_pose};
+    }
+    if (hypothesis.kind == HypothesisKind::kJoinedParts) {
+      const Pose2& step = hypothesis.carried_to;
+      row["first_pose_after"] = hypothesis.first_pose_after;
+      row["carried_to"] = {step.x, step.y, step.yaw};
     }
     json.push_back(row);
   }

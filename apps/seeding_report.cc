@@ -172,6 +172,10 @@ std::string HypothesisText(const WeighedHypothesis& hypothesis) {
       return "with " + closures;
     case HypothesisKind::kBrokenSteps:
       return "steps of the robot that may be wrong";
+    case HypothesisKind::kJoinedParts:
+      return Format("carried before pose %d: %.1f m ahead, %.1f m to the left, turned by %.0f deg",
+                    hypothesis.first_pose_after, hypothesis.carried_to.x, hypothesis.carried_to.y,
+                    RadToDeg(hypothesis.carried_to.yaw));
   }
   return "unknown";
 }

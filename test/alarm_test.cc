@@ -120,6 +120,11 @@ TEST(RunAlarmsTest, StepsThatNothingSettles) {
   step.turned_rad = 1.5;
   EXPECT_THAT(reason(step), HasSubstr("might fit elsewhere as well"));
   EXPECT_EQ(RunAlarms(ReportWithDoubt(step), MapConsistency(), graph)[0].place.scan, 3);
+  step.turned_rad = 0.0;
+  step.num_alternatives = 1;
+  EXPECT_THAT(reason(step), HasSubstr("fits at 1 other place as well"));
+  step.num_alternatives = 2;
+  EXPECT_THAT(reason(step), HasSubstr("fits at 2 other places as well"));
 }
 
 TEST(RunAlarmsTest, ASuspiciousSeedIsWrongWhereItsRatioIsHighest) {

@@ -273,6 +273,9 @@ TEST(DoubtfulStep, IsResolvedByTwoClosuresAcrossUnlessItTurnedTheMap) {
   EXPECT_TRUE(doubt.IsUnresolved());
   doubt.turned_rad = 0.4;
   EXPECT_FALSE(doubt.IsUnresolved());
+  doubt.num_alternatives = 1;
+  EXPECT_TRUE(doubt.IsUnresolved());
+  doubt.num_alternatives = 0;
   doubt.evidence = 0.2;
   doubt.broken = true;
   EXPECT_FALSE(doubt.IsUnresolved());

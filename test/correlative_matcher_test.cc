@@ -66,10 +66,36 @@ TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
     const CorrelativeMatcher matcher(twin ? twins : surfaces[0], 0.1, 6.0);
     const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
     ASSERT_TRUE(best.found);
-    const bool second =
-        matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score, best.map_from_scan, 0.7, 0.3);
+    const bool second = matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score,
+                                              best.map_from_scan, {0.7, 0.3});
     EXPECT_EQ(second, twin);
   }
+}
+
+TEST(CorrelativeMatcher, FindsAllPeaksTheBestFirst) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.2, 0.1, 0.0)};
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
+  SurfacePoints twins = surfaces[0];
+  for (std::size_t i = 0; i < surfaces[0].size(); ++i) {  // the other one lacks some of its walls
+    if (i % 8 != 0) twins.push_back(Pose2(5.0, 0.0, 0.0) * surfaces[0][i]);
+  }
+  const SearchWindow window{Pose2(), 6.0, 0.3};
+  const CorrelativeMatcher matcher(twins, 0.1, 6.0);
+  const PeakSize size{0.7, 0.3};
+  const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
+  const std::vector<CorrelativeMatch> peaks =
+      matcher.SearchPeaks(surfaces[1], window, 0.7 * best.score, 5, size);
+  ASSERT_EQ(peaks.size(), 2u);
+  EXPECT_EQ(DistanceM(peaks[0].map_from_scan, best.map_from_scan), 0.0);
+  EXPECT_EQ(peaks[0].score, best.score);
+  EXPECT_LE(peaks[1].score, peaks[0].score);
+  EXPECT_NEAR(DistanceM(peaks[1].map_from_scan, peaks[0].map_from_scan), 5.0, 0.15);
+  const std::vector<CorrelativeMatch> one =
+      matcher.SearchPeaks(surfaces[1], window, 0.7 * best.score, 1, size);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].score, best.score);
+  EXPECT_TRUE(matcher.SearchPeaks({}, window, 0.1, 5, size).empty());
 }
 
 TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
@@ -82,7 +108,7 @@ TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
   ASSERT_TRUE(best.found);
   EXPECT_LT(DistanceM(best.map_from_scan, scene.poses[1]), 0.15);
   EXPECT_FALSE(
-      matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score, best.map_from_scan, 0.7, 0.3));
+      matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score, best.map_from_scan, {0.7, 0.3}));
 }
 
 TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
@@ -107,7 +133,7 @@ TEST(CorrelativeMatcher, GivesUpWhereEverythingFitsALittle) {
   const CorrelativeMatcher matcher(bushes, 0.1, 15.0);
   const CorrelativeMatch match = matcher.Search(others, {Pose2(), 15.0, 0.5}, 0.2);
   EXPECT_TRUE(match.gave_up);
-  EXPECT_TRUE(matcher.FitsElsewhere(others, {Pose2(), 15.0, 0.5}, 0.4, Pose2(), 0.5, 0.1));
+  EXPECT_TRUE(matcher.FitsElsewhere(others, {Pose2(), 15.0, 0.5}, 0.4, Pose2(), {0.5, 0.1}));
   // Where it fits, that is soon found.
   const CorrelativeMatch same = matcher.Search(bushes, {Pose2(1.0, 1.0, 0.0), 2.0, 0.1}, 0.4);
   EXPECT_TRUE(same.found);

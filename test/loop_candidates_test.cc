@@ -104,6 +104,24 @@ TEST(LoopCandidates, BridgesLeadOverDoubtfulEdges) {
   }
 }
 
+TEST(LoopCandidates, JoinsSpreadOverWhatLiesBeyondAnEdge) {
+  KeyGraph keys;
+  for (int i = 0; i < 40; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
+  keys.sequential[9].in_question = true;
+  keys.sequential[29].in_question = true;
+  keys.sequential[29].evidence = 1.0;  // what lies beyond it is another part
+  const std::vector<LoopCandidate> joins = FindJoins(LoopCandidateOptions(), keys, 9);
+  ASSERT_EQ(joins.size(), 5u);  // 4 m apart
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    EXPECT_EQ(joins[i].first, 9);
+    EXPECT_EQ(joins[i].second, 10 + 4 * static_cast<int>(i));
+    EXPECT_EQ(joins[i].surroundings.size(), 10u);
+    EXPECT_DOUBLE_EQ(joins[i].drift_rad, kPi);
+    // The robot may have been turned round where it was carried to.
+    EXPECT_GT(joins[i].drift_m, 7.0 + 2.0 * (1.0 + 4.0 * i));
+  }
+}
+
 TEST(LoopCandidates, ATurnOfARadianCountsAsAMetre) {
   EXPECT_NEAR(ViewDistanceM(2.0, -0.5), 2.5, 1e-12);
   EXPECT_NEAR(ViewDistanceM(2.0, 2.0 * kPi - 0.5), 2.5, 1e-12);

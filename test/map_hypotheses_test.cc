@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "plumbline/apps/simulation/building_generator.h"
@@ -126,6 +127,24 @@ TEST(MapHypotheses, AWrongStepIsPutRight) {
   const Found found = Search(drive);
   EXPECT_EQ(found.best.kind, HypothesisKind::kBrokenSteps);
   EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15);
+}
+
+TEST(MapHypotheses, ARobotThatWasCarriedIsFoundWhereItIs) {
+  // Farther than a slip, and turned round: no closure is looked for there.
+  SimulatedDrive drive = MakeDrive(3);
+  Tear(Pose2(4.0, -9.0, 2.8), &drive.matched);
+  SetOdometry(drive.matched.world_from_robot, &drive);
+  EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 9.0);
+  const Found found = Search(drive);
+  EXPECT_EQ(found.best.kind, HypothesisKind::kJoinedParts);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15);
+  const auto adopted =
+      std::find_if(found.weighed.begin(), found.weighed.end(), [](const WeighedHypothesis& h) {
+        return h.adopted && h.kind == HypothesisKind::kJoinedParts;
+      });
+  ASSERT_NE(adopted, found.weighed.end());
+  EXPECT_NEAR(adopted->first_pose_after, drive.graph.num_poses() / 2, 1);
+  EXPECT_LT(std::hypot(adopted->carried_to.x, adopted->carried_to.y), 1.0);  // a step of the drive
 }
 
 TEST(MapHypotheses, AreTheSameForAnyNumberOfThreads) {

@@ -33,11 +33,13 @@ struct DoubtfulStep {
   /// right angle or half a turn, and nothing but the odometry says which it was.
   double turned_rad = 0.0;
   int num_closures_across = 0;
+  /// Other places where what lies beyond it would contradict the map as little.
+  int num_alternatives = 0;
 
   /// It looks wrong, and nothing else says for certain how what lies before and after it is tied
   /// together.
   bool IsUnresolved() const {
-    return std::abs(turned_rad) > kMaxCertainTurnRad ||
+    return num_alternatives > 0 || std::abs(turned_rad) > kMaxCertainTurnRad ||
            ((broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross);
   }
   static constexpr double kMaxCertainTurnRad = 0.5;

@@ -74,23 +74,37 @@ class BranchAndBound {
  public:
   BranchAndBound(const CorrelativeMatcher& matcher, const SurfacePoints& scan,
                  const SearchWindow& window, double min_score)
-      : matcher_(matcher), window_(window) {
-    best_.score = min_score;
+      : matcher_(matcher), window_(window), bar_(min_score) {
     const std::size_t stride = (scan.size() + kMaxScoredPoints - 1) / kMaxScoredPoints;
     for (std::size_t i = 0; i < scan.size(); i += stride) points_.push_back(scan[i].position);
     half_cells_ = static_cast<int>(std::ceil(window.half_width_m / matcher.cell_m_));
   }
 
-  // Looks for any pose that is not near this one instead of the best of all.
-  void SearchElsewhereThan(const Pose2& pose, double radius_m, double angle_rad) {
+  // Looks for any pose that is not of this one's peak instead of the best of all.
+  void SearchElsewhereThan(const Pose2& pose, const PeakSize& size) {
     excluded_ = pose;
-    excluded_radius_m_ = radius_m;
-    excluded_angle_rad_ = angle_rad;
+    peak_size_ = size;
     any_will_do_ = true;
   }
 
+  // Looks for several peaks.
+  void SearchPeaks(int max_peaks, const PeakSize& size) {
+    max_peaks_ = static_cast<std::size_t>(max_peaks);
+    peak_size_ = size;
+  }
+
+  // The best one or, if there is none, what is known of that.
   CorrelativeMatch Run() {
-    if (points_.empty() || matcher_.levels_.empty()) return best_;
+    RunAll();
+    CorrelativeMatch best;
+    if (!peaks_.empty()) best = peaks_.front();
+    best.gave_up = num_splits_ > kMaxSplits;
+    return best;
+  }
+
+  // The best first.
+  std::vector<CorrelativeMatch> RunAll() {
+    if (points_.empty() || matcher_.levels_.empty()) return {};
     double sum = 0.0;
     for (const Eigen::Vector2d& point : points_) sum += point.squaredNorm();
     const double lever_m = std::sqrt(sum / static_cast<double>(points_.size()));
@@ -105,16 +119,14 @@ class BranchAndBound {
       AddHeading(window_.center.yaw + offset * step_rad);
       AddBlocks(level, &top);
     }
-    num_splits_ = 0;
     Descend(level, &top);
-    best_.gave_up = num_splits_ > kMaxSplits;
-    return best_;
+    return peaks_;
   }
 
  private:
   struct Heading {
     double yaw_rad = 0.0;
-    bool excluded = false;
+    bool excluded = false;               // with the excluded pose's position
     std::vector<Eigen::Vector2i> cells;  // of the scan, unshifted
     Eigen::Vector2i low, high;           // of the cells
   };
@@ -122,8 +134,7 @@ class BranchAndBound {
   void AddHeading(double yaw_rad) {
     Heading heading;
     heading.yaw_rad = yaw_rad;
-    heading.excluded = excluded_radius_m_ > 0.0 &&
-                       std::abs(NormalizeAngle(yaw_rad - excluded_.yaw)) <= excluded_angle_rad_;
+    heading.excluded = any_will_do_ && IsSameHeading(yaw_rad, excluded_.yaw);
     const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
     heading.low.setConstant(std::numeric_limits<int>::max());
     heading.high = -heading.low;
@@ -168,10 +179,10 @@ class BranchAndBound {
   bool Descend(int level, std::vector<Candidate>* candidates) {
     std::sort(candidates->begin(), candidates->end(), Precedes);
     for (const Candidate& candidate : *candidates) {
-      if (candidate.score <= best_.score + kScoreResolution) return false;
-      if (IsExcluded(candidate, level)) continue;
+      if (candidate.score <= bar_ + kScoreResolution) return false;
+      if (IsExcluded(candidate, level) || IsOfHigherPeak(candidate, level)) continue;
       if (level == 0) {
-        best_ = {true, false, PoseOf(candidate), candidate.score};
+        Take({true, false, PoseOf(candidate), candidate.score});
         if (any_will_do_) return true;
         continue;
       }
@@ -199,7 +210,7 @@ class BranchAndBound {
       AddPart(block, level, part, &sums);
       const int rest = block.sums.back() - block.sums[part];  // bounds what the four can add to it
       const int bound = *std::max_element(sums.begin(), sums.end()) + rest;
-      if (ScoreOf(bound) <= best_.score + kScoreResolution) return;
+      if (ScoreOf(bound) <= bar_ + kScoreResolution) return;
       for (int i = 0; i < 4; ++i) quarters[i].sums[part] = sums[i];
     }
     for (Candidate& quarter : quarters) {
@@ -247,29 +258,63 @@ class BranchAndBound {
             headings_[candidate.heading].yaw_rad};
   }
 
+  // A pose that is better than the bar: the best one of its peak so far, or of a peak of its own.
+  void Take(const CorrelativeMatch& match) {
+    const auto of_this = std::remove_if(peaks_.begin(), peaks_.end(), [&](const auto& peak) {
+      return IsSameHeading(match.map_from_scan.yaw, peak.map_from_scan.yaw) &&
+             (match.map_from_scan.translation() - peak.map_from_scan.translation()).norm() <=
+                 peak_size_.radius_m;
+    });
+    peaks_.erase(of_this, peaks_.end());
+    const auto worse = std::find_if(peaks_.begin(), peaks_.end(),
+                                    [&](const auto& peak) { return peak.score < match.score; });
+    peaks_.insert(worse, match);
+    if (peaks_.size() > max_peaks_) peaks_.pop_back();
+    if (peaks_.size() == max_peaks_) bar_ = std::max(bar_, peaks_.back().score);
+  }
+
+  bool IsSameHeading(double a_rad, double b_rad) const {
+    return std::abs(NormalizeAngle(a_rad - b_rad)) <= peak_size_.angle_rad;
+  }
+
   // Whether all poses of a block are near the excluded one.
   bool IsExcluded(const Candidate& candidate, int level) const {
-    if (!headings_[candidate.heading].excluded) return false;
+    return headings_[candidate.heading].excluded &&
+           IsNear(excluded_.translation(), candidate, level);
+  }
+
+  // Whether all poses of a block are of a peak that has a better one.
+  bool IsOfHigherPeak(const Candidate& candidate, int level) const {
+    return max_peaks_ > 1 && std::any_of(peaks_.begin(), peaks_.end(), [&](const auto& peak) {
+             return candidate.score <= peak.score + kScoreResolution &&
+                    IsSameHeading(headings_[candidate.heading].yaw_rad, peak.map_from_scan.yaw) &&
+                    IsNear(peak.map_from_scan.translation(), candidate, level);
+           });
+  }
+
+  // Whether all of a block lies within a peak's radius of a position.
+  bool IsNear(const Eigen::Vector2d& position, const Candidate& candidate, int level) const {
     const double side_m = ((1 << level) - 1) * matcher_.cell_m_;
-    const Eigen::Vector2d low = PoseOf(candidate).translation() - excluded_.translation();
+    const Eigen::Vector2d low = PoseOf(candidate).translation() - position;
     const Eigen::Vector2d farthest =
         low.cwiseAbs().cwiseMax((low.array() + side_m).matrix().cwiseAbs());
-    return farthest.norm() <= excluded_radius_m_;
+    return farthest.norm() <= peak_size_.radius_m;
   }
 
   const CorrelativeMatcher& matcher_;
   const SearchWindow window_;
   std::vector<Eigen::Vector2d> points_;
   int half_cells_ = 0;
+  PeakSize peak_size_;
   Pose2 excluded_;
-  double excluded_radius_m_ = 0.0;
-  double excluded_angle_rad_ = 0.0;
   bool any_will_do_ = false;
+  std::size_t max_peaks_ = 1;
+  double bar_;  // what a pose must score to be of interest
   int num_splits_ = 0;
 
   std::vector<Heading> headings_;
   std::array<std::vector<Candidate>, kMaxLevel> children_;  // per level those being looked through
-  CorrelativeMatch best_;
+  std::vector<CorrelativeMatch> peaks_;  // the best pose of each, the best peak first
 };
 
 CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m, double half_width_m)
@@ -329,11 +374,20 @@ CorrelativeMatch CorrelativeMatcher::Search(const SurfacePoints& scan, const Sea
   return BranchAndBound(*this, scan, window, min_score).Run();
 }
 
-bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window,
-                                       double min_score, const Pose2& excluded, double radius_m,
-                                       double angle_rad) const {
+std::vector<CorrelativeMatch> CorrelativeMatcher::SearchPeaks(const SurfacePoints& scan,
+                                                              const SearchWindow& window,
+                                                              double min_score, int max_peaks,
+                                                              const PeakSize& size) const {
   BranchAndBound search(*this, scan, window, min_score);
-  search.SearchElsewhereThan(excluded, radius_m, angle_rad);
+  search.SearchPeaks(max_peaks, size);
+  return search.RunAll();
+}
+
+bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window,
+                                       double min_score, const Pose2& excluded,
+                                       const PeakSize& size) const {
+  BranchAndBound search(*this, scan, window, min_score);
+  search.SearchElsewhereThan(excluded, size);
   const CorrelativeMatch match = search.Run();
   return match.found || match.gave_up;
 }

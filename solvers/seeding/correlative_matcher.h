@@ -27,6 +27,12 @@ struct CorrelativeMatch {
   double score = 0.0;
 };
 
+/// What belongs to the same peak: poses this near to its best one.
+struct PeakSize {
+  double radius_m = 0.7;
+  double angle_rad = 0.3;
+};
+
 /// Finds where in a map a scan fits best, anywhere in a window, by branch and bound over a pyramid
 /// of likelihood grids. Source: Olson: Real-time correlative scan matching (2009); Hess et al.:
 /// Real-time loop closure in 2D lidar SLAM (2016).
@@ -40,10 +46,15 @@ class CorrelativeMatcher {
   CorrelativeMatch Search(const SurfacePoints& scan, const SearchWindow& window,
                           double min_score) const;
 
-  /// Whether any pose of the window that is farther than radius_m or angle_rad from `excluded`
-  /// scores more than min_score, or may do so as the search was given up.
+  /// The best poses of up to max_peaks peaks that score more than min_score, the best first.
+  std::vector<CorrelativeMatch> SearchPeaks(const SurfacePoints& scan, const SearchWindow& window,
+                                            double min_score, int max_peaks,
+                                            const PeakSize& size) const;
+
+  /// Whether any pose of the window that is outside the peak of `excluded` scores more than
+  /// min_score, or may do so as the search was given up.
   bool FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window, double min_score,
-                     const Pose2& excluded, double radius_m, double angle_rad) const;
+                     const Pose2& excluded, const PeakSize& size) const;
 
  private:
   friend class BranchAndBound;

@@ -29,6 +29,10 @@ constexpr double kDoubtCostM = 300.0;
 constexpr double kBridgeheadM = 15.0;
 // From one try to bridge such an edge to the next [m].
 constexpr double kBridgeSpacingM = 1.3;
+// What lies beyond such an edge is looked for with this many of its key scans at most, this far
+// from one another at least [m].
+constexpr int kMaxJoins = 16;
+constexpr double kMinJoinSpacingM = 4.0;
 
 // A piece of way, or all of one.
 struct Way {
@@ -329,6 +333,30 @@ std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, cons
     }
   }
   return bridges;
+}
+
+std::vector<LoopCandidate> FindJoins(const LoopCandidateOptions& options, const KeyGraph& graph,
+                                     int edge) {
+  const std::vector<KeyScan>& keys = graph.key_scans;
+  std::vector<int> before;
+  for (int k = 0; k <= edge; ++k) before.push_back(k);
+  const std::vector<int> surroundings = Thinned(before, graph);
+  int last = edge + 1;
+  while (last + 1 < graph.size() && !graph.sequential[last].untrusted()) ++last;
+  const double path_m = keys[last].path_m - keys[edge + 1].path_m;
+  const double spacing_m = std::max(kMinJoinSpacingM, path_m / kMaxJoins);
+  std::vector<LoopCandidate> joins;
+  double next_m = keys[edge + 1].path_m;
+  for (int k = edge + 1; k <= last; ++k) {
+    if (keys[k].path_m < next_m) continue;
+    next_m = keys[k].path_m + spacing_m;
+    const Way way{keys[k].path_m - keys[edge].path_m + kDoubtCostM, 1};
+    // Turned about the edge, it may lie on the other side of it.
+    const double away_m =
+        Between(graph.world_from_key[edge], graph.world_from_key[k]).translation().norm();
+    joins.push_back({edge, k, DriftM(options, way) + 2.0 * away_m, kPi, surroundings});
+  }
+  return joins;
 }
 
 }  // namespace plumbline

@@ -73,6 +73,11 @@ std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& option
 /// Key scans right after a doubtful edge, to be found again in what was seen right before it.
 std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, const KeyGraph& graph);
 
+/// Key scans spread over what lies between an edge and the next untrusted one, each to be found
+/// again anywhere near by, and in any heading, in all that was seen before the edge.
+std::vector<LoopCandidate> FindJoins(const LoopCandidateOptions& options, const KeyGraph& graph,
+                                     int edge);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_SEEDING_LOOP_CANDIDATES_H_

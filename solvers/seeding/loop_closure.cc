@@ -19,11 +19,15 @@ constexpr double kScanCellM = 0.05;
 // The map of a wide search ends here: a return kilometres away must not blow up its grid.
 constexpr double kSearchReachM = 150.0;
 constexpr double kMapCellM = 0.03;
+// Where all places are of interest, matches may be this poor: their maps tell them apart. The
+// overlap may be a small part of what is looked for, and the fine matching does the rest.
+constexpr double kMinPlaceScore = 0.3;
+constexpr double kMinPlaceInlierRatio = 0.35;
+constexpr double kPlaceCellM = 0.2;
 // The correlative search finds a pose to about its cell; the fine matching starts from there.
 constexpr double kFineGateStartM = 0.3;
 // A second peak lies at least this far from the first; nearer ones are its flank.
-constexpr double kPeakRadiusM = 0.7;
-constexpr double kPeakAngleRad = 0.3;
+constexpr PeakSize kPeak{0.7, 0.3};
 // A second peak is looked for at least this far around: repeated rooms are a few metres apart.
 constexpr double kPeakWindowM = 6.0;
 
@@ -34,42 +38,20 @@ class CandidateTester {
       : options_(options), graph_(graph), surfaces_(surfaces), keys_(key_graph) {}
 
   TestedCandidate Test(const LoopCandidate& candidate) const {
-    TestedCandidate tested;
-    tested.edge.from = candidate.first;
-    tested.edge.to = candidate.second;
-    const LocalMap scan =
-        SubmapAround(candidate.second,
-                     candidate.wide() ? options_.map_path_m : options_.scan_path_m, kScanCellM);
+    const LocalMap scan = ScanOf(candidate);
     LocalMap map(kMapCellM);
     if (!candidate.wide()) map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
     const CorrelativeMatcher search(
         candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
         options_.search_cell_m,
         candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
-    const SearchWindow window{KeyFromKey(candidate.first, candidate.second), candidate.drift_m,
-                              candidate.drift_rad};
+    const SearchWindow window = WindowOf(candidate);
     const CorrelativeMatch coarse = search.Search(scan.points(), window, options_.min_search_score);
-    if (!coarse.found) return tested;
+    if (!coarse.found) return NoMatch(candidate);
 
-    PosePrediction start;
-    start.world_from_robot = coarse.map_from_scan;
-    if (candidate.wide()) {
-      // From here on the place that was found counts, not the one that was expected.
-      tested.edge.from = NearestKey(candidate.surroundings, candidate.first, coarse.map_from_scan);
-      start.world_from_robot =
-          KeyFromKey(tested.edge.from, candidate.first) * start.world_from_robot;
-      map = SubmapAround(tested.edge.from, options_.map_path_m, kMapCellM);
-    }
-    ScanMatchOptions matching;
-    matching.coarse_gate_m = kFineGateStartM;
-    const ScanMatch fine = MatchScan(map, scan.points(), start, matching);
-    tested.edge.from_from_to = fine.world_from_robot;
-    tested.edge.covariance = MatchCovariance(fine.information);
-    tested.inlier_ratio = fine.inlier_ratio;
-    if (tested.inlier_ratio >= std::min(kTentativeInlierRatio, options_.min_inlier_ratio)) {
-      tested.conflict = ConflictShare(tested.edge);
-    }
-    tested.verdict = Judge(candidate, tested);
+    TestedCandidate tested =
+        candidate.wide() ? TestPlace(candidate, scan, coarse.map_from_scan)
+                         : TestFit(candidate, NoMatch(candidate), map, scan, coarse.map_from_scan);
     if (tested.verdict == ClosureVerdict::kAccepted && candidate.wide() &&
         (coarse.gave_up ||
          SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
@@ -79,9 +61,66 @@ class CandidateTester {
     return tested;
   }
 
+  std::vector<TestedCandidate> FindPlaces(const LoopCandidate& candidate, int max_places) const {
+    const LocalMap scan = ScanOf(candidate);
+    const CorrelativeMatcher search(PointsOf(candidate.surroundings, candidate.first), kPlaceCellM,
+                                    candidate.drift_m);
+    std::vector<TestedCandidate> places;
+    for (const CorrelativeMatch& peak : search.SearchPeaks(scan.points(), WindowOf(candidate),
+                                                           kMinPlaceScore, max_places, kPeak)) {
+      const TestedCandidate place = TestPlace(candidate, scan, peak.map_from_scan);
+      if (place.inlier_ratio >= kMinPlaceInlierRatio) places.push_back(place);
+    }
+    return places;
+  }
+
  private:
   Pose2 KeyFromKey(int a, int b) const {
     return Between(keys_.world_from_key[a], keys_.world_from_key[b]);
+  }
+
+  SearchWindow WindowOf(const LoopCandidate& candidate) const {
+    return {KeyFromKey(candidate.first, candidate.second), candidate.drift_m, candidate.drift_rad};
+  }
+
+  LocalMap ScanOf(const LoopCandidate& candidate) const {
+    return SubmapAround(candidate.second,
+                        candidate.wide() ? options_.map_path_m : options_.scan_path_m, kScanCellM);
+  }
+
+  static TestedCandidate NoMatch(const LoopCandidate& candidate) {
+    TestedCandidate tested;
+    tested.edge.from = candidate.first;
+    tested.edge.to = candidate.second;
+    return tested;
+  }
+
+  // A place that a wide search found: from here on it counts, not the one that was expected.
+  TestedCandidate TestPlace(const LoopCandidate& candidate, const LocalMap& scan,
+                            const Pose2& first_from_scan) const {
+    TestedCandidate tested = NoMatch(candidate);
+    tested.edge.from = NearestKey(candidate.surroundings, candidate.first, first_from_scan);
+    return TestFit(candidate, tested,
+                   SubmapAround(tested.edge.from, options_.map_path_m, kMapCellM), scan,
+                   KeyFromKey(tested.edge.from, candidate.first) * first_from_scan);
+  }
+
+  // map: around the earlier key scan of `tested`. start: of the scan in it, to a cell or so.
+  TestedCandidate TestFit(const LoopCandidate& candidate, TestedCandidate tested,
+                          const LocalMap& map, const LocalMap& scan, const Pose2& start) const {
+    PosePrediction prediction;
+    prediction.world_from_robot = start;
+    ScanMatchOptions matching;
+    matching.coarse_gate_m = kFineGateStartM;
+    const ScanMatch fine = MatchScan(map, scan.points(), prediction, matching);
+    tested.edge.from_from_to = fine.world_from_robot;
+    tested.edge.covariance = MatchCovariance(fine.information);
+    tested.inlier_ratio = fine.inlier_ratio;
+    if (tested.inlier_ratio >= std::min(kTentativeInlierRatio, options_.min_inlier_ratio)) {
+      tested.conflict = ConflictShare(tested.edge);
+    }
+    tested.verdict = Judge(candidate, tested);
+    return tested;
   }
 
   ClosureVerdict Judge(const LoopCandidate& candidate, const TestedCandidate& tested) const {
@@ -196,8 +235,8 @@ class CandidateTester {
   }
 
   static bool IsSamePeak(const Pose2& apart) {
-    return std::hypot(apart.x, apart.y) < kPeakRadiusM &&
-           std::abs(NormalizeAngle(apart.yaw)) < kPeakAngleRad;
+    return std::hypot(apart.x, apart.y) < kPeak.radius_m &&
+           std::abs(NormalizeAngle(apart.yaw)) < kPeak.angle_rad;
   }
 
   static double PeakWindowM(double half_width_m) { return std::max(half_width_m, kPeakWindowM); }
@@ -206,7 +245,7 @@ class CandidateTester {
                      SearchWindow window, const CorrelativeMatch& best) const {
     window.half_width_m = PeakWindowM(window.half_width_m);
     return search.FitsElsewhere(scan, window, options_.max_second_peak * best.score,
-                                best.map_from_scan, kPeakRadiusM, kPeakAngleRad);
+                                best.map_from_scan, kPeak);
   }
 
   const LoopClosureOptions& options_;
@@ -260,6 +299,23 @@ std::vector<TestedCandidate> TestLoopCandidates(const LoopClosureOptions& option
     for (std::size_t i = begin; i < end; ++i) tested[i] = tester.Test(candidates[i]);
   });
   return tested;
+}
+
+std::vector<TestedCandidate> FindPlaces(const LoopClosureOptions& options, const SlamGraph& graph,
+                                        const std::vector<SurfacePoints>& surfaces,
+                                        const KeyGraph& key_graph,
+                                        const std::vector<LoopCandidate>& candidates,
+                                        int max_places, ThreadPool* pool) {
+  const CandidateTester tester(options, graph, surfaces, key_graph);
+  std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
+  pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    of_candidate[i] = tester.FindPlaces(candidates[i], max_places);
+  });
+  std::vector<TestedCandidate> places;
+  for (const std::vector<TestedCandidate>& of_this : of_candidate) {
+    places.insert(places.end(), of_this.begin(), of_this.end());
+  }
+  return places;
 }
 
 }  // namespace plumbline

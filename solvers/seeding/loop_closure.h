@@ -69,6 +69,15 @@ std::vector<TestedCandidate> TestLoopCandidates(const LoopClosureOptions& option
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool);
 
+/// All places where a wide candidate fits, however alike they are: those that show enough of the
+/// scan to be worth a hypothesis, max_places per candidate at most, in order of the candidates and
+/// from the best fit.
+std::vector<TestedCandidate> FindPlaces(const LoopClosureOptions& options, const SlamGraph& graph,
+                                        const std::vector<SurfacePoints>& surfaces,
+                                        const KeyGraph& key_graph,
+                                        const std::vector<LoopCandidate>& candidates,
+                                        int max_places, ThreadPool* pool);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_SEEDING_LOOP_CLOSURE_H_

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/seeding/closure_clusters.h"
 #include "plumbline/solvers/seeding/closure_memory.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
+#include "plumbline/solvers/seeding/part_joins.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/rematch_at_leaps.h"
 
@@ -34,6 +36,17 @@ constexpr int kMaxRevisions = 6;
 constexpr std::size_t kMaxStepsInQuestion = 12;
 // At most so many of them are taken as wrong without a closure that says so, one at a time.
 constexpr int kMaxForcedBreaks = 3;
+// At most so many steps are looked at as ones over which the robot may have been carried anywhere.
+constexpr std::size_t kMostCarried = 3;
+// Places that are tried with closures of their own where a robot may have been carried to: the best
+// ones by their maps.
+constexpr std::size_t kMostJoins = 4;
+// Places where a robot may have been carried to differ in likelihood by what conflicts, and by how
+// far it would have been: a metre counts as much as this many conflicting returns.
+constexpr double kReturnsPerM = 50.0;
+// Another such place is possible as well if this share of the explicable conflicts, at most, come
+// with it.
+constexpr double kNoContradiction = 1.0 / 3.0;
 // The odometry is worth a search of its own if its map has no more than this times the conflicts
 // that can be explained.
 constexpr double kSoundOdometry = 2.0;
@@ -67,6 +80,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
+    PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
     for (const std::size_t record : best->records) weighed_[record].adopted = true;
     return Status::Ok();
   }
@@ -112,6 +126,101 @@ class HypothesisSearch {
       PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
     }
     return Status::Ok();
+  }
+
+  // What lies beyond a wrong step may be anywhere. One step after the other, the worst first.
+  Status TryJoins(MapHypothesis* best) {
+    if (best->kind != HypothesisKind::kMatching && best->kind != HypothesisKind::kBrokenSteps) {
+      return Status::Ok();
+    }
+    std::vector<int> steps = MostDoubtfulSteps();
+    if (steps.size() > kMostCarried) steps.resize(kMostCarried);
+    for (const int step : steps) {
+      if (doubted_.sequential[step].evidence < kUntrustedEvidence) break;
+      const bool is_wrong = best->keys.sequential[step].broken || IsSuspicious(best->consistency) ||
+                            DoubtAt(step, best->loops).IsUnresolved();
+      if (is_wrong) PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
+    }
+    for (const auto& [first_pose_after, num] : num_alternatives_) {
+      for (DoubtfulStep& doubt : best->loops.doubts) {
+        if (doubt.first_pose_after == first_pose_after) doubt.num_alternatives = num;
+      }
+    }
+    return Status::Ok();
+  }
+
+  Status TryJoinsAt(int step, MapHypothesis* best) {
+    const std::vector<KeyGraph> joins =
+        JoinParts(options_, graph_, surfaces_, best->keys, step, pool_);
+    const std::vector<MapConsistency> maps = MeasureAll(joins, best->start);
+    std::vector<std::size_t> order(joins.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return Score(maps[a]) < Score(maps[b]); });
+    if (order.size() > kMostJoins) order.resize(kMostJoins);
+
+    // If closures tie it to where it is, that is one of the places.
+    const bool is_tied =
+        DoubtAt(step, best->loops).num_closures_across >= DoubtfulStep::kMinClosuresAcross;
+    std::vector<MapHypothesis> places;
+    if (is_tied) places.push_back(*best);
+    for (const std::size_t i : order) {
+      MapHypothesis joined;
+      joined.kind = HypothesisKind::kJoinedParts;
+      joined.start = best->start;
+      joined.keys = joins[i];
+      PLUMBLINE_RETURN_IF_ERROR(Close(&joined));
+      if (std::any_of(places.begin(), places.end(), [&](const MapHypothesis& other) {
+            return IsSameJoin(step, joined.keys, other.keys);
+          })) {
+        continue;
+      }
+      Weigh(&joined);
+      weighed_.back().first_pose_after = doubted_.sequential[step].first_pose_after;
+      weighed_.back().carried_to = StepAt(step, joined.keys);
+      if (is_tied || IsBetter(joined.consistency, best->consistency)) {
+        places.push_back(std::move(joined));
+      }
+    }
+    if (!places.empty()) TakeLikeliest(step, &places, best);
+    return Status::Ok();
+  }
+
+  // Of the places where what lies beyond a step may be.
+  void TakeLikeliest(int step, std::vector<MapHypothesis>* places, MapHypothesis* best) {
+    const auto share_within = [](const MapHypothesis& place) {
+      return place.consistency.within_pass.Share();
+    };
+    double usual_share = share_within(places->front());
+    for (const MapHypothesis& place : *places) {
+      usual_share = std::min(usual_share, share_within(place));
+    }
+    const auto excess = [&](const MapHypothesis& place) {
+      const FreeSpaceConflict all = AllConflicts(place.consistency);
+      return all.num_conflicting - usual_share * all.num_compared;
+    };
+    const Pose2& measured = doubted_.sequential[step].constraint.from_from_to;
+    const auto cost = [&](const MapHypothesis& place) {
+      const Pose2 carried = Between(measured, StepAt(step, place.keys));
+      return excess(place) + kReturnsPerM * std::hypot(carried.x, carried.y);
+    };
+    const auto likeliest = std::min_element(
+        places->begin(), places->end(),
+        [&](const MapHypothesis& a, const MapHypothesis& b) { return cost(a) < cost(b); });
+    int& num_alternatives = num_alternatives_[doubted_.sequential[step].first_pose_after];
+    for (auto place = places->begin(); place != places->end(); ++place) {
+      const double explicable = explicable_share_ * place->consistency.between_passes.num_compared;
+      if (place != likeliest && cost(*place) - cost(*likeliest) <= kNoContradiction * explicable) {
+        ++num_alternatives;
+      }
+    }
+    *best = std::move(*likeliest);
+  }
+
+  const DoubtfulStep& DoubtAt(int step, const LoopClosingReport& loops) const {
+    const int pose = doubted_.sequential[step].first_pose_after;
+    return *std::find_if(loops.doubts.begin(), loops.doubts.end(),
+                         [pose](const DoubtfulStep& d) { return d.first_pose_after == pose; });
   }
 
   // Whether the closures at hand move a step beyond its noise if it is allowed to be wrong: held as
@@ -239,6 +348,18 @@ class HypothesisSearch {
                    &hypothesis->world_from_robot);
   }
 
+  // The maps of graphs of the start's key scans.
+  std::vector<MapConsistency> MeasureAll(const std::vector<KeyGraph>& keys,
+                                         const SequentialTrajectory& start) const {
+    std::vector<MapConsistency> maps(keys.size());
+    pool_->ForEachChunk(keys.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      ThreadPool one_thread(1);
+      maps[i] =
+          meter_.Measure(PosesFollowingKeyScans(keys[i], start.world_from_robot), &one_thread);
+    });
+    return maps;
+  }
+
   // Closures that are taken out of the graph, or into it, together.
   using Revision = std::vector<RelativePoseConstraint>;
 
@@ -247,15 +368,12 @@ class HypothesisSearch {
   Status Revise(HypothesisKind kind, const std::vector<Revision>& revisions, MapHypothesis* best,
                 bool* revised) {
     std::vector<KeyGraph> keys(revisions.size());
-    std::vector<MapConsistency> maps(revisions.size());
     pool_->ForEachChunk(revisions.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      ThreadPool one_thread(1);
       keys[i] = kind == HypothesisKind::kWithoutCluster ? Without(revisions[i], best->keys)
                                                         : With(revisions[i], best->keys);
       OptimizeKeyScans(&keys[i]);
-      maps[i] = meter_.Measure(PosesFollowingKeyScans(keys[i], best->start.world_from_robot),
-                               &one_thread);
     });
+    const std::vector<MapConsistency> maps = MeasureAll(keys, best->start);
     const std::size_t first_record = weighed_.size();
     std::size_t least = 0;
     for (std::size_t i = 0; i < revisions.size(); ++i) {
@@ -419,7 +537,8 @@ class HypothesisSearch {
   // By what the surroundings of a key scan look like: that depends on the start, and on which steps
   // are in question.
   std::map<HypothesisKind, ClosureMemory> memories_;
-  KeyGraph doubted_;  // of the matching, with the evidence against its steps
+  std::map<int, int> num_alternatives_;  // of doubtful steps, by the first pose after them
+  KeyGraph doubted_;                     // of the matching, with the evidence against its steps
 };
 
 }  // namespace
@@ -438,6 +557,8 @@ const char* ToString(HypothesisKind kind) {
       return "with_match";
     case HypothesisKind::kBrokenSteps:
       return "broken_steps";
+    case HypothesisKind::kJoinedParts:
+      return "joined_parts";
   }
   return "unknown";
 }

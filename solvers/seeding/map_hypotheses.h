@@ -25,6 +25,7 @@ enum class HypothesisKind {
   kWithoutCluster,  ///< one cluster of closures is a mistake: two places look alike
   kWithMatch,       ///< a match that is no closure by itself holds: the map is better with it
   kBrokenSteps,     ///< some steps are wrong: a slip, or the robot was carried
+  kJoinedParts,     ///< the robot was carried: what lies beyond a step fits at another place
 };
 
 const char* ToString(HypothesisKind kind);
@@ -37,6 +38,10 @@ struct WeighedHypothesis {
   int first_later_pose = 0, last_later_pose = 0;
   int first_earlier_pose = 0, last_earlier_pose = 0;
   int num_closures = 0;  ///< in force; kWithoutCluster, kWithMatch: in question
+  /// kJoinedParts: where the step would have led, seen from the pose before it, instead of where
+  /// odometry and matching have it, and the first pose after it.
+  Pose2 carried_to;
+  int first_pose_after = 0;
   /// Compared and conflicting returns within and between passes.
   FreeSpaceConflict conflict;
   /// Conflicting returns less those that can be explained; the lower, the better. The number is

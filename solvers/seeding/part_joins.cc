@@ -1,0 +1,88 @@
+#include "plumbline/solvers/seeding/part_joins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/seeding/loop_candidates.h"
+
+namespace plumbline {
+namespace {
+
+// Per key scan that is looked for.
+constexpr int kMaxPlaces = 8;
+// In all.
+constexpr std::size_t kMaxWays = 16;
+// Ways to put two parts together that differ by less are the same one, measured at other places.
+constexpr double kSameM = 0.7;
+constexpr double kSameRad = 0.3;
+
+// Without what spans the edge.
+std::vector<RelativePoseConstraint> NotAcross(int edge,
+                                              const std::vector<RelativePoseConstraint>& closures) {
+  std::vector<RelativePoseConstraint> others;
+  std::copy_if(closures.begin(), closures.end(), std::back_inserter(others),
+               [edge](const RelativePoseConstraint& closure) {
+                 return closure.from > edge || closure.to <= edge;
+               });
+  return others;
+}
+
+KeyGraph TakeApart(int edge, KeyGraph keys) {
+  keys.sequential[edge].in_question = true;
+  keys.sequential[edge].broken = true;
+  for (auto* closures : {&keys.closures, &keys.contradicted, &keys.refused}) {
+    *closures = NotAcross(edge, *closures);
+  }
+  return keys;
+}
+
+KeyGraph Join(int edge, const RelativePoseConstraint& match, const KeyGraph& apart) {
+  KeyGraph joined = apart;
+  const Pose2 moved = apart.world_from_key[match.from] * match.from_from_to *
+                      apart.world_from_key[match.to].Inverse();
+  for (int k = edge + 1; k < joined.size(); ++k) {
+    joined.world_from_key[k] = moved * apart.world_from_key[k];
+  }
+  joined.closures.push_back(match);
+  return joined;
+}
+
+}  // namespace
+
+std::vector<KeyGraph> JoinParts(const LoopClosureOptions& options, const SlamGraph& graph,
+                                const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
+                                int edge, ThreadPool* pool) {
+  const KeyGraph apart = TakeApart(edge, keys);
+  std::vector<TestedCandidate> places =
+      FindPlaces(options, graph, surfaces, apart, FindJoins(options.candidates, apart, edge),
+                 kMaxPlaces, pool);
+  std::stable_sort(places.begin(), places.end(),
+                   [](const TestedCandidate& a, const TestedCandidate& b) {
+                     return a.inlier_ratio > b.inlier_ratio;
+                   });
+  std::vector<KeyGraph> joins;
+  for (const TestedCandidate& place : places) {
+    if (joins.size() == kMaxWays) break;
+    KeyGraph join = Join(edge, place.edge, apart);
+    const bool is_known = std::any_of(joins.begin(), joins.end(), [&](const KeyGraph& other) {
+      return IsSameJoin(edge, join, other);
+    });
+    if (!is_known) joins.push_back(std::move(join));
+  }
+  return joins;
+}
+
+Pose2 StepAt(int edge, const KeyGraph& keys) {
+  return Between(keys.world_from_key[edge], keys.world_from_key[edge + 1]);
+}
+
+bool IsSameJoin(int edge, const KeyGraph& a, const KeyGraph& b) {
+  const Pose2 apart = Between(StepAt(edge, a), StepAt(edge, b));
+  return std::hypot(apart.x, apart.y) < kSameM && std::abs(NormalizeAngle(apart.yaw)) < kSameRad;
+}
+
+}  // namespace plumbline
