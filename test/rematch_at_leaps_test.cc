@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "plumbline/test/seeding_testing.h"
@@ -9,7 +10,7 @@
 namespace plumbline {
 namespace {
 
-// Across the room, 8 cm a step; every third scan is a key scan.
+// Across the room, by default 8 cm a step; every third scan is a key scan.
 struct Crossing {
   SlamGraph graph;  // true poses
   std::vector<SurfacePoints> surfaces;
@@ -23,22 +24,23 @@ struct Crossing {
   }
 };
 
-Crossing MakeCrossing() {
+Crossing MakeCrossing(double step_m = 0.08) {
+  const int num_poses = static_cast<int>(std::lround(2.4 / step_m));
   SyntheticScene scene = Room();
   scene.range_sigma_m = 0.01;
-  for (int i = 0; i < 30; ++i) scene.poses.emplace_back(0.08 * i - 1.2, 0.2, 0.1);
+  for (int i = 0; i < num_poses; ++i) scene.poses.emplace_back(step_m * i - 1.2, 0.2, 0.1);
   Crossing crossing;
   crossing.graph = MakeGraph(scene);
   crossing.surfaces = SurfacesOf(crossing.graph);
   crossing.poses = scene.poses;
   crossing.odometry.emplace_back();
-  for (int i = 1; i < 30; ++i) {
+  for (int i = 1; i < num_poses; ++i) {
     crossing.odometry.push_back(Between(scene.poses[i - 1], scene.poses[i]));
   }
-  for (int i = 0; i < 30; i += 3) {
+  for (int i = 0; i < num_poses; i += 3) {
     KeyScan key;
     key.pose = key.scan = i;
-    key.path_m = 0.08 * i;
+    key.path_m = step_m * i;
     crossing.keys.key_scans.push_back(key);
   }
   return crossing;
@@ -51,6 +53,30 @@ TEST(RematchAtLeaps, FetchesThePoseThatHangsBehind) {
   crossing.poses[14].y += 0.1;
   crossing.Rematch(2);
   for (int pose = 0; pose < 30; ++pose) EXPECT_LT(crossing.ErrorM(pose), 0.02) << pose;
+}
+
+TEST(RematchAtLeaps, FetchesASeriesThatHangsBehind) {
+  // Three scans in a row were matched to where the wheels stood still, the last one 0.6 m behind.
+  Crossing crossing = MakeCrossing(0.2);
+  for (int pose = 5; pose <= 8; ++pose) crossing.odometry[pose] = Pose2(0.01, 0.0, 0.0);
+  for (int pose = 5; pose <= 7; ++pose) {
+    crossing.poses[pose] = crossing.poses[pose - 1] * crossing.odometry[pose];
+  }
+  EXPECT_GT(crossing.ErrorM(7), 0.55);
+  crossing.Rematch(2);
+  for (int pose = 0; pose < 12; ++pose) EXPECT_LT(crossing.ErrorM(pose), 0.03) << pose;
+}
+
+TEST(RematchAtLeaps, NoPoseIsOnTheWayOverABrokenEdge) {
+  // The room beyond the edge is the same once more, 30 m away: a robot that was carried there.
+  Crossing crossing = MakeCrossing();
+  crossing.keys.sequential.resize(9);
+  crossing.keys.sequential[4].broken = true;
+  crossing.keys.sequential[4].first_pose_after = 14;
+  for (int pose = 14; pose < 30; ++pose) crossing.poses[pose].x += 30.0;
+  const std::vector<Pose2> before = crossing.poses;
+  crossing.Rematch(1);
+  for (int pose = 0; pose < 30; ++pose) EXPECT_EQ(crossing.poses[pose].x, before[pose].x) << pose;
 }
 
 TEST(RematchAtLeaps, LeavesAllElseAlone) {
