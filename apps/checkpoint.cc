@@ -119,9 +119,9 @@ void Visit(Archive& archive, MapConsistency* map) {
 template <typename Archive>
 void Visit(Archive& archive, WeighedHypothesis* hypothesis) {
   auto& [kind, first_later, last_later, first_earlier, last_earlier, num_closures, carried_to,
-         first_pose_after, conflict, score, adopted] = *hypothesis;
+         first_pose_after, conflict, score, adopted, world_from_robot] = *hypothesis;
   archive(kind, first_later, last_later, first_earlier, last_earlier, num_closures, carried_to,
-          first_pose_after, conflict, score, adopted);
+          first_pose_after, conflict, score, adopted, world_from_robot);
 }
 
 template <typename Archive>

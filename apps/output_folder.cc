@@ -13,13 +13,26 @@ namespace plumbline {
 namespace {
 
 // All that a run over a log or a pose graph may write, in the order in which it is to go.
-constexpr std::array<std::string_view, 18> kResults = {
-    "summary.json",       "report.html",      "map_odometry.png",
-    "map_seed.png",       "map_given.png",    "map_refined.png",
-    "map_pose_graph.png", "before_after.png", "closures.png",
-    "conflicts.png",      "map.yaml",         "map.pgm",
-    "points.ply",         "points.pcd",       "trajectory_seed.tum",
-    "trajectory.tum",     "graph.g2o",        "graph.toro"};
+constexpr std::array<std::string_view, 20> kResults = {"summary.json",
+                                                       "report.html",
+                                                       "map_odometry.png",
+                                                       "map_seed.png",
+                                                       "map_given.png",
+                                                       "map_refined.png",
+                                                       "map_runner_up.png",
+                                                       "map_refused.png",
+                                                       "map_pose_graph.png",
+                                                       "before_after.png",
+                                                       "closures.png",
+                                                       "conflicts.png",
+                                                       "map.yaml",
+                                                       "map.pgm",
+                                                       "points.ply",
+                                                       "points.pcd",
+                                                       "trajectory_seed.tum",
+                                                       "trajectory.tum",
+                                                       "graph.g2o",
+                                                       "graph.toro"};
 
 bool IsResult(std::string_view name) {
   return std::find(kResults.begin(), kResults.end(), name) != kResults.end();

@@ -1,6 +1,7 @@
 #include "plumbline/apps/seeding_report.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 
 #include "plumbline/apps/alarm.h"
@@ -143,6 +144,17 @@ std::string NoPathText(const SequentialSeedingReport& report) {
   return std::string("  ") + reason + ": there is no loop to close and no drift to check.\n";
 }
 
+// Maps whose poses differ by less are the same one to the eye.
+constexpr double kSameMapM = 0.5;
+
+double LargestShiftM(const std::vector<Pose2>& a, const std::vector<Pose2>& b) {
+  double largest_m = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest_m = std::max(largest_m, (a[i].translation() - b[i].translation()).norm());
+  }
+  return largest_m;
+}
+
 }  // namespace
 
 std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops) {
@@ -178,6 +190,31 @@ std::string HypothesisText(const WeighedHypothesis& hypothesis) {
                     RadToDeg(hypothesis.carried_to.yaw));
   }
   return "unknown";
+}
+
+std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothesis>& hypotheses,
+                                                const std::vector<Pose2>& poses, std::size_t most) {
+  std::vector<const WeighedHypothesis*> refused;
+  for (const WeighedHypothesis& hypothesis : hypotheses) {
+    if (!hypothesis.adopted && !hypothesis.world_from_robot.empty() &&
+        hypothesis.kind != HypothesisKind::kOdometryAlone) {
+      refused.push_back(&hypothesis);
+    }
+  }
+  std::stable_sort(refused.begin(), refused.end(),
+                   [](const auto* a, const auto* b) { return a->score < b->score; });
+  std::vector<const WeighedHypothesis*> runners_up;
+  for (const WeighedHypothesis* hypothesis : refused) {
+    const auto is_same = [&](const std::vector<Pose2>& other) {
+      return LargestShiftM(hypothesis->world_from_robot, other) < kSameMapM;
+    };
+    const bool is_known = is_same(poses) || std::any_of(runners_up.begin(), runners_up.end(),
+                                                        [&](const WeighedHypothesis* better) {
+                                                          return is_same(better->world_from_robot);
+                                                        });
+    if (!is_known && runners_up.size() < most) runners_up.push_back(hypothesis);
+  }
+  return runners_up;
 }
 
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph) {

@@ -1,8 +1,10 @@
 #ifndef PLUMBLINE_APPS_SEEDING_REPORT_H_
 #define PLUMBLINE_APPS_SEEDING_REPORT_H_
 
+#include <cstddef>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/seeding/seed.h"
@@ -14,6 +16,12 @@ std::map<ClosureVerdict, int> CountVerdicts(const LoopClosingReport& loops);
 
 /// What a hypothesis says, as "without 12 closures of poses 8928-8992 with poses 54-6346".
 std::string HypothesisText(const WeighedHypothesis& hypothesis);
+
+/// The hypotheses that were refused although they came nearest to the one that was adopted, the
+/// best first, `most` at most. Of them those with a map of their own: one that is neither the
+/// odometry's nor, to half a metre, the one that was adopted, `poses`, or one of a better one.
+std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothesis>& hypotheses,
+                                                const std::vector<Pose2>& poses, std::size_t most);
 
 /// What people need to know of a seeding, a fact per line, indented: what was matched, how good the
 /// odometry is, which loops were closed, which steps were wrong. graph: as seeded, a scan per pose.

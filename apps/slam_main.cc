@@ -3,10 +3,12 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <iomanip>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -114,6 +116,7 @@ class SlamRun {
     seed_poses_ = graph_.poses();
     PLUMBLINE_RETURN_IF_ERROR(
         RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png"));
+    if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
     PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
     PLUMBLINE_RETURN_IF_ERROR(Refine());
     PLUMBLINE_RETURN_IF_ERROR(WriteResults());
@@ -223,10 +226,7 @@ class SlamRun {
 
   // A solver of pose graphs has the work still to do that the seeding did by its own.
   Status OpenLoops() {
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      graph_.SetPose(pose, summary_.seeding.sequential_poses[pose]);
-    }
-    graph_.ResetPointsFromPoses();
+    MoveTo(summary_.seeding.sequential_poses);
     for (const RelativePoseConstraint& edge : summary_.seeding.pose_graph) {
       PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(edge));
     }
@@ -323,6 +323,17 @@ class SlamRun {
     return WriteHtmlReport(output_.File("report.html"), report);
   }
 
+  std::string RefusedMapsText() const {
+    const auto num = std::count_if(maps_.begin(), maps_.end(), [](const ReportMap& map) {
+      return map.name.find(": ") != std::string::npos;
+    });
+    if (num == 0) return "";
+    return num == 1 ? "  map_runner_up.png                                 explanation that was "
+                      "refused\n"
+                    : "  map_runner_up.png, map_refused.png                explanations that were "
+                      "refused\n";
+  }
+
   void PrintResults() const {
     std::cout
         << StageTable(summary_.stages)
@@ -331,7 +342,7 @@ class SlamRun {
         << ":\n  report.html                                       all of it to look at, in a "
            "browser\n"
            "  map_odometry.png, map_seed.png                    pictures of the way there\n"
-        << MapFilesText(true)
+        << RefusedMapsText() << MapFilesText(true)
         << "  closures.png                                      loops closed and refused\n"
            "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
            "  graph.g2o                                         these poses and the seed's edges, "
@@ -341,6 +352,29 @@ class SlamRun {
     for (const std::string& warning : summary_.warnings)
       std::cerr << "warning: " << warning << '\n';
     std::cerr << AlarmText(summary_.alarms);
+  }
+
+  // The maps of other explanations of the drive, for people who doubt the one that was adopted.
+  Status DrawRefusedMaps() {
+    constexpr const char* kFiles[] = {"map_runner_up.png", "map_refused.png"};
+    const std::vector<Pose2> seed = PosesOf(graph_);
+    std::size_t file = 0;
+    for (const WeighedHypothesis* other :
+         RunnersUp(summary_.seeding.hypotheses, seed, std::size(kFiles))) {
+      MoveTo(other->world_from_robot);
+      maps_.push_back({(file == 0 ? "Runner-up: " : "Refused: ") + HypothesisText(*other),
+                       output_.File(kFiles[file]), MapArea()});
+      ++file;
+      PLUMBLINE_RETURN_IF_ERROR(Draw(&maps_.back()));
+    }
+    if (file > 0) MoveTo(seed);
+    return Status::Ok();
+  }
+  void MoveTo(const std::vector<Pose2>& world_from_robot) {
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      graph_.SetPose(pose, world_from_robot[pose]);
+    }
+    graph_.ResetPointsFromPoses();
   }
 
   // What the map looks like as it stands, and how good it is.

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/test/synthetic_scene.h"
 
 namespace plumbline {
@@ -121,6 +123,37 @@ TEST(SeedingTextTest, HypothesesThatWereAdopted) {
   without.adopted = true;
   EXPECT_THAT(Text(report), HasSubstr("  Of 3 hypotheses the scans agree best with this one: "
                                       "without 12 closures of poses 8928-8992 with poses 54.\n"));
+}
+
+TEST(SeedingTextTest, ARobotThatWasCarried) {
+  WeighedHypothesis joined;
+  joined.kind = HypothesisKind::kJoinedParts;
+  joined.first_pose_after = 17;
+  joined.carried_to = Pose2(1.24, -3.0, 0.5 * kPi);
+  EXPECT_EQ(HypothesisText(joined),
+            "carried before pose 17: 1.2 m ahead, -3.0 m to the left, turned by 90 deg");
+}
+
+TEST(SeedingTextTest, RunnersUpAreOtherMapsTheBestFirst) {
+  const auto make = [](double x_m, double score) {
+    WeighedHypothesis hypothesis;
+    hypothesis.kind = HypothesisKind::kBrokenSteps;
+    hypothesis.score = score;
+    hypothesis.world_from_robot = {Pose2(), Pose2(x_m, 0.0, 0.0)};
+    return hypothesis;
+  };
+  std::vector<WeighedHypothesis> hypotheses = {make(0.1, -900.0), make(5.0, -200.0),
+                                               make(9.0, -300.0), make(9.2, -250.0),
+                                               make(0.0, -950.0), make(7.0, -990.0)};
+  hypotheses[4].adopted = true;
+  hypotheses[5].kind = HypothesisKind::kOdometryAlone;  // is shown anyway
+  hypotheses.emplace_back();                            // without a map
+  const std::vector<Pose2> seed = hypotheses[4].world_from_robot;
+  const std::vector<const WeighedHypothesis*> two = RunnersUp(hypotheses, seed, 2);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0], &hypotheses[2]);
+  EXPECT_EQ(two[1], &hypotheses[1]);
+  EXPECT_EQ(RunnersUp(hypotheses, seed, 1).size(), 1u);
 }
 
 TEST(SeedingTextTest, FaultsOfTheOdometry) {

@@ -136,10 +136,9 @@ class HypothesisSearch {
     std::vector<int> steps = MostDoubtfulSteps();
     if (steps.size() > kMostCarried) steps.resize(kMostCarried);
     for (const int step : steps) {
-      if (doubted_.sequential[step].evidence < kUntrustedEvidence) break;
-      const bool is_wrong = best->keys.sequential[step].broken || IsSuspicious(best->consistency) ||
-                            DoubtAt(step, best->loops).IsUnresolved();
-      if (is_wrong) PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
+      const bool is_suspect = doubted_.sequential[step].evidence >= kUntrustedEvidence &&
+                              IsSuspicious(best->consistency);
+      if (is_suspect || IsOpen(step, *best)) PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
     }
     for (const auto& [first_pose_after, num] : num_alternatives_) {
       for (DoubtfulStep& doubt : best->loops.doubts) {
@@ -207,6 +206,8 @@ class HypothesisSearch {
     const auto likeliest = std::min_element(
         places->begin(), places->end(),
         [&](const MapHypothesis& a, const MapHypothesis& b) { return cost(a) < cost(b); });
+    // Where nothing shows that the step was wrong, it stays.
+    if (!IsOpen(step, *best) && IsSameJoin(step, likeliest->keys, best->keys)) return;
     int& num_alternatives = num_alternatives_[doubted_.sequential[step].first_pose_after];
     for (auto place = places->begin(); place != places->end(); ++place) {
       const double explicable = explicable_share_ * place->consistency.between_passes.num_compared;
@@ -215,6 +216,12 @@ class HypothesisSearch {
       }
     }
     *best = std::move(*likeliest);
+  }
+
+  // Whether the hypothesis itself says that the step leads, or may lead, to somewhere else.
+  bool IsOpen(int step, const MapHypothesis& hypothesis) const {
+    return hypothesis.keys.sequential[step].broken ||
+           DoubtAt(step, hypothesis.loops).IsUnresolved();
   }
 
   const DoubtfulStep& DoubtAt(int step, const LoopClosingReport& loops) const {
@@ -280,6 +287,7 @@ class HypothesisSearch {
     weighed.num_closures = static_cast<int>(hypothesis->keys.closures.size());
     weighed.conflict = AllConflicts(hypothesis->consistency);
     weighed.score = Score(hypothesis->consistency);
+    weighed.world_from_robot = hypothesis->world_from_robot;
     hypothesis->records = {weighed_.size()};
     weighed_.push_back(weighed);
   }

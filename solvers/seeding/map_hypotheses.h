@@ -49,6 +49,8 @@ struct WeighedHypothesis {
   /// of what is compared conflicts, and one in which passes lie on each other by mistake.
   double score = 0.0;
   bool adopted = false;
+  /// The map that it makes: a pose per pose of the graph. kWithoutCluster, kWithMatch: none.
+  std::vector<Pose2> world_from_robot;
 };
 
 /// One explanation of a drive, and the map that it makes.
