@@ -147,7 +147,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 1\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 2\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {
@@ -256,6 +256,11 @@ Status CheckContents(const std::string& path, const Contents& contents, const Sl
       check("field 'odometry'", contents.odometry.size(), graph.odometry().size()));
   PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.sequential_poses'",
                                   contents.seeding.sequential_poses.size(), num_poses));
+  for (const WeighedHypothesis& hypothesis : contents.seeding.hypotheses) {
+    if (hypothesis.world_from_robot.empty()) continue;
+    PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.hypotheses.world_from_robot'",
+                                    hypothesis.world_from_robot.size(), num_poses));
+  }
   const bool finite = std::all_of(contents.poses.begin(), contents.poses.end(),
                                   [](double value) { return std::isfinite(value); });
   return finite ? Status::Ok()

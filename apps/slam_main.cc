@@ -3,7 +3,6 @@
 #include <gflags/gflags.h>
 #include <glog/logging.h>
 
-#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <iomanip>
@@ -324,14 +323,12 @@ class SlamRun {
   }
 
   std::string RefusedMapsText() const {
-    const auto num = std::count_if(maps_.begin(), maps_.end(), [](const ReportMap& map) {
-      return map.name.find(": ") != std::string::npos;
-    });
-    if (num == 0) return "";
-    return num == 1 ? "  map_runner_up.png                                 explanation that was "
-                      "refused\n"
-                    : "  map_runner_up.png, map_refused.png                explanations that were "
-                      "refused\n";
+    if (num_refused_maps_ == 0) return "";
+    return num_refused_maps_ == 1
+               ? "  map_runner_up.png                                 explanation that was "
+                 "refused\n"
+               : "  map_runner_up.png, map_refused.png                explanations that were "
+                 "refused\n";
   }
 
   void PrintResults() const {
@@ -358,16 +355,15 @@ class SlamRun {
   Status DrawRefusedMaps() {
     constexpr const char* kFiles[] = {"map_runner_up.png", "map_refused.png"};
     const std::vector<Pose2> seed = PosesOf(graph_);
-    std::size_t file = 0;
     for (const WeighedHypothesis* other :
          RunnersUp(summary_.seeding.hypotheses, seed, std::size(kFiles))) {
       MoveTo(other->world_from_robot);
-      maps_.push_back({(file == 0 ? "Runner-up: " : "Refused: ") + HypothesisText(*other),
-                       output_.File(kFiles[file]), MapArea()});
-      ++file;
+      const std::string title = num_refused_maps_ == 0 ? "Runner-up" : "Refused";
+      maps_.push_back({title, output_.File(kFiles[num_refused_maps_++]), MapArea()});
       PLUMBLINE_RETURN_IF_ERROR(Draw(&maps_.back()));
+      maps_.back().name += ": " + HypothesisText(*other);
     }
-    if (file > 0) MoveTo(seed);
+    if (num_refused_maps_ > 0) MoveTo(seed);
     return Status::Ok();
   }
   void MoveTo(const std::vector<Pose2>& world_from_robot) {
@@ -419,6 +415,7 @@ class SlamRun {
   std::optional<Truth> truth_;
   RunSummary summary_;
   std::vector<ReportMap> maps_;
+  std::size_t num_refused_maps_ = 0;
 };
 
 }  // namespace

@@ -26,7 +26,13 @@ SeedingReport MakeReport(int num_poses) {
   report.odometry_noise.rotation = {true, 20, 0.0, 0.1 + 0.2};
   report.odometry_noise.motion.rotation_floor_rad = 5e-324;
   report.loops.matches.push_back({1, 5, {0.1, 0.2, 0.3}, ClosureVerdict::kAmbiguous});
-  report.loops.doubts.push_back({5, 0.75, true, 0.25, 2});
+  report.loops.doubts.push_back({5, 0.75, true, 0.25, 2, 3});
+  WeighedHypothesis joined;
+  joined.kind = HypothesisKind::kJoinedParts;
+  joined.carried_to = {1.0, -2.0, 1.0 / 3.0};
+  joined.first_pose_after = 4;
+  joined.world_from_robot.assign(num_poses, {0.5, 0.25, 1.0 / 9.0});
+  report.hypotheses = {WeighedHypothesis(), joined};
   report.consistency.worst_between = {{200, 50}, 3};
   report.consistency.places.push_back({2, 4, {0.5, -1.0 / 3.0}});
   report.pose_graph.push_back({0, 4, {1.0, 2.0, 3.0}, CorrelatedCovariance()});
@@ -122,7 +128,7 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
   Write();
   std::string newer = ReadFile(path_);
-  newer.replace(newer.find('1'), 1, "2");
+  newer.replace(newer.find('2'), 1, "3");
   WriteFile(path_, newer);
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }

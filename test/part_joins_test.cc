@@ -84,7 +84,9 @@ TEST(PartJoins, ReplaceWhatWasAcrossTheEdge) {
   robot.keys.closures = {{0, 2, Pose2(), covariance}, {1, 5, Pose2(), covariance}};
   robot.keys.contradicted = {{0, 4, Pose2(), covariance}};
   robot.keys.refused = {{4, 5, Pose2(), covariance}};
-  for (const KeyGraph& join : robot.Join()) {
+  const std::vector<KeyGraph> joins = robot.Join();
+  ASSERT_FALSE(joins.empty());
+  for (const KeyGraph& join : joins) {
     EXPECT_TRUE(join.sequential[CarriedRobot::kEdge].broken);
     ASSERT_EQ(join.closures.size(), 2u);
     EXPECT_EQ(join.closures[0].to, 2);

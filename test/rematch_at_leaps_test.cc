@@ -68,15 +68,22 @@ TEST(RematchAtLeaps, FetchesASeriesThatHangsBehind) {
 }
 
 TEST(RematchAtLeaps, NoPoseIsOnTheWayOverABrokenEdge) {
-  // The room beyond the edge is the same once more, 30 m away: a robot that was carried there.
-  Crossing crossing = MakeCrossing();
-  crossing.keys.sequential.resize(9);
-  crossing.keys.sequential[4].broken = true;
-  crossing.keys.sequential[4].first_pose_after = 14;
-  for (int pose = 14; pose < 30; ++pose) crossing.poses[pose].x += 30.0;
-  const std::vector<Pose2> before = crossing.poses;
-  crossing.Rematch(1);
-  for (int pose = 0; pose < 30; ++pose) EXPECT_EQ(crossing.poses[pose].x, before[pose].x) << pose;
+  // A robot that was carried 30 m between the key scans 12 and 15. The map of what was before is
+  // gone: the scans before the edge fit best into the room where it came to.
+  for (const bool is_carried : {true, false}) {
+    Crossing crossing = MakeCrossing();
+    crossing.keys.sequential.resize(9);
+    crossing.keys.sequential[4].constraint.from = 4;
+    crossing.keys.sequential[4].constraint.to = 5;
+    crossing.keys.sequential[4].first_pose_after = 13;  // to a pose or two
+    crossing.keys.sequential[4].broken = is_carried;
+    for (int pose = 14; pose < 30; ++pose) crossing.poses[pose].x += 30.0;
+    for (int pose = 0; pose <= 12; pose += 3) crossing.surfaces[pose].clear();
+    const std::vector<Pose2> before = crossing.poses;
+    crossing.Rematch(1);
+    EXPECT_EQ(crossing.poses[13].x == before[13].x, is_carried);
+    for (int pose = 14; pose < 30; ++pose) EXPECT_EQ(crossing.poses[pose].x, before[pose].x);
+  }
 }
 
 TEST(RematchAtLeaps, LeavesAllElseAlone) {

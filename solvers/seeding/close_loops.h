@@ -28,7 +28,7 @@ struct LoopClosureRecord {
 struct DoubtfulStep {
   int first_pose_after = 0;
   double evidence = 0.0;  ///< of the disagreement, from 0.15 to 1.6
-  bool broken = false;    ///< closures have shown that the step was wrong, and have put it right
+  bool broken = false;    ///< the step was wrong; closures across it put it right
   /// How far the repair has turned what lies beyond it [rad]. Many buildings look alike turned by a
   /// right angle or half a turn, and nothing but the odometry says which it was.
   double turned_rad = 0.0;

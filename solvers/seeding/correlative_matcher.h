@@ -46,7 +46,9 @@ class CorrelativeMatcher {
   CorrelativeMatch Search(const SurfacePoints& scan, const SearchWindow& window,
                           double min_score) const;
 
-  /// The best poses of up to max_peaks peaks that score more than min_score, the best first.
+  /// The best poses of up to max_peaks peaks that score more than min_score, the best first. Peaks
+  /// so near to each other that they share poses may count as one, and where everything fits a
+  /// little the search is given up, and some may be missing.
   std::vector<CorrelativeMatch> SearchPeaks(const SurfacePoints& scan, const SearchWindow& window,
                                             double min_score, int max_peaks,
                                             const PeakSize& size) const;

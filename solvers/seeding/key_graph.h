@@ -35,7 +35,8 @@ struct SequentialEdge {
   int first_pose_after = 0;
   /// The hypothesis at hand allows for the edge to be wrong: closures may contradict it.
   bool in_question = false;
-  /// It is in question, and closures across it have shown that it is wrong: it no longer counts.
+  /// It is in question, and is wrong, as closures across it show or a hypothesis says: it no longer
+  /// counts.
   bool broken = false;
 
   /// Its far side may be anywhere near by.

@@ -14,6 +14,7 @@
 #include "plumbline/solvers/seeding/part_joins.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/rematch_at_leaps.h"
+#include "plumbline/solvers/seeding/suspect_clusters.h"
 
 namespace plumbline {
 namespace {
@@ -22,12 +23,6 @@ namespace {
 constexpr double kMinGain = 0.1;
 // ... and this many conflicting returns: what people and chairs that moved bring about.
 constexpr double kMinGainReturns = 100.0;
-// Clusters that are weighed at a time: the worst by the conflicts around them, and by how much they
-// strain the graph.
-constexpr std::size_t kMostByConflict = 8;
-constexpr std::size_t kMostByStrain = 4;
-// A wrong cluster bends what lies within this much path [m] of it the most.
-constexpr double kAroundM = 15.0;
 // Matches that nearly became closures are weighed, at most so many at a time.
 constexpr std::size_t kMostTentative = 8;
 // At most so often a cluster is found wrong, or such a match right.
@@ -37,7 +32,7 @@ constexpr std::size_t kMaxStepsInQuestion = 12;
 // At most so many of them are taken as wrong without a closure that says so, one at a time.
 constexpr int kMaxForcedBreaks = 3;
 // At most so many steps are looked at as ones over which the robot may have been carried anywhere.
-constexpr std::size_t kMostCarried = 3;
+constexpr int kMostCarried = 3;
 // Places that are tried with closures of their own where a robot may have been carried to: the best
 // ones by their maps.
 constexpr std::size_t kMostJoins = 4;
@@ -133,12 +128,13 @@ class HypothesisSearch {
     if (best->kind != HypothesisKind::kMatching && best->kind != HypothesisKind::kBrokenSteps) {
       return Status::Ok();
     }
-    std::vector<int> steps = MostDoubtfulSteps();
-    if (steps.size() > kMostCarried) steps.resize(kMostCarried);
-    for (const int step : steps) {
+    int num_tried = 0;
+    for (const int step : MostDoubtfulSteps()) {
       const bool is_suspect = doubted_.sequential[step].evidence >= kUntrustedEvidence &&
                               IsSuspicious(best->consistency);
-      if (is_suspect || IsOpen(step, *best)) PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
+      if (!is_suspect && !IsOpen(step, *best)) continue;
+      if (++num_tried > kMostCarried) break;
+      PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
     }
     for (const auto& [first_pose_after, num] : num_alternatives_) {
       for (DoubtfulStep& doubt : best->loops.doubts) {
@@ -149,8 +145,10 @@ class HypothesisSearch {
   }
 
   Status TryJoinsAt(int step, MapHypothesis* best) {
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
     const std::vector<KeyGraph> joins =
         JoinParts(options_, graph_, surfaces_, best->keys, step, pool_);
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
     const std::vector<MapConsistency> maps = MeasureAll(joins, best->start);
     std::vector<std::size_t> order(joins.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -163,7 +161,10 @@ class HypothesisSearch {
         DoubtAt(step, best->loops).num_closures_across >= DoubtfulStep::kMinClosuresAcross;
     std::vector<MapHypothesis> places;
     if (is_tied) places.push_back(*best);
+    // Other steps were in question when it was filled.
+    memories_.erase(HypothesisKind::kJoinedParts);
     for (const std::size_t i : order) {
+      PLUMBLINE_RETURN_IF_ERROR(CheckStop());
       MapHypothesis joined;
       joined.kind = HypothesisKind::kJoinedParts;
       joined.start = best->start;
@@ -177,12 +178,24 @@ class HypothesisSearch {
       Weigh(&joined);
       weighed_.back().first_pose_after = doubted_.sequential[step].first_pose_after;
       weighed_.back().carried_to = StepAt(step, joined.keys);
+      // What was found before about closures and other steps is still in force.
+      for (const std::size_t record : best->records) {
+        const HypothesisKind kind = weighed_[record].kind;
+        if (kind != HypothesisKind::kMatching && kind != HypothesisKind::kBrokenSteps) {
+          joined.records.push_back(record);
+        }
+      }
       if (is_tied || IsBetter(joined.consistency, best->consistency)) {
         places.push_back(std::move(joined));
       }
     }
     if (!places.empty()) TakeLikeliest(step, &places, best);
     return Status::Ok();
+  }
+
+  Status CheckStop() const {
+    if (!progress_ || progress_(SeedingPhase::kClosingLoops, 0, 1)) return Status::Ok();
+    return Status::Unavailable("loop closing was stopped by its caller");
   }
 
   // Of the places where what lies beyond a step may be.
@@ -328,8 +341,9 @@ class HypothesisSearch {
   Status ReviseClosures(MapHypothesis* best) {
     for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
       bool revised = false;
-      PLUMBLINE_RETURN_IF_ERROR(
-          Revise(HypothesisKind::kWithoutCluster, SuspectClusters(*best), best, &revised));
+      PLUMBLINE_RETURN_IF_ERROR(Revise(
+          HypothesisKind::kWithoutCluster,
+          SuspectClusters(best->keys, best->consistency, explicable_share_), best, &revised));
       if (revised) continue;
       PLUMBLINE_RETURN_IF_ERROR(
           Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
@@ -457,78 +471,6 @@ class HypothesisSearch {
       if (matches.size() < kMostTentative) matches.push_back({match});
     }
     return matches;
-  }
-
-  // The clusters that are worth a trial, each once.
-  std::vector<Revision> SuspectClusters(const MapHypothesis& hypothesis) const {
-    const std::vector<ClosureCluster> clusters =
-        FindClosureClusters(hypothesis.keys.closures, hypothesis.keys);
-    std::vector<double> conflict(clusters.size()), strain(clusters.size());
-    const ExcessAlongPath excess = MeasureExcess(hypothesis);
-    // A cluster is in order of the path of its later ends.
-    const auto later_m = [&](int closure) {
-      return hypothesis.keys.key_scans[hypothesis.keys.closures[closure].to].path_m;
-    };
-    for (std::size_t i = 0; i < clusters.size(); ++i) {
-      conflict[i] = excess.Between(later_m(clusters[i].front()) - kAroundM,
-                                   later_m(clusters[i].back()) + kAroundM);
-      strain[i] = Strain(clusters[i], hypothesis.keys);
-    }
-    std::vector<Revision> suspects;
-    std::vector<bool> taken(clusters.size(), false);
-    const auto take = [&](const std::vector<double>& doubt, std::size_t most) {
-      std::vector<std::size_t> order;
-      for (std::size_t i = 0; i < clusters.size(); ++i) {
-        if (!taken[i] && doubt[i] > 0.0) order.push_back(i);
-      }
-      std::stable_sort(order.begin(), order.end(),
-                       [&](std::size_t a, std::size_t b) { return doubt[a] > doubt[b]; });
-      if (order.size() > most) order.resize(most);
-      for (const std::size_t i : order) {
-        taken[i] = true;
-        suspects.emplace_back();
-        for (const int c : clusters[i]) suspects.back().push_back(hypothesis.keys.closures[c]);
-      }
-    };
-    take(conflict, kMostByConflict);
-    take(strain, kMostByStrain);
-    return suspects;
-  }
-
-  // Sums over the path of the conflicting returns beyond the explicable ones, with other passes.
-  struct ExcessAlongPath {
-    std::vector<double> path_m, sum;  // up to each viewpoint, in order of the path
-
-    double Between(double low_m, double high_m) const {
-      const auto up_to = [&](double path) {
-        const auto end = std::upper_bound(path_m.begin(), path_m.end(), path);
-        return end == path_m.begin() ? 0.0 : sum[end - path_m.begin() - 1];
-      };
-      return up_to(high_m) - up_to(low_m);
-    }
-  };
-
-  ExcessAlongPath MeasureExcess(const MapHypothesis& hypothesis) const {
-    const std::vector<KeyScan>& key_scans = hypothesis.keys.key_scans;
-    ExcessAlongPath excess;
-    double sum = 0.0;
-    std::size_t key = 0;
-    for (const ViewpointConflict& viewpoint : hypothesis.consistency.viewpoints) {
-      while (key + 1 < key_scans.size() && key_scans[key + 1].pose <= viewpoint.pose) ++key;
-      sum += viewpoint.between_passes.num_conflicting -
-             explicable_share_ * viewpoint.between_passes.num_compared;
-      excess.path_m.push_back(key_scans[key].path_m);
-      excess.sum.push_back(sum);
-    }
-    return excess;
-  }
-
-  // Mean squared error of a cluster's closures, beyond what chance makes of it.
-  static double Strain(const ClosureCluster& cluster, const KeyGraph& keys) {
-    constexpr double kByChance = 3.0;  // degrees of freedom
-    double sum = 0.0;
-    for (const int c : cluster) sum += EdgeChi2(keys.closures[c], keys.world_from_key);
-    return sum / static_cast<double>(cluster.size()) - kByChance;
   }
 
   const LoopClosureOptions& options_;

@@ -38,8 +38,8 @@ struct WeighedHypothesis {
   int first_later_pose = 0, last_later_pose = 0;
   int first_earlier_pose = 0, last_earlier_pose = 0;
   int num_closures = 0;  ///< in force; kWithoutCluster, kWithMatch: in question
-  /// kJoinedParts: where the step would have led, seen from the pose before it, instead of where
-  /// odometry and matching have it, and the first pose after it.
+  /// kJoinedParts: where the key scan after the step lies, seen from the one before it, and the
+  /// first pose after the step.
   Pose2 carried_to;
   int first_pose_after = 0;
   /// Compared and conflicting returns within and between passes.
@@ -68,7 +68,8 @@ struct MapHypothesis {
 /// which clusters of closures hold, and which steps are broken. Closures are sought around each
 /// start once; after that a hypothesis costs the optimisation of a pose graph and a measurement of
 /// the map, and a place is only searched anew where a hypothesis that was adopted moves it to
-/// somewhere it was not searched before.
+/// somewhere it was not searched before. The exception is a robot that was carried: the best few
+/// places where it may have been get closures of their own.
 ///
 /// The work is bounded: suspects alone are weighed, a fixed number of them per step.
 ///

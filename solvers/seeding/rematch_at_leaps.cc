@@ -32,23 +32,52 @@ constexpr int kMaxStarts = 8;
 // Evenness is told by this many steps to either side.
 constexpr int kStepsAround = 3;
 
-// Per pose the first pose after the next leap, if it is at most so many poses before that leap or
-// right after it; else 0. The first pose stays in any case: the drive begins there.
-std::vector<int> FindLeaps(const std::vector<Pose2>& odometry, const MotionOptions& motion,
-                           const std::vector<Pose2>& poses, int poses_before) {
-  const int num_poses = static_cast<int>(poses.size());
-  std::vector<int> leap_of_pose(poses.size(), 0);
-  for (int p = num_poses - 1; p > 0; --p) {
-    if (!IsLeap(odometry[p], Between(poses[p - 1], poses[p]), motion)) continue;
-    const int begin = std::max(1, p - poses_before), end = std::min(num_poses, p + kPosesAfter + 1);
-    std::fill(leap_of_pose.begin() + begin, leap_of_pose.begin() + end, p);
+// The leaps of a trajectory, by the first pose after each.
+class Leaps {
+ public:
+  Leaps(const KeyGraph& keys, const std::vector<Pose2>& odometry, const MotionOptions& motion,
+        const std::vector<Pose2>& poses)
+      : is_leap_(poses.size(), 0), is_carried_(poses.size(), 0) {
+    for (std::size_t p = 1; p < poses.size(); ++p) {
+      is_leap_[p] = IsLeap(odometry[p], Between(poses[p - 1], poses[p]), motion);
+    }
+    // Somewhere between the key scans of a broken edge the robot was carried.
+    for (const SequentialEdge& edge : keys.sequential) {
+      if (!edge.broken) continue;
+      const auto begin = is_carried_.begin();
+      std::fill(begin + keys.key_scans[edge.constraint.from].pose + 1,
+                begin + keys.key_scans[edge.constraint.to].pose + 1, 1);
+    }
   }
-  return leap_of_pose;
-}
 
-// Of the key scans around a pose.
+  bool IsCarried(int pose) const { return is_carried_[pose] != 0; }
+
+  // The next leap that is at most so many poses ahead, 0 if there is none.
+  int Next(int pose, int most) const {
+    const int end = std::min(static_cast<int>(is_leap_.size()), pose + most + 1);
+    for (int p = pose + 1; p < end; ++p) {
+      if (is_leap_[p] != 0) return p;
+    }
+    return 0;
+  }
+
+  // Whether the pose is at most so many poses before a leap, or right after it. The first one stays
+  // in any case: the drive begins there.
+  bool IsNear(int pose, int poses_before) const {
+    if (pose == 0) return false;
+    for (int p = pose; p >= 1 && p >= pose - kPosesAfter; --p) {
+      if (is_leap_[p] != 0) return true;
+    }
+    return Next(pose, poses_before) != 0;
+  }
+
+ private:
+  std::vector<char> is_leap_, is_carried_;
+};
+
+// Of the other key scans around a pose, but those that may well hang behind.
 LocalMap MapAround(int pose, const KeyGraph& keys, const std::vector<SurfacePoints>& surfaces,
-                   const std::vector<int>& left_out, const std::vector<Pose2>& poses) {
+                   const Leaps& leaps, const std::vector<Pose2>& poses) {
   const auto after = std::partition_point(keys.key_scans.begin(), keys.key_scans.end(),
                                           [&](const KeyScan& key) { return key.pose <= pose; });
   const double path_m = after == keys.key_scans.begin() ? 0.0 : std::prev(after)->path_m;
@@ -58,7 +87,7 @@ LocalMap MapAround(int pose, const KeyGraph& keys, const std::vector<SurfacePoin
       std::partition_point(keys.key_scans.begin(), keys.key_scans.end(),
                            [&](const KeyScan& key) { return key.path_m < path_m - kMapPathM; });
   for (auto key = first; key != keys.key_scans.end() && key->path_m <= path_m + kMapPathM; ++key) {
-    if (left_out[key->pose] != 0) continue;
+    if (key->pose == pose || leaps.IsNear(key->pose, kPosesBeforeInMap)) continue;
     scans.push_back(&surfaces[key->scan]);
     places.push_back(poses[key->pose]);
   }
@@ -67,15 +96,13 @@ LocalMap MapAround(int pose, const KeyGraph& keys, const std::vector<SurfacePoin
   return map;
 }
 
-// What a leap adds to the odometry, in the world [m]; nothing at a broken edge, over which the
-// robot was carried: no pose lies on the way.
-Eigen::Vector2d LeapAt(int pose, const KeyGraph& keys, const std::vector<Pose2>& odometry,
-                       const std::vector<Pose2>& poses) {
-  const bool is_broken = std::any_of(
-      keys.sequential.begin(), keys.sequential.end(),
-      [pose](const SequentialEdge& edge) { return edge.broken && edge.first_pose_after == pose; });
-  if (is_broken) return Eigen::Vector2d::Zero();
-  return poses[pose].translation() - (poses[pose - 1] * odometry[pose]).translation();
+// What the next leap adds to the odometry, in the world [m]; nothing if there is none, or if the
+// robot was carried over it: then no pose lies on the way.
+Eigen::Vector2d LeapAfter(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
+                          const std::vector<Pose2>& poses) {
+  const int next = leaps.Next(pose, kPosesBefore);
+  if (next == 0 || leaps.IsCarried(next)) return Eigen::Vector2d::Zero();
+  return poses[next].translation() - (poses[next - 1] * odometry[next]).translation();
 }
 
 // From the pose itself and from places on the way of the leap, which it may have made already.
@@ -95,12 +122,15 @@ ScanMatch BestMatch(const LocalMap& map, const SurfacePoints& scan, const Pose2&
   return best;
 }
 
-// Sum of squares of what the steps around a pose differ from the odometry [m^2].
-double Unevenness(int pose, const std::vector<Pose2>& odometry, const std::vector<Pose2>& poses) {
+// Sum of squares of what the steps around a pose differ from the odometry [m^2], but for those over
+// which the robot was carried.
+double Unevenness(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
+                  const std::vector<Pose2>& poses) {
   const int num_poses = static_cast<int>(poses.size());
   double sum = 0.0;
   for (int p = std::max(1, pose - kStepsAround + 1); p <= pose + kStepsAround && p < num_poses;
        ++p) {
+    if (leaps.IsCarried(p)) continue;
     const Pose2 off = Between(odometry[p], Between(poses[p - 1], poses[p]));
     sum += off.translation().squaredNorm();
   }
@@ -114,18 +144,17 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
                     const MotionOptions& motion, ThreadPool* pool,
                     std::vector<Pose2>* world_from_robot) {
   const std::vector<Pose2> before = *world_from_robot;
-  const std::vector<int> leap_of_pose = FindLeaps(odometry, motion, before, kPosesBefore);
-  const std::vector<int> not_in_map = FindLeaps(odometry, motion, before, kPosesBeforeInMap);
+  const Leaps leaps(keys, odometry, motion, before);
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   std::vector<Pose2> after = before;
   std::vector<char> fits_well(before.size(), 0);
   pool->ForEachChunk(before.size(), 1, [&](std::size_t p, std::size_t, std::size_t) {
     const int pose = static_cast<int>(p), scan = scan_of_pose[pose];
-    if (leap_of_pose[pose] == 0 || scan < 0) return;
-    const LocalMap map = MapAround(pose, keys, surfaces, not_in_map, before);
+    if (!leaps.IsNear(pose, kPosesBefore) || scan < 0) return;
+    const LocalMap map = MapAround(pose, keys, surfaces, leaps, before);
     const ScanMatch old = MeasureFit(map, surfaces[scan], before[pose], ScanMatchOptions());
-    const ScanMatch match = BestMatch(map, surfaces[scan], before[pose],
-                                      LeapAt(leap_of_pose[pose], keys, odometry, before));
+    const ScanMatch match =
+        BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
     fits_well[p] = match.inlier_ratio >= kMinInlierRatio && gain >= kMinGain;
     if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain >= kMinGainEven)) {
@@ -135,7 +164,7 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
   for (std::size_t p = 0; p < before.size(); ++p) {
     const int pose = static_cast<int>(p);
     if (fits_well[p] != 0 ||
-        Unevenness(pose, odometry, after) < Unevenness(pose, odometry, before)) {
+        Unevenness(pose, leaps, odometry, after) < Unevenness(pose, leaps, odometry, before)) {
       (*world_from_robot)[p] = after[p];
     }
   }

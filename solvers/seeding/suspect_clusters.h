@@ -1,0 +1,24 @@
+#ifndef PLUMBLINE_SOLVERS_SEEDING_SUSPECT_CLUSTERS_H_
+#define PLUMBLINE_SOLVERS_SEEDING_SUSPECT_CLUSTERS_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/seeding/key_graph.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+
+namespace plumbline {
+
+/// The clusters of a graph's closures that may be mistakes, each once: those around which passes
+/// contradict each other the most, then those that strain the graph the most, a bounded number of
+/// either.
+///
+/// consistency: of the map that the graph makes. explicable_share: of the conflicting returns; see
+/// MapConsistency.
+std::vector<std::vector<RelativePoseConstraint>> SuspectClusters(const KeyGraph& keys,
+                                                                 const MapConsistency& consistency,
+                                                                 double explicable_share);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_SEEDING_SUSPECT_CLUSTERS_H_
