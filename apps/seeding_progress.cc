@@ -8,6 +8,7 @@ SeedingBars::SeedingBars(bool on_terminal, std::ostream* out)
     : on_terminal_(on_terminal), out_(out) {}
 
 void SeedingBars::Update(SeedingPhase phase, int num_done, int num_total) {
+  if (num_total == 0) return;
   if (!bar_ || phase != phase_ || num_done <= num_done_) {
     Finish();
     const std::string label = phase == SeedingPhase::kMatchingScans

@@ -20,6 +20,7 @@ TEST(SeedingBarsTest, EveryRoundOfLoopClosingHasABarThatIsFinished) {
   for (const int done : {0, 64}) bars.Update(SeedingPhase::kClosingLoops, done, 80);
   // Rounds of a single report each.
   bars.Update(SeedingPhase::kClosingLoops, 0, 40);
+  bars.Update(SeedingPhase::kClosingLoops, 0, 0);  // only asks whether to stop
   bars.Update(SeedingPhase::kClosingLoops, 0, 30);
   bars.Finish();
   const std::string time = kTime;

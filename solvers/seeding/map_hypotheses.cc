@@ -145,17 +145,8 @@ class HypothesisSearch {
   }
 
   Status TryJoinsAt(int step, MapHypothesis* best) {
-    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-    const std::vector<KeyGraph> joins =
-        JoinParts(options_, graph_, surfaces_, best->keys, step, pool_);
-    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-    const std::vector<MapConsistency> maps = MeasureAll(joins, best->start);
-    std::vector<std::size_t> order(joins.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return Score(maps[a]) < Score(maps[b]); });
-    if (order.size() > kMostJoins) order.resize(kMostJoins);
-
+    std::vector<KeyGraph> joins;
+    PLUMBLINE_RETURN_IF_ERROR(FindJoinsByMap(step, *best, &joins));
     // If closures tie it to where it is, that is one of the places.
     const bool is_tied =
         DoubtAt(step, best->loops).num_closures_across >= DoubtfulStep::kMinClosuresAcross;
@@ -163,28 +154,18 @@ class HypothesisSearch {
     if (is_tied) places.push_back(*best);
     // Other steps were in question when it was filled.
     memories_.erase(HypothesisKind::kJoinedParts);
-    for (const std::size_t i : order) {
+    for (KeyGraph& keys : joins) {
       PLUMBLINE_RETURN_IF_ERROR(CheckStop());
       MapHypothesis joined;
       joined.kind = HypothesisKind::kJoinedParts;
       joined.start = best->start;
-      joined.keys = joins[i];
+      joined.keys = std::move(keys);
       PLUMBLINE_RETURN_IF_ERROR(Close(&joined));
-      if (std::any_of(places.begin(), places.end(), [&](const MapHypothesis& other) {
-            return IsSameJoin(step, joined.keys, other.keys);
-          })) {
-        continue;
-      }
-      Weigh(&joined);
-      weighed_.back().first_pose_after = doubted_.sequential[step].first_pose_after;
-      weighed_.back().carried_to = StepAt(step, joined.keys);
-      // What was found before about closures and other steps is still in force.
-      for (const std::size_t record : best->records) {
-        const HypothesisKind kind = weighed_[record].kind;
-        if (kind != HypothesisKind::kMatching && kind != HypothesisKind::kBrokenSteps) {
-          joined.records.push_back(record);
-        }
-      }
+      const bool is_known = std::any_of(
+          places.begin(), places.end(),
+          [&](const MapHypothesis& other) { return IsSameJoin(step, joined.keys, other.keys); });
+      if (is_known) continue;
+      WeighJoin(step, *best, &joined);
       if (is_tied || IsBetter(joined.consistency, best->consistency)) {
         places.push_back(std::move(joined));
       }
@@ -193,8 +174,39 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
+  // The ways to put the parts together that make the best maps, the best first.
+  Status FindJoinsByMap(int step, const MapHypothesis& hypothesis,
+                        std::vector<KeyGraph>* joins) const {
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+    std::vector<KeyGraph> all =
+        JoinParts(options_, graph_, surfaces_, hypothesis.keys, step, pool_);
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+    const std::vector<MapConsistency> maps = MeasureAll(all, hypothesis.start);
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return Score(maps[a]) < Score(maps[b]); });
+    if (order.size() > kMostJoins) order.resize(kMostJoins);
+    for (const std::size_t i : order) joins->push_back(std::move(all[i]));
+    return Status::Ok();
+  }
+
+  void WeighJoin(int step, const MapHypothesis& before, MapHypothesis* joined) {
+    Weigh(joined);
+    weighed_.back().first_pose_after = doubted_.sequential[step].first_pose_after;
+    weighed_.back().carried_to = StepAt(step, joined->keys);
+    // What was found before about closures and other steps is still in force.
+    for (const std::size_t record : before.records) {
+      const HypothesisKind kind = weighed_[record].kind;
+      if (kind != HypothesisKind::kMatching && kind != HypothesisKind::kBrokenSteps) {
+        joined->records.push_back(record);
+      }
+    }
+  }
+
+  // Between places where loop closing asks by itself.
   Status CheckStop() const {
-    if (!progress_ || progress_(SeedingPhase::kClosingLoops, 0, 1)) return Status::Ok();
+    if (!progress_ || progress_(SeedingPhase::kClosingLoops, 0, 0)) return Status::Ok();
     return Status::Unavailable("loop closing was stopped by its caller");
   }
 

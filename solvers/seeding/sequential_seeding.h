@@ -51,7 +51,8 @@ struct SequentialSeedingReport {
 enum class SeedingPhase { kMatchingScans, kClosingLoops };
 
 /// Called now and then with what has been done of a phase, in scans or in candidates of a round of
-/// loop closing; false stops the seeding with an error.
+/// loop closing; false stops the seeding with an error. num_total 0: nothing is counted, the call
+/// only asks whether to go on.
 using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
 
 /// Finds the pose of every scan from the ones before it, starting at the graph's first pose.
