@@ -37,7 +37,7 @@
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/core/return_normals.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
 namespace {
@@ -128,18 +128,21 @@ Status SimulateBuilding(SlamGraph* graph) {
   return MakeGraph(log, graph);
 }
 
-// A graph of the log, or of a simulated drive, that is ready for the joint estimation. All threads
-// have ended on return.
-Status MakeSeed(const SolverOptions& solver, SeedingReport* report, SlamGraph* graph) {
-  SeedingOptions seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
+// The log, or a simulated drive, with its seed. All threads have ended on return. solver: becomes
+// what the joint estimation goes by.
+Status MakeSeed(SolverOptions* solver, LogMapping* mapping) {
+  MapLogOptions options;
+  options.solver = *solver;
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
   LogCounts counts;
-  PLUMBLINE_RETURN_IF_ERROR(FLAGS_log.empty() ? SimulateBuilding(graph)
-                                              : ReadLogIntoGraph(FLAGS_log, 0, &counts, graph));
-  ThreadPool pool(solver.num_threads);
-  const std::vector<Eigen::Vector2f> normals =
-      EstimateReturnNormals(*graph, NormalOptionsFor(solver.factors.beam), &pool);
-  return SeedGraph(seeding, solver.factors.motion, normals, {}, &pool, graph, report);
+  SlamGraph graph;
+  PLUMBLINE_RETURN_IF_ERROR(FLAGS_log.empty() ? SimulateBuilding(&graph)
+                                              : ReadLogIntoGraph(FLAGS_log, 0, &counts, &graph));
+  ThreadPool pool(solver->num_threads);
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, mapping));
+  PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, mapping));
+  *solver = RefinementOptions(options, mapping->report.seeding);
+  return Status::Ok();
 }
 
 Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
@@ -181,19 +184,18 @@ Status CompareAllSolvers(HtmlReport* page) {
   if (!FLAGS_relations.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
   }
-  SlamGraph seed;
-  SeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &report, &seed));
+  LogMapping seed;
+  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
   const OutputFolder output(FLAGS_output_dir);
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
   comparison.input = FLAGS_log.empty() ? "simulated building" : FLAGS_log;
-  comparison.num_scans = seed.num_scans();
-  comparison.num_returns = seed.num_returns();
-  std::cout << comparison.input << ": " << seed.num_scans() << " scans, " << seed.num_returns()
-            << " returns, seeded; " << solver.num_threads << " threads\n";
+  comparison.num_scans = seed.graph.num_scans();
+  comparison.num_returns = seed.graph.num_returns();
+  std::cout << comparison.input << ": " << comparison.num_scans << " scans, "
+            << comparison.num_returns << " returns, seeded; " << solver.num_threads << " threads\n";
   comparison.solvers = ComparedSolvers(solver);
-  comparison.runs =
-      CompareSolvers(comparison.solvers, relations, comparison.options, PrintRun, &seed);
+  comparison.runs = CompareSolvers(comparison.solvers, relations, comparison.options, PrintRun,
+                                   seed.graph, seed.state);
   return WriteComparison(output, comparison, page);
 }
 
@@ -268,7 +270,8 @@ Status Synthetic(HtmlReport* page) {
 Status Ablation(HtmlReport* page) {
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  AblationInput log{{}, {}, {}, solver};
+  AblationInput log;
+  log.full = solver;
   if (!FLAGS_relations.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &log.relations));
   }
@@ -289,7 +292,7 @@ Status Ablation(HtmlReport* page) {
   add(table);
   if (!FLAGS_log.empty()) {
     LogCounts counts;
-    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, 0, &counts, &log.seed));
+    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, 0, &counts, &log.graph));
     const std::string name = FLAGS_log.substr(FLAGS_log.find_last_of('/') + 1);
     PLUMBLINE_RETURN_IF_ERROR(AblateLog(name, std::move(log), &table));
     add(table);
@@ -327,19 +330,19 @@ Status ReplayDrive(HtmlReport* page) {
   options.batch_poses = FLAGS_batch_scans;
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  SlamGraph seed;
-  SeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(solver, &report, &seed));
+  LogMapping seed;
+  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
   const OutputFolder output(FLAGS_output_dir);
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
   Replay replay;
-  PLUMBLINE_RETURN_IF_ERROR(RunReplay(solver, options, seed, report, PrintStep, &replay));
+  PLUMBLINE_RETURN_IF_ERROR(
+      RunReplay(solver, options, seed.graph, seed.state, seed.report.seeding, PrintStep, &replay));
   Print("A host that maps while driving", ReplayTable(replay), page);
   page->pictures.push_back({"Time of each solve", output.File("replay.png")});
-  for (int pose = 0; pose < seed.num_poses(); ++pose) {
-    seed.SetPose(pose, replay.world_from_robot[pose]);
-  }
-  PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output.File("trajectory.tum"), TrajectoryOf(seed)));
+  MapState replayed;
+  replayed.poses = PoseArray(replay.world_from_robot);
+  PLUMBLINE_RETURN_IF_ERROR(
+      WriteTumTrajectory(output.File("trajectory.tum"), TrajectoryOf(seed.graph, replayed)));
   PLUMBLINE_RETURN_IF_ERROR(WriteReplayCsv(output.File("replay.csv"), replay));
   return WriteReplayChart(output.File("replay.png"), replay);
 }

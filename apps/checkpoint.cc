@@ -132,10 +132,17 @@ void Visit(Archive& archive, RelativePoseConstraint* edge) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, MeasurementCorrections* corrections) {
+  auto& [odometry, robot_from_laser, range_m] = *corrections;
+  archive(odometry, robot_from_laser, range_m);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, SeedingReport* report) {
-  auto& [sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, poses, alarm] =
-      *report;
-  archive(sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, poses, alarm);
+  auto& [sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections, poses,
+         alarm] = *report;
+  archive(sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections,
+          poses, alarm);
 }
 
 template <typename Archive>
@@ -147,7 +154,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 2\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 3\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {
@@ -156,15 +163,14 @@ constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {
 
 struct Contents {
   RunFingerprint fingerprint;
-  std::vector<double> poses;    // as SlamGraph::poses()
-  std::vector<Pose2> odometry;  // motions, in the order of SlamGraph::odometry()
+  std::vector<double> poses;  // as MapState::poses
   SeedingReport seeding;
 };
 
 template <typename Archive>
 void Visit(Archive& archive, Contents* contents) {
-  auto& [fingerprint, poses, odometry, seeding] = *contents;
-  archive(fingerprint, poses, odometry, seeding);
+  auto& [fingerprint, poses, seeding] = *contents;
+  archive(fingerprint, poses, seeding);
 }
 
 std::uint32_t Crc(std::string_view bytes, std::uint32_t before = 0) {
@@ -252,8 +258,9 @@ Status CheckContents(const std::string& path, const Contents& contents, const Sl
   };
   const auto num_poses = static_cast<std::size_t>(graph.num_poses());
   PLUMBLINE_RETURN_IF_ERROR(check("field 'poses'", contents.poses.size(), 3 * num_poses));
-  PLUMBLINE_RETURN_IF_ERROR(
-      check("field 'odometry'", contents.odometry.size(), graph.odometry().size()));
+  PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.corrections.odometry'",
+                                  contents.seeding.corrections.odometry.size(),
+                                  graph.odometry().size()));
   PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.sequential_poses'",
                                   contents.seeding.sequential_poses.size(), num_poses));
   for (const WeighedHypothesis& hypothesis : contents.seeding.hypotheses) {
@@ -282,11 +289,8 @@ Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint) {
 }
 
 Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
-                       const SlamGraph& graph, const SeedingReport& seeding) {
-  Contents contents{fingerprint, graph.poses(), {}, seeding};
-  for (const OdometryConstraint& step : graph.odometry()) {
-    contents.odometry.push_back(step.from_from_to);
-  }
+                       const std::vector<double>& poses, const SeedingReport& seeding) {
+  Contents contents{fingerprint, poses, seeding};
   BinaryWriter writer;
   writer(contents);
   std::array<unsigned char, kCrcSize> crc;
@@ -298,19 +302,15 @@ Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprin
   return file.Commit();
 }
 
-Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint, SlamGraph* graph,
-                      SeedingReport* seeding) {
+Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
+                      const SlamGraph& graph, std::vector<double>* poses, SeedingReport* seeding) {
   std::string bytes;
   PLUMBLINE_RETURN_IF_ERROR(ReadBytes(path, &bytes));
   Contents contents;
   PLUMBLINE_RETURN_IF_ERROR(Parse(path, bytes, &contents));
   PLUMBLINE_RETURN_IF_ERROR(Compare(path, contents.fingerprint, fingerprint));
-  PLUMBLINE_RETURN_IF_ERROR(CheckContents(path, contents, *graph));
-  graph->poses() = std::move(contents.poses);
-  for (std::size_t i = 0; i < contents.odometry.size(); ++i) {
-    graph->SetOdometryMotion(i, contents.odometry[i]);
-  }
-  graph->ResetPointsFromPoses();
+  PLUMBLINE_RETURN_IF_ERROR(CheckContents(path, contents, graph));
+  *poses = std::move(contents.poses);
   *seeding = std::move(contents.seeding);
   return Status::Ok();
 }

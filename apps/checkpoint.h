@@ -19,18 +19,18 @@ using RunFingerprint = std::vector<std::pair<std::string, std::string>>;
 /// read.
 Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint);
 
-/// Keeps what the seeding has changed in a graph, and what it reported, so that another run can go
-/// on from there to the same results, bit for bit. The file is whole or not there. NotFound or
-/// Unavailable if it cannot be written.
+/// Keeps the poses that the seeding left, (x, y, yaw) each, and what it reported, so that another
+/// run can go on from there to the same results, bit for bit. The file is whole or not there.
+/// NotFound or Unavailable if it cannot be written.
 Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
-                       const SlamGraph& graph, const SeedingReport& seeding);
+                       const std::vector<double>& poses, const SeedingReport& seeding);
 
-/// Puts a graph, fresh from the log, where the seeding had left it. NotFound or Unavailable if the
-/// file cannot be read, DataLoss if it is damaged or cut off, InvalidArgument if it is no
-/// checkpoint, one of another version, or one of another log or of other flags; the message names
-/// what differs. The graph and the report are then as they were.
-Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint, SlamGraph* graph,
-                      SeedingReport* seeding);
+/// Reads the poses and the report of a seed of this graph, which is fresh from the log. NotFound or
+/// Unavailable if the file cannot be read, DataLoss if it is damaged or cut off, InvalidArgument if
+/// it is no checkpoint, one of another version, or one of another log or of other flags; the
+/// message names what differs. The poses and the report are then as they were.
+Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
+                      const SlamGraph& graph, std::vector<double>* poses, SeedingReport* seeding);
 
 }  // namespace plumbline
 

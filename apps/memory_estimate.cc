@@ -7,7 +7,6 @@
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/number_text.h"
-#include "plumbline/core/graph_poses.h"
 
 namespace plumbline {
 namespace {
@@ -42,10 +41,10 @@ Rates JointRates(const SolverOptions& solver) {
 }
 
 // Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.
-double NumPixels(const SlamGraph& graph, int picture_side_px) {
+double NumPixels(const MapState& state, int picture_side_px) {
   MapRaster raster;
-  const Status status = ChooseRaster(graph.points(), PosesOf(graph), MapPictureOptions().crop_share,
-                                     picture_side_px, &raster);
+  const Status status = ChooseRaster(state.points, PosesOf(state.poses),
+                                     MapPictureOptions().crop_share, picture_side_px, &raster);
   return status.ok() ? static_cast<double>(raster.width) * raster.height : 0.0;
 }
 
@@ -77,8 +76,8 @@ std::string MemoryEstimate::Text() const {
          ", results " + MbText(results) + '\n';
 }
 
-MemoryEstimate EstimateMemory(const SlamGraph& graph, const SolverOptions& solver, bool calibrates,
-                              int picture_side_px) {
+MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
+                              const SolverOptions& solver, bool calibrates, int picture_side_px) {
   const auto bytes = [&graph](const Rates& rates) {
     return rates.bytes_per_return * static_cast<double>(graph.num_returns()) +
            rates.bytes_per_scan * graph.num_scans();
@@ -87,7 +86,7 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const SolverOptions& solve
   estimate.seeding = kBytesOfProgram + bytes(kSeeding);
   estimate.joint = kBytesOfProgram + bytes(JointRates(solver));
   if (calibrates) estimate.joint += bytes(kCalibration);
-  estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(graph, picture_side_px);
+  estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(state, picture_side_px);
   return estimate;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/solver_options.h"
@@ -37,9 +38,10 @@ struct MemoryEstimate {
   std::string Text() const;
 };
 
-/// For a graph as it was read. calibrates: whether sensor parameters are estimated too.
-MemoryEstimate EstimateMemory(const SlamGraph& graph, const SolverOptions& solver, bool calibrates,
-                              int picture_side_px);
+/// For a graph as it was read, and its initial state. calibrates: whether sensor parameters are
+/// estimated too.
+MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
+                              const SolverOptions& solver, bool calibrates, int picture_side_px);
 
 /// Takes "4GB", "500MB" or "0", for no limit [bytes]; 1 GB is 1000 MB. InvalidArgument on anything
 /// else.

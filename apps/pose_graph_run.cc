@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
@@ -19,9 +18,9 @@
 #include "plumbline/apps/seeding_report.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/stop_signal.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/marginal_energy.h"
 #include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
@@ -43,7 +42,6 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults({options_.log}));
-    given_poses_ = file_.graph.poses();
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
     if (by_edges_only()) {
@@ -62,6 +60,7 @@ class PoseGraphRun {
 
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_));
+    state_ = file_.graph.InitialState();
     std::cout << "Read " << options_.log << " (" << ToString(file_.format)
               << "): " << file_.graph.num_poses() << " poses, "
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
@@ -71,8 +70,8 @@ class PoseGraphRun {
 
   Status CheckMemoryOfScans() const {
     if (!has_scans()) return Status::Ok();
-    const MemoryEstimate memory =
-        EstimateMemory(file_.graph, options_.solver, false, options_.outputs.picture_side_px);
+    const MemoryEstimate memory = EstimateMemory(file_.graph, state_, options_.solver, false,
+                                                 options_.outputs.picture_side_px);
     std::cout << memory.Text() << std::flush;
     return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
   }
@@ -80,38 +79,34 @@ class PoseGraphRun {
   // Rather now than by the solver, with pictures written. It starts where file or edges say.
   Status CheckScans() const {
     if (!has_scans() || by_edges_only()) return Status::Ok();
-    if (VoteOnTurns(file_.graph, file_.graph.poses()).SayRight()) return Status::Ok();
-    SlamGraph by_edges = file_.graph;
-    RefinePoseGraph(&by_edges);
-    const Status mirrored = CheckScansAreNotMirrored(file_.graph, by_edges.poses());
+    if (VoteOnTurns(file_.graph, state_.poses).SayRight()) return Status::Ok();
+    MapState by_edges = state_;
+    RefinePoseGraph(file_.graph, &by_edges);
+    const Status mirrored = CheckScansAreNotMirrored(file_.graph, state_.poses, by_edges.poses);
     return mirrored.ok() ? mirrored
                          : Status::InvalidArgument(options_.log + ": " + mirrored.message());
   }
 
   void RefineByEdges() {
-    edges_summary_ = RefinePoseGraph(&file_.graph);
+    edges_summary_ = RefinePoseGraph(file_.graph, &state_);
     std::cout << edges_summary_.BriefReport() << '\n';
   }
 
   // The edges' optimum is where to start from, unless the scans know better: a graph that came in
   // refined, with edges that are not as good as their covariances say.
   void ChooseJointStart() {
-    SlamGraph& graph = file_.graph;
+    const SlamGraph& graph = file_.graph;
     const FactorOptions& factors = options_.solver.factors;
     const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
     // The widest neighbourhoods: the narrow ones do not see a double wall.
-    const auto energy = [&] {
+    const auto energy = [&](const std::vector<double>& poses) {
       const std::vector<TangentLine> lines =
-          LinesFromRadius(graph, surface, options_.solver.association,
+          LinesFromRadius(graph, poses, surface, options_.solver.association,
                           options_.solver.rounds.coarse_radius_m, &pool_);
-      return MarginalEnergy(graph, surface, lines, factors, &pool_);
+      return MarginalEnergy(graph, poses, surface, lines, factors, &pool_);
     };
-    const double after_edges = energy();
-    const std::vector<double> poses_after_edges = graph.poses();
-    graph.poses() = given_poses_;
-    joint_starts_as_given_ = energy() < after_edges;
-    if (!joint_starts_as_given_) graph.poses() = poses_after_edges;
-    graph.ResetPointsFromPoses();
+    joint_starts_as_given_ = energy(graph.initial_poses()) < energy(state_.poses);
+    if (joint_starts_as_given_) state_ = graph.InitialState();
     std::cout << "Edges and scans together: starting at the "
               << (joint_starts_as_given_ ? "given poses, which fit them better\n"
                                          : "optimum of the edges\n");
@@ -129,7 +124,7 @@ class PoseGraphRun {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return StopSignal() == 0;
     };
-    solver_summary_ = Solve(options, &file_.graph);
+    solver_summary_ = Solve(options, file_.graph, &state_);
     if (!solver_summary_.IsSolutionUsable()) {
       return Status::InvalidArgument(solver_summary_.message);
     }
@@ -139,7 +134,9 @@ class PoseGraphRun {
       std::cout << StopText(stopped_by_);
     }
     refined_consistency_ = MeasureConsistency();
-    if (refined_consistency_) alarms_ = MapAlarms(*refined_consistency_, file_.graph);
+    if (refined_consistency_) {
+      alarms_ = MapAlarms(*refined_consistency_, file_.graph, state_.poses);
+    }
     return Status::Ok();
   }
 
@@ -156,14 +153,15 @@ class PoseGraphRun {
 
   std::optional<MapConsistency> MeasureConsistency() {
     if (!has_scans() || !ScansAreInOrderOfTime()) return std::nullopt;
-    return MeasureMapConsistency(file_.graph, PosesOf(file_.graph), &pool_);
+    return MeasureMapConsistency(file_.graph, PosesOf(state_.poses), &pool_);
   }
 
   Status WriteResults() {
     const std::string graph_name = std::string("graph.") + ToString(file_.format);
     PLUMBLINE_RETURN_IF_ERROR(
-        WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph)));
-    PLUMBLINE_RETURN_IF_ERROR(WritePoseGraphFile(output_.File(graph_name), file_.format, file_));
+        WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph, state_)));
+    PLUMBLINE_RETURN_IF_ERROR(
+        WritePoseGraphFile(output_.File(graph_name), file_.format, file_, state_.poses));
     if (has_scans()) {
       PLUMBLINE_RETURN_IF_ERROR(WriteMap());
       PLUMBLINE_RETURN_IF_ERROR(WriteReport());
@@ -199,38 +197,38 @@ class PoseGraphRun {
 
   Status WriteMap() {
     maps_.push_back({"refined", output_.File("map_refined.png"), MapArea()});
-    const RefinedMap map{
-        &file_.graph,       &given_poses_,
-        "as given",         refined_consistency_ ? &*refined_consistency_ : nullptr,
-        &maps_.back().area, &map_warning_};
+    const RefinedMap map{&file_.graph,
+                         &state_,
+                         &file_.graph.initial_poses(),
+                         "as given",
+                         refined_consistency_ ? &*refined_consistency_ : nullptr,
+                         &maps_.back().area,
+                         &map_warning_};
     PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
-    const std::vector<double> optimised = file_.graph.points();
-    file_.graph.ResetPointsFromPoses();
-    AddStage("refined, raw ranges");
-    file_.graph.points() = optimised;
-    AddStage("refined, optimised points");
+    AddStage("refined, raw ranges", {state_.poses, file_.graph.MeasuredMap(state_.poses)});
+    AddStage("refined, optimised points", state_);
     return Status::Ok();
   }
 
   // What a stage's map looks like and how good it is; nothing without scans.
   Status RecordMap(const std::string& stage, const std::string& picture) {
     if (!has_scans()) return Status::Ok();
-    AddStage(stage);
+    AddStage(stage, state_);
     MapPictureOptions options;
     options.title = stage;
     options.max_side_px = options_.outputs.picture_side_px;
     maps_.push_back({stage, output_.File(picture), MapArea()});
-    return WriteMapPicture(output_.File(picture), file_.graph, options, &maps_.back().area);
+    return WriteMapPicture(output_.File(picture), file_.graph, state_, options, &maps_.back().area);
   }
 
-  void AddStage(const std::string& name) {
-    stages_.push_back(MeasureStage(name, file_.graph, nullptr, &pool_));
+  void AddStage(const std::string& name, const MapState& state) {
+    stages_.push_back(MeasureStage(name, state, nullptr, &pool_));
   }
 
   Json EdgesJson() const {
     Json json = {{"chi2_given", edges_summary_.given_chi2},
                  {"chi2_pose_graph", edges_summary_.final_chi2},
-                 {"chi2_final", GraphChi2(file_.graph.relative_poses(), PosesOf(file_.graph))},
+                 {"chi2_final", GraphChi2(file_.graph.relative_poses(), PosesOf(state_.poses))},
                  {"start", ToString(edges_summary_.start)},
                  {"iterations", edges_summary_.optimization.iterations},
                  {"converged", edges_summary_.optimization.converged},
@@ -277,7 +275,7 @@ class PoseGraphRun {
   // Of each state: its name, and what is wrong with the edges there.
   std::vector<std::vector<std::string>> EdgeRows() const {
     const std::vector<RelativePoseConstraint>& edges = file_.graph.relative_poses();
-    const double refined_chi2 = GraphChi2(edges, PosesOf(file_.graph));
+    const double refined_chi2 = GraphChi2(edges, PosesOf(state_.poses));
     if (by_edges_only()) {
       return {{"given", ShortText(solver_summary_.seed_chi2)},
               {"refined", ShortText(refined_chi2)}};
@@ -315,8 +313,8 @@ class PoseGraphRun {
   const PoseGraphRunOptions& options_;
   ThreadPool pool_;
   const OutputFolder output_;
-  PoseGraphFile file_;
-  std::vector<double> given_poses_;
+  PoseGraphFile file_;  // its graph's initial guesses are the given poses
+  MapState state_;
   bool joint_starts_as_given_ = false;
   PoseGraphSummary edges_summary_;
   SolverSummary solver_summary_;

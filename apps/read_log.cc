@@ -67,7 +67,7 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
   // No error: it may be the odometry that is mirrored.
-  const Status mirrored = CheckScansAreNotMirrored(result, std::nullopt);
+  const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
   if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
   *counts = result_counts;
   *graph = std::move(result);

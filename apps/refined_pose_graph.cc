@@ -28,14 +28,13 @@ RelativePoseConstraint MoveRobotFrame(const RelativePoseConstraint& edge, const 
   return moved;
 }
 
-Status WriteRefinedPoseGraph(const std::string& path, const SlamGraph& graph,
+Status WriteRefinedPoseGraph(const std::string& path, const std::vector<double>& poses,
                              const std::vector<RelativePoseConstraint>& edges,
                              const Pose2& before_from_after) {
   SlamGraph poses_and_edges;
-  for (int i = 0; i < graph.num_poses(); ++i) {
+  for (const Pose2& world_from_robot : PosesOf(poses)) {
     int pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(
-        poses_and_edges.AddPose(graph.WorldFromRobot(i), graph.timestamp_s(i), &pose));
+    PLUMBLINE_RETURN_IF_ERROR(poses_and_edges.AddPose(world_from_robot, 0.0, &pose));
   }
   for (const RelativePoseConstraint& edge : edges) {
     PLUMBLINE_RETURN_IF_ERROR(
@@ -43,7 +42,7 @@ Status WriteRefinedPoseGraph(const std::string& path, const SlamGraph& graph,
   }
   PoseGraphFile file;
   PLUMBLINE_RETURN_IF_ERROR(MakePoseGraphFile(std::move(poses_and_edges), MotionOptions(), &file));
-  return WritePoseGraphFile(path, PoseGraphFormat::kG2o, file);
+  return WritePoseGraphFile(path, PoseGraphFormat::kG2o, file, poses);
 }
 
 }  // namespace plumbline

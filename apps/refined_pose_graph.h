@@ -15,13 +15,13 @@ namespace plumbline {
 RelativePoseConstraint MoveRobotFrame(const RelativePoseConstraint& edge, const Pose2& b_from_a);
 
 /// Writes what a run over a log has found as a pose graph for other programs, in g2o's format: the
-/// poses of `graph`, numbered from 0, and the seeding's edges, loop closures included. These know
-/// nothing of the joint estimation: optimised alone, they give the seed again. Neither scans nor
-/// times, so that the file stays small; the trajectory has the times, in the same order.
+/// poses, numbered from 0, and the seeding's edges, loop closures included. These know nothing of
+/// the joint estimation: optimised alone, they give the seed again. Neither scans nor times, so
+/// that the file stays small; the trajectory has the times, in the same order.
 ///
-/// edges: between poses of the robot frame before calibration, which may have moved it:
-/// before_from_after. Unavailable if the file cannot be written.
-Status WriteRefinedPoseGraph(const std::string& path, const SlamGraph& graph,
+/// poses: as MapState::poses. edges: between poses of the robot frame before calibration, which may
+/// have moved it: before_from_after. Unavailable if the file cannot be written.
+Status WriteRefinedPoseGraph(const std::string& path, const std::vector<double>& poses,
                              const std::vector<RelativePoseConstraint>& edges,
                              const Pose2& before_from_after);
 

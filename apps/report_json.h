@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/seeding/map_consistency.h"
 #include "plumbline/solvers/solver_summary.h"
 

@@ -20,7 +20,7 @@ Status WriteRefinedPicture(const std::string& path, const RefinedMap& map, int m
   MapPictureOptions options;
   options.title = "Refined";
   options.max_side_px = max_side_px;
-  return WriteMapPicture(path, *map.graph, options, map.picture_area);
+  return WriteMapPicture(path, *map.graph, *map.state, options, map.picture_area);
 }
 
 Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_side_px) {
@@ -28,12 +28,12 @@ Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_
   options.before_title = "Before: " + map.before_title;
   options.after_title = "After: refined";
   options.max_side_px = std::min(max_side_px, BeforeAfterOptions::kLargestSidePx);
-  return WriteBeforeAfterPicture(path, *map.graph, *map.poses_before, options);
+  return WriteBeforeAfterPicture(path, *map.graph, *map.state, *map.poses_before, options);
 }
 
-Status WriteGrid(const std::string& stem, const SlamGraph& graph,
+Status WriteGrid(const std::string& stem, const SlamGraph& graph, const MapState& state,
                  const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, options, grid));
+  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, grid));
   return WriteRosMap(stem, *grid);
 }
 
@@ -41,7 +41,7 @@ Status WriteGrid(const std::string& stem, const SlamGraph& graph,
 Status WriteMapThatFits(const std::string& stem, const RefinedMap& map,
                         const RunOutputOptions& options) {
   OccupancyGrid grid;
-  PLUMBLINE_RETURN_IF_ERROR(WriteGrid(stem, *map.graph, options.GridOptions(), &grid));
+  PLUMBLINE_RETURN_IF_ERROR(WriteGrid(stem, *map.graph, *map.state, options.GridOptions(), &grid));
   if (grid.resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
     std::ostringstream warning;
     warning << "the map, " << grid.width * grid.resolution_m << " m x "
@@ -74,23 +74,25 @@ OccupancyGridOptions RunOutputOptions::GridOptions() const {
   return grid;
 }
 
-Status CheckRobotMap(const std::string& input, const SlamGraph& graph, double resolution_m) {
+Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m) {
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
-  const Status status = CheckGridSize(graph, options);
+  const Status status = CheckGridSize(state, options);
   return status.ok() ? status : Status::InvalidArgument(input + ": " + status.message());
 }
 
-Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m) {
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,
+                     double resolution_m) {
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
   OccupancyGrid grid;
-  return WriteGrid(stem, graph, options, &grid);
+  return WriteGrid(stem, graph, state, options, &grid);
 }
 
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output) {
   const SlamGraph& graph = *map.graph;
+  const MapState& state = *map.state;
   std::vector<WriteTask> tasks = {
       [=] {
         return WriteBeforeAfter(output.File("before_after.png"), map, options.picture_side_px);
@@ -99,11 +101,11 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
         return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
       },
       [=] { return WriteMapThatFits(output.File("map"), map, options); },
-      [=, &graph] { return WritePointsPly(output.File("points.ply"), graph); },
-      [=, &graph] { return WritePointsPcd(output.File("points.pcd"), graph); }};
+      [=, &graph, &state] { return WritePointsPly(output.File("points.ply"), graph, state); },
+      [=, &graph, &state] { return WritePointsPcd(output.File("points.pcd"), graph, state); }};
   if (map.consistency != nullptr) {
-    tasks.insert(tasks.begin(), [=, &graph] {
-      return WriteConflictPicture(output.File("conflicts.png"), graph, *map.consistency,
+    tasks.insert(tasks.begin(), [=, &graph, &state] {
+      return WriteConflictPicture(output.File("conflicts.png"), graph, state, *map.consistency,
                                   options.picture_side_px);
     });
   }

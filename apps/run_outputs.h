@@ -8,6 +8,7 @@
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/output_folder.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -32,7 +33,8 @@ struct RunOutputOptions {
 /// The refined map of a run, to be written.
 struct RefinedMap {
   const SlamGraph* graph = nullptr;
-  const std::vector<double>* poses_before = nullptr;  ///< of the start, as SlamGraph::poses()
+  const MapState* state = nullptr;                    ///< of the graph
+  const std::vector<double>* poses_before = nullptr;  ///< of the start, as MapState::poses
   std::string before_title;                           ///< what the start was
   const MapConsistency* consistency = nullptr;        ///< null where it was not measured
   MapArea* picture_area = nullptr;  ///< becomes where map_refined.png shows the map; may be null
@@ -48,12 +50,13 @@ using WriteTask = std::function<Status()>;
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output);
 
-/// Writes stem.pgm and stem.yaml, the occupancy grid of the graph's scans and map points in cells
-/// of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
-Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, double resolution_m);
+/// Writes stem.pgm and stem.yaml, the occupancy grid of the graph's scans and the state's map
+/// points in cells of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,
+                     double resolution_m);
 
-/// InvalidArgument, with `input` in front, if the map of this graph is too large for WriteRobotMap.
-Status CheckRobotMap(const std::string& input, const SlamGraph& graph, double resolution_m);
+/// InvalidArgument, with `input` in front, if this map is too large for WriteRobotMap.
+Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m);
 
 /// Lines for people: what the files of MapWriteTasks are.
 std::string MapFilesText(bool with_conflicts);

@@ -96,20 +96,20 @@ Json FrozenLaserJson(const std::vector<FrozenStretch>& frozen) {
 }
 
 Json SeedingJson(const RunSummary& summary) {
-  const SequentialSeedingReport& sequential = summary.seeding.sequential;
+  const SequentialSeedingReport& sequential = summary.mapping.seeding.sequential;
   return {{"key_scans", sequential.num_key_scans},
           {"recovered_scans", sequential.num_recovered},
           {"unmatched_scans", sequential.num_unmatched},
           {"odometry_sign_lost", sequential.odometry_sign.sign_lost},
           {"reversed_steps", sequential.num_reversed_steps},
-          {"odometry_noise", OdometryNoiseJson(summary.seeding.odometry_noise)},
-          {"loop_candidates", summary.seeding.loops.num_candidates},
-          {"loop_closures", summary.seeding.loops.num_closures},
-          {"verdicts", VerdictsJson(summary.seeding.loops)},
-          {"doubtful_steps", DoubtsJson(summary.seeding.loops)},
-          {"hypotheses", HypothesesJson(summary.seeding.hypotheses)},
-          {"frozen_laser", FrozenLaserJson(summary.frozen_laser)},
-          {"alarm", summary.seeding.alarm},
+          {"odometry_noise", OdometryNoiseJson(summary.mapping.seeding.odometry_noise)},
+          {"loop_candidates", summary.mapping.seeding.loops.num_candidates},
+          {"loop_closures", summary.mapping.seeding.loops.num_closures},
+          {"verdicts", VerdictsJson(summary.mapping.seeding.loops)},
+          {"doubtful_steps", DoubtsJson(summary.mapping.seeding.loops)},
+          {"hypotheses", HypothesesJson(summary.mapping.seeding.hypotheses)},
+          {"frozen_laser", FrozenLaserJson(summary.mapping.frozen_laser)},
+          {"alarm", summary.mapping.seeding.alarm},
           {"time_s", summary.seed_time_s}};
 }
 
@@ -127,14 +127,14 @@ Status WriteRunSummary(const std::string& path, const RunSummary& summary) {
                           {"returns", summary.num_returns},
                           {"skipped_records", summary.num_skipped_records},
                           {"read_time_s", summary.read_time_s},
-                          {"alarm", !summary.alarms.empty()},
-                          {"alarm_reasons", AlarmsJson(summary.alarms)},
+                          {"alarm", !summary.mapping.alarms.empty()},
+                          {"alarm_reasons", AlarmsJson(summary.mapping.alarms)},
                           {"consistency",
-                           {{"seed", ConsistencyJson(summary.seeding.consistency)},
-                            {"refined", ConsistencyJson(summary.refined_consistency)}}},
+                           {{"seed", ConsistencyJson(summary.mapping.seeding.consistency)},
+                            {"refined", ConsistencyJson(summary.mapping.consistency)}}},
                           {"seeding", SeedingJson(summary)},
-                          {"solver", SolverJson(summary.solver)},
-                          {"calibration", CalibrationJson(summary.calibration)},
+                          {"solver", SolverJson(summary.mapping.solver)},
+                          {"calibration", CalibrationJson(summary.mapping.calibration)},
                           {"stages", StagesJson(summary.stages)},
                           {"stopped_by", StoppedByJson(summary.stopped_by)},
                           {"warnings", summary.warnings},

@@ -5,12 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/stage.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/calibration.h"
-#include "plumbline/solvers/seeding/seed.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
 
@@ -21,13 +18,8 @@ struct RunSummary {
   std::size_t num_returns = 0;
   std::size_t num_skipped_records = 0;
   double read_time_s = 0.0;
-  double seed_time_s = 0.0;                 ///< normals included
-  std::vector<FrozenStretch> frozen_laser;  ///< its repeated scans are left out
-  SeedingReport seeding;
-  SolverSummary solver;
-  Calibration calibration;  ///< empty if none was asked for
-  MapConsistency refined_consistency;
-  std::vector<Alarm> alarms;
+  double seed_time_s = 0.0;  ///< normals included
+  MappingReport mapping;
   std::vector<Stage> stages;
   std::string stopped_by;             ///< name of the signal; empty if the run came to its own end
   std::vector<std::string> warnings;  ///< lines for people

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdio>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/solvers/alarm.h"
 
 namespace plumbline {
 namespace {
@@ -100,7 +100,8 @@ std::string LoopsText(const LoopClosingReport& loops, const MapConsistency& cons
          RefusedText(loops) + (revisited ? ".\n" : ": the drift cannot be checked.\n");
 }
 
-std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph) {
+std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph,
+                       const std::vector<double>& poses) {
   std::string text;
   int num_unresolved = 0, num_kept = 0;
   for (const DoubtfulStep& step : loops.doubts) {
@@ -109,7 +110,7 @@ std::string DoubtsText(const LoopClosingReport& loops, const SlamGraph& graph) {
     } else if (!step.broken) {
       ++num_kept;
     } else {
-      text += "  The step to " + PlaceOfPose(graph, step.first_pose_after).Text() +
+      text += "  The step to " + PlaceOfPose(graph, poses, step.first_pose_after).Text() +
               " was wrong: " + Count(step.num_closures_across, "loop closure") + " put it right.\n";
     }
   }
@@ -217,12 +218,13 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
   return runners_up;
 }
 
-std::string SeedingText(const SeedingReport& report, const SlamGraph& graph) {
+std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
+                        const std::vector<double>& poses) {
   if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
   std::string text = MatchingText(report.sequential, graph.num_scans());
   if (report.sequential.num_key_scans <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
-         HypothesesText(report.hypotheses) + DoubtsText(report.loops, graph);
+         HypothesesText(report.hypotheses) + DoubtsText(report.loops, graph, poses);
 }
 
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency) {

@@ -24,8 +24,10 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
                                                 const std::vector<Pose2>& poses, std::size_t most);
 
 /// What people need to know of a seeding, a fact per line, indented: what was matched, how good the
-/// odometry is, which loops were closed, which steps were wrong. graph: as seeded, a scan per pose.
-std::string SeedingText(const SeedingReport& report, const SlamGraph& graph);
+/// odometry is, which loops were closed, which steps were wrong. graph: a scan per pose; poses: of
+/// the seed, (x, y, yaw) each.
+std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
+                        const std::vector<double>& poses);
 
 /// A line on whether the map contradicts itself, or cannot be checked as no scan sees what others
 /// show; nothing if the robot went too little way for its scans to be compared. name: of the map.

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/calibration_report.h"
 #include "plumbline/apps/checkpoint.h"
 #include "plumbline/apps/command_line.h"
@@ -38,13 +37,9 @@
 #include "plumbline/apps/stage.h"
 #include "plumbline/apps/stop_signal.h"
 #include "plumbline/apps/truth.h"
-#include "plumbline/core/graph_poses.h"
-#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/seconds_since.h"
-#include "plumbline/solvers/calibration.h"
-#include "plumbline/solvers/seeding/frozen_laser.h"
-#include "plumbline/solvers/seeding/seed.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/map_log.h"
 
 DEFINE_string(
     log, "",
@@ -84,8 +79,8 @@ class SlamRun {
     if (FLAGS_truth.empty() && !FLAGS_hits.empty()) {
       return Status::InvalidArgument("--hits needs --truth");
     }
-    PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver_options_));
-    PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding_options_));
+    PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options_.solver));
+    PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options_.seeding));
     outputs_.picture_side_px = FLAGS_picture_side_px;
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
     const Status memory = ParseMemorySize(FLAGS_max_memory, &max_memory_);
@@ -93,30 +88,22 @@ class SlamRun {
     outputs_.LimitMemory(max_memory_);
     std::string error;
     if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
-    const Status parsed = ParseCalibration(FLAGS_calibrate, &calibration_options_);
+    const Status parsed = ParseCalibration(FLAGS_calibrate, &options_.calibration);
     if (!parsed.ok()) return Status::InvalidArgument("--calibrate: " + parsed.message());
-    if (calibration_options_.IsOn() && MovesPosesOnly(solver_options_.type)) {
+    if (options_.calibration.IsOn() && MovesPosesOnly(options_.solver.type)) {
       return Status::InvalidArgument(
-          "--calibrate does not go with --solver=" + std::string(ToString(solver_options_.type)) +
+          "--calibrate does not go with --solver=" + std::string(ToString(options_.solver.type)) +
           ", which looks at no returns");
     }
-    pool_.emplace(solver_options_.num_threads);
+    pool_.emplace(options_.solver.num_threads);
     return Status::Ok();
   }
 
   Status Run() {
     if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
     PLUMBLINE_RETURN_IF_ERROR(ReadLog());
-    odometry_poses_ = graph_.poses();
     PLUMBLINE_RETURN_IF_ERROR(FindSeed());
-    PLUMBLINE_RETURN_IF_ERROR(BeginResults());
-    const bool by_pose_graph = MovesPosesOnly(solver_options_.type);
-    if (by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(OpenLoops());
-    seed_poses_ = graph_.poses();
-    PLUMBLINE_RETURN_IF_ERROR(
-        RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png"));
-    if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
-    PLUMBLINE_RETURN_IF_ERROR(Trajectory("trajectory_seed.tum"));
+    PLUMBLINE_RETURN_IF_ERROR(RecordStart());
     PLUMBLINE_RETURN_IF_ERROR(Refine());
     PLUMBLINE_RETURN_IF_ERROR(WriteResults());
     return checkpoint_written_;
@@ -124,40 +111,43 @@ class SlamRun {
 
  private:
   Status RefinePoseGraphFile() const {
-    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || calibration_options_.IsOn() ||
+    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || options_.calibration.IsOn() ||
         !FLAGS_checkpoint.empty() || !FLAGS_resume.empty()) {
       return Status::InvalidArgument(
           "--max_scans, --truth, --calibrate, --checkpoint and --resume go with a log, but " +
           FLAGS_log + " is a pose graph");
     }
-    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, solver_options_, max_memory_});
+    return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, options_.solver, max_memory_});
   }
 
   Status ReadLog() {
     const auto start = Clock::now();
     LogCounts counts;
-    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph_));
-    PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&graph_, &summary_.frozen_laser));
-    // Rather now than at the end of the run, with most of the results written.
-    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, graph_, outputs_.map_resolution_m));
-    if (!FLAGS_truth.empty()) {
-      truth_.emplace();
-      PLUMBLINE_RETURN_IF_ERROR(ReadTruth(FLAGS_truth, FLAGS_hits, graph_, &*truth_));
-    }
+    SlamGraph graph;
+    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph));
+    // What would end the run at its end is found before the work.
+    const MapState odometry = graph.InitialState();
+    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, odometry, outputs_.map_resolution_m));
     summary_.log = FLAGS_log;
-    summary_.num_scans = graph_.num_scans();
-    summary_.num_returns = graph_.num_returns();
+    summary_.num_scans = graph.num_scans();
+    summary_.num_returns = graph.num_returns();
     summary_.num_skipped_records = counts.num_skipped_records;
     summary_.read_time_s = SecondsSince(start);
-    std::cout << "Read " << FLAGS_log << ": " << graph_.num_scans() << " scans, "
-              << graph_.num_returns() << " returns, " << counts.num_skipped_records
+    std::cout << "Read " << FLAGS_log << ": " << graph.num_scans() << " scans, "
+              << graph.num_returns() << " returns, " << counts.num_skipped_records
               << " records skipped, " << counts.num_out_of_order << " out of order (" << std::fixed
               << std::setprecision(2) << summary_.read_time_s << " s)\n";
     const MemoryEstimate memory = EstimateMemory(
-        graph_, solver_options_, calibration_options_.IsOn(), outputs_.picture_side_px);
+        graph, odometry, options_.solver, options_.calibration.IsOn(), outputs_.picture_side_px);
     std::cout << memory.Text() << std::flush;
-    PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, max_memory_, graph_, solver_options_));
-    return StoppedDuring("reading");
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, max_memory_, graph, options_.solver));
+    PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
+    const auto prepare = Clock::now();
+    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_, std::move(graph), &*pool_, &mapping_));
+    summary_.seed_time_s = SecondsSince(prepare);
+    if (FLAGS_truth.empty()) return Status::Ok();
+    truth_.emplace();
+    return ReadTruth(FLAGS_truth, FLAGS_hits, mapping_.graph, &*truth_);
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint.
@@ -166,22 +156,30 @@ class SlamRun {
     if (!FLAGS_resume.empty() || !FLAGS_checkpoint.empty()) {
       PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint));
     }
-    surface_ = MeasureSurface(graph_, NormalOptionsFor(solver_options_.factors.beam), &*pool_);
     if (FLAGS_resume.empty()) {
       PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
       PLUMBLINE_RETURN_IF_ERROR(Seed());
     } else {
-      PLUMBLINE_RETURN_IF_ERROR(
-          ReadCheckpoint(FLAGS_resume, fingerprint, &graph_, &summary_.seeding));
+      PLUMBLINE_RETURN_IF_ERROR(Resume(fingerprint));
       PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
       std::cout << "Seeding: as in " << FLAGS_resume << '\n';
     }
-    std::cout << SeedingText(summary_.seeding, graph_)
-              << ConsistencyText("The seed", summary_.seeding.consistency) << std::flush;
+    const SeedingReport& seeding = mapping_.report.seeding;
+    std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
+              << ConsistencyText("The seed", seeding.consistency) << std::flush;
     if (FLAGS_checkpoint.empty()) return Status::Ok();
-    checkpoint_written_ = WriteCheckpoint(FLAGS_checkpoint, fingerprint, graph_, summary_.seeding);
+    checkpoint_written_ =
+        WriteCheckpoint(FLAGS_checkpoint, fingerprint, mapping_.start_poses, seeding);
     if (checkpoint_written_.ok()) std::cout << "Checkpoint: " << FLAGS_checkpoint << std::endl;
     return Status::Ok();
+  }
+
+  Status Resume(const RunFingerprint& fingerprint) {
+    std::vector<double> start_poses;
+    SeedingReport seeding;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ReadCheckpoint(FLAGS_resume, fingerprint, mapping_.graph, &start_poses, &seeding));
+    return StartFromSeed(options_, std::move(start_poses), std::move(seeding), &mapping_);
   }
 
   // Before the work is done: what cannot be written to is known then.
@@ -199,12 +197,10 @@ class SlamRun {
       bars.Update(phase, num_done, num_total);
       return StopSignal() == 0;
     };
-    const Status seeded =
-        SeedGraph(seeding_options_, solver_options_.factors.motion, surface_.normals, progress,
-                  &*pool_, &graph_, &summary_.seeding);
+    const Status seeded = SeedLog(options_, progress, &*pool_, &mapping_);
     if (!seeded.ok()) PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("seeding"));
     PLUMBLINE_RETURN_IF_ERROR(seeded);
-    summary_.seed_time_s = SecondsSince(start);
+    summary_.seed_time_s += SecondsSince(start);
     bars.Finish();
     std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n";
     return Status::Ok();
@@ -212,71 +208,31 @@ class SlamRun {
 
   // From here on there is a map to write, also if the run is stopped. Not before: an earlier run's
   // results outlive one that comes to nothing.
-  Status BeginResults() {
+  Status RecordStart() {
     PLUMBLINE_RETURN_IF_ERROR(
         output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
-    graph_.poses().swap(odometry_poses_);
-    graph_.ResetPointsFromPoses();
-    Status recorded = RecordMap("Odometry", "map_odometry.png");
-    graph_.poses().swap(odometry_poses_);
-    graph_.ResetPointsFromPoses();
-    return recorded;
-  }
-
-  // A solver of pose graphs has the work still to do that the seeding did by its own.
-  Status OpenLoops() {
-    MoveTo(summary_.seeding.sequential_poses);
-    for (const RelativePoseConstraint& edge : summary_.seeding.pose_graph) {
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(edge));
-    }
-    return Status::Ok();
-  }
-
-  // The seed's lasers stay where they were: its map is drawn with the mounting that was found.
-  void CarrySeedAlong() {
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      const Pose2 carried = Pose2(&seed_poses_[3 * pose]) * before_from_after_;
-      seed_poses_[3 * pose] = carried.x;
-      seed_poses_[3 * pose + 1] = carried.y;
-      seed_poses_[3 * pose + 2] = carried.yaw;
-    }
+    PLUMBLINE_RETURN_IF_ERROR(
+        RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
+    const bool by_pose_graph = MovesPosesOnly(options_.solver.type);
+    PLUMBLINE_RETURN_IF_ERROR(
+        RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png", mapping_.state));
+    if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
+    return Trajectory("trajectory_seed.tum");
   }
 
   Status Refine() {
-    const Pose2 mounting = graph_.laser(0).robot_from_laser;
     std::cout << ProgressHeader() << '\n';
-    solver_options_.callback = [](const IterationSummary& iteration) {
+    options_.solver.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return StopSignal() == 0;
     };
-    // Calibration has its own view of what is wrong with the odometry.
-    if (!calibration_options_.IsOn()) {
-      solver_options_.factors.motion =
-          RefinementMotion(summary_.seeding.odometry_noise, solver_options_.factors.motion);
-    }
-    summary_.solver = calibration_options_.IsOn()
-                          ? SolveWithCalibration(solver_options_, calibration_options_, &graph_,
-                                                 &summary_.calibration)
-                          : Solve(solver_options_, surface_, &graph_);
-    surface_ = MeasuredSurface();  // of no more use, and as large as what the results need
-    if (!summary_.solver.IsSolutionUsable()) {
-      return Status::InvalidArgument(summary_.solver.message);
-    }
-    if (calibration_options_.IsOn()) {
-      before_from_after_ = mounting * graph_.laser(0).robot_from_laser.Inverse();
-      CarrySeedAlong();
-    }
+    PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &*pool_, &mapping_));
     std::cout << '\n'
-              << summary_.solver.FullReport() << '\n'
-              << CalibrationText(summary_.calibration);
-    if (summary_.solver.termination == TerminationType::kUserStopped) {
+              << mapping_.report.solver.FullReport() << '\n'
+              << CalibrationText(mapping_.report.calibration);
+    if (mapping_.report.solver.termination == TerminationType::kUserStopped) {
       summary_.stopped_by = StopSignalName();
       std::cout << StopText(summary_.stopped_by);
-    }
-    summary_.refined_consistency = MeasureMapConsistency(graph_, PosesOf(graph_), &*pool_);
-    summary_.alarms = RunAlarms(summary_.seeding, summary_.refined_consistency, graph_);
-    for (Alarm& alarm : FrozenLaserAlarms(summary_.frozen_laser, graph_)) {
-      summary_.alarms.push_back(std::move(alarm));
     }
     return Status::Ok();
   }
@@ -284,28 +240,36 @@ class SlamRun {
   Status WriteResults() {
     maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
     std::string map_warning;
-    const RefinedMap map{
-        &graph_,     &seed_poses_, "seed", &summary_.refined_consistency, &maps_.back().area,
-        &map_warning};
+    RefinedMap map;
+    map.graph = &mapping_.graph;
+    map.state = &mapping_.state;
+    map.poses_before = &mapping_.start_poses;
+    map.before_title = "seed";
+    map.consistency = &mapping_.report.consistency;
+    map.picture_area = &maps_.back().area;
+    map.map_warning = &map_warning;
     std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
     tasks.push_back([&] { return Trajectory("trajectory.tum"); });
     tasks.push_back([&] {
-      return WriteRefinedPoseGraph(output_.File("graph.g2o"), graph_, summary_.seeding.pose_graph,
-                                   before_from_after_);
+      return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_.state.poses,
+                                   mapping_.report.seeding.pose_graph, mapping_.before_from_after);
     });
     tasks.push_back([&] {
-      return WriteClosurePicture(output_.File("closures.png"), graph_,
-                                 summary_.seeding.loops.matches, outputs_.picture_side_px);
+      return WriteClosurePicture(output_.File("closures.png"), mapping_.graph, mapping_.state,
+                                 mapping_.report.seeding.loops.matches, outputs_.picture_side_px);
     });
     Stage optimised;
-    tasks.push_back([&] { return Measure("refined, optimised points", &optimised); });
+    tasks.push_back(
+        [&] { return Measure("refined, optimised points", mapping_.state, &optimised); });
     PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
     if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
-    graph_.ResetPointsFromPoses();
-    const std::string ranges = calibration_options_.IsOn() ? "calibrated" : "raw";
+    // The map is written: its points make room for the measured ones.
+    mapping_.state.points = mapping_.graph.MeasuredMap(mapping_.state.poses);
+    const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
     summary_.stages.push_back(
-        MeasureStage("refined, " + ranges + " ranges", graph_, TruthOrNull(), &*pool_));
+        MeasureStage("refined, " + ranges + " ranges", mapping_.state, TruthOrNull(), &*pool_));
     summary_.stages.push_back(optimised);
+    summary_.mapping = std::move(mapping_.report);
     PLUMBLINE_RETURN_IF_ERROR(WriteReport());
     // The last one: its presence says that the others are there.
     PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
@@ -334,7 +298,7 @@ class SlamRun {
   void PrintResults() const {
     std::cout
         << StageTable(summary_.stages)
-        << ConsistencyText("The refined map", summary_.refined_consistency) << "\nPeak memory "
+        << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
         << PeakMemoryBytes() / 1000000 << " MB. Results in " << output_.path()
         << ":\n  report.html                                       all of it to look at, in a "
            "browser\n"
@@ -348,70 +312,60 @@ class SlamRun {
         << std::flush;
     for (const std::string& warning : summary_.warnings)
       std::cerr << "warning: " << warning << '\n';
-    std::cerr << AlarmText(summary_.alarms);
+    std::cerr << AlarmText(summary_.mapping.alarms);
   }
 
   // The maps of other explanations of the drive, for people who doubt the one that was adopted.
   Status DrawRefusedMaps() {
     constexpr const char* kFiles[] = {"map_runner_up.png", "map_refused.png"};
-    const std::vector<Pose2> seed = PosesOf(graph_);
     for (const WeighedHypothesis* other :
-         RunnersUp(summary_.seeding.hypotheses, seed, std::size(kFiles))) {
-      MoveTo(other->world_from_robot);
+         RunnersUp(mapping_.report.seeding.hypotheses, PosesOf(mapping_.state.poses),
+                   std::size(kFiles))) {
+      MapState state;
+      state.poses = PoseArray(other->world_from_robot);
+      state.points = mapping_.graph.MeasuredMap(state.poses);
       const std::string title = num_refused_maps_ == 0 ? "Runner-up" : "Refused";
       maps_.push_back({title, output_.File(kFiles[num_refused_maps_++]), MapArea()});
-      PLUMBLINE_RETURN_IF_ERROR(Draw(&maps_.back()));
+      PLUMBLINE_RETURN_IF_ERROR(Draw(state, &maps_.back()));
       maps_.back().name += ": " + HypothesisText(*other);
     }
-    if (num_refused_maps_ > 0) MoveTo(seed);
     return Status::Ok();
   }
-  void MoveTo(const std::vector<Pose2>& world_from_robot) {
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      graph_.SetPose(pose, world_from_robot[pose]);
-    }
-    graph_.ResetPointsFromPoses();
-  }
 
-  // What the map looks like as it stands, and how good it is.
-  Status RecordMap(const std::string& title, const std::string& picture) {
+  // What a map looks like, and how good it is.
+  Status RecordMap(const std::string& title, const std::string& picture, const MapState& state) {
     maps_.push_back({title, output_.File(picture), MapArea()});
     summary_.stages.emplace_back();
     std::string stage = title;
     stage.front() = static_cast<char>(std::tolower(stage.front()));
-    return RunAll({[&] { return Draw(&maps_.back()); },
-                   [&] { return Measure(stage, &summary_.stages.back()); }},
+    return RunAll({[&] { return Draw(state, &maps_.back()); },
+                   [&] { return Measure(stage, state, &summary_.stages.back()); }},
                   &*pool_);
   }
-  Status Draw(ReportMap* map) const {
+  Status Draw(const MapState& state, ReportMap* map) const {
     MapPictureOptions options;
     options.title = map->name;
     options.max_side_px = outputs_.picture_side_px;
-    return WriteMapPicture(map->png_path, graph_, options, &map->area);
+    return WriteMapPicture(map->png_path, mapping_.graph, state, options, &map->area);
   }
   // One of several tasks, each on a thread.
-  Status Measure(const std::string& name, Stage* stage) const {
+  Status Measure(const std::string& name, const MapState& state, Stage* stage) const {
     ThreadPool one_thread(1);
-    *stage = MeasureStage(name, graph_, TruthOrNull(), &one_thread);
+    *stage = MeasureStage(name, state, TruthOrNull(), &one_thread);
     return Status::Ok();
   }
   const Truth* TruthOrNull() const { return truth_ ? &*truth_ : nullptr; }
   Status Trajectory(const std::string& name) const {
-    return WriteTumTrajectory(output_.File(name), TrajectoryOf(graph_));
+    return WriteTumTrajectory(output_.File(name), TrajectoryOf(mapping_.graph, mapping_.state));
   }
 
-  SolverOptions solver_options_;
-  SeedingOptions seeding_options_;
+  MapLogOptions options_;
   RunOutputOptions outputs_;
-  CalibrationOptions calibration_options_;
   std::optional<ThreadPool> pool_;
   const OutputFolder output_{FLAGS_output_dir};
-  SlamGraph graph_;
-  MeasuredSurface surface_;
+  LogMapping mapping_;
   Status checkpoint_written_;  // a run that cannot keep its seed goes on: it is all the run has
   double max_memory_ = 0.0;    // [bytes], 0: no limit
-  std::vector<double> odometry_poses_, seed_poses_;
-  Pose2 before_from_after_;  // how a calibrated mounting moved the frame of the robot
   std::optional<Truth> truth_;
   RunSummary summary_;
   std::vector<ReportMap> maps_;

@@ -8,12 +8,12 @@
 
 namespace plumbline {
 
-Stage MeasureStage(const std::string& name, const SlamGraph& graph, const Truth* truth,
+Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
                    ThreadPool* pool) {
   Stage stage;
   stage.name = name;
-  stage.quality = MeasureMapQuality(graph.points(), MapQualityOptions(), pool);
-  if (truth != nullptr) stage.error = CompareWithTruth(graph, *truth);
+  stage.quality = MeasureMapQuality(state.points, MapQualityOptions(), pool);
+  if (truth != nullptr) stage.error = CompareWithTruth(state, *truth);
   return stage;
 }
 

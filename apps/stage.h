@@ -7,7 +7,7 @@
 
 #include "plumbline/apps/truth.h"
 #include "plumbline/core/map_quality.h"
-#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
@@ -19,8 +19,8 @@ struct Stage {
   std::optional<TruthError> error;  ///< where the truth is known
 };
 
-/// Measures the graph as it stands. truth may be null.
-Stage MeasureStage(const std::string& name, const SlamGraph& graph, const Truth* truth,
+/// Measures a map as it stands. truth: of the graph that the state belongs to; may be null.
+Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
                    ThreadPool* pool);
 
 /// A table for people, one row per stage.

@@ -12,7 +12,6 @@
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
-#include "plumbline/core/graph_poses.h"
 
 namespace plumbline {
 namespace {
@@ -94,11 +93,11 @@ Status ReadTruth(const std::string& trajectory_path, const std::string& hits_pat
   return Status::Ok();
 }
 
-TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
+TruthError CompareWithTruth(const MapState& state, const Truth& truth) {
   TruthError error;
-  const int n = graph.num_poses();
+  const int n = state.num_poses();
   if (n == 0) return error;
-  const std::vector<Pose2> estimated = PosesOf(graph);
+  const std::vector<Pose2> estimated = PosesOf(state.poses);
   std::vector<Pose2> exact;
   exact.reserve(n);
   for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
@@ -114,7 +113,7 @@ TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth) {
   for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
     const Eigen::Vector2d true_point(truth.points[2 * r], truth.points[2 * r + 1]);
     if (!true_point.allFinite()) continue;
-    const Eigen::Vector2d point(graph.points()[2 * r], graph.points()[2 * r + 1]);
+    const Eigen::Vector2d point(state.points[2 * r], state.points[2 * r + 1]);
     error.mean_point_error_m += (truth_from_estimate * point - true_point).norm();
     ++num_points;
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -36,7 +37,8 @@ struct TruthError {
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
                  const SlamGraph& graph, Truth* truth);
 
-TruthError CompareWithTruth(const SlamGraph& graph, const Truth& truth);
+/// For a state of the graph that the truth was joined to.
+TruthError CompareWithTruth(const MapState& state, const Truth& truth);
 
 }  // namespace plumbline
 

@@ -6,15 +6,18 @@ set(PLUMBLINE_PUBLIC_HEADERS
   core/status.h
   core/pose2.h
   core/laser_scan.h
+  core/map_state.h
   core/slam_graph.h
   factors/factor_options.h
+  solvers/map_log.h
   solvers/solver_options.h
   solvers/solver_summary.h
   solvers/solve.h
   solvers/sliding_window.h
   solvers/covariance.h
   solvers/calibration.h
-  solvers/seeding/seed.h)
+  solvers/seeding/seed.h
+  solvers/alarm.h)
 
 # Sets `result` to the public headers and all headers of ours that they include, directly or not, as
 # paths inside the source tree `root`.

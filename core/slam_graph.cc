@@ -35,31 +35,42 @@ Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   return Status::Ok();
 }
 
-Status SlamGraph::AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id) {
-  if (!IsWithinLimits(world_from_robot) || !(std::abs(timestamp_s) <= kMaxTimeS)) {
+Status SlamGraph::AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id) {
+  if (!IsWithinLimits(initial_world_from_robot) || !(std::abs(timestamp_s) <= kMaxTimeS)) {
     return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
                                    ": coordinates or time are not finite, or beyond " +
                                    std::string(kPoseLimits) + " or 1e12 s");
   }
-  if (num_poses() == 0) gauge_ = {{0, world_from_robot}};
+  if (num_poses() == 0) gauge_ = {{0, initial_world_from_robot}};
   *pose_id = num_poses();
   timestamps_s_.push_back(timestamp_s);
-  poses_.insert(poses_.end(), {world_from_robot.x, world_from_robot.y, world_from_robot.yaw});
+  initial_poses_.insert(
+      initial_poses_.end(),
+      {initial_world_from_robot.x, initial_world_from_robot.y, initial_world_from_robot.yaw});
   return Status::Ok();
 }
 
-Status SlamGraph::FixPose(int pose_id) {
+Status SlamGraph::FixPose(int pose_id, const Pose2& world_from_robot) {
   if (pose_id < 0 || pose_id >= num_poses()) {
     return Status::InvalidArgument("fixed pose: no pose with id " + std::to_string(pose_id));
+  }
+  if (!IsWithinLimits(world_from_robot)) {
+    return Status::InvalidArgument("fixed pose " + std::to_string(pose_id) +
+                                   ": coordinates are not finite, or beyond " + kPoseLimits);
   }
   const auto known = std::find_if(fixed_poses_.begin(), fixed_poses_.end(),
                                   [&](const FixedPose& fixed) { return fixed.pose == pose_id; });
   if (known != fixed_poses_.end()) {
-    known->world_from_robot = WorldFromRobot(pose_id);
+    known->world_from_robot = world_from_robot;
   } else {
-    fixed_poses_.push_back({pose_id, WorldFromRobot(pose_id)});
+    fixed_poses_.push_back({pose_id, world_from_robot});
   }
   return Status::Ok();
+}
+
+Status SlamGraph::FixPose(int pose_id) {
+  const bool known = pose_id >= 0 && pose_id < num_poses();
+  return FixPose(pose_id, known ? InitialPose(pose_id) : Pose2());
 }
 
 Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
@@ -74,16 +85,11 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
 }
 
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
-  const DefaultFloatEnvironment float_environment;
-  const PoseFrame laser(WorldFromRobot(pose_id) * lasers_[laser_id].robot_from_laser);
   for (const Return& r : returns) {
     returns_.range_m.push_back(r.range_m);
     returns_.bearing_rad.push_back(r.bearing_rad);
     returns_.beam.push_back(r.beam);
     returns_.scan.push_back(num_scans());
-    const Eigen::Vector2d in_laser = r.range_m * BeamDirection(laser_id, r.beam, r.bearing_rad);
-    const Eigen::Vector2d end = laser.Rotate(in_laser) + laser.translation();
-    points_.insert(points_.end(), {end.x(), end.y()});
   }
   scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
 }
@@ -195,28 +201,14 @@ Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   return Status::Ok();
 }
 
-void SlamGraph::SetPose(int pose_id, const Pose2& world_from_robot) {
-  double* block = &poses_[3 * pose_id];
-  block[0] = world_from_robot.x;
-  block[1] = world_from_robot.y;
-  block[2] = world_from_robot.yaw;
-}
-
-Pose2 SlamGraph::WorldFromLaser(int scan_id) const {
-  return WorldFromRobot(scans_[scan_id].pose) * LaserOfScan(scan_id).robot_from_laser;
-}
-
-void SlamGraph::SetRange(std::size_t r, double range_m) {
-  const LaserModel& laser = LaserOfScan(returns_.scan[r]);
-  returns_.range_m[r] =
-      std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0));
-}
-
-void SlamGraph::PlacePoints(const std::vector<double>& poses, std::vector<double>* points) const {
+void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
+                            std::vector<double>* points) const {
   const DefaultFloatEnvironment float_environment;
   for (const ScanEntry& scan : scans_) {
+    const std::size_t end_of_scan = scan.first_return + scan.num_returns;
+    if (end_of_scan <= first) continue;
     const PoseFrame laser{Pose2(&poses[3 * scan.pose]) * lasers_[scan.laser].robot_from_laser};
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
       const Eigen::Vector2d end = laser.Rotate(PointInLaser(r)) + laser.translation();
       (*points)[2 * r] = end.x();
       (*points)[2 * r + 1] = end.y();
@@ -224,12 +216,49 @@ void SlamGraph::PlacePoints(const std::vector<double>& poses, std::vector<double
   }
 }
 
-void SlamGraph::ResetPointsFromPoses() { PlacePoints(poses_, &points_); }
+MapState SlamGraph::InitialState() const {
+  MapState state;
+  ExtendState(&state);
+  return state;
+}
+
+void SlamGraph::ExtendState(MapState* state) const {
+  state->poses.insert(state->poses.end(), initial_poses_.begin() + state->poses.size(),
+                      initial_poses_.end());
+  const std::size_t first = state->points.size() / 2;
+  state->points.resize(2 * num_returns());
+  PlacePoints(state->poses, first, &state->points);
+}
 
 std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) const {
-  std::vector<double> points(points_.size());
-  PlacePoints(poses, &points);
+  std::vector<double> points(2 * num_returns());
+  PlacePoints(poses, 0, &points);
   return points;
+}
+
+void SlamGraph::Correct(const MeasurementCorrections& corrections) {
+  for (std::size_t i = 0; i < corrections.odometry.size(); ++i) {
+    odometry_[i].from_from_to = corrections.odometry[i];
+  }
+  for (std::size_t i = 0; i < corrections.robot_from_laser.size(); ++i) {
+    lasers_[i].robot_from_laser = corrections.robot_from_laser[i];
+  }
+  for (std::size_t r = 0; r < corrections.range_m.size(); ++r) {
+    const LaserModel& laser = LaserOfScan(returns_.scan[r]);
+    returns_.range_m[r] = std::clamp(corrections.range_m[r], laser.min_range_m,
+                                     std::nextafter(laser.max_range_m, 0.0));
+  }
+}
+
+SlamGraph SlamGraph::Corrected(const MeasurementCorrections& corrections) const& {
+  SlamGraph corrected = *this;
+  corrected.Correct(corrections);
+  return corrected;
+}
+
+SlamGraph SlamGraph::Corrected(const MeasurementCorrections& corrections) && {
+  Correct(corrections);
+  return std::move(*this);
 }
 
 }  // namespace plumbline

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/core/laser_scan.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
 
@@ -27,7 +28,7 @@ struct RelativePoseConstraint {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2], [m rad], [rad^2]
 };
 
-/// A pose that is known: world_from_robot as it was when the pose was fixed.
+/// A pose that is known.
 struct FixedPose {
   int pose = 0;            ///< pose id
   Pose2 world_from_robot;  ///< where it is held
@@ -52,28 +53,38 @@ struct LaserReturns {
   std::size_t size() const { return range_m.size(); }
 };
 
-/// The unknowns and measurements of one mapping problem: robot poses, the map point of every laser
-/// return, odometry and relative-pose constraints. Ids count up from 0 in order of addition.
+/// Measurements that a graph is to have in place of its own; an empty array leaves them as they
+/// are.
+struct MeasurementCorrections {
+  std::vector<Pose2> odometry;          ///< from_from_to per constraint of SlamGraph::odometry()
+  std::vector<Pose2> robot_from_laser;  ///< mounting per laser
+  std::vector<double> range_m;          ///< per return [m]
+};
+
+/// The measurements of one mapping problem: laser returns, odometry and relative poses between
+/// robot poses, and an initial guess of every pose. Ids count up from 0 in order of addition.
 ///
-/// The state is kept in flat arrays, which solvers update in place: poses() holds (x, y [m],
-/// yaw [rad]) of world_from_robot per pose, points() holds (x, y) [m] in the world per return.
-/// Solvers hold fixed poses where they were fixed. If no pose is named, that is the first one,
-/// where it was added: something has to hold the map in the world.
+/// The unknowns, poses and one map point per return, are a MapState. Solvers change that and never
+/// the graph. They hold fixed poses where they were fixed. If no pose is named, that is the first
+/// one, at its initial guess: something has to hold the map in the world.
 class SlamGraph {
  public:
   /// Gives the id of an equal laser that the graph already has, or else of a new one. Fails on a
   /// model that LaserModel::Check refuses.
   Status AddLaser(const LaserModel& laser, int* laser_id);
 
-  /// Fails on a pose or time that is not finite, or beyond input_limits.h.
-  Status AddPose(const Pose2& world_from_robot, double timestamp_s, int* pose_id);
+  /// Adds a pose with its initial guess. Fails on a pose or time that is not finite, or beyond
+  /// input_limits.h.
+  Status AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id);
 
-  /// Fixes a pose where it stands now, also if it was fixed elsewhere before. Fails on an unknown
-  /// id.
+  /// Fixes a pose, also if it was fixed elsewhere before. Fails on an unknown id, and on a pose
+  /// that AddPose refuses.
+  Status FixPose(int pose_id, const Pose2& world_from_robot);
+  /// The same at the pose's initial guess.
   Status FixPose(int pose_id);
 
-  /// Takes every return of the sweep as a map point, placed by the current pose. Fails on unknown
-  /// ids or if ranges.size() differs from the laser's number of beams.
+  /// Takes every return of the sweep as a map point. Fails on unknown ids or if ranges.size()
+  /// differs from the laser's number of beams.
   Status AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
 
   /// Takes points [m], in the frame of the robot, for the returns of a sweep: one whose motion has
@@ -83,8 +94,7 @@ class SlamGraph {
   /// point more than a step outside of the fan of beams, naming it.
   Status AddPoints(int pose_id, int laser_id, const std::vector<Eigen::Vector2d>& points_in_robot);
 
-  /// Takes over a sweep of another graph with its laser: the same returns, placed by the current
-  /// pose. Fails on unknown ids.
+  /// Takes over a sweep of another graph with its laser: the same returns. Fails on unknown ids.
   Status AddScanOf(const SlamGraph& other, int scan_id, int pose_id);
 
   /// Fails on unknown or equal ids, and on motions that are not finite or beyond input_limits.h.
@@ -100,14 +110,16 @@ class SlamGraph {
   /// Number of returns of all scans, each a map point.
   std::size_t num_returns() const { return returns_.size(); }
 
-  /// A pose as it stands. Needs a known id, as all accessors do.
-  Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses_[3 * pose_id]); }
-  /// Moves a pose. Moves no map point: see ResetPointsFromPoses.
-  void SetPose(int pose_id, const Pose2& world_from_robot);
+  /// The initial guesses: x, y [m], yaw [rad] of world_from_robot, three numbers per pose.
+  const std::vector<double>& initial_poses() const { return initial_poses_; }
+  /// The initial guess of a pose. Needs a known id, as all accessors do.
+  Pose2 InitialPose(int pose_id) const { return Pose2(&initial_poses_[3 * pose_id]); }
   /// The poses that FixPose named, in that order; the first pose if there are none.
   const std::vector<FixedPose>& fixed_poses() const {
     return fixed_poses_.empty() ? gauge_ : fixed_poses_;
   }
+  /// Whether FixPose named any of them.
+  bool has_named_fixed_poses() const { return !fixed_poses_.empty(); }
   /// Time of a pose [s].
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
 
@@ -119,8 +131,10 @@ class SlamGraph {
   const LaserModel& laser(int laser_id) const { return lasers_[laser_id]; }
   /// The model of the laser that made a sweep.
   const LaserModel& LaserOfScan(int scan_id) const { return lasers_[scans_[scan_id].laser]; }
-  /// Where the laser of a sweep stands, by the current pose.
-  Pose2 WorldFromLaser(int scan_id) const;
+  /// Where the laser of a sweep stands, by these poses.
+  Pose2 WorldFromLaser(int scan_id, const std::vector<double>& poses) const {
+    return Pose2(&poses[3 * scans_[scan_id].pose]) * LaserOfScan(scan_id).robot_from_laser;
+  }
 
   /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
@@ -137,37 +151,25 @@ class SlamGraph {
 
   /// In the order of addition.
   const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
-  /// Corrects what constraint `index` of odometry() says of the motion.
-  void SetOdometryMotion(std::size_t index, const Pose2& from_from_to) {
-    odometry_[index].from_from_to = from_from_to;
-  }
   /// In the order of addition.
   const std::vector<RelativePoseConstraint>& relative_poses() const { return relative_poses_; }
 
-  /// The state of the poses: x, y [m], yaw [rad] of world_from_robot, three numbers per pose. Must
-  /// keep its size.
-  std::vector<double>& poses() { return poses_; }
-  /// The same, to read.
-  const std::vector<double>& poses() const { return poses_; }
-  /// The map: x, y [m] in the world, two numbers per return. Must keep its size.
-  std::vector<double>& points() { return points_; }
-  /// The same, to read.
-  const std::vector<double>& points() const { return points_; }
-
-  /// Corrects where a laser sits on the robot. Needs a known id and a finite pose. Moves no map
-  /// point: see ResetPointsFromPoses.
-  void SetMounting(int laser_id, const Pose2& robot_from_laser) {
-    lasers_[laser_id].robot_from_laser = robot_from_laser;
-  }
-  /// Corrects the range [m] of a return, which stays one: beyond what its laser takes for a return,
-  /// the range is the nearest that it does. Needs a finite range. Moves no map point.
-  void SetRange(std::size_t return_id, double range_m);
-
-  /// Puts every map point where its measurement and the current pose say.
-  void ResetPointsFromPoses();
+  /// Poses at their initial guesses, and the map points where the measurements put them from there.
+  MapState InitialState() const;
+  /// Adds to a state of this graph what came after it: poses at their initial guesses, and map
+  /// points where the measurements put them, seen from the state's poses. Needs a state that has
+  /// nothing which the graph lacks.
+  void ExtendState(MapState* state) const;
   /// Where the measurements put the map points, seen from these poses: x, y [m] in the world, two
-  /// numbers per return. poses: three numbers per pose, as poses() has them.
+  /// numbers per return. poses: three numbers per pose, as MapState has them.
   std::vector<double> MeasuredMap(const std::vector<double>& poses) const;
+
+  /// The same graph with other measurements. Arrays that are not empty need the sizes that
+  /// MeasurementCorrections names, and finite values. A corrected return stays one: beyond what its
+  /// laser takes for a return, the range is the nearest that it does.
+  SlamGraph Corrected(const MeasurementCorrections& corrections) const&;
+  /// The same for a graph that is of no more use.
+  SlamGraph Corrected(const MeasurementCorrections& corrections) &&;
 
  private:
   struct Return {
@@ -183,11 +185,13 @@ class SlamGraph {
     const bool by_model = bearing_rad == lasers_[laser_id].Bearing(beam);
     return by_model ? beam_directions_[laser_id][beam] : BeamEnd(1.0, bearing_rad);
   }
-  // points: two numbers per return.
-  void PlacePoints(const std::vector<double>& poses, std::vector<double>* points) const;
+  // points: two numbers per return, those from `first` on are placed.
+  void PlacePoints(const std::vector<double>& poses, std::size_t first,
+                   std::vector<double>* points) const;
+  void Correct(const MeasurementCorrections& corrections);
   Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
-  std::vector<FixedPose> gauge_;  // the first pose as it was added
+  std::vector<FixedPose> gauge_;  // the first pose at its initial guess
   std::vector<FixedPose> fixed_poses_;
   std::vector<LaserModel> lasers_;
   std::vector<std::vector<Eigen::Vector2d>> beam_directions_;  // per laser and beam
@@ -196,8 +200,7 @@ class SlamGraph {
   LaserReturns returns_;
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;
-  std::vector<double> poses_;
-  std::vector<double> points_;
+  std::vector<double> initial_poses_;
 };
 
 }  // namespace plumbline

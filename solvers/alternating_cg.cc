@@ -75,14 +75,14 @@ class PartialObjective final : public CgObjective {
 class Alternation {
  public:
   Alternation(const Energy& energy, const AlternatingCgOptions& options,
-              const ProgressCallback& report, SlamGraph* graph)
+              const ProgressCallback& report, MapState* state)
       : energy_(energy),
         options_(options),
         report_(report),
-        graph_(graph),
-        map_(energy, graph->poses()),
-        poses_(energy, graph->points()),
-        scans_(energy, graph) {}
+        state_(state),
+        map_(energy, state->poses),
+        poses_(energy, state->points),
+        scans_(energy) {}
 
   InnerResult Run(double initial_cost) {
     result_.usable = true;
@@ -111,13 +111,13 @@ class Alternation {
 
  private:
   void Sweep() {
-    Phase("map", options_.map_iterations_per_sweep, &map_, &graph_->points());
+    Phase("map", options_.map_iterations_per_sweep, &map_, &state_->points);
     if (result_.stopped) return;
-    Phase("poses", options_.pose_iterations_per_sweep, &poses_, &graph_->poses());
+    Phase("poses", options_.pose_iterations_per_sweep, &poses_, &state_->poses);
     if (result_.stopped || options_.scan_iterations_per_sweep == 0) return;
-    scans_.AttachPoints();
-    Phase("scans", options_.scan_iterations_per_sweep, &scans_, &graph_->poses());
-    scans_.PlacePoints(graph_->poses(), &graph_->points());
+    scans_.AttachPoints(*state_);
+    Phase("scans", options_.scan_iterations_per_sweep, &scans_, &state_->poses);
+    scans_.PlacePoints(state_->poses, &state_->points);
   }
 
   void Phase(const char* phase, int max_iterations, CgObjective* objective,
@@ -151,7 +151,7 @@ class Alternation {
   const Energy& energy_;
   const AlternatingCgOptions& options_;
   const ProgressCallback& report_;
-  SlamGraph* graph_;
+  MapState* state_;
   PartialObjective<2> map_;
   PartialObjective<3> poses_;
   ScanObjective scans_;
@@ -161,14 +161,14 @@ class Alternation {
 }  // namespace
 
 InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOptions& options,
-                                 const ProgressCallback& report, SlamGraph* graph) {
+                                 const ProgressCallback& report, MapState* state) {
   TermCosts costs;
-  if (!energy.Evaluate(graph->poses(), graph->points(), &costs)) {
+  if (!energy.Evaluate(state->poses, state->points, &costs)) {
     InnerResult failure;
     failure.stop_reason = "the energy is not finite at the given state";
     return failure;
   }
-  return Alternation(energy, options, report, graph).Run(costs.Total());
+  return Alternation(energy, options, report, state).Run(costs.Total());
 }
 
 }  // namespace plumbline

@@ -1,7 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_ALTERNATING_CG_H_
 #define PLUMBLINE_SOLVERS_ALTERNATING_CG_H_
 
-#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/energy.h"
 #include "plumbline/solvers/inner_solve.h"
@@ -13,9 +13,9 @@ namespace plumbline {
 /// on the poses with the map fixed, then on the poses with each scan carrying its points along. All
 /// are preconditioned with the diagonal blocks of the Gauss-Newton Hessian (2x2 per point, 3x3 per
 /// pose), which takes out the difference between metres and radians and between near and far
-/// points. The cost never rises; the graph holds the best state on return.
+/// points. The cost never rises; *state is the best one on return.
 InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOptions& options,
-                                 const ProgressCallback& report, SlamGraph* graph);
+                                 const ProgressCallback& report, MapState* state);
 
 }  // namespace plumbline
 

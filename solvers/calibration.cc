@@ -77,11 +77,10 @@ class PatchedState {
         compressor_(graph.graph(), surface_, graph.Noise(factors), pool),
         sightings_(compressor_.LayOut(cut.patches.size(), cut.patch_of_return)),
         patches_(cut.patches),
-        frames_(FramesOf(graph.graph().poses())),
+        frames_(FramesOf(graph.poses())),
         terms_(graph.Terms(factors)) {
     SettleLines(compressor_, frames_, gate_sigmas, pool, &sightings_, &patches_);
-    energy_ = compressor_.Weigh(patches_, frames_, loss_, &sightings_) +
-              terms_.Cost(graph.graph().poses());
+    energy_ = compressor_.Weigh(patches_, frames_, loss_, &sightings_) + terms_.Cost(graph.poses());
   }
   PatchedState(const PatchedState&) = delete;
   PatchedState& operator=(const PatchedState&) = delete;
@@ -98,7 +97,7 @@ class PatchedState {
     // The lines that are best for the weights at hand have no gradient.
     FitPatchLines(sightings_, frames_, pool_, &patches_);
     PoseSystem poses;
-    poses.Linearize(sightings_, patches_, terms_, graph_.graph().poses(), frames_, pool_);
+    poses.Linearize(sightings_, patches_, terms_, graph_.poses(), frames_, pool_);
     const CalibrationSystem system(graph_, terms_, sightings_,
                                    compressor_.RangeSlopes(patches_, frames_, loss_, sightings_),
                                    patches_, frames_, poses);
@@ -125,15 +124,16 @@ class PatchedState {
 
 class Calibrator {
  public:
-  Calibrator(const SolverOptions& options, const CalibrationOptions& calibration, SlamGraph* graph)
+  Calibrator(const SolverOptions& options, const CalibrationOptions& calibration,
+             const SlamGraph& graph, const std::vector<double>& poses)
       : options_(options),
         calibration_(calibration),
         active_(ActiveParameters(calibration)),
         prior_sigmas_(PriorSigmas(calibration)),
         pool_(options.num_threads),
-        given_mounting_(graph->laser(0).robot_from_laser),
-        given_poses_(graph->poses()),
-        graph_(graph) {}
+        given_mounting_(graph.laser(0).robot_from_laser),
+        given_poses_(poses),
+        graph_(graph, poses) {}
 
   // Moves poses and parameters until these settle.
   Status Settle(Calibration* result) {
@@ -151,8 +151,9 @@ class Calibrator {
   // Whether the callback asked to stop.
   bool stopped() const { return stopped_; }
 
-  // What the parameters are, and how well the graph's final state determines them.
-  Status Report(Calibration* result) {
+  // What the parameters are, and how well the final poses determine them.
+  Status Report(const std::vector<double>& final_poses, Calibration* result) {
+    graph_.Set(graph_.theta(), final_poses);
     graph_.WeighMotions();
     CalibrationStep step;
     const Cut cut = CutSurfaces();
@@ -171,11 +172,11 @@ class Calibrator {
   // The given poses, carried along to the parameters found.
   void StartOver() {
     const CalibrationVector theta = graph_.theta();
-    Undo();
+    graph_.Set(CalibrationVector::Zero(), given_poses_);
     graph_.Set(theta, graph_.Carried(theta, given_poses_));
   }
 
-  void Undo() { graph_.Set(CalibrationVector::Zero(), given_poses_); }
+  const CalibratedGraph& graph() const { return graph_; }
 
  private:
   struct Cut {
@@ -189,8 +190,9 @@ class Calibrator {
     const SlamGraph& graph = graph_.graph();
     MeasuredSurface surface =
         MeasureSurface(graph, NormalOptionsFor(options_.factors.beam), &pool_);
-    SurfacePatches patches = CutIntoPatches(
-        graph, surface, PatchOptionsFor(options_.factors, options_.association), &pool_);
+    SurfacePatches patches =
+        CutIntoPatches(graph, graph_.poses(), surface,
+                       PatchOptionsFor(options_.factors, options_.association), &pool_);
     return {std::move(surface.normals), std::move(patches)};
   }
 
@@ -219,7 +221,7 @@ class Calibrator {
       PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
     }
     const CalibrationVector theta = graph_.theta();
-    const std::vector<double> poses = graph_.graph().poses();
+    const std::vector<double> poses = graph_.poses();
     constexpr int kMaxHalvings = 4;
     double length = 1.0;
     for (int attempt = 0; attempt <= kMaxHalvings && !*moved; ++attempt, length *= 0.5) {
@@ -273,22 +275,22 @@ class Calibrator {
 };
 
 Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibration,
-                  const SlamGraph& graph) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
+                  const SlamGraph& graph, const MapState& state) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   std::string error;
   if (!calibration.Check(&error)) return Status::InvalidArgument(error);
   if (MovesPosesOnly(options.type)) {
     return Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
                                    " does not look at the returns, and calibration needs them");
   }
-  PLUMBLINE_RETURN_IF_ERROR(
-      CheckScansAreNotMirrored(graph, StartFromConstraints(graph, options.factors.motion)));
+  PLUMBLINE_RETURN_IF_ERROR(CheckScansAreNotMirrored(
+      graph, state.poses, StartFromConstraints(graph, state.poses, options.factors.motion)));
   return calibration.laser_mounting || calibration.range_scale ? CheckMountings(graph)
                                                                : Status::Ok();
 }
 
 // Settles the parameters, solves with them and says what they are.
-Status CalibrateAndSolve(const SolverOptions& options, Calibrator* calibrator, SlamGraph* graph,
+Status CalibrateAndSolve(const SolverOptions& options, Calibrator* calibrator, MapState* state,
                          SolverSummary* summary, Calibration* result) {
   PLUMBLINE_RETURN_IF_ERROR(calibrator->Settle(result));
   SolverOptions rest = options;
@@ -298,30 +300,31 @@ Status CalibrateAndSolve(const SolverOptions& options, Calibrator* calibrator, S
     // Not from the poses at hand: there would be next to nothing left for Solve to improve on.
     calibrator->StartOver();
   }
-  graph->ResetPointsFromPoses();
-  *summary = Solve(rest, graph);
-  return summary->IsSolutionUsable() ? calibrator->Report(result) : Status::Ok();
+  const SlamGraph& graph = calibrator->graph().graph();
+  MapState calibrated;
+  calibrated.poses = calibrator->graph().poses();
+  calibrated.points = graph.MeasuredMap(calibrated.poses);
+  *summary = Solve(rest, graph, &calibrated);
+  if (!summary->IsSolutionUsable()) return Status::Ok();
+  PLUMBLINE_RETURN_IF_ERROR(calibrator->Report(calibrated.poses, result));
+  result->corrections = calibrator->graph().corrections();
+  *state = std::move(calibrated);
+  return Status::Ok();
 }
 
 SolverSummary SolveChecked(const SolverOptions& options,
-                           const CalibrationOptions& calibration_options, SlamGraph* graph,
-                           Calibration* calibration) {
-  const Status input = CheckInput(options, calibration_options, *graph);
+                           const CalibrationOptions& calibration_options, const SlamGraph& graph,
+                           MapState* state, Calibration* calibration) {
+  const Status input = CheckInput(options, calibration_options, graph, *state);
   if (!input.ok()) return SolverFailure(options, input);
-  GivenState given(graph);
-  given.CopyPoints();
-  Calibrator calibrator(options, calibration_options, graph);
+  Calibrator calibrator(options, calibration_options, graph, state->poses);
   Calibration result;
   SolverSummary summary;
   const auto start = Clock::now();
   const Status status = CatchExceptions(
-      [&] { return CalibrateAndSolve(options, &calibrator, graph, &summary, &result); });
+      [&] { return CalibrateAndSolve(options, &calibrator, state, &summary, &result); });
   if (!status.ok()) summary = SolverFailure(options, status);
-  if (!summary.IsSolutionUsable()) {
-    calibrator.Undo();
-    return summary;
-  }
-  given.KeepNewState();
+  if (!summary.IsSolutionUsable()) return summary;
   result.time_s =
       std::chrono::duration<double>(Clock::now() - start).count() - summary.total_time_s;
   *calibration = std::move(result);
@@ -341,13 +344,15 @@ bool CalibrationOptions::Check(std::string* error) const {
 }
 
 SolverSummary SolveWithCalibration(const SolverOptions& options,
-                                   const CalibrationOptions& calibration_options, SlamGraph* graph,
+                                   const CalibrationOptions& calibration_options,
+                                   const SlamGraph& graph, MapState* state,
                                    Calibration* calibration) {
   *calibration = Calibration();
   const DefaultFloatEnvironment float_environment;
-  if (!calibration_options.IsOn()) return Solve(options, graph);
-  return CatchFailures(
-      options, [&] { return SolveChecked(options, calibration_options, graph, calibration); });
+  if (!calibration_options.IsOn()) return Solve(options, graph, state);
+  return CatchFailures(options, [&] {
+    return SolveChecked(options, calibration_options, graph, state, calibration);
+  });
 }
 
 }  // namespace plumbline

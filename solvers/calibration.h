@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/solver_options.h"
 #include "plumbline/solvers/solver_summary.h"
@@ -50,11 +51,13 @@ struct Calibration {
   /// Whether the last step was small against the standard deviations.
   bool settled = false;
   double time_s = 0.0;  ///< without Solve
+  /// What the graph's measurements should have been: SlamGraph::Corrected applies it.
+  MeasurementCorrections corrections;
 };
 
-/// Solve, with parameters of the sensors as further unknowns. On return the graph has the corrected
-/// mountings, ranges and odometry, and the poses and points that go with them; *calibration says
-/// what they are. With nothing to estimate it is Solve, and *calibration is empty.
+/// Solve, with parameters of the sensors as further unknowns. On return *state has the poses and
+/// points that go with the corrected mountings, ranges and odometry; *calibration says what these
+/// are. With nothing to estimate it is Solve, and *calibration is empty.
 ///
 /// The callback sees the steps on the parameters, too, as phase "sensors". If it stops one, the
 /// parameters stay as they are and Solve takes one step without asking again: kUserStopped.
@@ -64,11 +67,12 @@ struct Calibration {
 /// or against relative poses. The standard deviations take the odometry's noise from its residuals,
 /// step by step independent, and that of the laser from the options.
 ///
-/// kFailure, with the graph unchanged: whatever Solve refuses, options out of range, lasers of
+/// kFailure, with the state unchanged: whatever Solve refuses, options out of range, lasers of
 /// different mountings with laser_mounting or range_scale, poses that nothing ties to a fixed one,
 /// a linear system that cannot be solved, and a callback that throws.
 SolverSummary SolveWithCalibration(const SolverOptions& options,
-                                   const CalibrationOptions& calibration_options, SlamGraph* graph,
+                                   const CalibrationOptions& calibration_options,
+                                   const SlamGraph& graph, MapState* state,
                                    Calibration* calibration);
 
 }  // namespace plumbline

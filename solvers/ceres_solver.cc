@@ -130,11 +130,11 @@ Status CheckCeresOptions(const CeresOptions& options) {
   return Status::InvalidArgument("Ceres refuses its options: " + error);
 }
 
-InnerResult SolveWithCeres(const Associations& associations, const FactorOptions& factors,
-                           const CeresOptions& options, int num_threads,
-                           const ProgressCallback& report, SlamGraph* graph) {
-  return BuildAndMinimize([&] { return BuildJointProblem(associations, factors, graph); }, options,
-                          num_threads, report);
+InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,
+                           const FactorOptions& factors, const CeresOptions& options,
+                           int num_threads, const ProgressCallback& report, MapState* state) {
+  return BuildAndMinimize([&] { return BuildJointProblem(graph, associations, factors, state); },
+                          options, num_threads, report);
 }
 
 InnerResult SolvePatchesWithCeres(const PatchSightings& sightings,

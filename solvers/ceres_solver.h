@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/association/associations.h"
@@ -18,11 +19,11 @@ namespace plumbline {
 /// would abort in it.
 Status CheckCeresOptions(const CeresOptions& options);
 
-/// Minimises the joint energy over all poses and points with Ceres. The graph holds the best state
-/// on return.
-InnerResult SolveWithCeres(const Associations& associations, const FactorOptions& factors,
-                           const CeresOptions& options, int num_threads,
-                           const ProgressCallback& report, SlamGraph* graph);
+/// Minimises the joint energy over all poses and points with Ceres. *state is the best one on
+/// return.
+InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,
+                           const FactorOptions& factors, const CeresOptions& options,
+                           int num_threads, const ProgressCallback& report, MapState* state);
 
 /// Minimises the energy over all poses and the lines of patches, points eliminated, for the
 /// sightings' weights. `poses`, (x, y, yaw) each, hold the best state on return; the patches keep

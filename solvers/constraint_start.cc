@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumbline/core/graph_poses.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/pose_graph/chordal_start.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -35,6 +35,7 @@ double MeanSquaredError(const std::vector<RelativePoseConstraint>& steps,
 }  // namespace
 
 std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
+                                                        const std::vector<double>& state_poses,
                                                         const MotionOptions& motion) {
   std::vector<RelativePoseConstraint> steps, others;
   const auto add = [&](const RelativePoseConstraint& edge) {
@@ -46,7 +47,7 @@ std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
   for (const RelativePoseConstraint& c : graph.relative_poses()) add(c);
   if (!IsChain(steps, graph.num_poses())) return std::nullopt;
 
-  std::vector<Pose2> poses = PosesOf(graph);
+  std::vector<Pose2> poses = PosesOf(state_poses);
   constexpr double kSigmas = 3.0;
   if (!(MeanSquaredError(steps, poses) > kSigmas * kSigmas)) return std::nullopt;
 
@@ -57,9 +58,7 @@ std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
   }
   if (!ChordalStart(steps, fixed, &poses)) return std::nullopt;
   OptimizePoseGraph(steps, others, &poses, fixed);
-  std::vector<double> start;
-  for (const Pose2& pose : poses) start.insert(start.end(), {pose.x, pose.y, pose.yaw});
-  return start;
+  return PoseArray(poses);
 }
 
 }  // namespace plumbline

@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-/// Where odometry and relative poses put the poses, (x, y, yaw) each, if that is far from where the
-/// graph has them: their steps from pose to pose contradict the graph's state by more than three
+/// Where odometry and relative poses put the poses, (x, y, yaw) each, if that is far from where a
+/// state has them: their steps from pose to pose contradict its poses by more than three
 /// standard deviations, root mean square, as where poses have been mixed up. A step counts for 30
 /// of them at most: a single one that is flatly contradicted, as after a robot was carried, does
 /// not speak for all. Steps are believed, relative poses that join others are doubted (Cauchy
@@ -19,6 +19,7 @@ namespace plumbline {
 /// Nothing if the steps agree with the state, if a pose has no step from the one before, or if the
 /// equations cannot be solved.
 std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
+                                                        const std::vector<double>& state_poses,
                                                         const MotionOptions& motion);
 
 }  // namespace plumbline

@@ -46,15 +46,16 @@ Status CheckPairs(const SlamGraph& graph, const std::vector<PosePair>& pairs) {
   return Status::Ok();
 }
 
-// The reduced solver's linear system at the state of a graph.
+// The reduced solver's linear system at a state of the poses.
 class PosteriorSystem {
  public:
-  PosteriorSystem(const SolverOptions& options, const SlamGraph& graph)
-      : pool_(options.num_threads), frames_(FramesOf(graph.poses())) {
+  PosteriorSystem(const SolverOptions& options, const SlamGraph& graph,
+                  const std::vector<double>& poses)
+      : pool_(options.num_threads), frames_(FramesOf(poses)) {
     const FactorOptions& factors = options.factors;
     const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
-    SurfacePatches cut =
-        CutIntoPatches(graph, surface, PatchOptionsFor(factors, options.association), &pool_);
+    SurfacePatches cut = CutIntoPatches(graph, poses, surface,
+                                        PatchOptionsFor(factors, options.association), &pool_);
     ReturnCompressor compressor(graph, surface, NoiseOf(factors), &pool_);
     sightings_ = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
     const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
@@ -65,7 +66,7 @@ class PosteriorSystem {
     }
     const PoseTerms terms(graph, factors);
     free_islands_ = FindFreeIslands(sightings_, terms);
-    system_.Linearize(sightings_, cut.patches, terms, graph.poses(), frames_, &pool_);
+    system_.Linearize(sightings_, cut.patches, terms, poses, frames_, &pool_);
   }
 
   Status CheckHeld() const {
@@ -111,12 +112,12 @@ class PosteriorSystem {
 };
 
 Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
-                          const std::vector<PosePair>& pairs,
+                          const MapState& state, const std::vector<PosePair>& pairs,
                           std::vector<Eigen::Matrix3d>* covariances) {
   const DefaultFloatEnvironment float_environment;
-  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
-  PosteriorSystem system(options, graph);
+  PosteriorSystem system(options, graph, state.poses);
   PLUMBLINE_RETURN_IF_ERROR(system.CheckHeld());
   std::map<int, std::vector<std::size_t>> pairs_of_pose;
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs_of_pose[pairs[i].a].push_back(i);
@@ -137,9 +138,10 @@ Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
 }  // namespace
 
 Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
-                              const std::vector<PosePair>& pairs,
+                              const MapState& state, const std::vector<PosePair>& pairs,
                               std::vector<Eigen::Matrix3d>* covariances) {
-  return CatchExceptions([&] { return ComputeCovariances(options, graph, pairs, covariances); });
+  return CatchExceptions(
+      [&] { return ComputeCovariances(options, graph, state, pairs, covariances); });
 }
 
 Eigen::Matrix3d RelativePoseCovariance(const Pose2& world_from_a, const Pose2& world_from_b,

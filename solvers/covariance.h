@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -22,8 +23,8 @@ struct PosePair {
 /// order x, y [m], yaw [rad], world axes. (a, a) gives the marginal of a, a fixed pose that of its
 /// prior.
 ///
-/// It is the inverse of the reduced solver's Gauss-Newton matrix at the graph's state, with every
-/// point and every tangent line eliminated: they count as unknown. So the graph should be at its
+/// It is the inverse of the reduced solver's Gauss-Newton matrix at the state, with every
+/// point and every tangent line eliminated: they count as unknown. So the state should be the
 /// optimum (Solve), and the sigmas of `options` should be those of the data; errors that these do
 /// not speak of, a wrong loop or a bent mounting, are not in it. Costs three solutions of the
 /// linear system per distinct a, each some tens of passes over what the poses saw of the patches.
@@ -32,7 +33,7 @@ struct PosePair {
 /// nothing ties to a fixed one, or not in every direction: their covariance is infinite.
 /// Unavailable if a system cannot be solved to full precision, or memory runs out.
 Status ComputePoseCovariances(const SolverOptions& options, const SlamGraph& graph,
-                              const std::vector<PosePair>& pairs,
+                              const MapState& state, const std::vector<PosePair>& pairs,
                               std::vector<Eigen::Matrix3d>* covariances);
 
 /// The covariance of the motion a_from_b = a^-1 b between two poses (x, y [m], yaw [rad], axes of

@@ -86,6 +86,7 @@ class Energy {
                    const std::vector<double>* point_direction,
                    TermSet terms = TermSet::All()) const;
 
+  const SlamGraph& graph() const { return graph_; }
   const Associations& associations() const { return associations_; }
   const FactorOptions& options() const { return options_; }
   ThreadPool* pool() const { return pool_; }

@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t kScansPerChunk = 16;
 
 // Cost of the returns of one scan, given the lines of the map.
-double ScanCost(const SlamGraph& graph, const MeasuredSurface& surface, int scan_id,
-                const std::vector<TangentLine>& lines, const FactorOptions& factors) {
+double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
+                const MeasuredSurface& surface, int scan_id, const std::vector<TangentLine>& lines,
+                const FactorOptions& factors) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const Pose2 pose = graph.WorldFromRobot(scan.pose);
+  const Pose2 pose(&poses[3 * scan.pose]);
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
@@ -42,18 +43,18 @@ double ScanCost(const SlamGraph& graph, const MeasuredSurface& surface, int scan
 
 }  // namespace
 
-double MarginalEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
-                      const std::vector<TangentLine>& lines, const FactorOptions& factors,
-                      ThreadPool* pool) {
+double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                      const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                      const FactorOptions& factors, ThreadPool* pool) {
   std::vector<double> costs(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk), 0.0);
   pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t s = begin; s < end; ++s) {
                          costs[chunk] +=
-                             ScanCost(graph, surface, static_cast<int>(s), lines, factors);
+                             ScanCost(graph, poses, surface, static_cast<int>(s), lines, factors);
                        }
                      });
-  double total = PoseTerms(graph, factors).Cost(graph.poses());
+  double total = PoseTerms(graph, factors).Cost(poses);
   for (const double cost : costs) total += cost;
   return total;
 }

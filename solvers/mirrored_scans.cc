@@ -106,9 +106,9 @@ TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) 
   return votes;
 }
 
-Status CheckScansAreNotMirrored(const SlamGraph& graph,
+Status CheckScansAreNotMirrored(const SlamGraph& graph, const std::vector<double>& poses,
                                 const std::optional<std::vector<double>>& other_poses) {
-  TurnVotes against = VoteOnTurns(graph, graph.poses());
+  TurnVotes against = VoteOnTurns(graph, poses);
   if (other_poses && !against.SayRight()) {
     const TurnVotes other = VoteOnTurns(graph, *other_poses);
     if (other.AreEnough()) against = other;

@@ -31,10 +31,10 @@ struct TurnVotes {
 /// that are wrong. At most 48 pairs are looked at, whatever the size of the graph.
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses);
 
-/// InvalidArgument if the scans look mirrored to the graph's poses, or to another state that they
-/// may start from, and right to neither. Mirrored scans still agree with each other where the poses
+/// InvalidArgument if the scans look mirrored to these poses, or to other ones that they may
+/// start from, and right to neither. Mirrored scans still agree with each other where the poses
 /// give way, so that no energy tells.
-Status CheckScansAreNotMirrored(const SlamGraph& graph,
+Status CheckScansAreNotMirrored(const SlamGraph& graph, const std::vector<double>& poses,
                                 const std::optional<std::vector<double>>& other_poses);
 
 }  // namespace plumbline

@@ -33,16 +33,17 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
   return cost_on_line < loss.Term(distance, surface_variance).rho ? remaining : distance;
 }
 
-void RecoverScan(const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
-                 const FactorOptions& factors, int scan_id, SlamGraph* graph) {
-  const ScanEntry& scan = graph->scan(scan_id);
-  const PoseFrame frame(&graph->poses()[3 * scan.pose]);
-  const Eigen::Vector2d laser = graph->laser(scan.laser).robot_from_laser.translation();
+void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
+                 const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                 const FactorOptions& factors, int scan_id, std::vector<double>* points) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const PoseFrame frame(&poses[3 * scan.pose]);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
-    Eigen::Map<Eigen::Vector2d> point(&graph->points()[2 * r]);
+    Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
     point = frame.Rotate(in_robot) + frame.translation();
     if (!Associations::HasLine(lines[r])) continue;
     const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
@@ -81,10 +82,10 @@ void Add(const PointDisplacements& part, PointDisplacements* total) {
 }
 
 // Adds up; `mean_m` as a sum.
-void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, const SlamGraph& graph,
-                 int scan_id, PointDisplacements* displacements) {
+void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSurface& surface,
+                 const SurfaceNoise& noise, int scan_id, PointDisplacements* displacements) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const PoseFrame frame(&graph.poses()[3 * scan.pose]);
+  const PoseFrame frame(&state.poses[3 * scan.pose]);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const double range_information = 1.0 / noise.range_variance;
   const double bearing_information = 1.0 / noise.bearing_variance;
@@ -93,7 +94,7 @@ void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, cons
     const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
     const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const Eigen::Vector2d moved =
-        Eigen::Vector2d(graph.points()[2 * r], graph.points()[2 * r + 1]) - measured;
+        Eigen::Vector2d(state.points[2 * r], state.points[2 * r + 1]) - measured;
     const double per_range_squared = 1.0 / beam.squaredNorm();
     const double along = moved.dot(beam);
     const double turned_rad = (moved.x() * beam.y() - moved.y() * beam.x()) * per_range_squared;
@@ -109,30 +110,32 @@ void MeasureScan(const MeasuredSurface& surface, const SurfaceNoise& noise, cons
 
 }  // namespace
 
-PointDisplacements RecoverPoints(const MeasuredSurface& surface,
-                                 const std::vector<TangentLine>& lines,
-                                 const FactorOptions& factors, ThreadPool* pool, SlamGraph* graph) {
-  pool->ForEachChunk(graph->num_scans(), kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t s = begin; s < end; ++s) {
-                         RecoverScan(surface, lines, factors, static_cast<int>(s), graph);
-                       }
-                     });
-  return MeasureDisplacements(surface, factors, pool, *graph);
+std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
+                                  const MeasuredSurface& surface,
+                                  const std::vector<TangentLine>& lines,
+                                  const FactorOptions& factors, ThreadPool* pool) {
+  std::vector<double> points(2 * graph.num_returns());
+  pool->ForEachChunk(
+      graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          RecoverScan(graph, poses, surface, lines, factors, static_cast<int>(s), &points);
+        }
+      });
+  return points;
 }
 
-PointDisplacements MeasureDisplacements(const MeasuredSurface& surface,
-                                        const FactorOptions& factors, ThreadPool* pool,
-                                        const SlamGraph& graph) {
+PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
+                                        const MeasuredSurface& surface,
+                                        const FactorOptions& factors, ThreadPool* pool) {
   const std::size_t num_scans = graph.num_scans();
   const SurfaceNoise noise = NoiseOf(factors);
   std::vector<PointDisplacements> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk));
-  pool->ForEachChunk(num_scans, kScansPerChunk,
-                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       for (std::size_t s = begin; s < end; ++s) {
-                         MeasureScan(surface, noise, graph, static_cast<int>(s), &parts[chunk]);
-                       }
-                     });
+  pool->ForEachChunk(
+      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          MeasureScan(graph, state, surface, noise, static_cast<int>(s), &parts[chunk]);
+        }
+      });
   PointDisplacements total;
   for (const PointDisplacements& part : parts) Add(part, &total);
   total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph.num_returns()));

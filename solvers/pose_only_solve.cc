@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
@@ -56,23 +55,23 @@ class EdgeErrors {
 
 class PoseOnlySolver {
  public:
-  PoseOnlySolver(const SolverOptions& options, SlamGraph* graph)
+  PoseOnlySolver(const SolverOptions& options, const SlamGraph& graph, const MapState& seed)
       : options_(options),
         graph_(graph),
-        errors_(graph->relative_poses()),
-        seed_poses_(graph->poses()),
-        seed_points_(graph->points()) {
+        errors_(graph.relative_poses()),
+        seed_(seed),
+        state_(seed) {
     summary_.solver = ToString(options.type);
-    summary_.num_poses = graph->num_poses();
-    summary_.num_points = graph->num_returns();
-    summary_.num_relative_poses = graph->relative_poses().size();
+    summary_.num_poses = graph.num_poses();
+    summary_.num_points = graph.num_returns();
+    summary_.num_relative_poses = graph.relative_poses().size();
   }
 
   SolverSummary Run() {
-    for (const FixedPose& fixed : graph_->fixed_poses()) {
-      graph_->SetPose(fixed.pose, fixed.world_from_robot);
+    for (const FixedPose& fixed : graph_.fixed_poses()) {
+      state_.SetPose(fixed.pose, fixed.world_from_robot);
     }
-    const std::vector<double> start = graph_->poses();
+    const std::vector<double> start = state_.poses;
     summary_.seed_chi2 = Chi2();
     last_cost_ = 0.5 * summary_.seed_chi2;
     result_ = options_.type == SolverType::kSgd ? Descend() : Optimize();
@@ -81,20 +80,22 @@ class PoseOnlySolver {
     if (improved) {
       CarryPoints();
     } else {
-      graph_->poses() = start;
-      graph_->points() = seed_points_;
+      state_.poses = start;
+      state_.points = seed_.points;
     }
     Conclude(improved);
     return std::move(summary_);
   }
 
+  MapState TakeState() { return std::move(state_); }
+
  private:
-  double Chi2() const { return errors_.Chi2(PosesOf(*graph_)); }
+  double Chi2() const { return errors_.Chi2(PosesOf(state_.poses)); }
 
   PoseGraphResult Descend() {
     std::vector<int> fixed;
-    for (const FixedPose& pose : graph_->fixed_poses()) fixed.push_back(pose.pose);
-    std::vector<Pose2> poses = PosesOf(*graph_), before = poses;
+    for (const FixedPose& pose : graph_.fixed_poses()) fixed.push_back(pose.pose);
+    std::vector<Pose2> poses = PosesOf(state_.poses), before = poses;
     StochasticDescentOptions sgd = options_.sgd;
     sgd.callback = [&](int iteration, const std::vector<Pose2>& now) {
       double squared_step = 0.0;
@@ -108,14 +109,15 @@ class PoseOnlySolver {
       stopped_ = !go_on;
       return go_on;
     };
-    PoseGraphResult result = DescendStochastically(graph_->relative_poses(), sgd, &poses, fixed);
-    for (int i = 0; i < graph_->num_poses(); ++i) graph_->SetPose(i, poses[i]);
+    PoseGraphResult result = DescendStochastically(graph_.relative_poses(), sgd, &poses, fixed);
+    state_.poses = PoseArray(poses);
     return result;
   }
 
   PoseGraphResult Optimize() {
-    PoseGraphResult result =
-        RefinePoseGraph(graph_, [this](double cost) { return Report(cost, 0.0); }).optimization;
+    PoseGraphResult result = RefinePoseGraph(graph_, &state_, [this](double cost) {
+                               return Report(cost, 0.0);
+                             }).optimization;
     stopped_ = result.stopped;
     return result;
   }
@@ -136,18 +138,19 @@ class PoseOnlySolver {
         (summary_.iterations.empty() ? 0.0 : summary_.iterations.back().total_time_s);
     last_cost_ = cost;
     summary_.iterations.push_back(row);
+    row.poses = &state_.poses;
     return !options_.callback || options_.callback(row);
   }
 
   // Every point keeps its place in the frame of its robot.
   void CarryPoints() {
-    graph_->points() = seed_points_;
-    for (int s = 0; s < graph_->num_scans(); ++s) {
-      const ScanEntry& scan = graph_->scan(s);
+    state_.points = seed_.points;
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      const ScanEntry& scan = graph_.scan(s);
       const Pose2 now_from_before =
-          graph_->WorldFromRobot(scan.pose) * Pose2(&seed_poses_[3 * scan.pose]).Inverse();
+          state_.WorldFromRobot(scan.pose) * seed_.WorldFromRobot(scan.pose).Inverse();
       for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        Eigen::Map<Eigen::Vector2d> point(&graph_->points()[2 * r]);
+        Eigen::Map<Eigen::Vector2d> point(&state_.points[2 * r]);
         point = now_from_before * Eigen::Vector2d(point);
       }
     }
@@ -168,9 +171,10 @@ class PoseOnlySolver {
   }
 
   const SolverOptions& options_;
-  SlamGraph* graph_;
+  const SlamGraph& graph_;
   const EdgeErrors errors_;
-  const std::vector<double> seed_poses_, seed_points_;
+  const MapState& seed_;
+  MapState state_;
   const Clock::time_point start_ = Clock::now();
   SolverSummary summary_;
   PoseGraphResult result_;
@@ -180,8 +184,12 @@ class PoseOnlySolver {
 
 }  // namespace
 
-SolverSummary SolvePosesOnly(const SolverOptions& options, SlamGraph* graph) {
-  return PoseOnlySolver(options, graph).Run();
+SolverSummary SolvePosesOnly(const SolverOptions& options, const SlamGraph& graph,
+                             MapState* state) {
+  PoseOnlySolver solver(options, graph, *state);
+  SolverSummary summary = solver.Run();
+  *state = solver.TakeState();
+  return summary;
 }
 
 }  // namespace plumbline

@@ -52,32 +52,33 @@ void Order(const ceres::Problem& problem, std::vector<double>* blocks, std::size
 
 class Builder {
  public:
-  Builder(const Associations& associations, const FactorOptions& options, SlamGraph* graph,
-          JointProblem* joint)
-      : associations_(associations),
+  Builder(const SlamGraph& graph, const Associations& associations, const FactorOptions& options,
+          MapState* state, JointProblem* joint)
+      : graph_(graph),
+        associations_(associations),
         options_(options),
-        graph_(graph),
-        poses_(graph->poses().data()),
-        points_(graph->points().data()),
+        state_(state),
+        poses_(state->poses.data()),
+        points_(state->points.data()),
         joint_(joint) {}
 
   void AddPoseTerms() {
-    plumbline::AddPoseTerms(PoseTerms(*graph_, options_), poses_,
+    plumbline::AddPoseTerms(PoseTerms(graph_, options_), poses_,
                             [this](Term term, ceres::CostFunction* cost, auto... blocks) {
                               Add(term, cost, nullptr, blocks...);
                             });
   }
 
   void AddPointTerms(ceres::LossFunction* manifold_loss) {
-    const LaserReturns& returns = graph_->returns();
+    const LaserReturns& returns = graph_.returns();
     const double inv_range = 1.0 / options_.beam.sigma_range_m;
     const double inv_bearing = 1.0 / options_.beam.sigma_bearing_rad;
     for (std::size_t r = 0; r < returns.size(); ++r) {
       const int scan = returns.scan[r];
-      const RangeBeamResidual beam{graph_->LaserOfScan(scan).robot_from_laser, returns.range_m[r],
+      const RangeBeamResidual beam{graph_.LaserOfScan(scan).robot_from_laser, returns.range_m[r],
                                    returns.bearing_rad[r], inv_range, inv_bearing};
-      Add(Term::kRangeBeam, new RangeBeamFactor(beam), nullptr,
-          poses_ + 3 * graph_->scan(scan).pose, points_ + 2 * r);
+      Add(Term::kRangeBeam, new RangeBeamFactor(beam), nullptr, poses_ + 3 * graph_.scan(scan).pose,
+          points_ + 2 * r);
       if (!Associations::HasLine(associations_.lines[r])) continue;
       const ManifoldResidual manifold{associations_.lines[r], 1.0 / options_.manifold.sigma_m};
       Add(Term::kManifold, new ManifoldFactor(manifold), manifold_loss, points_ + 2 * r);
@@ -94,7 +95,7 @@ class Builder {
   }
 
   void OrderBlocks() {
-    std::vector<bool> keep(graph_->num_returns(), false);
+    std::vector<bool> keep(graph_.num_returns(), false);
     if (options_.shape.enabled) {
       for (const ShapePair& pair : associations_.shape_pairs) {
         if (!keep[pair.current]) keep[pair.previous] = true;
@@ -104,7 +105,7 @@ class Builder {
     for (std::size_t r = 0; r < keep.size(); ++r) {
       joint_->ordering->AddElementToGroup(points_ + 2 * r, keep[r] ? kKept : kEliminated);
     }
-    Order(*joint_->problem, &graph_->poses(), 3, kKept, joint_->ordering.get());
+    Order(*joint_->problem, &state_->poses, 3, kKept, joint_->ordering.get());
   }
 
  private:
@@ -114,9 +115,10 @@ class Builder {
         joint_->problem->AddResidualBlock(cost, loss, blocks...));
   }
 
+  const SlamGraph& graph_;
   const Associations& associations_;
   const FactorOptions& options_;
-  SlamGraph* graph_;
+  MapState* state_;
   double* poses_;
   double* points_;
   JointProblem* joint_;
@@ -124,15 +126,15 @@ class Builder {
 
 }  // namespace
 
-JointProblem BuildJointProblem(const Associations& associations, const FactorOptions& options,
-                               SlamGraph* graph) {
+JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& associations,
+                               const FactorOptions& options, MapState* state) {
   JointProblem joint;
   joint.problem = std::make_unique<ceres::Problem>(ProblemOptions());
   const auto make_loss = [&](double gate_sigmas) {
     joint.losses.push_back(std::make_unique<GemanMcClureLoss>(GemanMcClure::FromGate(gate_sigmas)));
     return joint.losses.back().get();
   };
-  Builder builder(associations, options, graph, &joint);
+  Builder builder(graph, associations, options, state, &joint);
   builder.AddPoseTerms();
   builder.AddPointTerms(make_loss(options.manifold.robust_gate_sigmas));
   builder.AddShapeTerms(make_loss(options.shape.robust_gate_sigmas));

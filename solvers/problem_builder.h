@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
@@ -18,7 +19,7 @@
 
 namespace plumbline {
 
-/// The joint energy as a ceres::Problem whose parameter blocks are the graph's own arrays.
+/// The joint energy as a ceres::Problem whose parameter blocks are a state's own arrays.
 struct JointProblem {
   /// Declared before the problem, which uses them until its end.
   std::vector<std::unique_ptr<ceres::LossFunction>> losses;
@@ -29,13 +30,13 @@ struct JointProblem {
   std::vector<ceres::ResidualBlockId> residual_blocks[kNumTerms];
 };
 
-/// Adds a residual block for every term of the energy. The graph must outlive the problem and keep
-/// its numbers of poses and points.
+/// Adds a residual block for every term of the energy. The state must outlive the problem and keep
+/// its size.
 ///
 /// A point may be eliminated if no term joins it to another eliminated point. Only shape terms
 /// join points, two by two; one end of each stays with the poses.
-JointProblem BuildJointProblem(const Associations& associations, const FactorOptions& options,
-                               SlamGraph* graph);
+JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& associations,
+                               const FactorOptions& options, MapState* state);
 
 /// The energy over poses and the lines of patches, points eliminated and weights fixed, as a
 /// ceres::Problem whose pose blocks are the caller's own array.

@@ -25,20 +25,20 @@ constexpr std::size_t kScansPerChunk = 16;
 
 // The lines that a solver of this kind would draw the points to.
 std::vector<TangentLine> LinesOf(const SolverOptions& options, const SlamGraph& graph,
-                                 ThreadPool* pool) {
+                                 const MapState& state, ThreadPool* pool) {
   const FactorOptions& factors = options.factors;
   const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), pool);
   if (options.association.neighborhood == NeighborhoodType::kNearest) {
-    return LinesFromNearest(graph, surface.normals, options.association, pool);
+    return LinesFromNearest(graph, state, surface.normals, options.association, pool);
   }
   std::vector<TangentLine> lines =
-      LinesFromRadius(graph, surface, options.association, FineRadius(options), pool);
+      LinesFromRadius(graph, state.poses, surface, options.association, FineRadius(options), pool);
   if (!options.IsOverPatches()) return lines;
-  SurfacePatches cut =
-      CutIntoPatches(graph, surface, PatchOptionsFor(factors, options.association), pool);
+  SurfacePatches cut = CutIntoPatches(graph, state.poses, surface,
+                                      PatchOptionsFor(factors, options.association), pool);
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
   PatchSightings sightings = compressor.LayOut(cut.patches.size(), cut.patch_of_return);
-  SettleLines(compressor, FramesOf(graph.poses()), factors.manifold.robust_gate_sigmas, pool,
+  SettleLines(compressor, FramesOf(state.poses), factors.manifold.robust_gate_sigmas, pool,
               &sightings, &cut.patches);
   AddPatchLines(cut, &lines);
   return lines;
@@ -54,14 +54,14 @@ std::vector<Eigen::Vector3d> EdgeResiduals(const std::vector<PoseEdge>& edges,
   return residuals;
 }
 
-void EvaluateScan(const FactorOptions& factors, const SlamGraph& graph,
+void EvaluateScan(const FactorOptions& factors, const SlamGraph& graph, const MapState& state,
                   const std::vector<TangentLine>& lines, const ScanEntry& scan,
                   Residuals* residuals) {
   const LaserReturns& returns = graph.returns();
   const BeamFrame frame =
-      MakeBeamFrame(&graph.poses()[3 * scan.pose], graph.laser(scan.laser).robot_from_laser);
+      MakeBeamFrame(&state.poses[3 * scan.pose], graph.laser(scan.laser).robot_from_laser);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const double* point = &graph.points()[2 * r];
+    const double* point = &state.points[2 * r];
     Eigen::Vector2d& beam = residuals->beams[r];
     if (!EvaluateRangeBeam(frame, point, returns.range_m[r], returns.bearing_rad[r],
                            1.0 / factors.beam.sigma_range_m, 1.0 / factors.beam.sigma_bearing_rad,
@@ -75,27 +75,29 @@ void EvaluateScan(const FactorOptions& factors, const SlamGraph& graph,
   }
 }
 
-Status EvaluateChecked(const SolverOptions& options, const SlamGraph& graph, Residuals* residuals) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph));
+Status EvaluateChecked(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
+                       Residuals* residuals) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   ThreadPool pool(options.num_threads);
   const PoseTerms terms(graph, options.factors);
   Residuals result;
-  result.odometry = EdgeResiduals(terms.motions, graph.poses());
-  result.relative_poses = EdgeResiduals(terms.relative_poses, graph.poses());
+  result.odometry = EdgeResiduals(terms.motions, state.poses);
+  result.relative_poses = EdgeResiduals(terms.relative_poses, state.poses);
   result.beams.resize(graph.num_returns());
   result.surfaces.assign(graph.num_returns(), kUndefined);
-  const std::vector<TangentLine> lines = LinesOf(options, graph, &pool);
-  pool.ForEachChunk(
-      graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          EvaluateScan(options.factors, graph, lines, graph.scan(static_cast<int>(s)), &result);
-        }
-      });
+  const std::vector<TangentLine> lines = LinesOf(options, graph, state, &pool);
+  pool.ForEachChunk(graph.num_scans(), kScansPerChunk,
+                    [&](std::size_t, std::size_t begin, std::size_t end) {
+                      for (std::size_t s = begin; s < end; ++s) {
+                        EvaluateScan(options.factors, graph, state, lines,
+                                     graph.scan(static_cast<int>(s)), &result);
+                      }
+                    });
   const auto bad = std::find_if(result.beams.begin(), result.beams.end(),
                                 [](const Eigen::Vector2d& beam) { return beam.hasNaN(); });
   if (bad != result.beams.end()) {
     return Status::InvalidArgument("point " + std::to_string(bad - result.beams.begin()) +
-                                   " of the graph lies on its laser: it has no bearing");
+                                   " of the state lies on its laser: it has no bearing");
   }
   *residuals = std::move(result);
   return Status::Ok();
@@ -104,9 +106,9 @@ Status EvaluateChecked(const SolverOptions& options, const SlamGraph& graph, Res
 }  // namespace
 
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
-                         Residuals* residuals) {
+                         const MapState& state, Residuals* residuals) {
   const DefaultFloatEnvironment float_environment;
-  return CatchExceptions([&] { return EvaluateChecked(options, graph, residuals); });
+  return CatchExceptions([&] { return EvaluateChecked(options, graph, state, residuals); });
 }
 
 }  // namespace plumbline

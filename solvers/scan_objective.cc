@@ -35,15 +35,15 @@ TermSet Moving() { return TermSet{Term::kRangeBeam}.Others(); }
 
 }  // namespace
 
-void ScanObjective::AttachPoints() {
-  attached_.resize(graph_.points().size());
+void ScanObjective::AttachPoints(const MapState& state) {
+  attached_.resize(state.points.size());
   ForEachScan(graph_, energy_.pool(), [&](int s) {
     const ScanEntry& scan = graph_.scan(s);
-    const double* pose = &graph_.poses()[3 * scan.pose];
+    const double* pose = &state.poses[3 * scan.pose];
     const double c = std::cos(pose[2]), sn = std::sin(pose[2]);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const double dx = graph_.points()[2 * r] - pose[0];
-      const double dy = graph_.points()[2 * r + 1] - pose[1];
+      const double dx = state.points[2 * r] - pose[0];
+      const double dy = state.points[2 * r + 1] - pose[1];
       attached_[2 * r] = c * dx + sn * dy;
       attached_[2 * r + 1] = -sn * dx + c * dy;
     }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/block_jacobi.h"
 #include "plumbline/solvers/energy.h"
@@ -17,10 +18,11 @@ namespace plumbline {
 /// the step that is long where alternating between poses and points is slow.
 class ScanObjective final : public CgObjective {
  public:
-  ScanObjective(const Energy& energy, const SlamGraph* graph) : energy_(energy), graph_(*graph) {}
+  /// Keeps a reference.
+  explicit ScanObjective(const Energy& energy) : energy_(energy), graph_(energy.graph()) {}
 
-  /// Glues the graph's current points to its current poses. To be called before a minimisation.
-  void AttachPoints();
+  /// Glues the points of a state to its poses. To be called before a minimisation.
+  void AttachPoints(const MapState& state);
   /// The points that go with poses x.
   void PlacePoints(const std::vector<double>& x, std::vector<double>* points) const;
 

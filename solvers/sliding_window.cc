@@ -19,22 +19,23 @@ constexpr int kOutside = -1;
 // again since fixed poses stay, to be no more than rounding.
 constexpr double kFixedSigma = 1e-6;  // [m] and [rad]
 
-Status CheckPose(const SlamGraph& graph, int pose) {
-  const double* state = graph.poses().data() + 3 * pose;
-  if (std::all_of(state, state + 3, IsWithinReach)) return Status::Ok();
+Status CheckPose(const MapState& state, int pose) {
+  const double* block = state.poses.data() + 3 * pose;
+  if (std::all_of(block, block + 3, IsWithinReach)) return Status::Ok();
   return Status::InvalidArgument("pose " + std::to_string(pose) +
-                                 " of the graph is not finite, or beyond 1e8 m or rad");
+                                 " of the state is not finite, or beyond 1e8 m or rad");
 }
 
-Status CheckPoints(const SlamGraph& graph, int scan_id) {
+Status CheckPoints(const SlamGraph& graph, const MapState& state, int scan_id) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const auto first = graph.points().begin() + 2 * scan.first_return;
+  const auto first = state.points.begin() + 2 * scan.first_return;
   if (std::all_of(first, first + 2 * scan.num_returns, IsWithinReach)) return Status::Ok();
   return Status::InvalidArgument("a point of scan " + std::to_string(scan_id) +
                                  " is not finite, or beyond 1e8 m");
 }
 
-Status CheckFreePoses(const std::vector<int>& free_poses, const SlamGraph& graph) {
+Status CheckFreePoses(const std::vector<int>& free_poses, const SlamGraph& graph,
+                      const MapState& state) {
   if (free_poses.empty()) return Status::InvalidArgument("there are no free poses to solve for");
   std::vector<char> seen(graph.num_poses());
   for (const int pose : free_poses) {
@@ -45,7 +46,7 @@ Status CheckFreePoses(const std::vector<int>& free_poses, const SlamGraph& graph
     }
     if (seen[pose]) return Status::InvalidArgument(name + " is named twice");
     seen[pose] = true;
-    PLUMBLINE_RETURN_IF_ERROR(CheckPose(graph, pose));
+    PLUMBLINE_RETURN_IF_ERROR(CheckPose(state, pose));
   }
   return Status::Ok();
 }
@@ -64,27 +65,28 @@ class Window {
     std::sort(poses_.begin(), poses_.end());
   }
 
-  Status Extract(const SlamGraph& graph) {
+  Status Extract(const SlamGraph& graph, const MapState& state) {
     for (const int pose : poses_) {
-      PLUMBLINE_RETURN_IF_ERROR(CheckPose(graph, pose));
+      PLUMBLINE_RETURN_IF_ERROR(CheckPose(state, pose));
       PLUMBLINE_RETURN_IF_ERROR(
-          part_.AddPose(graph.WorldFromRobot(pose), graph.timestamp_s(pose), &part_of_pose_[pose]));
+          part_.AddPose(state.WorldFromRobot(pose), graph.timestamp_s(pose), &part_of_pose_[pose]));
     }
     PLUMBLINE_RETURN_IF_ERROR(FixPoses(graph));
-    PLUMBLINE_RETURN_IF_ERROR(AddScans(graph));
+    PLUMBLINE_RETURN_IF_ERROR(AddScans(graph, state));
     return AddConstraints(graph);
   }
 
-  SlamGraph* part() { return &part_; }
+  const SlamGraph& part() const { return part_; }
+  MapState* state() { return &state_; }
 
   // Takes over what has become of the free poses and of their points.
-  void WriteBack(SlamGraph* graph) const {
+  void WriteBack(const SlamGraph& graph, MapState* state) const {
     for (const int pose : poses_) {
-      if (is_free_[pose]) graph->SetPose(pose, part_.WorldFromRobot(part_of_pose_[pose]));
+      if (is_free_[pose]) state->SetPose(pose, state_.WorldFromRobot(part_of_pose_[pose]));
     }
     for (int s = 0; s < part_.num_scans(); ++s) {
-      const ScanEntry& to = graph->scan(scans_[s]);
-      if (is_free_[to.pose]) CopyPoints(part_.scan(s), part_.points(), to, &graph->points());
+      const ScanEntry& to = graph.scan(scans_[s]);
+      if (is_free_[to.pose]) CopyPoints(part_.scan(s), state_.points, to, &state->points);
     }
   }
 
@@ -99,10 +101,7 @@ class Window {
   Status FixPoses(const SlamGraph& graph) {
     for (const FixedPose& fixed : graph.fixed_poses()) {
       if (!is_free_[fixed.pose]) continue;
-      const int pose = part_of_pose_[fixed.pose];
-      part_.SetPose(pose, fixed.world_from_robot);
-      PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(pose));
-      part_.SetPose(pose, graph.WorldFromRobot(fixed.pose));
+      PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[fixed.pose], fixed.world_from_robot));
     }
     for (const int pose : poses_) {
       if (!is_free_[pose]) PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[pose]));
@@ -110,15 +109,16 @@ class Window {
     return Status::Ok();
   }
 
-  Status AddScans(const SlamGraph& graph) {
+  Status AddScans(const SlamGraph& graph, const MapState& state) {
+    state_.poses = part_.initial_poses();
     for (int s = 0; s < graph.num_scans(); ++s) {
       const ScanEntry& from = graph.scan(s);
       const int pose = part_of_pose_[from.pose];
       if (pose == kOutside) continue;
-      PLUMBLINE_RETURN_IF_ERROR(CheckPoints(graph, s));
+      PLUMBLINE_RETURN_IF_ERROR(CheckPoints(graph, state, s));
       PLUMBLINE_RETURN_IF_ERROR(part_.AddScanOf(graph, s, pose));
-      CopyPoints(from, graph.points(), part_.scan(static_cast<int>(scans_.size())),
-                 &part_.points());
+      state_.points.resize(2 * part_.num_returns());
+      CopyPoints(from, state.points, part_.scan(static_cast<int>(scans_.size())), &state_.points);
       scans_.push_back(s);
     }
     return Status::Ok();
@@ -151,18 +151,21 @@ class Window {
   std::vector<int> poses_;         // per pose of the part: its id in the graph
   std::vector<int> scans_;         // likewise per scan
   SlamGraph part_;
+  MapState state_;  // of the part
 };
 
 SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& window,
-                           const std::vector<int>& free_poses, SlamGraph* graph) {
+                           const std::vector<int>& free_poses, const SlamGraph& graph,
+                           MapState* state) {
   std::string error;
   if (!window.Check(&error))
     return SolverFailure(options, Status::InvalidArgument("window." + error));
-  Status status = CheckFreePoses(free_poses, *graph);
+  Status status = CheckStateSize(graph, *state);
+  if (status.ok()) status = CheckFreePoses(free_poses, graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
-  const std::vector<int> fixed_poses = ChooseFixedPoses(window, *graph, free_poses);
-  Window part(*graph, free_poses, fixed_poses);
-  status = part.Extract(*graph);
+  const std::vector<int> fixed_poses = ChooseFixedPoses(window, graph, *state, free_poses);
+  Window part(graph, free_poses, fixed_poses);
+  status = part.Extract(graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
   SolverOptions part_options = options;
   if (!fixed_poses.empty()) {
@@ -170,8 +173,8 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
     prior.sigma_translation_m = std::min(prior.sigma_translation_m, kFixedSigma);
     prior.sigma_rotation_rad = std::min(prior.sigma_rotation_rad, kFixedSigma);
   }
-  SolverSummary summary = Solve(part_options, part.part());
-  if (summary.IsSolutionUsable()) part.WriteBack(graph);
+  SolverSummary summary = Solve(part_options, part.part(), part.state());
+  if (summary.IsSolutionUsable()) part.WriteBack(graph, state);
   return summary;
 }
 
@@ -189,19 +192,21 @@ bool WindowOptions::Check(std::string* error) const {
 }
 
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
-                          SlamGraph* graph) {
+                          const SlamGraph& graph, MapState* state) {
   const DefaultFloatEnvironment float_environment;
   return CatchFailures(options, [&] {
-    std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph->num_poses()));
-    std::iota(newest.begin(), newest.end(), graph->num_poses() - static_cast<int>(newest.size()));
-    return SolveChecked(options, window, newest, graph);
+    std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph.num_poses()));
+    std::iota(newest.begin(), newest.end(), graph.num_poses() - static_cast<int>(newest.size()));
+    return SolveChecked(options, window, newest, graph, state);
   });
 }
 
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
-                         const std::vector<int>& free_poses, SlamGraph* graph) {
+                         const std::vector<int>& free_poses, const SlamGraph& graph,
+                         MapState* state) {
   const DefaultFloatEnvironment float_environment;
-  return CatchFailures(options, [&] { return SolveChecked(options, window, free_poses, graph); });
+  return CatchFailures(options,
+                       [&] { return SolveChecked(options, window, free_poses, graph, state); });
 }
 
 }  // namespace plumbline

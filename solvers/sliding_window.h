@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/solver_options.h"
 #include "plumbline/solvers/solver_summary.h"
@@ -42,15 +43,16 @@ struct WindowOptions {
 /// The summary speaks of the window: its free and fixed poses, all their returns, and the
 /// constraints on free poses. That energy is never worse than before. Poses that FixPose named are
 /// held where they were fixed (beside older ones with prior sigmas of 1e-6 at most). Free poses
-/// that nothing ties to fixed ones keep the first of them. Fails, with the graph unchanged, like
+/// that nothing ties to fixed ones keep the first of them. Fails, with the state unchanged, like
 /// Solve, and on a graph without poses.
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
-                          SlamGraph* graph);
+                          const SlamGraph& graph, MapState* state);
 
 /// The same for any set of poses: those that are new, or that something has changed for.
 /// num_free_poses does not matter here. Fails on an empty set, unknown and repeated ids.
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
-                         const std::vector<int>& free_poses, SlamGraph* graph);
+                         const std::vector<int>& free_poses, const SlamGraph& graph,
+                         MapState* state);
 
 }  // namespace plumbline
 

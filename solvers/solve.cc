@@ -77,32 +77,31 @@ std::string LocalText(const SolverSummary& summary) {
 
 class JointSolver {
  public:
-  // Keeps references to all its arguments. suggested: see StartFromConstraints. given: of the
-  // graph.
+  // Keeps references to all its arguments. suggested: see StartFromConstraints.
   JointSolver(const SolverOptions& options, const MeasuredSurface* surface,
-              const std::optional<std::vector<double>>& suggested, GivenState* given,
-              SlamGraph* graph)
+              const std::optional<std::vector<double>>& suggested, const SlamGraph& graph,
+              const MapState& seed)
       : options_(options),
         factors_(options.factors),
         suggested_(suggested),
-        given_(given),
         graph_(graph),
+        seed_(seed),
         fine_radius_m_(FineRadius(options)),
         pool_(options.num_threads),
         surface_(surface) {
     summary_.solver = ToString(options.type);
     if (options.type == SolverType::kCeres && options.ceres.reduced) summary_.solver += ", reduced";
-    summary_.num_poses = graph->num_poses();
-    summary_.num_points = graph->num_returns();
+    summary_.num_poses = graph.num_poses();
+    summary_.num_points = graph.num_returns();
     DescribeTerms();
   }
 
-  SolverSummary Run() {
+  // Puts the best state into *result, which may be the seed; unless it is the seed.
+  SolverSummary Run(MapState* result) {
     if (surface_ == nullptr) {
-      own_surface_ = MeasureSurface(*graph_, NormalOptionsFor(factors_.beam), &pool_);
+      own_surface_ = MeasureSurface(graph_, NormalOptionsFor(factors_.beam), &pool_);
       surface_ = &own_surface_;
     }
-    seed_poses_ = graph_->poses();
     FindStart();
     if (options_.IsOverPatches()) {
       RunReduced();
@@ -110,6 +109,7 @@ class JointSolver {
       RunRounds();
     }
     Conclude();
+    if (summary_.verdict.IsBetter()) *result = std::move(state_);
     return std::move(summary_);
   }
 
@@ -121,11 +121,12 @@ class JointSolver {
   // Where odometry and relative poses flatly contradict the seed, what they say may be the better
   // start.
   void FindStart() {
+    state_.poses = seed_.poses;
     if (!suggested_) return;
-    seed_patches_ = CutSurfaces();
-    graph_->poses() = *suggested_;
-    summary_.started_from_constraints = Compare({*suggested_, CutSurfaces()}).LowersEnergy();
-    if (!summary_.started_from_constraints) graph_->poses() = seed_poses_;
+    seed_patches_ = CutSurfaces(seed_.poses);
+    summary_.started_from_constraints =
+        Compare({*suggested_, CutSurfaces(*suggested_)}).LowersEnergy();
+    if (summary_.started_from_constraints) state_.poses = *suggested_;
   }
 
   // Rounds over patches, then the points in closed form.
@@ -139,9 +140,9 @@ class JointSolver {
     PassVerdict(&found);
     judged_patches_ = std::move(found.cut);
     if (summary_.verdict.IsBetter()) {
-      PutBack(summary_.put_back, graph_->fixed_poses(), seed_poses_, &graph_->poses());
+      PutBack(summary_.put_back, graph_.fixed_poses(), seed_.poses, &state_.poses);
     } else {
-      graph_->poses() = seed_poses_;
+      state_.poses = seed_.poses;
     }
     Associations associations;
     associations.lines = CurrentLines();
@@ -158,8 +159,8 @@ class JointSolver {
   ReducedResult Minimize() {
     rounds_before_ = static_cast<int>(summary_.patch_rounds.size());
     ReducedResult result =
-        MinimizeOverPatches(*surface_, factors_, options_.reduced, options_.association,
-                            ReportCallback(), &pool_, graph_, Ceres());
+        MinimizeOverPatches(graph_, *surface_, factors_, options_.reduced, options_.association,
+                            ReportCallback(), &pool_, &state_.poses, Ceres());
     summary_.patch_rounds.insert(summary_.patch_rounds.end(), result.rounds.begin(),
                                  result.rounds.end());
     rounds_before_ = 0;
@@ -176,11 +177,11 @@ class JointSolver {
   // Once more from the seed; what is the better one by the energy without these steps stays.
   void MinimizeDoubting(const std::vector<DoubtedStep>& steps, ReducedResult* result,
                         Candidate* found) {
-    const std::vector<double> poses = graph_->poses();
+    const std::vector<double> poses = state_.poses;
     const InnerResult inner = last_inner_;
     const bool converged = converged_;
     DoubtSteps(steps);
-    graph_->poses() = seed_poses_;
+    state_.poses = seed_.poses;
     ReducedResult second = Minimize();
     Candidate again = Judge().Weigh(second.judged_poses, std::move(second.judged_cut));
     if (last_inner_.usable && Judge().IsPreferable(*found, again)) {
@@ -190,7 +191,7 @@ class JointSolver {
       return;
     }
     TrustSteps();
-    graph_->poses() = poses;
+    state_.poses = poses;
     const bool stopped = last_inner_.stopped;
     last_inner_ = inner;
     last_inner_.stopped = stopped;
@@ -198,12 +199,12 @@ class JointSolver {
   }
 
   CandidateJudge Judge() {
-    return {*graph_, *surface_, factors_, {seed_poses_, seed_patches_}, &pool_};
+    return {graph_, *surface_, factors_, {seed_.poses, seed_patches_}, &pool_};
   }
   bool Ended() const { return last_inner_.stopped || !last_inner_.usable; }
   std::vector<DoubtedStep> StepsAgainst(const Candidate& found) const {
     if (Ended()) return {};
-    return StepsToDoubt(*graph_, factors_, seed_poses_, found.poses, found.worse);
+    return StepsToDoubt(graph_, factors_, seed_.poses, found.poses, found.worse);
   }
 
   void DoubtSteps(const std::vector<DoubtedStep>& steps) {
@@ -223,119 +224,113 @@ class JointSolver {
     if (!summary_.verdict.IsBetter()) summary_.put_back.clear();
   }
 
-  // The surfaces as the poses at hand place them, without what is held out.
-  SurfacePatches CutSurfaces() {
+  // The surfaces as these poses place them, without what is held out.
+  SurfacePatches CutSurfaces(const std::vector<double>& poses) {
     SurfacePatchOptions cutting = PatchOptionsFor(factors_, options_.association);
     cutting.hold_out = true;
-    return CutIntoPatches(*graph_, *surface_, cutting, &pool_);
+    return CutIntoPatches(graph_, poses, *surface_, cutting, &pool_);
   }
 
   Verdict Compare(const JudgedState& state) {
-    return CompareWithSeed(*graph_, *surface_, factors_, {seed_poses_, seed_patches_}, state,
+    return CompareWithSeed(graph_, *surface_, factors_, {seed_.poses, seed_patches_}, state,
                            &pool_);
   }
 
   // For want of something better, the terms after are those before.
   void RecordSeedTerms(const Associations& associations) {
-    const Energy energy(*graph_, associations, factors_, &pool_);
-    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::initial_cost);
-    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
+    const Energy energy(graph_, associations, factors_, &pool_);
+    RecordTerms(energy, seed_, &TermSummary::initial_cost);
+    RecordTerms(energy, seed_, &TermSummary::final_cost);
   }
 
   // The final points, and the costs per term before and after, under the final lines.
   void FinishReduced(Associations* associations) {
-    const std::vector<double>& seed_points = given_->CopyPoints();
     AddPatchLines(last_patches_, &associations->lines);
-    summary_.displacements =
-        RecoverPoints(*surface_, associations->lines, factors_, &pool_, graph_);
+    state_.points =
+        RecoverPoints(graph_, state_.poses, *surface_, associations->lines, factors_, &pool_);
+    summary_.displacements = Displacements();
     if (factors_.shape.enabled) {
-      associations->shape_pairs = FindShapePairs(*graph_, surface_->normals, associations->lines,
-                                                 options_.association, &pool_);
+      associations->shape_pairs = FindShapePairs(graph_, state_.points, surface_->normals,
+                                                 associations->lines, options_.association, &pool_);
     }
-    const Energy energy(*graph_, *associations, factors_, &pool_);
-    RecordTerms(energy, seed_poses_, seed_points, &TermSummary::initial_cost);
+    const Energy energy(graph_, *associations, factors_, &pool_);
+    RecordTerms(energy, seed_, &TermSummary::initial_cost);
     if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
-    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
+    RecordTerms(energy, state_, &TermSummary::final_cost);
   }
 
   // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the
   // poses have become worse than the seed by that.
   void Polish(const Energy& energy) {
-    const std::vector<double> poses = graph_->poses();
-    best_points_ = graph_->points();
+    const MapState unpolished = state_;
     AlternatingCgOptions sweeps = options_.alternating_cg;
     sweeps.max_sweeps = options_.reduced.polish_sweeps;
     const auto start = Clock::now();
-    last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), graph_).stopped;
+    last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), &state_).stopped;
     summary_.solve_time_s += SecondsSince(start);
-    const Candidate polished = Judge().Weigh(graph_->poses(), judged_patches_);
+    const Candidate polished = Judge().Weigh(state_.poses, judged_patches_);
     if (!polished.verdict.IsBetter()) {
-      graph_->poses() = poses;
-      graph_->points() = best_points_;
+      state_ = unpolished;
       return;
     }
     best_energy_ = MarginalEnergyUnder(CurrentLines());
-    summary_.displacements = MeasureDisplacements(*surface_, factors_, &pool_, *graph_);
+    summary_.displacements = Displacements();
   }
 
   // Rounds without the held-out returns, then one with all, so that none is lost to the result.
   void RunRounds() {
-    const std::vector<double>& seed_points = given_->CopyPoints();
     if (summary_.started_from_constraints) {
-      graph_->ResetPointsFromPoses();
+      state_.points = graph_.MeasuredMap(state_.poses);
     } else {
-      seed_patches_ = CutSurfaces();
+      state_.points = seed_.points;
+      seed_patches_ = CutSurfaces(seed_.poses);
     }
     Keep(MarginalEnergyUnder(CurrentLines()));
 
     // A return without a normal has no line, and then says nothing of poses and lines.
     const Eigen::Vector2f no_normal = Eigen::Vector2f::Zero();
     const MeasuredSurface fitted{surface_->points,
-                                 WithoutHeldOut(*graph_, surface_->normals, no_normal)};
+                                 WithoutHeldOut(graph_, surface_->normals, no_normal)};
     associated_ = &fitted;
     RunFittedRounds();
-    Candidate found = Judge().Weigh(graph_->poses(), CutSurfaces());
+    Candidate found = Judge().Weigh(state_.poses, CutSurfaces(state_.poses));
     const std::vector<DoubtedStep> doubted = StepsAgainst(found);
-    if (!doubted.empty()) RunRoundsDoubting(doubted, seed_points, &found);
+    if (!doubted.empty()) RunRoundsDoubting(doubted, &found);
     associated_ = surface_;
 
     PassVerdict(&found);
     if (!summary_.verdict.IsBetter()) {
-      graph_->poses() = seed_poses_;
-      graph_->points() = seed_points;
+      state_ = seed_;
       best_energy_ = MarginalEnergyUnder(CurrentLines());
     } else if (!summary_.put_back.empty()) {
       // Another round might draw off again what has been put back.
-      graph_->poses() = found.poses;
-      graph_->ResetPointsFromPoses();
+      state_.poses = found.poses;
+      state_.points = graph_.MeasuredMap(found.poses);
       best_energy_ = MarginalEnergyUnder(CurrentLines());
     } else if (!ended_) {
       RunRound({fine_radius_m_, 1.0});
     }
-    summary_.displacements = MeasureDisplacements(*surface_, factors_, &pool_, *graph_);
+    summary_.displacements = Displacements();
   }
 
   // Like MinimizeDoubting.
-  void RunRoundsDoubting(const std::vector<DoubtedStep>& steps,
-                         const std::vector<double>& seed_points, Candidate* found) {
-    const std::vector<double> poses = graph_->poses(), points = graph_->points();
+  void RunRoundsDoubting(const std::vector<DoubtedStep>& steps, Candidate* found) {
+    const MapState trusting = state_;
     const double energy = best_energy_;
     const int round = best_round_;
     const bool converged = converged_;
     DoubtSteps(steps);
-    graph_->poses() = seed_poses_;
-    graph_->points() = seed_points;
+    state_ = seed_;
     Keep(MarginalEnergyUnder(CurrentLines()));
     RunFittedRounds();
-    Candidate again = Judge().Weigh(graph_->poses(), CutSurfaces());
+    Candidate again = Judge().Weigh(state_.poses, CutSurfaces(state_.poses));
     if (last_inner_.usable && Judge().IsPreferable(*found, again)) {
       *found = std::move(again);
       summary_.started_from_constraints = false;
       return;
     }
     TrustSteps();
-    graph_->poses() = poses;
-    graph_->points() = points;
+    state_ = trusting;
     Keep(energy);
     best_round_ = round;
     converged_ = converged;
@@ -357,13 +352,16 @@ class JointSolver {
   // The lines that the current poses give.
   std::vector<TangentLine> CurrentLines() {
     const auto start = Clock::now();
-    std::vector<TangentLine> lines =
-        LinesFromRadius(*graph_, *surface_, options_.association, fine_radius_m_, &pool_);
+    std::vector<TangentLine> lines = LinesFromRadius(graph_, state_.poses, *surface_,
+                                                     options_.association, fine_radius_m_, &pool_);
     summary_.association_time_s += SecondsSince(start);
     return lines;
   }
   double MarginalEnergyUnder(const std::vector<TangentLine>& lines) {
-    return MarginalEnergy(*graph_, *surface_, lines, factors_, &pool_);
+    return MarginalEnergy(graph_, state_.poses, *surface_, lines, factors_, &pool_);
+  }
+  PointDisplacements Displacements() {
+    return MeasureDisplacements(graph_, state_, *surface_, factors_, &pool_);
   }
 
   // Share of an energy that the rounding of measured points to single precision may change.
@@ -372,7 +370,7 @@ class JointSolver {
   bool IsImprovement(double energy) const { return energy < best_energy_ * (1.0 - kRounding); }
 
   // Runs one round from the best state so far. Returns whether it was an improvement; if not, the
-  // graph is back at the best state.
+  // best state is back.
   bool RunRound(const RoundScale& scale) {
     FactorOptions factors = factors_;
     factors.manifold.robust_gate_sigmas *= scale.gate_factor;
@@ -387,10 +385,10 @@ class JointSolver {
     row.num_shape_pairs = associations.shape_pairs.size();
 
     start = Clock::now();
-    const Energy energy(*graph_, associations, factors, &pool_);
-    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::initial_cost);
+    const Energy energy(graph_, associations, factors, &pool_);
+    RecordTerms(energy, state_, &TermSummary::initial_cost);
     last_inner_ = SolveInner(energy, associations, factors);
-    RecordTerms(energy, graph_->poses(), graph_->points(), &TermSummary::final_cost);
+    RecordTerms(energy, state_, &TermSummary::final_cost);
     summary_.setup_time_s += last_inner_.setup_time_s;
     summary_.solve_time_s += SecondsSince(start) - last_inner_.setup_time_s;
     row.initial_cost = last_inner_.initial_cost;
@@ -404,8 +402,7 @@ class JointSolver {
     if (row.kept) {
       Keep(row.marginal_energy);
     } else {
-      graph_->poses() = best_poses_;
-      graph_->points() = best_points_;
+      state_ = best_;
     }
     return row.kept;
   }
@@ -413,19 +410,15 @@ class JointSolver {
   // Lines are fitted to the measured ends of the beams at the current poses, not to the points:
   // these have been drawn to the last lines and would hold the next ones in place.
   Associations Associate(double radius_m) {
-    const std::vector<double> points = graph_->points();
-    graph_->ResetPointsFromPoses();
-    Associations associations =
-        BuildAssociations(*graph_, *associated_, options_.association, radius_m, &pool_);
-    graph_->points() = points;
-    return associations;
+    const MapState measured{state_.poses, graph_.MeasuredMap(state_.poses)};
+    return BuildAssociations(graph_, measured, *associated_, options_.association, radius_m,
+                             &pool_);
   }
 
   void Keep(double energy) {
     best_energy_ = energy;
     best_round_ = static_cast<int>(summary_.rounds.size());
-    best_poses_ = graph_->poses();
-    best_points_ = graph_->points();
+    best_ = state_;
   }
 
   // Keeps every iteration, numbered through, and hands it on.
@@ -440,6 +433,7 @@ class JointSolver {
       }
       iteration.total_time_s = SecondsSince(start_);
       summary_.iterations.push_back(iteration);
+      iteration.poses = &state_.poses;
       return !options_.callback || options_.callback(iteration);
     };
   }
@@ -447,16 +441,15 @@ class JointSolver {
   InnerResult SolveInner(const Energy& energy, const Associations& associations,
                          const FactorOptions& factors) {
     if (options_.type == SolverType::kCeres) {
-      return SolveWithCeres(associations, factors, options_.ceres, options_.num_threads,
-                            ReportCallback(), graph_);
+      return SolveWithCeres(graph_, associations, factors, options_.ceres, options_.num_threads,
+                            ReportCallback(), &state_);
     }
-    return SolveByAlternatingCg(energy, options_.alternating_cg, ReportCallback(), graph_);
+    return SolveByAlternatingCg(energy, options_.alternating_cg, ReportCallback(), &state_);
   }
 
-  void RecordTerms(const Energy& energy, const std::vector<double>& poses,
-                   const std::vector<double>& points, double TermSummary::*cost) {
+  void RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost) {
     TermCosts costs;
-    if (!energy.Evaluate(poses, points, &costs)) return;
+    if (!energy.Evaluate(state.poses, state.points, &costs)) return;
     const auto counts = energy.CountTerms();
     for (int t = 0; t < kNumTerms; ++t) {
       summary_.terms[t].count = counts[t];
@@ -507,8 +500,8 @@ class JointSolver {
   const SolverOptions& options_;
   FactorOptions factors_;  // the options', and steps of the odometry that turned out to be wrong
   const std::optional<std::vector<double>>& suggested_;
-  GivenState* given_;
-  SlamGraph* graph_;
+  const SlamGraph& graph_;
+  const MapState& seed_;
   const double fine_radius_m_;
   ThreadPool pool_;
   const Clock::time_point start_ = Clock::now();
@@ -525,34 +518,26 @@ class JointSolver {
   double best_energy_ = 0.0;
   int best_round_ = 0;     // 0: the start
   int rounds_before_ = 0;  // over patches: of earlier minimisations
-  std::vector<double> seed_poses_;
-  std::vector<double> best_poses_;
-  std::vector<double> best_points_;
+  // What the solvers move. Over patches its points are empty until the poses are found.
+  MapState state_;
+  MapState best_;  // rounds of associations: of all rounds
 };
 
 // A null surface has not been measured yet.
 SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
-                      SlamGraph* graph) {
+                      const SlamGraph& graph, MapState* state) {
   return CatchFailures(options, [&] {
     const bool poses_only = MovesPosesOnly(options.type);
-    Status status = CheckSolverInput(options, *graph);
-    if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, *graph);
+    Status status = CheckSolverInput(options, graph, *state);
+    if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, graph);
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {
-      suggested = StartFromConstraints(*graph, options.factors.motion);
-      status = CheckScansAreNotMirrored(*graph, suggested);
+      suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
+      status = CheckScansAreNotMirrored(graph, state->poses, suggested);
     }
     if (!status.ok()) return SolverFailure(options, status);
-    GivenState given(graph);
-    SolverSummary summary;
-    if (poses_only) {
-      given.CopyPoints();
-      summary = SolvePosesOnly(options, graph);
-    } else {
-      summary = JointSolver(options, surface, suggested, &given, graph).Run();
-    }
-    given.KeepNewState();
-    return summary;
+    if (poses_only) return SolvePosesOnly(options, graph, state);
+    return JointSolver(options, surface, suggested, graph, *state).Run(state);
   });
 }
 
@@ -568,15 +553,15 @@ double FineRadius(const SolverOptions& options) {
   return std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors));
 }
 
-SolverSummary Solve(const SolverOptions& options, SlamGraph* graph) {
+SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
   const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, nullptr, graph);
+  return SolveOn(options, nullptr, graph, state);
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
-                    SlamGraph* graph) {
+                    const SlamGraph& graph, MapState* state) {
   const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, &surface, graph);
+  return SolveOn(options, &surface, graph, state);
 }
 
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
@@ -22,33 +23,35 @@ ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam);
 double FineRadius(const SolverOptions& options);
 
 /// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
-/// odometry, relative poses, beams and the two map priors. Starts from the graph's state, which
-/// should be right to a few decimetres (SeedGraph brings it there); where odometry and relative
-/// poses flatly contradict it, from where these put the poses, if that lowers the energy.
+/// odometry, relative poses, beams and the two map priors. Starts from *state, which should be
+/// right to a few decimetres (SeedGraph brings it there); where odometry and relative poses flatly
+/// contradict it, from where these put the poses, if that lowers the energy.
 ///
-/// On return the graph holds the best state seen over the rounds (of associations: judged by
+/// On return *state is the best one seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
 /// by energy and by these returns (see Verdict); then one last round takes them in. Where single
 /// steps of the odometry that the state flatly contradicts have torn poses from the map, it is all
 /// done once more with these doubted (SolverSummary::doubted_steps); stretches that fit clearly
-/// worse than in the given state are put back to its shape (SolverSummary::put_back). The graph
-/// holds the given state, bit for bit, if nothing was better; the message says by which yardstick.
+/// worse than in the given state are put back to its shape (SolverSummary::put_back). *state is the
+/// given one, bit for bit, if nothing was better; the message says by which yardstick.
 /// Bad options, no returns, scans that match as mirror images only around the turns of the poses
 /// (beams counted from the wrong side, or a laser that hangs upside down), or a state that is not
-/// finite or beyond 1e8 m: termination kFailure, the message names the culprit, and the graph is
-/// unchanged. So it is if memory runs out or the callback throws; nothing is thrown from here.
+/// finite, beyond 1e8 m or of another size than the graph: termination kFailure, the message names
+/// the culprit, and *state is unchanged. So it is if memory runs out or the callback throws;
+/// nothing is thrown from here.
 ///
-/// Graphs are independent of each other: several threads may solve one each.
+/// Nothing is shared between calls: several threads may solve at a time, also the same graph.
 ///
 /// kPoseGraph and kSgd move the poses by the relative poses alone, see pose_only_solve.h: they need
 /// no returns, but fail likewise without relative poses.
-SolverSummary Solve(const SolverOptions& options, SlamGraph* graph);
+SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state);
 
 /// The same for a caller that has measured the surfaces already, with the normals that
 /// NormalOptionsFor(options.factors.beam) gives. A surface of another number of returns: kFailure.
-SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface, SlamGraph* graph);
+SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
+                    const SlamGraph& graph, MapState* state);
 
-/// What every term says against the state of a graph, in standard deviations. Indices are those of
+/// What every term says against a state of a graph, in standard deviations. Indices are those of
 /// the graph.
 struct Residuals {
   /// Whitened errors of SlamGraph::odometry() and SlamGraph::relative_poses(), U e with the error e
@@ -64,7 +67,7 @@ struct Residuals {
   std::vector<double> surfaces;
 };
 
-/// Evaluates the terms at the graph's state, under the tangent lines that its poses give (and, for
+/// Evaluates the terms at a state, under the tangent lines that its poses give (and, for
 /// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
 /// costs of SolverSummary::terms, unless its last round was undone, or it doubted steps which
 /// `options` do not; only those of the manifold term
@@ -72,7 +75,7 @@ struct Residuals {
 /// and shape terms are left out. InvalidArgument, with nothing changed, on whatever Solve refuses
 /// and on a point on top of its laser.
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
-                         Residuals* residuals);
+                         const MapState& state, Residuals* residuals);
 
 }  // namespace plumbline
 

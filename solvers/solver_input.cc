@@ -7,42 +7,28 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
-#include "plumbline/solvers/ceres_solver.h"
 
 namespace plumbline {
 namespace {
 
 // Names the first block of `size` entries that is not within reach.
-Status CheckState(const char* name, const std::vector<double>& values, std::size_t size) {
+Status CheckReach(const char* name, const std::vector<double>& values, std::size_t size) {
   const auto bad = std::find_if_not(values.begin(), values.end(), IsWithinReach);
   if (bad == values.end()) return Status::Ok();
   return Status::InvalidArgument(
       std::string(name) + " " + std::to_string((bad - values.begin()) / size) +
-      " of the graph is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
+      " of the state is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
 }
 
 }  // namespace
 
-Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
+Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
+                        const MapState& state) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  if (options.type == SolverType::kCeres) {
-    PLUMBLINE_RETURN_IF_ERROR(CheckCeresOptions(options.ceres));
-  }
-  if (options.IsOverPatches() && options.association.neighborhood != NeighborhoodType::kRadius) {
-    return Status::InvalidArgument(
-        "association.neighborhood = " + std::string(ToString(options.association.neighborhood)) +
-        " goes with solvers that take each point's neighbours; the "
-        "reduced one cuts surfaces into patches");
-  }
-  if (options.type == SolverType::kCeres && options.ceres.reduced &&
-      !options.reduced.lines_follow) {
-    return Status::InvalidArgument(
-        "reduced.lines_follow = false goes with the built-in steps; lines are parameters of Ceres' "
-        "reduced problem");
-  }
-  PLUMBLINE_RETURN_IF_ERROR(CheckState("pose", graph.poses(), 3));
-  PLUMBLINE_RETURN_IF_ERROR(CheckState("point", graph.points(), 2));
+  PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state));
+  PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
+  PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));
   if (MovesPosesOnly(options.type)) {
     if (!graph.relative_poses().empty()) return Status::Ok();
     return Status::InvalidArgument("the graph has no relative poses, and the solver " +
@@ -50,6 +36,20 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph) {
   }
   if (graph.num_returns() > 0) return Status::Ok();
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
+}
+
+Status CheckStateSize(const SlamGraph& graph, const MapState& state) {
+  const std::size_t num_pose_coordinates = 3 * static_cast<std::size_t>(graph.num_poses());
+  const std::size_t num_point_coordinates = 2 * graph.num_returns();
+  if (state.poses.size() == num_pose_coordinates && state.points.size() == num_point_coordinates) {
+    return Status::Ok();
+  }
+  return Status::InvalidArgument(
+      "the graph has " + std::to_string(graph.num_poses()) + " poses and " +
+      std::to_string(graph.num_returns()) + " returns, which takes " +
+      std::to_string(num_pose_coordinates) + " and " + std::to_string(num_point_coordinates) +
+      " coordinates, but the state has " + std::to_string(state.poses.size()) + " and " +
+      std::to_string(state.points.size()) + "; see SlamGraph::ExtendState");
 }
 
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status) {

@@ -15,10 +15,15 @@ namespace plumbline {
 /// surfaces to be numbered.
 inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e8; }
 
-/// Whether a graph can be solved: InvalidArgument names an option out of range or that does not go
-/// with the others, a pose or point that is not finite or beyond 1e8, or the lack of any return
-/// (of any relative pose, for solvers that look at nothing else).
-Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph);
+/// Whether a graph can be solved from this state: InvalidArgument names an option out of range or
+/// that does not go with the others, a state of another size than the graph, a pose or point that
+/// is not finite or beyond 1e8, or the lack of any return (of any relative pose, for solvers that
+/// look at nothing else).
+Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
+                        const MapState& state);
+
+/// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown.
+Status CheckStateSize(const SlamGraph& graph, const MapState& state);
 
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);
@@ -26,29 +31,6 @@ SolverSummary SolverFailure(const SolverOptions& options, const Status& status);
 /// Calls solve, and gives its summary; what it throws becomes a failure.
 SolverSummary CatchFailures(const SolverOptions& options,
                             const std::function<SolverSummary()>& solve);
-
-/// Puts the state of a graph back, bit for bit, unless it is told to keep the new one.
-class GivenState {
- public:
-  /// Keeps the pointer, and a copy of the poses.
-  explicit GivenState(SlamGraph* graph) : graph_(graph), poses_(graph->poses()) {}
-  ~GivenState() {
-    if (graph_ == nullptr) return;
-    graph_->poses().swap(poses_);
-    if (!points_.empty()) graph_->points().swap(points_);
-  }
-  GivenState(const GivenState&) = delete;
-  GivenState& operator=(const GivenState&) = delete;
-
-  /// Copies the points, which the caller is about to change. Not before that: they are the largest
-  /// part of a graph.
-  const std::vector<double>& CopyPoints() { return points_ = graph_->points(); }
-  void KeepNewState() { graph_ = nullptr; }
-
- private:
-  SlamGraph* graph_;
-  std::vector<double> poses_, points_;
-};
 
 }  // namespace plumbline
 

@@ -1,8 +1,17 @@
 #include "plumbline/solvers/solver_options.h"
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/solvers/ceres_solver.h"
 
 namespace plumbline {
+namespace {
+
+bool Refuse(const std::string& reason, std::string* error) {
+  if (error != nullptr) *error = reason;
+  return false;
+}
+
+}  // namespace
 
 const char* ToString(SolverType type) {
   switch (type) {
@@ -87,6 +96,22 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
   PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
+  if (type == SolverType::kCeres) {
+    const Status status = CheckCeresOptions(ceres);
+    if (!status.ok()) return Refuse(status.message(), error);
+  }
+  if (IsOverPatches() && association.neighborhood != NeighborhoodType::kRadius) {
+    return Refuse("association.neighborhood = " + std::string(ToString(association.neighborhood)) +
+                      " goes with solvers that take each point's neighbours; the reduced one cuts "
+                      "surfaces into patches",
+                  error);
+  }
+  if (type == SolverType::kCeres && ceres.reduced && !reduced.lines_follow) {
+    return Refuse(
+        "reduced.lines_follow = false goes with the built-in steps; lines are parameters "
+        "of Ceres' reduced problem",
+        error);
+  }
   return true;
 }
 

@@ -147,7 +147,8 @@ struct SolverOptions {
   /// Whether surfaces are cut into patches and points eliminated, by whichever solver.
   bool IsOverPatches() const;
 
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  /// False if a field is out of range, or if the fields do not go together; *error, if not null,
+  /// then names them, and the bound or the reason.
   bool Check(std::string* error) const;
 };
 

@@ -43,6 +43,9 @@ struct IterationSummary {
   int evaluations = 0;               ///< of the cost, or iterations of the linear solver
   double iteration_time_s = 0.0;     ///< of this iteration
   double total_time_s = 0.0;         ///< since the solver was called
+  /// The poses after it, (x, y, yaw) each, while a callback is called; null elsewhere, and in phase
+  /// "sensors".
+  const std::vector<double>* poses = nullptr;
 };
 
 /// The heading for ProgressRow().

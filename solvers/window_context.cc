@@ -65,9 +65,13 @@ class SeenPlaces {
 
 class ContextSearch {
  public:
-  ContextSearch(const WindowOptions& options, const SlamGraph& graph,
+  ContextSearch(const WindowOptions& options, const SlamGraph& graph, const MapState& state,
                 const std::vector<int>& free_poses)
-      : options_(options), graph_(graph), scans_(graph), is_free_(graph.num_poses()) {
+      : options_(options),
+        graph_(graph),
+        state_(state),
+        scans_(graph),
+        is_free_(graph.num_poses()) {
     for (const int pose : free_poses) {
       is_free_[pose] = true;
       ForEachPoint(pose, [this](const Eigen::Vector2d& point) { seen_.Add(point); });
@@ -92,7 +96,7 @@ class ContextSearch {
     for (std::size_t i = scans_.first[pose]; i < scans_.first[pose + 1]; ++i) {
       const ScanEntry& scan = graph_.scan(scans_.scans[i]);
       for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        body(Eigen::Vector2d(graph_.points()[2 * r], graph_.points()[2 * r + 1]));
+        body(Eigen::Vector2d(state_.points[2 * r], state_.points[2 * r + 1]));
       }
     }
   }
@@ -114,7 +118,7 @@ class ContextSearch {
     std::vector<double> positions;
     Eigen::AlignedBox2d reach;
     for (const int pose : free_poses) {
-      const Eigen::Vector2d position = graph_.WorldFromRobot(pose).translation();
+      const Eigen::Vector2d position = state_.WorldFromRobot(pose).translation();
       positions.insert(positions.end(), {position.x(), position.y()});
       reach.extend(position);
     }
@@ -125,7 +129,7 @@ class ContextSearch {
     std::vector<PointIndex::Neighbor> nearest;
     const double limit = options_.max_fixed_distance_m * options_.max_fixed_distance_m;
     for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      const Pose2 world_from_robot = graph_.WorldFromRobot(pose);
+      const Pose2 world_from_robot = state_.WorldFromRobot(pose);
       if (is_free_[pose] || !IsFinite(world_from_robot)) continue;
       if (!reach.contains(world_from_robot.translation())) continue;
       index.FindNearest(world_from_robot.translation(), 1, &nearest);
@@ -138,7 +142,7 @@ class ContextSearch {
 
   // Where a pose stands and looks: one of a kind is enough.
   std::array<double, 3> KindOf(int pose) const {
-    const Pose2 at = graph_.WorldFromRobot(pose);
+    const Pose2 at = state_.WorldFromRobot(pose);
     return {std::floor(at.x / options_.fixed_spacing_m),
             std::floor(at.y / options_.fixed_spacing_m),
             std::floor(NormalizeAngle(at.yaw) / options_.fixed_turn_rad)};
@@ -155,6 +159,7 @@ class ContextSearch {
 
   const WindowOptions& options_;
   const SlamGraph& graph_;
+  const MapState& state_;
   const ScansByPose scans_;
   std::vector<char> is_free_;
   SeenPlaces seen_;
@@ -164,8 +169,8 @@ class ContextSearch {
 }  // namespace
 
 std::vector<int> ChooseFixedPoses(const WindowOptions& options, const SlamGraph& graph,
-                                  const std::vector<int>& free_poses) {
-  return ContextSearch(options, graph, free_poses).Run(free_poses);
+                                  const MapState& state, const std::vector<int>& free_poses) {
+  return ContextSearch(options, graph, state, free_poses).Run(free_poses);
 }
 
 }  // namespace plumbline

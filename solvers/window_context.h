@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/sliding_window.h"
 
@@ -12,7 +13,7 @@ namespace plumbline {
 /// poses, and those that saw the same places, see WindowOptions. free_poses: known ids, each once,
 /// within reach.
 std::vector<int> ChooseFixedPoses(const WindowOptions& options, const SlamGraph& graph,
-                                  const std::vector<int>& free_poses);
+                                  const MapState& state, const std::vector<int>& free_poses);
 
 }  // namespace plumbline
 

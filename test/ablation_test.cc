@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "plumbline/test/noisy_room.h"
 #include "plumbline/test/temp_file.h"
@@ -17,15 +18,11 @@ AblationInput Room() {
   options.num_poses = 24;
   NoisyRoom room = MakeNoisyRoom(options);
   AblationInput input;
-  input.truth = {room.truth, room.graph.points()};
-  for (std::size_t i = 0; i < room.truth.size(); ++i) {
-    input.truth.poses[i] = Between(room.truth[0], room.truth[i]);
-    room.graph.SetPose(static_cast<int>(i), input.truth.poses[i]);
-  }
-  room.graph.ResetPointsFromPoses();
-  input.truth.points = room.graph.points();
-  DisturbPoses(0.02, &room.graph);
-  input.seed = room.graph;
+  for (const Pose2& pose : room.truth) input.truth.poses.push_back(Between(room.truth[0], pose));
+  input.seed.poses = PoseArray(input.truth.poses);
+  input.truth.points = room.graph.MeasuredMap(input.seed.poses);
+  DisturbPoses(0.02, room.graph, &input.seed);
+  input.graph = std::move(room.graph);
   input.full.num_threads = 1;
   return input;
 }

@@ -19,7 +19,7 @@ AdversarialProblem Make(Attack attack, double level, bool seeded = false) {
 double WorstStart(const AdversarialProblem& problem) {
   double worst = 0.0;
   for (int i = 0; i < problem.graph.num_poses(); ++i) {
-    const Pose2 start = problem.graph.WorldFromRobot(i);
+    const Pose2 start = problem.graph.InitialPose(i);
     worst = std::max(worst, (start.translation() - problem.truth[i].translation()).norm());
   }
   return worst;

@@ -1,4 +1,4 @@
-#include "plumbline/apps/alarm.h"
+#include "plumbline/solvers/alarm.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ SeedingReport ReportWithDoubt(const DoubtfulStep& doubt) {
 
 TEST(PlaceOfPoseTest, NamesScanTimeAndPlace) {
   const SlamGraph graph = MakeScans(4);
-  const ScanPlace place = PlaceOfPose(graph, 2);
+  const ScanPlace place = PlaceOfPose(graph, graph.initial_poses(), 2);
   EXPECT_EQ(place.scan, 2);
   EXPECT_EQ(place.time_s, graph.timestamp_s(2));
   EXPECT_EQ(place.world_position, Eigen::Vector2d(2.0, 0.5));
@@ -54,32 +54,33 @@ TEST(PlaceOfPoseTest, PosesWithoutScanAreNotCounted) {
   ASSERT_TRUE(graph.AddLaser(PanoramicLaser(4), &laser).ok());
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose(Pose2(), i, &pose).ok());
   ASSERT_TRUE(graph.AddScan(2, laser, {1.0, 1.0, 1.0, 1.0}).ok());
-  EXPECT_EQ(PlaceOfPose(graph, 2).scan, 0);
+  EXPECT_EQ(PlaceOfPose(graph, graph.initial_poses(), 2).scan, 0);
 }
 
 TEST(PlaceOfPoseTest, APoseWithoutScanHasTimeAndPlaceAllTheSame) {
   SlamGraph graph = MakeScans(2);
   int pose = 0;
   ASSERT_TRUE(graph.AddPose(Pose2(5.0, -1.0, 0.0), 9.0, &pose).ok());
-  const ScanPlace place = PlaceOfPose(graph, pose);
+  const ScanPlace place = PlaceOfPose(graph, graph.initial_poses(), pose);
   EXPECT_FALSE(place.scan.has_value());
   EXPECT_EQ(place.Text(), "a pose without scan (t = 9.00 s, x = 5.00 m, y = -1.00 m)");
 }
 
 TEST(MapAlarmsTest, ASoundMapRaisesNone) {
-  EXPECT_TRUE(MapAlarms(MapConsistency(), MakeScans(2)).empty());
+  const SlamGraph graph = MakeScans(2);
+  EXPECT_TRUE(MapAlarms(MapConsistency(), graph, graph.initial_poses()).empty());
 }
 
 TEST(MapAlarmsTest, EachPeakSpeaksForItself) {
   const SlamGraph graph = MakeScans(4);
   MapConsistency both = Contradiction(&MapConsistency::worst_between, 1);
-  const std::vector<Alarm> one = MapAlarms(both, graph);
+  const std::vector<Alarm> one = MapAlarms(both, graph, graph.initial_poses());
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].place.scan, 1);
   EXPECT_THAT(one[0].reason, AllOf(HasSubstr("other visits"), HasSubstr("6.1 times")));
 
   both.worst_within = {{600, 400}, 3};
-  const std::vector<Alarm> two = MapAlarms(both, graph);
+  const std::vector<Alarm> two = MapAlarms(both, graph, graph.initial_poses());
   ASSERT_EQ(two.size(), 2u);
   EXPECT_EQ(two[0].place.scan, 3);
   EXPECT_THAT(two[0].reason, HasSubstr("each other's surfaces"));
@@ -92,10 +93,11 @@ TEST(RunAlarmsTest, TheRefinedMapSpeaksBeforeTheSeed) {
   seeding.consistency = Contradiction(&MapConsistency::worst_within, 1);
   const auto after = Contradiction(&MapConsistency::worst_within, 2);
 
-  const std::vector<Alarm> of_refined = RunAlarms(seeding, after, graph);
+  const std::vector<Alarm> of_refined = RunAlarms(seeding, after, graph, graph.initial_poses());
   ASSERT_EQ(of_refined.size(), 1u);
   EXPECT_EQ(of_refined[0].place.scan, 2);
-  const std::vector<Alarm> of_seed = RunAlarms(seeding, MapConsistency(), graph);
+  const std::vector<Alarm> of_seed =
+      RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
   ASSERT_EQ(of_seed.size(), 1u);
   EXPECT_EQ(of_seed[0].place.scan, 1);
   EXPECT_THAT(of_seed[0].reason, HasSubstr("before the refinement"));
@@ -104,7 +106,8 @@ TEST(RunAlarmsTest, TheRefinedMapSpeaksBeforeTheSeed) {
 TEST(RunAlarmsTest, StepsThatNothingSettles) {
   const SlamGraph graph = MakeScans(4);
   const auto reason = [&](const DoubtfulStep& doubt) {
-    const std::vector<Alarm> alarms = RunAlarms(ReportWithDoubt(doubt), MapConsistency(), graph);
+    const std::vector<Alarm> alarms =
+        RunAlarms(ReportWithDoubt(doubt), MapConsistency(), graph, graph.initial_poses());
     return alarms.empty() ? "" : alarms[0].reason;
   };
   DoubtfulStep step;
@@ -119,7 +122,9 @@ TEST(RunAlarmsTest, StepsThatNothingSettles) {
   EXPECT_EQ(reason(step), "");
   step.turned_rad = 1.5;
   EXPECT_THAT(reason(step), HasSubstr("might fit elsewhere as well"));
-  EXPECT_EQ(RunAlarms(ReportWithDoubt(step), MapConsistency(), graph)[0].place.scan, 3);
+  EXPECT_EQ(RunAlarms(ReportWithDoubt(step), MapConsistency(), graph, graph.initial_poses())[0]
+                .place.scan,
+            3);
   step.turned_rad = 0.0;
   step.num_alternatives = 1;
   EXPECT_THAT(reason(step), HasSubstr("fits at 1 other place as well"));
@@ -134,12 +139,12 @@ TEST(RunAlarmsTest, ASuspiciousSeedIsWrongWhereItsRatioIsHighest) {
   // Of the higher share, and of the higher ratio: (140 / 0.06 + 600) / 1200 = 2.44.
   seeding.consistency.worst_within = {{10, 10}, 1};
   seeding.consistency.worst_between = {{600, 140}, 3};
-  std::vector<Alarm> alarms = RunAlarms(seeding, MapConsistency(), graph);
+  std::vector<Alarm> alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
   ASSERT_EQ(alarms.size(), 1u);
   EXPECT_EQ(alarms[0].place.scan, 3);
   EXPECT_THAT(alarms[0].reason, AllOf(HasSubstr("2.4 times"), HasSubstr("left open")));
   std::swap(seeding.consistency.worst_within, seeding.consistency.worst_between);
-  alarms = RunAlarms(seeding, MapConsistency(), graph);
+  alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
   ASSERT_EQ(alarms.size(), 1u);
   EXPECT_EQ(alarms[0].place.scan, 3);
 }

@@ -14,20 +14,20 @@ namespace {
 /// A noisy room whose poses are off by some centimetres, and its map prior.
 struct Problem {
   Problem() {
-    DisturbPoses(0.02, &room.graph);
-    associations = AssociationsOf(room.graph);
+    DisturbPoses(0.02, room.graph, &room.state);
+    associations = AssociationsOf(room.graph, room.state);
   }
   InnerResult Solve(const AlternatingCgOptions& options, const ProgressCallback& report = nullptr,
                     int num_threads = 2) {
     ThreadPool pool(num_threads);
     const Energy energy(room.graph, associations, factors, &pool);
-    return SolveByAlternatingCg(energy, options, report, &room.graph);
+    return SolveByAlternatingCg(energy, options, report, &room.state);
   }
   double Cost() const {
     ThreadPool pool(1);
     TermCosts costs;
     EXPECT_TRUE(Energy(room.graph, associations, factors, &pool)
-                    .Evaluate(room.graph.poses(), room.graph.points(), &costs));
+                    .Evaluate(room.state.poses, room.state.points, &costs));
     return costs.Total();
   }
 
@@ -68,8 +68,9 @@ double CostAfterCeres() {
   CeresOptions options;
   options.max_iterations = 100;
   options.function_tolerance = 1e-12;
-  const InnerResult result = SolveWithCeres(problem.associations, problem.factors, options, 2,
-                                            nullptr, &problem.room.graph);
+  const InnerResult result =
+      SolveWithCeres(problem.room.graph, problem.associations, problem.factors, options, 2, nullptr,
+                     &problem.room.state);
   EXPECT_TRUE(result.converged) << result.stop_reason;
   return problem.Cost();
 }
@@ -139,24 +140,22 @@ TEST(AlternatingCgTest, AnyNumberOfThreadsGivesTheSameBits) {
   for (const int num_threads : {2, 3, 8}) {
     Problem many;
     many.Solve(AlternatingCgOptions(), nullptr, num_threads);
-    EXPECT_EQ(many.room.graph.poses(), one.room.graph.poses()) << num_threads;
-    EXPECT_EQ(many.room.graph.points(), one.room.graph.points()) << num_threads;
+    EXPECT_EQ(many.room.state, one.room.state) << num_threads;
   }
 }
 
 TEST(AlternatingCgTest, RefusesAStateWithoutAnEnergy) {
   Problem problem;
-  const Pose2 laser = problem.room.graph.WorldFromLaser(2);
+  MapState& state = problem.room.state;
+  const Pose2 laser = problem.room.graph.WorldFromLaser(2, state.poses);
   const std::size_t point = problem.room.graph.scan(2).first_return;
-  problem.room.graph.points()[2 * point] = laser.x;
-  problem.room.graph.points()[2 * point + 1] = laser.y;
-  const std::vector<double> poses = problem.room.graph.poses();
-  const std::vector<double> points = problem.room.graph.points();
+  state.points[2 * point] = laser.x;
+  state.points[2 * point + 1] = laser.y;
+  const MapState given = state;
   const InnerResult result = problem.Solve(AlternatingCgOptions());
   EXPECT_FALSE(result.usable);
   EXPECT_NE(result.stop_reason.find("not finite"), std::string::npos) << result.stop_reason;
-  EXPECT_EQ(problem.room.graph.poses(), poses);
-  EXPECT_EQ(problem.room.graph.points(), points);
+  EXPECT_EQ(state, given);
 }
 
 }  // namespace

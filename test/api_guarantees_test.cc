@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
@@ -26,17 +25,16 @@ namespace {
 using testing::HasSubstr;
 
 // With enough edges for the solvers that look at nothing else.
-SlamGraph DisturbedGraph() {
-  SlamGraph graph = MakeNoisyRoom().graph;
-  const std::vector<OdometryConstraint> steps = graph.odometry();
-  for (const OdometryConstraint& step : steps) {
-    EXPECT_TRUE(graph
+NoisyRoom DisturbedRoom() {
+  NoisyRoom room = MakeNoisyRoom();
+  for (const OdometryConstraint& step : room.graph.odometry()) {
+    EXPECT_TRUE(room.graph
                     .AddRelativePose(
                         {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()})
                     .ok());
   }
-  DisturbPoses(0.03, &graph);
-  return graph;
+  DisturbPoses(0.03, room.graph, &room.state);
+  return room;
 }
 
 // Every way of solving a graph.
@@ -60,46 +58,53 @@ SolverOptions OptionsFor(const Way& way) {
   return options;
 }
 
-SolverSummary SolveThe(const Way& way, const SolverOptions& options, SlamGraph* graph) {
+// What a solve makes of a graph and its state.
+struct Outcome {
+  SolverSummary summary;
+  MapState state;
+  MeasurementCorrections corrections;
+};
+
+Outcome SolveThe(const Way& way, const SolverOptions& options, const SlamGraph& graph,
+                 const MapState& start) {
+  Outcome outcome;
+  outcome.state = start;
   if (way.window) {
     WindowOptions window;
     window.num_free_poses = 6;
-    return SolveWindow(options, window, graph);
-  }
-  if (way.calibration) {
+    outcome.summary = SolveWindow(options, window, graph, &outcome.state);
+  } else if (way.calibration) {
     CalibrationOptions on;
     on.laser_mounting = on.range_bias = true;
     Calibration calibration;
-    return SolveWithCalibration(options, on, graph, &calibration);
+    outcome.summary = SolveWithCalibration(options, on, graph, &outcome.state, &calibration);
+    outcome.corrections = calibration.corrections;
+  } else {
+    outcome.summary = Solve(options, graph, &outcome.state);
   }
-  return Solve(options, graph);
+  return outcome;
 }
 
-void ExpectSameSensors(const SlamGraph& a, const SlamGraph& b) {
-  EXPECT_EQ(a.returns().range_m, b.returns().range_m);
-  EXPECT_TRUE(a.laser(0) == b.laser(0));
-  for (std::size_t i = 0; i < a.odometry().size(); ++i) {
-    EXPECT_EQ(a.odometry()[i].from_from_to.x, b.odometry()[i].from_from_to.x);
-  }
+void ExpectSame(const Outcome& a, const Outcome& b) {
+  EXPECT_EQ(a.state, b.state);
+  EXPECT_EQ(a.corrections.range_m, b.corrections.range_m);
+  EXPECT_EQ(PoseArray(a.corrections.robot_from_laser), PoseArray(b.corrections.robot_from_laser));
+  EXPECT_EQ(PoseArray(a.corrections.odometry), PoseArray(b.corrections.odometry));
 }
 
-void ExpectSameGraph(const SlamGraph& a, const SlamGraph& b) {
-  EXPECT_EQ(a.poses(), b.poses());
-  EXPECT_EQ(a.points(), b.points());
-  ExpectSameSensors(a, b);
-}
-
-// Of the state of `graph`, in the terms of the given one and the surfaces as that places them.
-double EnergyOf(const Way& way, const SlamGraph& given, const SlamGraph& graph) {
-  const std::vector<Pose2> poses = PosesOf(graph);
-  if (MovesPosesOnly(way.type)) return GraphChi2(given.relative_poses(), poses);
+// Of poses with the measurements of `graph`, in the terms of the given room and the surfaces as
+// that places them.
+double EnergyOf(const Way& way, const NoisyRoom& given, const SlamGraph& graph,
+                const std::vector<double>& poses) {
+  if (MovesPosesOnly(way.type)) return GraphChi2(given.graph.relative_poses(), PosesOf(poses));
   const FactorOptions factors;
   ThreadPool pool(1);
   const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);
   const SurfacePatches cut =
-      CutIntoPatches(given, MeasureSurface(given, NormalOptionsFor(factors.beam), &pool),
+      CutIntoPatches(given.graph, given.state.poses,
+                     MeasureSurface(given.graph, NormalOptionsFor(factors.beam), &pool),
                      PatchOptionsFor(factors, AssociationOptions()), &pool);
-  return PatchEnergies(graph, surface, factors, cut, {&graph.poses()}, &pool)[0];
+  return PatchEnergies(graph, surface, factors, cut, {&poses}, &pool)[0];
 }
 
 class EveryWay : public testing::TestWithParam<Way> {};
@@ -113,30 +118,31 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) { return info.param.name; });
 
 TEST_P(EveryWay, StopsWithinAnIterationAndIsNoWorse) {
-  const SlamGraph given = DisturbedGraph();
+  const NoisyRoom given = DisturbedRoom();
   for (const int stop_at : {1, 2}) {
-    SlamGraph graph = given;
     SolverOptions options = OptionsFor(GetParam());
     int num_calls = 0;
     options.callback = [&](const IterationSummary&) { return ++num_calls != stop_at; };
-    const SolverSummary summary = SolveThe(GetParam(), options, &graph);
+    const Outcome outcome = SolveThe(GetParam(), options, given.graph, given.state);
+    const SolverSummary& summary = outcome.summary;
     EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
     EXPECT_EQ(num_calls, stop_at) << "asked again after it said stop";
     EXPECT_LE(summary.iterations.size(), stop_at + 0u);
-    EXPECT_LE(EnergyOf(GetParam(), given, graph), EnergyOf(GetParam(), given, given));
+    EXPECT_LE(EnergyOf(GetParam(), given, given.graph.Corrected(outcome.corrections),
+                       outcome.state.poses),
+              EnergyOf(GetParam(), given, given.graph, given.state.poses));
   }
 }
 
 TEST_P(EveryWay, ACallbackThatThrowsIsAFailureThatChangesNothing) {
-  const SlamGraph given = DisturbedGraph();
+  const NoisyRoom given = DisturbedRoom();
   const auto expect_failure = [&](const ProgressCallback& callback, const std::string& message) {
-    SlamGraph graph = given;
     SolverOptions options = OptionsFor(GetParam());
     options.callback = callback;
-    const SolverSummary summary = SolveThe(GetParam(), options, &graph);
-    EXPECT_EQ(summary.termination, TerminationType::kFailure);
-    EXPECT_THAT(summary.message, HasSubstr(message));
-    ExpectSameGraph(graph, given);
+    const Outcome outcome = SolveThe(GetParam(), options, given.graph, given.state);
+    EXPECT_EQ(outcome.summary.termination, TerminationType::kFailure);
+    EXPECT_THAT(outcome.summary.message, HasSubstr(message));
+    ExpectSame(outcome, {{}, given.state, {}});
   };
   int num_calls = 0;
   expect_failure(
@@ -149,75 +155,85 @@ TEST_P(EveryWay, ACallbackThatThrowsIsAFailureThatChangesNothing) {
   expect_failure([](const IterationSummary&) -> bool { throw 7; }, "no std::exception");
 }
 
-TEST_P(EveryWay, TwoThreadsMaySolveAGraphEach) {
-  SlamGraph a = DisturbedGraph(), b = a;
-  DisturbPoses(0.02, &b);
-  ASSERT_NE(a.poses(), b.poses());
-  SlamGraph a_alone = a, b_alone = b;
-  SolveThe(GetParam(), OptionsFor(GetParam()), &a_alone);
-  SolveThe(GetParam(), OptionsFor(GetParam()), &b_alone);
-  std::thread other([&] { SolveThe(GetParam(), OptionsFor(GetParam()), &b); });
-  SolveThe(GetParam(), OptionsFor(GetParam()), &a);
+TEST_P(EveryWay, TwoThreadsMaySolveOneGraph) {
+  const NoisyRoom a = DisturbedRoom();
+  MapState b = a.state;
+  DisturbPoses(0.02, a.graph, &b);
+  ASSERT_NE(a.state.poses, b.poses);
+  const SolverOptions options = OptionsFor(GetParam());
+  const auto solve = [&](const MapState& start) {
+    return SolveThe(GetParam(), options, a.graph, start);
+  };
+  const Outcome a_alone = solve(a.state), b_alone = solve(b);
+  Outcome b_at_once;
+  std::thread other([&] { b_at_once = solve(b); });
+  const Outcome a_at_once = solve(a.state);
   other.join();
-  ExpectSameGraph(a, a_alone);
-  ExpectSameGraph(b, b_alone);
+  ExpectSame(a_at_once, a_alone);
+  ExpectSame(b_at_once, b_alone);
 }
 
 // The last phase of a calibration is a Solve, whose iterations the callback sees as well.
 TEST(ApiGuarantees, ACalibrationStoppedInItsSolveKeepsWhatItFound) {
-  const SlamGraph given = DisturbedGraph();
-  SlamGraph graph = given;
+  NoisyRoom room = DisturbedRoom();
   SolverOptions options;
   CalibrationOptions on;
   on.range_bias = true;
   options.callback = [](const IterationSummary& row) { return row.phase == "sensors"; };
   Calibration calibration;
-  const SolverSummary summary = SolveWithCalibration(options, on, &graph, &calibration);
+  const SolverSummary summary =
+      SolveWithCalibration(options, on, room.graph, &room.state, &calibration);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
   EXPECT_EQ(calibration.parameters.size(), 1u);
   EXPECT_GT(calibration.steps, 0);
+  EXPECT_EQ(calibration.corrections.range_m.size(), room.graph.num_returns());
 }
 
 TEST(ApiGuarantees, ASeedingWhoseProgressThrowsChangesNothing) {
-  const SlamGraph given = DisturbedGraph();
-  SlamGraph graph = given;
+  NoisyRoom room = DisturbedRoom();
+  const MapState given = room.state;
   ThreadPool pool(2);
   SeedingReport report;
   const Status status = SeedGraph(
-      SeedingOptions(), MotionOptions(), NormalsOf(graph),
+      SeedingOptions(), MotionOptions(), NormalsOf(room.graph),
       [](SeedingPhase, int, int) -> bool { throw std::runtime_error("no more paper"); }, &pool,
-      &graph, &report);
+      room.graph, &room.state, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_THAT(status.message(), HasSubstr("no more paper"));
-  ExpectSameGraph(graph, given);
+  EXPECT_EQ(room.state, given);
 }
 
-TEST(ApiGuarantees, TwoThreadsMaySeedAGraphEach) {
-  SlamGraph a = MakeNoisyRoom().graph, b = a;
+TEST(ApiGuarantees, TwoThreadsMaySeedOneGraph) {
+  const SlamGraph graph = MakeNoisyRoom().graph;
   const SolverOptions options;
+  MapState a, b;
   SeedingReport report_a, report_b;
-  std::thread other([&] { EXPECT_TRUE(SeedGraph({}, options, &b, &report_b).ok()); });
-  EXPECT_TRUE(SeedGraph({}, options, &a, &report_a).ok());
+  std::thread other([&] { EXPECT_TRUE(SeedGraph({}, options, graph, &b, &report_b).ok()); });
+  EXPECT_TRUE(SeedGraph({}, options, graph, &a, &report_a).ok());
   other.join();
-  ExpectSameGraph(a, b);
-  EXPECT_NE(a.poses(), MakeNoisyRoom().graph.poses());
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(PoseArray(report_a.corrections.odometry), PoseArray(report_b.corrections.odometry));
+  EXPECT_NE(a.poses, graph.initial_poses());
 }
 
 TEST(ApiGuarantees, SeedingForAHostMeasuresTheSurfacesItself) {
-  SlamGraph a = MakeNoisyRoom().graph, b = a;
+  const SlamGraph graph = MakeNoisyRoom().graph;
+  MapState a, b;
   SolverOptions options;
   options.factors.motion.translation_floor_m = 0.02;
   ThreadPool pool(1);
-  SeedingReport report;
-  ASSERT_TRUE(SeedGraph({}, options, &a, &report).ok());
+  SeedingReport report_a, report_b;
+  ASSERT_TRUE(SeedGraph({}, options, graph, &a, &report_a).ok());
   ASSERT_TRUE(SeedGraph({}, options.factors.motion,
-                        EstimateReturnNormals(b, NormalOptionsFor(options.factors.beam), &pool),
-                        nullptr, &pool, &b, &report)
+                        EstimateReturnNormals(graph, NormalOptionsFor(options.factors.beam), &pool),
+                        nullptr, &pool, graph, &b, &report_b)
                   .ok());
-  ExpectSameGraph(a, b);
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(PoseArray(report_a.corrections.odometry), PoseArray(report_b.corrections.odometry));
   options.factors.beam.sigma_range_m = -1.0;
-  EXPECT_THAT(SeedGraph({}, options, &a, &report).message(), HasSubstr("beam.sigma_range_m"));
-  ExpectSameGraph(a, b);
+  EXPECT_THAT(SeedGraph({}, options, graph, &a, &report_a).message(),
+              HasSubstr("beam.sigma_range_m"));
+  EXPECT_EQ(a, b);
 }
 
 }  // namespace

@@ -32,13 +32,19 @@ SyntheticScene Pillar(double width_m, double height_m) {
 
 class BeforeAfterPictureTest : public testing::Test {
  protected:
-  Picture Draw(const SlamGraph& graph, const std::vector<double>& poses_before) {
-    const Status status = WriteBeforeAfterPicture(path_, graph, poses_before, options_);
+  Picture Draw(const SlamGraph& graph, const MapState& state,
+               const std::vector<double>& poses_before) {
+    const Status status = WriteBeforeAfterPicture(path_, graph, state, poses_before, options_);
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   }
-  std::string ErrorOf(const SlamGraph& graph, const std::vector<double>& poses_before) const {
-    const Status status = WriteBeforeAfterPicture(path_, graph, poses_before, options_);
+  // Of a map as its graph begins.
+  Picture Draw(const SlamGraph& graph, const std::vector<double>& poses_before) {
+    return Draw(graph, graph.InitialState(), poses_before);
+  }
+  std::string ErrorOf(const SlamGraph& graph, const MapState& state,
+                      const std::vector<double>& poses_before) const {
+    const Status status = WriteBeforeAfterPicture(path_, graph, state, poses_before, options_);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_EQ(NumFilesIn(folder_), 0);
     return status.message();
@@ -51,7 +57,7 @@ class BeforeAfterPictureTest : public testing::Test {
 
 TEST_F(BeforeAfterPictureTest, WideMapsLieBelowEachOtherInOneWindow) {
   const SlamGraph graph = MakeGraph(Pillar(20.0, 10.0));
-  std::vector<double> before = graph.poses();
+  std::vector<double> before = graph.initial_poses();
   for (std::size_t i = 0; i < before.size(); i += 3) before[i] += 1.0;
   const Picture picture = Draw(graph, before);
   // 20 m + 2 x 0.6 m and 10 m + 2 x 0.5 m at 2 cm.
@@ -67,7 +73,7 @@ TEST_F(BeforeAfterPictureTest, WideMapsLieBelowEachOtherInOneWindow) {
 
 TEST_F(BeforeAfterPictureTest, TallMapsLieSideBySide) {
   const SlamGraph graph = MakeGraph(Pillar(10.0, 20.0));
-  const Picture picture = Draw(graph, graph.poses());
+  const Picture picture = Draw(graph, graph.initial_poses());
   EXPECT_NEAR(picture.width, 2 * (550 + 20) + 20, 4);
   EXPECT_NEAR(picture.height, 44 + 1060 + 56, 3);
   // Poses and points are at the truth: both maps are the same.
@@ -82,14 +88,14 @@ TEST_F(BeforeAfterPictureTest, TallMapsLieSideBySide) {
 TEST_F(BeforeAfterPictureTest, LargeMapsTakeCoarserPixelsOfANiceSize) {
   const SlamGraph graph = MakeGraph(Pillar(79.0, 60.0));
   options_.max_side_px = 1000;  // 83.7 m: 10 cm.
-  EXPECT_NEAR(Draw(graph, graph.poses()).width, 837 + 40, 3);
+  EXPECT_NEAR(Draw(graph, graph.initial_poses()).width, 837 + 40, 3);
 }
 
 TEST_F(BeforeAfterPictureTest, TheSameInputGivesTheSameBytes) {
   const SlamGraph graph = MakeGraph(Pillar(10.0, 8.0));
-  Draw(graph, graph.poses());
+  Draw(graph, graph.initial_poses());
   const std::string first = ReadFile(path_);
-  Draw(graph, graph.poses());
+  Draw(graph, graph.initial_poses());
   EXPECT_EQ(ReadFile(path_), first);
   EXPECT_EQ(NumFilesIn(folder_), 1);
 }
@@ -98,28 +104,31 @@ TEST_F(BeforeAfterPictureTest, AGraphWithoutScansAndPointsThatAreNotFiniteAreDra
   SlamGraph graph;
   int pose = 0;
   ASSERT_TRUE(graph.AddPose({7.0, 7.0, 0.0}, 0.0, &pose).ok());
-  EXPECT_GT(Draw(graph, graph.poses()).width, 300);
+  EXPECT_GT(Draw(graph, graph.initial_poses()).width, 300);
   graph = MakeGraph(Pillar(10.0, 8.0));
-  graph.points()[7] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NEAR(Draw(graph, graph.poses()).width, 550 + 40, 3);
+  MapState state = graph.InitialState();
+  state.points[7] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NEAR(Draw(graph, state, graph.initial_poses()).width, 550 + 40, 3);
 }
 
 TEST_F(BeforeAfterPictureTest, BadInputIsRefusedAndLeavesNoFile) {
-  SlamGraph graph = MakeGraph(Pillar(10.0, 8.0));
-  std::vector<double> before = graph.poses();
-  EXPECT_THAT(ErrorOf(SlamGraph(), {}), HasSubstr("no poses"));
-  EXPECT_THAT(ErrorOf(graph, {1.0, 2.0, 3.0}), HasSubstr("1 poses before, 4 after"));
-  before[4] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(ErrorOf(graph, before), HasSubstr("pose 1 is not finite"));
+  const SlamGraph graph = MakeGraph(Pillar(10.0, 8.0));
+  const MapState sound = graph.InitialState();
+  MapState bad = sound;
+  EXPECT_THAT(ErrorOf(SlamGraph(), {}, {}), HasSubstr("no poses"));
+  EXPECT_THAT(ErrorOf(graph, sound, {1.0, 2.0, 3.0}), HasSubstr("1 poses before, 4 after"));
+  bad.poses[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ErrorOf(graph, sound, bad.poses), HasSubstr("pose 1 is not finite"));
+  EXPECT_THAT(ErrorOf(graph, bad, sound.poses), HasSubstr("pose 1 is not finite"));
   options_.max_side_px = 99;
-  EXPECT_THAT(ErrorOf(graph, graph.poses()), HasSubstr("max_side_px = 99"));
+  EXPECT_THAT(ErrorOf(graph, sound, sound.poses), HasSubstr("max_side_px = 99"));
   options_.max_side_px = 1000;
-  graph.poses()[0] = 1e200;
-  EXPECT_THAT(ErrorOf(graph, graph.poses()), HasSubstr("from the origin"));
-  EXPECT_EQ(WriteBeforeAfterPicture(folder_ + "none/a.png", MakeGraph(Pillar(10.0, 8.0)),
-                                    MakeGraph(Pillar(10.0, 8.0)).poses(), options_)
-                .code(),
-            StatusCode::kUnavailable);
+  bad = sound;
+  bad.poses[0] = 1e200;
+  EXPECT_THAT(ErrorOf(graph, bad, bad.poses), HasSubstr("from the origin"));
+  EXPECT_EQ(
+      WriteBeforeAfterPicture(folder_ + "none/a.png", graph, sound, sound.poses, options_).code(),
+      StatusCode::kUnavailable);
 }
 
 }  // namespace

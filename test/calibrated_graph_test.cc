@@ -17,57 +17,54 @@ CalibrationVector SomeTheta() {
 }
 
 TEST(CalibratedGraphTest, CorrectsWhatTheSensorsSay) {
-  NoisyRoom room = MakeNoisyRoom();
-  const SlamGraph given = room.graph;
-  CalibratedGraph calibrated(&room.graph);
-  calibrated.Set(SomeTheta(), given.poses());
-  const Pose2 mounting = room.graph.laser(0).robot_from_laser;
+  const NoisyRoom room = MakeNoisyRoom();
+  const SlamGraph& given = room.graph;
+  CalibratedGraph calibrated(given, room.state.poses);
+  const SlamGraph& corrected = calibrated.graph();
+  calibrated.Set(SomeTheta(), room.state.poses);
+  const Pose2 mounting = corrected.laser(0).robot_from_laser;
   EXPECT_DOUBLE_EQ(mounting.x, given.laser(0).robot_from_laser.x + 0.04);
   EXPECT_DOUBLE_EQ(mounting.y, given.laser(0).robot_from_laser.y - 0.03);
   EXPECT_DOUBLE_EQ(mounting.yaw, given.laser(0).robot_from_laser.yaw + 0.05);
-  EXPECT_DOUBLE_EQ(room.graph.returns().range_m[9],
+  EXPECT_DOUBLE_EQ(corrected.returns().range_m[9],
                    std::exp(0.01) * (given.returns().range_m[9] + 0.02));
-  EXPECT_DOUBLE_EQ(room.graph.odometry()[3].from_from_to.y,
+  EXPECT_DOUBLE_EQ(corrected.odometry()[3].from_from_to.y,
                    std::exp(-0.03) * given.odometry()[3].from_from_to.y);
-  EXPECT_EQ(room.graph.odometry()[3].from_from_to.yaw, given.odometry()[3].from_from_to.yaw);
+  EXPECT_EQ(corrected.odometry()[3].from_from_to.yaw, given.odometry()[3].from_from_to.yaw);
 
   // Back, without a trace.
-  calibrated.Set(CalibrationVector::Zero(), given.poses());
-  EXPECT_EQ(room.graph.returns().range_m, given.returns().range_m);
-  EXPECT_TRUE(room.graph.laser(0) == given.laser(0));
+  calibrated.Set(CalibrationVector::Zero(), room.state.poses);
+  EXPECT_EQ(corrected.returns().range_m, given.returns().range_m);
+  EXPECT_TRUE(corrected.laser(0) == given.laser(0));
   for (std::size_t i = 0; i < given.odometry().size(); ++i) {
-    EXPECT_EQ(room.graph.odometry()[i].from_from_to.x, given.odometry()[i].from_from_to.x);
+    EXPECT_EQ(corrected.odometry()[i].from_from_to.x, given.odometry()[i].from_from_to.x);
   }
 }
 
 TEST(CalibratedGraphTest, CarriesTheMapAlong) {
   NoisyRoom room = MakeNoisyRoom();
   ASSERT_TRUE(room.graph.FixPose(4).ok());
-  CalibratedGraph calibrated(&room.graph);
-  const SlamGraph given = room.graph;
+  CalibratedGraph calibrated(room.graph, room.state.poses);
   CalibrationVector theta = SomeTheta();
   theta[kRangeBias] = 0.0;
-  calibrated.Set(theta, calibrated.Carried(theta, given.poses()));
-  room.graph.ResetPointsFromPoses();
-  const Pose2 anchor = room.graph.WorldFromRobot(4), before = given.WorldFromRobot(4);
+  calibrated.Set(theta, calibrated.Carried(theta, room.state.poses));
+  const MapState carried{calibrated.poses(), calibrated.graph().MeasuredMap(calibrated.poses())};
+  const Pose2 anchor = carried.WorldFromRobot(4), before = room.state.WorldFromRobot(4);
   EXPECT_NEAR(anchor.x, before.x, 1e-12);
   EXPECT_NEAR(anchor.y, before.y, 1e-12);
   EXPECT_NEAR(anchor.yaw, before.yaw, 1e-12);
   // All distances between points, of whatever scans, have grown by the same factor.
-  SlamGraph raw = given;
-  raw.ResetPointsFromPoses();
-  for (std::size_t r = 1; r < raw.num_returns(); r += 37) {
-    const double was = (MapPoint(raw, r) - MapPoint(raw, 0)).norm();
-    EXPECT_NEAR((MapPoint(room.graph, r) - MapPoint(room.graph, 0)).norm(), std::exp(0.01) * was,
-                1e-9);
+  for (std::size_t r = 1; r < room.graph.num_returns(); r += 37) {
+    const double was = (MapPoint(room.state, r) - MapPoint(room.state, 0)).norm();
+    EXPECT_NEAR((MapPoint(carried, r) - MapPoint(carried, 0)).norm(), std::exp(0.01) * was, 1e-9);
   }
 }
 
 TEST(CalibratedGraphTest, DerivativeOfBeingCarried) {
-  NoisyRoom room = MakeNoisyRoom();
-  CalibratedGraph calibrated(&room.graph);
-  calibrated.Set(SomeTheta(), room.graph.poses());
-  const std::vector<double> poses = room.graph.poses();
+  const NoisyRoom room = MakeNoisyRoom();
+  const std::vector<double>& poses = room.state.poses;
+  CalibratedGraph calibrated(room.graph, poses);
+  calibrated.Set(SomeTheta(), poses);
   for (int p = 0; p < kNumCalibrationParameters; ++p) {
     constexpr double kStep = 1e-6;
     const CalibrationVector step = kStep * CalibrationVector::Unit(p);
@@ -84,12 +81,11 @@ TEST(CalibratedGraphTest, DerivativeOfBeingCarried) {
 
 // Errors count in units of what the sensors read, so that nothing is gained by shrinking.
 TEST(CalibratedGraphTest, ScalesDoNotChangeWhatErrorsCost) {
-  NoisyRoom room = MakeNoisyRoom();
+  const NoisyRoom room = MakeNoisyRoom();
   const FactorOptions factors;
-  CalibratedGraph calibrated(&room.graph);
-  SlamGraph doubled = room.graph;
-  CalibratedGraph calibrated_doubled(&doubled);
-  std::vector<double> poses = doubled.poses();
+  const CalibratedGraph calibrated(room.graph, room.state.poses);
+  CalibratedGraph calibrated_doubled(room.graph, room.state.poses);
+  std::vector<double> poses = room.state.poses;
   for (std::size_t i = 0; i < poses.size(); i += 3) {
     poses[i] = 2.0 * poses[i];
     poses[i + 1] = 2.0 * poses[i + 1];
@@ -101,7 +97,7 @@ TEST(CalibratedGraphTest, ScalesDoNotChangeWhatErrorsCost) {
     PoseTerms terms = graph.Terms(factors);
     terms.priors.clear();
     terms.relative_poses.clear();
-    return terms.Cost(graph.graph().poses());
+    return terms.Cost(graph.poses());
   };
   EXPECT_NEAR(motion_cost(calibrated_doubled), motion_cost(calibrated),
               1e-9 * motion_cost(calibrated));

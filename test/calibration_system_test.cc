@@ -31,14 +31,15 @@ class CalibrationSystemTest : public testing::Test {
     NoisyRoomOptions options;
     options.range_sigma_m = range_sigma_m;
     options.odometry_sigma = odometry_sigma;
-    graph_ = MakeNoisyRoom(options).graph;
-    calibrated_.emplace(&graph_);
+    given_ = MakeNoisyRoom(options);
+    calibrated_.emplace(given_.graph, given_.state.poses);
     // Away from zero, where factors and exponents could hide.
     CalibrationVector theta;
     theta << 0.01, -0.02, 0.03, 0.015, 0.02, -0.01;
-    calibrated_->Set(theta, graph_.poses());
-    const MeasuredSurface surface = SurfaceOf(graph_);
-    cut_ = CutIntoPatches(graph_, surface, PatchOptionsFor(factors_, AssociationOptions()), &pool_);
+    calibrated_->Set(theta, given_.state.poses);
+    const MeasuredSurface surface = SurfaceOf(calibrated_->graph());
+    cut_ = CutIntoPatches(calibrated_->graph(), calibrated_->poses(), surface,
+                          PatchOptionsFor(factors_, AssociationOptions()), &pool_);
     // Without a normal, next to a corner, some are on the line of the other wall: not exact data.
     for (std::size_t r = 0; r < surface.normals.size(); ++r) {
       if (surface.normals[r].isZero()) cut_.patch_of_return[r] = SurfacePatches::kNone;
@@ -47,21 +48,22 @@ class CalibrationSystemTest : public testing::Test {
 
   // At the parameters and poses of the moment, the lines refitted.
   double Energy() {
-    const MeasuredSurface surface = MeasureSurface(graph_, ReturnNormalOptions(), &pool_);
-    ReturnCompressor compressor(graph_, surface, calibrated_->Noise(factors_), &pool_);
+    const SlamGraph& graph = calibrated_->graph();
+    const MeasuredSurface surface = MeasureSurface(graph, ReturnNormalOptions(), &pool_);
+    ReturnCompressor compressor(graph, surface, calibrated_->Noise(factors_), &pool_);
     sightings_ = compressor.LayOut(cut_.patches.size(), cut_.patch_of_return);
     patches_ = cut_.patches;
-    frames_ = FramesOf(graph_.poses());
+    frames_ = FramesOf(calibrated_->poses());
     SettleLines(compressor, frames_, kGateSigmas, &pool_, &sightings_, &patches_);
     const GemanMcClure loss = GemanMcClure::FromGate(kGateSigmas);
     slopes_ = compressor.RangeSlopes(patches_, frames_, loss, sightings_);
     return compressor.Weigh(patches_, frames_, loss, &sightings_) +
-           calibrated_->Terms(factors_).Cost(graph_.poses());
+           calibrated_->Terms(factors_).Cost(calibrated_->poses());
   }
 
   double EnergyAt(const CalibrationVector& theta, const Eigen::VectorXd& moved) {
     const CalibrationVector before = calibrated_->theta();
-    const std::vector<double> poses = graph_.poses();
+    const std::vector<double> poses = calibrated_->poses();
     std::vector<double> tried = poses;
     for (std::size_t i = 0; i < tried.size(); ++i) tried[i] += moved[static_cast<int>(i)];
     calibrated_->Set(theta, calibrated_->Carried(theta, tried));
@@ -73,14 +75,14 @@ class CalibrationSystemTest : public testing::Test {
   CalibrationSystem Linearize() {
     Energy();
     const PoseTerms terms = calibrated_->Terms(factors_);
-    pose_system_.Linearize(sightings_, patches_, terms, graph_.poses(), frames_, &pool_);
+    pose_system_.Linearize(sightings_, patches_, terms, calibrated_->poses(), frames_, &pool_);
     return CalibrationSystem(*calibrated_, terms, sightings_, slopes_, patches_, frames_,
                              pose_system_);
   }
 
   const FactorOptions factors_ = EvenWeights();
   ThreadPool pool_{2};
-  SlamGraph graph_;
+  NoisyRoom given_;
   std::optional<CalibratedGraph> calibrated_;
   SurfacePatches cut_;
   PatchSightings sightings_;
@@ -93,7 +95,8 @@ class CalibrationSystemTest : public testing::Test {
 TEST_F(CalibrationSystemTest, GradientOfEveryParameter) {
   Make(0.01, 0.01);
   const CalibrationSystem system = Linearize();
-  const Eigen::VectorXd still = Eigen::VectorXd::Zero(static_cast<int>(graph_.poses().size()));
+  const Eigen::VectorXd still =
+      Eigen::VectorXd::Zero(static_cast<int>(calibrated_->poses().size()));
   for (int p = 0; p < kNumCalibrationParameters; ++p) {
     constexpr double kStep = 1e-4;
     const CalibrationVector step = kStep * CalibrationVector::Unit(p);
@@ -111,9 +114,9 @@ TEST_F(CalibrationSystemTest, GradientOfEveryParameter) {
 // With exact data at the truth the energy is the quadratic form of the bordered system.
 TEST_F(CalibrationSystemTest, CurvatureOfPosesAndParametersTogether) {
   Make(0.0, 0.0);
-  calibrated_->Set(CalibrationVector::Zero(), graph_.poses());
+  calibrated_->Set(CalibrationVector::Zero(), calibrated_->poses());
   const CalibrationSystem system = Linearize();
-  const auto size = static_cast<int>(graph_.poses().size());
+  const auto size = static_cast<int>(calibrated_->poses().size());
   RandomStates random(3);
   const double base = Energy();
   for (int p = 0; p < kNumCalibrationParameters; ++p) {

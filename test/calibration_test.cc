@@ -61,19 +61,20 @@ struct Fault {
 };
 const Fault kFault{{-0.05, 0.05, DegToRad(2.0)}, 0.03, 1.01, 1.03};
 
-void Inject(const Fault& fault, SlamGraph* graph) {
-  const Pose2 mounting = graph->laser(0).robot_from_laser;
-  graph->SetMounting(0, {mounting.x + fault.mounting.x, mounting.y + fault.mounting.y,
-                         mounting.yaw + fault.mounting.yaw});
-  for (std::size_t r = 0; r < graph->num_returns(); ++r) {
-    graph->SetRange(r, graph->returns().range_m[r] / fault.range_scale - fault.range_bias_m);
+SlamGraph Faulty(const SlamGraph& graph, const Fault& fault) {
+  MeasurementCorrections faults;
+  const Pose2 mounting = graph.laser(0).robot_from_laser;
+  faults.robot_from_laser = {{mounting.x + fault.mounting.x, mounting.y + fault.mounting.y,
+                              mounting.yaw + fault.mounting.yaw}};
+  for (const double range_m : graph.returns().range_m) {
+    faults.range_m.push_back(range_m / fault.range_scale - fault.range_bias_m);
   }
-  for (std::size_t i = 0; i < graph->odometry().size(); ++i) {
-    const Pose2 step = graph->odometry()[i].from_from_to;
-    graph->SetOdometryMotion(
-        i, {step.x / fault.odometry_scale, step.y / fault.odometry_scale, step.yaw});
+  for (const OdometryConstraint& c : graph.odometry()) {
+    const Pose2& step = c.from_from_to;
+    faults.odometry.emplace_back(step.x / fault.odometry_scale, step.y / fault.odometry_scale,
+                                 step.yaw);
   }
-  graph->ResetPointsFromPoses();
+  return graph.Corrected(faults);
 }
 
 std::map<std::string, double> Truth(const Fault& fault) {
@@ -97,11 +98,11 @@ SolverOptions Options() {
 // Sum of squares of the errors of the parameters, in their own standard deviations.
 double Calibrate(const Fault& fault, const SolverOptions& options,
                  const CalibrationOptions& calibration_options, unsigned seed, int* count) {
-  SlamGraph graph = MakeDrive(false, 80, seed);
-  Inject(fault, &graph);
+  const SlamGraph graph = Faulty(MakeDrive(false, 80, seed), fault);
+  MapState state = graph.InitialState();
   Calibration calibration;
   const SolverSummary summary =
-      SolveWithCalibration(options, calibration_options, &graph, &calibration);
+      SolveWithCalibration(options, calibration_options, graph, &state, &calibration);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(calibration.settled);
   double sum = 0.0;
@@ -156,12 +157,13 @@ TEST(CalibrationTest, SigmasAreHonest) {
 }
 
 TEST(CalibrationTest, WhatTheDataDoNotDetermineStays) {
-  SlamGraph graph = MakeDrive(true, 30, 3);
+  const SlamGraph graph = Faulty(MakeDrive(true, 30, 3), {kFault.mounting});
+  MapState state = graph.InitialState();
   CalibrationOptions options;
   options.laser_mounting = options.range_scale = options.odometry_scale = true;
-  Inject({kFault.mounting}, &graph);
   Calibration calibration;
-  ASSERT_TRUE(SolveWithCalibration(Options(), options, &graph, &calibration).IsSolutionUsable());
+  ASSERT_TRUE(
+      SolveWithCalibration(Options(), options, graph, &state, &calibration).IsSolutionUsable());
   std::map<std::string, CalibratedParameter> found;
   for (const CalibratedParameter& p : calibration.parameters) found[p.name] = p;
   ASSERT_EQ(found.size(), 5u);
@@ -174,59 +176,57 @@ TEST(CalibrationTest, WhatTheDataDoNotDetermineStays) {
   EXPECT_NEAR(found["mounting_yaw_rad"].value, 0.3, 4.0 * found["mounting_yaw_rad"].sigma);
 }
 
-TEST(CalibrationTest, GraphComesBackConsistent) {
-  SlamGraph graph = MakeDrive(false, 40, 2);
-  Inject({kFault.mounting, kFault.range_bias_m}, &graph);
-  const SlamGraph given = graph;
+TEST(CalibrationTest, CorrectionsAndStateAreConsistent) {
+  const SlamGraph graph = Faulty(MakeDrive(false, 40, 2), {kFault.mounting, kFault.range_bias_m});
+  MapState state = graph.InitialState(), other = state;
   CalibrationOptions options;
   options.laser_mounting = options.range_bias = true;
-  SlamGraph other = graph;
   SolverOptions one_thread = Options();
   one_thread.num_threads = 1;
   Calibration calibration, again;
-  ASSERT_TRUE(SolveWithCalibration(Options(), options, &graph, &calibration).IsSolutionUsable());
-  EXPECT_EQ(graph.laser(0).robot_from_laser.x, calibration.parameters[0].value);
-  EXPECT_NEAR(graph.returns().range_m[5],
-              given.returns().range_m[5] + calibration.parameters[3].value, 1e-12);
-  EXPECT_EQ(graph.odometry()[2].from_from_to.x, given.odometry()[2].from_from_to.x);
+  ASSERT_TRUE(
+      SolveWithCalibration(Options(), options, graph, &state, &calibration).IsSolutionUsable());
+  const SlamGraph corrected = graph.Corrected(calibration.corrections);
+  EXPECT_EQ(corrected.laser(0).robot_from_laser.x, calibration.parameters[0].value);
+  EXPECT_NEAR(corrected.returns().range_m[5],
+              graph.returns().range_m[5] + calibration.parameters[3].value, 1e-12);
+  EXPECT_EQ(corrected.odometry()[2].from_from_to.x, graph.odometry()[2].from_from_to.x);
   // Points lie near the corrected ends of their beams.
-  SlamGraph raw = graph;
-  raw.ResetPointsFromPoses();
+  const MapState raw{state.poses, corrected.MeasuredMap(state.poses)};
   for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    ASSERT_LT((MapPoint(graph, r) - MapPoint(raw, r)).norm(), 0.1);
+    ASSERT_LT((MapPoint(state, r) - MapPoint(raw, r)).norm(), 0.1);
   }
   // Bitwise the same with another number of threads.
-  ASSERT_TRUE(SolveWithCalibration(one_thread, options, &other, &again).IsSolutionUsable());
-  EXPECT_EQ(other.poses(), graph.poses());
-  EXPECT_EQ(other.points(), graph.points());
+  ASSERT_TRUE(SolveWithCalibration(one_thread, options, graph, &other, &again).IsSolutionUsable());
+  EXPECT_EQ(other, state);
   EXPECT_EQ(again.parameters[3].sigma, calibration.parameters[3].sigma);
 }
 
 TEST(CalibrationTest, OffIsSolve) {
-  SlamGraph graph = MakeDrive(false, 20, 1), solved = graph;
+  const SlamGraph graph = MakeDrive(false, 20, 1);
+  MapState state = graph.InitialState(), solved = state;
   Calibration calibration;
   calibration.steps = 7;
-  SolveWithCalibration(Options(), CalibrationOptions(), &graph, &calibration);
-  Solve(Options(), &solved);
-  EXPECT_EQ(graph.poses(), solved.poses());
-  EXPECT_EQ(graph.points(), solved.points());
+  SolveWithCalibration(Options(), CalibrationOptions(), graph, &state, &calibration);
+  Solve(Options(), graph, &solved);
+  EXPECT_EQ(state, solved);
   EXPECT_TRUE(calibration.parameters.empty());
   EXPECT_EQ(calibration.steps, 0);
 }
 
-void ExpectRefused(const CalibrationOptions& options, SlamGraph graph, const char* reason) {
-  const SlamGraph given = graph;
+void ExpectRefused(const CalibrationOptions& options, const SlamGraph& graph, const char* reason) {
+  MapState state = graph.InitialState();
   Calibration calibration;
-  const SolverSummary summary = SolveWithCalibration(Options(), options, &graph, &calibration);
+  const SolverSummary summary =
+      SolveWithCalibration(Options(), options, graph, &state, &calibration);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr(reason));
-  EXPECT_EQ(graph.poses(), given.poses());
-  EXPECT_EQ(graph.points(), given.points());
-  EXPECT_EQ(graph.returns().range_m, given.returns().range_m);
+  EXPECT_EQ(state, graph.InitialState());
+  EXPECT_TRUE(calibration.corrections.range_m.empty());
   EXPECT_TRUE(calibration.parameters.empty());
 }
 
-TEST(CalibrationTest, RefusesAndLeavesTheGraphAlone) {
+TEST(CalibrationTest, RefusesAndLeavesTheStateAlone) {
   CalibrationOptions options;
   options.laser_mounting = true;
   options.sigma_mounting_m = 0.0;
@@ -246,8 +246,9 @@ TEST(CalibrationTest, RefusesAndLeavesTheGraphAlone) {
   sgd.type = SolverType::kSgd;
   options = CalibrationOptions();
   options.odometry_scale = true;
+  MapState state = edges.InitialState();
   Calibration none;
-  EXPECT_THAT(SolveWithCalibration(sgd, options, &edges, &none).message,
+  EXPECT_THAT(SolveWithCalibration(sgd, options, edges, &state, &none).message,
               HasSubstr("sgd does not look at the returns"));
   options = CalibrationOptions();
   options.range_scale = true;
@@ -280,15 +281,16 @@ TEST(CalibrationTest, FindsTheMountingOfARealLogFromReferencePoses) {
   EXPECT_NEAR(EstimateLaserMounting(log).robot_from_laser.x, -0.04, 1e-4);
   SlamGraph drive;
   ASSERT_TRUE(BuildGraph(log, 0, &drive).ok());
-  drive.SetMounting(0, Pose2());
+  drive = drive.Corrected({{}, {Pose2()}, {}});
+  MapState seed;
   SeedingReport seeding;
-  ASSERT_TRUE(SeedGraph(SeedingOptions(), SolverOptions(), &drive, &seeding).ok());
+  ASSERT_TRUE(SeedGraph(SeedingOptions(), SolverOptions(), drive, &seed, &seeding).ok());
 
   SlamGraph graph;
   std::vector<double> times_s;
   for (int pose = 0, id = 0; pose < drive.num_poses(); ++pose) {
     times_s.push_back(drive.timestamp_s(pose));
-    ASSERT_TRUE(graph.AddPose(drive.WorldFromRobot(pose), times_s.back(), &id).ok());
+    ASSERT_TRUE(graph.AddPose(seed.WorldFromRobot(pose), times_s.back(), &id).ok());
   }
   for (int scan = 0; scan < drive.num_scans(); ++scan) {
     ASSERT_TRUE(graph.AddScanOf(drive, scan, drive.scan(scan).pose).ok());
@@ -308,9 +310,10 @@ TEST(CalibrationTest, FindsTheMountingOfARealLogFromReferencePoses) {
   }
   CalibrationOptions options;
   options.laser_mounting = true;
+  MapState state = graph.InitialState();
   Calibration calibration;
   const SolverSummary summary =
-      SolveWithCalibration(SolverOptions(), options, &graph, &calibration);
+      SolveWithCalibration(SolverOptions(), options, graph, &state, &calibration);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   ASSERT_EQ(calibration.parameters.size(), 3u);
   for (const CalibratedParameter& p : calibration.parameters) EXPECT_TRUE(p.IsDetermined());

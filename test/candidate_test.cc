@@ -17,9 +17,9 @@ class CandidateTest : public testing::Test {
     options.num_poses = 48;
     options.num_beams = 360;
     room_ = MakeNoisyRoom(options);
-    truth_ = room_.graph.poses();
-    DisturbPoses(0.01, &room_.graph);
-    seed_ = room_.graph.poses();
+    truth_ = room_.state.poses;
+    DisturbPoses(0.01, room_.graph, &room_.state);
+    seed_ = room_.state.poses;
     surface_ = SurfaceOf(room_.graph);
     seed_cut_ = Cut(seed_);
   }
@@ -27,9 +27,7 @@ class CandidateTest : public testing::Test {
   SurfacePatches Cut(const std::vector<double>& poses) {
     SurfacePatchOptions options = PatchOptionsFor(factors_, AssociationOptions());
     options.hold_out = true;
-    SlamGraph there = room_.graph;
-    there.poses() = poses;
-    return CutIntoPatches(there, surface_, options, &pool_);
+    return CutIntoPatches(room_.graph, poses, surface_, options, &pool_);
   }
   CandidateJudge Judge() { return {room_.graph, surface_, factors_, {seed_, seed_cut_}, &pool_}; }
   std::vector<double> TornAt(int first, int last) const {

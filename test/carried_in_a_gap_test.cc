@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/evaluation/alignment.h"
@@ -14,7 +15,6 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
@@ -25,7 +25,8 @@ namespace {
 constexpr double kGapS = 5.0;
 
 struct GapDrive {
-  SlamGraph graph;  // seeded
+  SlamGraph graph;
+  MapState state;  // the seed
   std::vector<Pose2> truth;
   SolverOptions options;
   int first_after = 0;  // the first pose after the gap
@@ -86,13 +87,15 @@ void MakeGapDrive(std::uint64_t seed, GapDrive* drive) {
   for (const SimulatedScan& scan : log.scans) drive->truth.push_back(scan.world_from_robot);
   drive->options.num_threads = 2;
   SeedingReport report;
-  ASSERT_TRUE(SeedGraph(SeedingOptions(), drive->options, &drive->graph, &report).ok());
+  ASSERT_TRUE(
+      SeedGraph(SeedingOptions(), drive->options, drive->graph, &drive->state, &report).ok());
+  drive->graph = std::move(drive->graph).Corrected(report.corrections);
   drive->options.factors.motion =
       RefinementMotion(report.odometry_noise, drive->options.factors.motion);
 }
 
 double WorstError(const GapDrive& drive) {
-  const std::vector<Pose2> poses = PosesOf(drive.graph);
+  const std::vector<Pose2> poses = PosesOf(drive.state.poses);
   const Pose2 truth_from_world = AlignTrajectories(poses, drive.truth);
   double worst_m = 0.0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -113,7 +116,7 @@ TEST_P(CarriedInAGapTest, ASeedThatIsRightGetsBetterEverywhere) {
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(GetParam(), &drive));
   const double seed_m = WorstError(drive);
   ASSERT_LT(seed_m, 0.15);
-  const SolverSummary summary = Solve(drive.options, &drive.graph);
+  const SolverSummary summary = Solve(drive.options, drive.graph, &drive.state);
   EXPECT_TRUE(summary.verdict.IsBetter()) << summary.message;
   EXPECT_LT(WorstError(drive), 0.5 * seed_m) << summary.message;
   ASSERT_EQ(summary.doubted_steps.size(), 1u);
@@ -125,12 +128,11 @@ TEST_P(CarriedInAGapTest, ASeedThatIsRightGetsBetterEverywhere) {
 TEST(CarriedInAGapTest, AnyNumberOfThreadsGivesTheSameBytes) {
   GapDrive drive;
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(102, &drive));
-  SlamGraph alone = drive.graph;
-  Solve(drive.options, &drive.graph);
+  MapState alone = drive.state;
+  Solve(drive.options, drive.graph, &drive.state);
   drive.options.num_threads = 1;
-  Solve(drive.options, &alone);
-  EXPECT_EQ(alone.poses(), drive.graph.poses());
-  EXPECT_EQ(alone.points(), drive.graph.points());
+  Solve(drive.options, drive.graph, &alone);
+  EXPECT_EQ(alone, drive.state);
 }
 
 // Told that the step is worse than the model says, the solver has nothing to find out.
@@ -138,7 +140,7 @@ TEST(CarriedInAGapTest, AStepThatIsDoubtedFromTheStartTearsNothing) {
   GapDrive drive;
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(102, &drive));
   drive.options.factors.doubted_steps = {{static_cast<std::size_t>(drive.first_after - 1), 1000.0}};
-  const SolverSummary summary = Solve(drive.options, &drive.graph);
+  const SolverSummary summary = Solve(drive.options, drive.graph, &drive.state);
   EXPECT_TRUE(summary.doubted_steps.empty());
   EXPECT_LT(WorstError(drive), 0.02);
 }

@@ -23,18 +23,18 @@ struct Problem {
     options.num_poses = 6;
     options.num_beams = 90;
     room = MakeNoisyRoom(options);
-    DisturbPoses(0.01, &room.graph);
-    associations = AssociationsOf(room.graph);
+    DisturbPoses(0.01, room.graph, &room.state);
+    associations = AssociationsOf(room.graph, room.state);
   }
   double Cost() const {
     ThreadPool pool(1);
     TermCosts costs;
     EXPECT_TRUE(Energy(room.graph, associations, factors, &pool)
-                    .Evaluate(room.graph.poses(), room.graph.points(), &costs));
+                    .Evaluate(room.state.poses, room.state.points, &costs));
     return costs.Total();
   }
   InnerResult Solve(const CeresOptions& options, const ProgressCallback& report = nullptr) {
-    return SolveWithCeres(associations, factors, options, 2, report, &room.graph);
+    return SolveWithCeres(room.graph, associations, factors, options, 2, report, &room.state);
   }
 
   NoisyRoom room;
@@ -223,17 +223,16 @@ TEST(CeresSolverTest, ACallbackSeesTheStateOfItsIteration) {
 
 TEST(CeresSolverTest, RefusesAStateWithoutAnEnergy) {
   Problem problem;
-  SlamGraph& graph = problem.room.graph;
-  const Pose2 laser = graph.WorldFromLaser(0);
-  graph.points()[0] = laser.x;
-  graph.points()[1] = laser.y;
-  const std::vector<double> poses = graph.poses(), points = graph.points();
+  MapState& state = problem.room.state;
+  const Pose2 laser = problem.room.graph.WorldFromLaser(0, state.poses);
+  state.points[0] = laser.x;
+  state.points[1] = laser.y;
+  const MapState given = state;
   const InnerResult result = problem.Solve(CeresOptions());
   EXPECT_FALSE(result.usable);
   EXPECT_EQ(result.iterations, 0);
   EXPECT_FALSE(result.stop_reason.empty());
-  EXPECT_EQ(graph.poses(), poses);
-  EXPECT_EQ(graph.points(), points);
+  EXPECT_EQ(state, given);
 }
 
 }  // namespace

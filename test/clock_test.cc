@@ -40,7 +40,7 @@ TEST(ClockTest, TimesAreThoseOfThePoses) {
   int id = 0;
   for (const double time_s : {3.0, 1.0}) ASSERT_TRUE(graph.AddPose(Pose2(), time_s, &id).ok());
   EXPECT_THAT(TimesOf(graph), ElementsAre(3.0, 1.0));
-  EXPECT_THAT(TimesOf(TrajectoryOf(graph)), ElementsAre(3.0, 1.0));
+  EXPECT_THAT(TimesOf(TrajectoryOf(graph, graph.InitialState())), ElementsAre(3.0, 1.0));
 }
 
 class ChoosePairingTest : public testing::Test {

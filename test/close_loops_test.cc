@@ -15,12 +15,12 @@ const Eigen::Matrix3d kStepCovariance = Eigen::Vector3d(1e-4, 1e-4, 2.5e-5).asDi
 // else, by key scans half a metre apart: 38 a lap, so that the last eight are back at the first.
 // The sequential matching is exact.
 struct Lap {
-  SlamGraph graph;  // true poses
+  SlamGraph graph;  // initial guesses at the true poses
   std::vector<SurfacePoints> surfaces;
   KeyGraph keys;
 
   Pose2 TrueStep(int from, int to) const {
-    return Between(graph.WorldFromRobot(from), graph.WorldFromRobot(to));
+    return Between(graph.InitialPose(from), graph.InitialPose(to));
   }
   // Of the last key scan, as seen from the first one [m].
   double ErrorM() const {

@@ -33,22 +33,28 @@ double WorstError(const std::vector<double>& poses, const std::vector<Pose2>& tr
   return worst_m;
 }
 
-void SwapPoses(int a, int b, SlamGraph* graph) {
-  const Pose2 pose = graph->WorldFromRobot(a);
-  graph->SetPose(a, graph->WorldFromRobot(b));
-  graph->SetPose(b, pose);
+void SwapPoses(int a, int b, MapState* state) {
+  const Pose2 pose = state->WorldFromRobot(a);
+  state->SetPose(a, state->WorldFromRobot(b));
+  state->SetPose(b, pose);
 }
 
-void Shuffle(SlamGraph* graph) {
-  for (int i = 1; i + 7 < kNumPoses; i += 3) SwapPoses(i, i + 7, graph);
-  graph->ResetPointsFromPoses();
+void Shuffle(const SlamGraph& graph, MapState* state) {
+  for (int i = 1; i + 7 < kNumPoses; i += 3) SwapPoses(i, i + 7, state);
+  state->points = graph.MeasuredMap(state->poses);
+}
+
+std::vector<Pose2> Motions(const SlamGraph& graph) {
+  std::vector<Pose2> motions;
+  for (const OdometryConstraint& c : graph.odometry()) motions.push_back(c.from_from_to);
+  return motions;
 }
 
 TEST(ConstraintStartTest, StepsThatAgreeWithThePosesSuggestNothing) {
   NoisyRoom room = Room();
-  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
-  DisturbPoses(0.005, &room.graph);
-  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
+  EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions()));
+  DisturbPoses(0.005, room.graph, &room.state);
+  EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions()));
 }
 
 // A robot that was carried once: that step says nothing against all others, however far it is off.
@@ -56,39 +62,39 @@ TEST(ConstraintStartTest, OneStepThatIsFlatlyContradictedSuggestsNothing) {
   NoisyRoomOptions options;
   options.num_poses = 60;
   NoisyRoom room = MakeNoisyRoom(options);
-  Pose2 step = room.graph.odometry()[20].from_from_to;
-  step.x += 50.0;
-  room.graph.SetOdometryMotion(20, step);
-  EXPECT_FALSE(StartFromConstraints(room.graph, MotionOptions()));
+  std::vector<Pose2> motions = Motions(room.graph);
+  motions[20].x += 50.0;
+  room.graph = room.graph.Corrected({motions, {}, {}});
+  EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions()));
 }
 
 TEST(ConstraintStartTest, PosesThatWereMixedUpAreSorted) {
   NoisyRoom room = Room();
-  Shuffle(&room.graph);
-  ASSERT_GT(WorstError(room.graph.poses(), room.truth), 0.2);
-  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  Shuffle(room.graph, &room.state);
+  ASSERT_GT(WorstError(room.state.poses, room.truth), 0.2);
+  const auto start = StartFromConstraints(room.graph, room.state.poses, MotionOptions());
   ASSERT_TRUE(start);
   EXPECT_LT(WorstError(*start, room.truth), 0.1);
 }
 
 TEST(ConstraintStartTest, AWrongClosureIsDoubted) {
   NoisyRoom room = Room();
-  Shuffle(&room.graph);
+  Shuffle(room.graph, &room.state);
   const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
   ASSERT_TRUE(
       room.graph.AddRelativePose({2, kNumPoses - 2, Pose2(50.0, 50.0, 1.0), covariance}).ok());
-  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  const auto start = StartFromConstraints(room.graph, room.state.poses, MotionOptions());
   ASSERT_TRUE(start);
   EXPECT_LT(WorstError(*start, room.truth), 1.0);  // believed, it would pull by tens of metres
 }
 
 TEST(ConstraintStartTest, FixedPosesStay) {
   NoisyRoom room = Room();
-  Shuffle(&room.graph);
-  ASSERT_TRUE(room.graph.FixPose(2).ok());
-  const auto start = StartFromConstraints(room.graph, MotionOptions());
+  Shuffle(room.graph, &room.state);
+  ASSERT_TRUE(room.graph.FixPose(2, room.state.WorldFromRobot(2)).ok());
+  const auto start = StartFromConstraints(room.graph, room.state.poses, MotionOptions());
   ASSERT_TRUE(start);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ((*start)[6 + i], room.graph.poses()[6 + i]);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ((*start)[6 + i], room.state.poses[6 + i]);
 }
 
 TEST(ConstraintStartTest, WithoutAStepToEveryPoseNothingIsSuggested) {
@@ -100,7 +106,7 @@ TEST(ConstraintStartTest, WithoutAStepToEveryPoseNothingIsSuggested) {
     ASSERT_TRUE(gap.AddPose(Pose2(x, 0, 0), x, &pose).ok());
   ASSERT_TRUE(gap.AddOdometry({0, 1, Pose2(0.1, 0, 0)}).ok());
   ASSERT_TRUE(gap.AddOdometry({2, 3, Pose2(0.1, 0, 0)}).ok());
-  EXPECT_FALSE(StartFromConstraints(gap, MotionOptions()));
+  EXPECT_FALSE(StartFromConstraints(gap, gap.initial_poses(), MotionOptions()));
 }
 
 class SolveFromConstraints : public testing::TestWithParam<SolverType> {};
@@ -113,14 +119,14 @@ INSTANTIATE_TEST_SUITE_P(JointSolvers, SolveFromConstraints,
 
 TEST_P(SolveFromConstraints, BringsMixedUpPosesHome) {
   NoisyRoom room = Room();
-  Shuffle(&room.graph);
+  Shuffle(room.graph, &room.state);
   SolverOptions options;
   options.type = GetParam();
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.started_from_constraints);
   EXPECT_THAT(summary.message, HasSubstr("started from odometry and relative poses"));
-  EXPECT_LT(WorstError(room.graph.poses(), room.truth), 0.05);
+  EXPECT_LT(WorstError(room.state.poses, room.truth), 0.05);
 }
 
 TEST_P(SolveFromConstraints, ScansThatContradictTheOdometryKeepTheirStart) {
@@ -131,16 +137,14 @@ TEST_P(SolveFromConstraints, ScansThatContradictTheOdometryKeepTheirStart) {
   options.factors.motion.rotation_floor_rad = 0.01;
   options.factors.motion.rotation_per_rotation = 1e-3;
   options.factors.motion.rotation_per_translation_rad_m = 1e-3;
-  for (std::size_t i = 0; i < room.graph.odometry().size(); ++i) {
-    Pose2 step = room.graph.odometry()[i].from_from_to;
-    step.yaw += 0.06;
-    room.graph.SetOdometryMotion(i, step);
-  }
-  ASSERT_TRUE(StartFromConstraints(room.graph, options.factors.motion));
-  const SolverSummary summary = Solve(options, &room.graph);
+  std::vector<Pose2> motions = Motions(room.graph);
+  for (Pose2& motion : motions) motion.yaw += 0.06;
+  room.graph = room.graph.Corrected({motions, {}, {}});
+  ASSERT_TRUE(StartFromConstraints(room.graph, room.state.poses, options.factors.motion));
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_FALSE(summary.started_from_constraints);
   EXPECT_THAT(summary.message, Not(HasSubstr("started from odometry")));
-  EXPECT_LT(WorstError(room.graph.poses(), room.truth), 0.05);
+  EXPECT_LT(WorstError(room.state.poses, room.truth), 0.05);
 }
 
 }  // namespace

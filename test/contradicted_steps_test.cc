@@ -28,7 +28,7 @@ Drive CarriedDrive(double carried_m) {
     if (i == 0) continue;
     EXPECT_TRUE(drive.graph.AddOdometry({i - 1, i, {0.2, 0.0, 0.0}}).ok());
   }
-  drive.seed = drive.graph.poses();
+  drive.seed = drive.graph.initial_poses();
   drive.factors.motion.translation_per_translation = 0.02;
   drive.factors.motion.translation_floor_m = 0.005;
   return drive;

@@ -57,6 +57,7 @@ NoisyRoom SimulatedRun(unsigned seed) {
         room.graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1]) * noise})
             .ok());
   }
+  room.state = room.graph.InitialState();
   return room;
 }
 
@@ -64,11 +65,11 @@ Eigen::Vector3d Difference(const Pose2& estimate, const Pose2& truth) {
   return {estimate.x - truth.x, estimate.y - truth.y, NormalizeAngle(estimate.yaw - truth.yaw)};
 }
 
-std::vector<Eigen::Matrix3d> CovariancesOf(const SlamGraph& graph,
+std::vector<Eigen::Matrix3d> CovariancesOf(const SlamGraph& graph, const MapState& state,
                                            const std::vector<PosePair>& pairs,
                                            const SolverOptions& options = ToldTheNoise()) {
   std::vector<Eigen::Matrix3d> covariances;
-  const Status status = ComputePoseCovariances(options, graph, pairs, &covariances);
+  const Status status = ComputePoseCovariances(options, graph, state, pairs, &covariances);
   EXPECT_TRUE(status.ok()) << status.message();
   return covariances;
 }
@@ -79,10 +80,10 @@ TEST(CovarianceTest, ErrorsOfAHundredRunsAreAsLargeAsTheCovariancesSay) {
   double middle = 0.0, last = 0.0, relative = 0.0;
   for (unsigned run = 0; run < kNumRuns; ++run) {
     NoisyRoom room = SimulatedRun(run);
-    ASSERT_TRUE(Solve(ToldTheNoise(), &room.graph).IsSolutionUsable());
-    const std::vector<Eigen::Matrix3d> c =
-        CovariancesOf(room.graph, {{kMiddle, kMiddle}, {kMiddle, kLast}, {kLast, kLast}});
-    const Pose2 a = room.graph.WorldFromRobot(kMiddle), b = room.graph.WorldFromRobot(kLast);
+    ASSERT_TRUE(Solve(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
+    const std::vector<Eigen::Matrix3d> c = CovariancesOf(
+        room.graph, room.state, {{kMiddle, kMiddle}, {kMiddle, kLast}, {kLast, kLast}});
+    const Pose2 a = room.state.WorldFromRobot(kMiddle), b = room.state.WorldFromRobot(kLast);
     const Eigen::Vector3d error_a = Difference(a, room.truth[kMiddle]);
     const Eigen::Vector3d error_b = Difference(b, room.truth[kLast]);
     const Eigen::Vector3d error_ab =
@@ -103,13 +104,13 @@ TEST(CovarianceTest, ErrorsOfAHundredRunsAreAsLargeAsTheCovariancesSay) {
 
 TEST(CovarianceTest, IsTheInverseOfTheFullMatrixWithAllItsParts) {
   NoisyRoom room = SimulatedRun(3);
-  ASSERT_TRUE(Solve(ToldTheNoise(), &room.graph).IsSolutionUsable());
+  ASSERT_TRUE(Solve(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
   const int n = room.graph.num_poses();
   std::vector<PosePair> pairs;
   for (int a = 0; a < n; ++a) {
     for (int b = 0; b < n; ++b) pairs.push_back({a, b});
   }
-  const std::vector<Eigen::Matrix3d> blocks = CovariancesOf(room.graph, pairs);
+  const std::vector<Eigen::Matrix3d> blocks = CovariancesOf(room.graph, room.state, pairs);
   Eigen::MatrixXd joint(3 * n, 3 * n);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     joint.block<3, 3>(3 * pairs[i].a, 3 * pairs[i].b) = blocks[i];
@@ -136,7 +137,7 @@ TEST(CovarianceTest, OdometryAloneAddsUpAlongTheWay) {
     }
   }
   ASSERT_TRUE(graph.AddScan(0, 0, std::vector<double>(8, 1.0)).ok());
-  const Eigen::Matrix3d c = CovariancesOf(graph, {{3, 3}})[0];
+  const Eigen::Matrix3d c = CovariancesOf(graph, graph.InitialState(), {{3, 3}})[0];
   const double step = kOdometrySigma * kOdometrySigma;
   EXPECT_NEAR(c(0, 0), 3.0 * step, 1e-3 * step);
   EXPECT_NEAR(c(2, 2), 3.0 * step, 1e-3 * step);
@@ -179,8 +180,8 @@ TEST(CovarianceTest, IsTheSameForAnyNumberOfThreads) {
   const NoisyRoom room = SimulatedRun(5);
   SolverOptions several = ToldTheNoise();
   several.num_threads = 3;
-  EXPECT_EQ(CovariancesOf(room.graph, {{2, 6}})[0],
-            CovariancesOf(room.graph, {{2, 6}}, several)[0]);
+  EXPECT_EQ(CovariancesOf(room.graph, room.state, {{2, 6}})[0],
+            CovariancesOf(room.graph, room.state, {{2, 6}}, several)[0]);
 }
 
 TEST(CovarianceTest, APoseAlongABareCorridorIsHeldByItsOdometryOnly) {
@@ -190,13 +191,15 @@ TEST(CovarianceTest, APoseAlongABareCorridorIsHeldByItsOdometryOnly) {
   scene.laser.max_range_m = 6.0;
   scene.poses = {{0.0, 0.0, 0.0}, {0.5, 0.1, 0.1}, {1.0, 0.0, -0.1}};
   SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
   std::vector<Eigen::Matrix3d> covariances;
-  EXPECT_THAT(ComputePoseCovariances(ToldTheNoise(), graph, {{2, 2}}, &covariances).message(),
-              HasSubstr("nothing holds pose 2 in every direction"));
+  EXPECT_THAT(
+      ComputePoseCovariances(ToldTheNoise(), graph, state, {{2, 2}}, &covariances).message(),
+      HasSubstr("nothing holds pose 2 in every direction"));
   for (int i = 0; i < 2; ++i) {
     ASSERT_TRUE(graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])}).ok());
   }
-  const Eigen::Matrix3d c = CovariancesOf(graph, {{2, 2}})[0];
+  const Eigen::Matrix3d c = CovariancesOf(graph, state, {{2, 2}})[0];
   EXPECT_NEAR(c(0, 0), 2.0 * kOdometrySigma * kOdometrySigma, 0.1 * c(0, 0));
   EXPECT_LT(c(1, 1), 0.01 * c(0, 0));
 }
@@ -205,7 +208,8 @@ TEST(CovarianceTest, NamesWhatIsWrong) {
   NoisyRoom room = SimulatedRun(1);
   std::vector<Eigen::Matrix3d> covariances(1, Eigen::Matrix3d::Ones());
   const auto message = [&](const std::vector<PosePair>& pairs, const SolverOptions& options) {
-    const Status status = ComputePoseCovariances(options, room.graph, pairs, &covariances);
+    const Status status =
+        ComputePoseCovariances(options, room.graph, room.state, pairs, &covariances);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_EQ(covariances.size(), 1u) << "must stay as it was";
     return status.message();
@@ -217,6 +221,7 @@ TEST(CovarianceTest, NamesWhatIsWrong) {
   EXPECT_THAT(message({{1, 1}}, bad), HasSubstr("sigma_range_m"));
   int id = 0;
   ASSERT_TRUE(room.graph.AddPose({100.0, 0.0, 0.0}, 99.0, &id).ok());
+  room.graph.ExtendState(&room.state);
   EXPECT_THAT(message({{1, 1}}, ToldTheNoise()), HasSubstr("nothing ties pose 8"));
 }
 

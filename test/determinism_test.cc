@@ -57,34 +57,41 @@ void ExpectSame(const Result& a, const Result& b, const std::string& what) {
   EXPECT_TRUE(SameBytes(a.figures, b.figures)) << what << ", energies";
 }
 
-SlamGraph Seeded(int num_threads) {
-  SlamGraph graph = ShortLog();
+// A graph, with its odometry corrected, and its seed.
+struct SeededGraph {
+  SlamGraph graph;
+  MapState state;
+};
+
+SeededGraph Seeded(int num_threads) {
+  SeededGraph seeded;
   ThreadPool pool(num_threads);
   const FactorOptions factors;
-  const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);
+  const MeasuredSurface surface = MeasureSurface(ShortLog(), NormalOptionsFor(factors.beam), &pool);
   SeedingReport report;
-  EXPECT_TRUE(
-      SeedGraph(SeedingOptions(), factors.motion, surface.normals, {}, &pool, &graph, &report)
-          .ok());
+  EXPECT_TRUE(SeedGraph(SeedingOptions(), factors.motion, surface.normals, {}, &pool, ShortLog(),
+                        &seeded.state, &report)
+                  .ok());
+  seeded.graph = ShortLog().Corrected(report.corrections);
   // For those solvers that know nothing else; the last edge contradicts the others a little.
   for (const RelativePoseConstraint& edge : report.pose_graph) {
-    EXPECT_TRUE(graph.AddRelativePose(edge).ok());
+    EXPECT_TRUE(seeded.graph.AddRelativePose(edge).ok());
   }
   RelativePoseConstraint edge = report.pose_graph.back();
   edge.from_from_to.y = 0.01;  // no sum, which the host's rounding would be part of
-  EXPECT_TRUE(graph.AddRelativePose(edge).ok());
-  return graph;
+  EXPECT_TRUE(seeded.graph.AddRelativePose(edge).ok());
+  return seeded;
 }
 
 Result RunAll(SolverType type, int num_threads) {
-  SlamGraph graph = Seeded(num_threads);
+  auto [graph, state] = Seeded(num_threads);
   {
     const DefaultFloatEnvironment plain;  // these sums are not what is tested
-    for (std::size_t i = 3; i < graph.poses().size(); i += 6) graph.poses()[i] += 0.01;
-    graph.ResetPointsFromPoses();
+    for (std::size_t i = 3; i < state.poses.size(); i += 6) state.poses[i] += 0.01;
+    state.points = graph.MeasuredMap(state.poses);
   }
   Result result;
-  result.seed_poses = graph.poses();
+  result.seed_poses = state.poses;
   SolverOptions options;
   options.type = type;
   options.num_threads = num_threads;
@@ -92,12 +99,12 @@ Result RunAll(SolverType type, int num_threads) {
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
   options.alternating_cg.max_sweeps = 2;
   options.sgd.max_iterations = 20;
-  const SolverSummary summary = Solve(options, &graph);
+  const SolverSummary summary = Solve(options, graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  EXPECT_FALSE(SameBytes(result.seed_poses, graph.poses()))
+  EXPECT_FALSE(SameBytes(result.seed_poses, state.poses))
       << summary.solver << ": " << summary.message;
-  result.poses = graph.poses();
-  result.points = graph.points();
+  result.poses = state.poses;
+  result.points = state.points;
   result.figures = {summary.final_marginal_energy, summary.verdict.seed_energy,
                     summary.verdict.final_energy};
   return result;
@@ -144,22 +151,24 @@ TEST(Determinism, AnyFloatingPointEnvironmentOfTheHost) {
 
 // A window, its residuals, and what is known of a pose, on one and the same graph.
 TEST(Determinism, WindowResidualsAndCovariance) {
-  const SlamGraph seeded = Seeded(1);
+  const SeededGraph seeded = Seeded(1);
   const auto run = [&](int num_threads) {
-    SlamGraph graph = seeded;
+    const SlamGraph& graph = seeded.graph;
+    MapState state = seeded.state;
     SolverOptions options;
     options.num_threads = num_threads;
     WindowOptions window;
     window.num_free_poses = 15;
-    EXPECT_TRUE(SolveWindow(options, window, &graph).IsSolutionUsable());
+    EXPECT_TRUE(SolveWindow(options, window, graph, &state).IsSolutionUsable());
     std::vector<Eigen::Matrix3d> covariances;
     const int last = graph.num_poses() - 1;
-    const Status status = ComputePoseCovariances(options, graph, {{last, last}}, &covariances);
+    const Status status =
+        ComputePoseCovariances(options, graph, state, {{last, last}}, &covariances);
     EXPECT_TRUE(status.ok()) << status.message();
     Residuals residuals;
-    EXPECT_TRUE(EvaluateResiduals(options, graph, &residuals).ok());
+    EXPECT_TRUE(EvaluateResiduals(options, graph, state, &residuals).ok());
     const double* numbers = covariances.front().data();
-    Result result{{}, graph.poses(), graph.points(), {numbers, numbers + 9}};
+    Result result{{}, state.poses, state.points, {numbers, numbers + 9}};
     for (const Eigen::Vector3d& step : residuals.odometry) {
       result.figures.insert(result.figures.end(), step.data(), step.data() + 3);
     }

@@ -25,8 +25,8 @@ NoisyRoom DisturbedRoom(int num_beams = 180) {
   NoisyRoomOptions options;
   options.num_beams = num_beams;
   NoisyRoom room = MakeNoisyRoom(options);
-  DisturbPoses(0.02, &room.graph);
-  DisturbPoints(0.01, &room.graph);
+  DisturbPoses(0.02, room.graph, &room.state);
+  DisturbPoints(0.01, &room.state);
   return room;
 }
 
@@ -42,13 +42,14 @@ void ExpectClose(const Vector& actual, const Eigen::VectorXd& expected, const ch
 
 /// What Ceres evaluates: parameters are all poses, then all points; residuals go by term.
 struct Oracle {
-  explicit Oracle(const Associations& associations, const FactorOptions& factors, SlamGraph* graph)
-      : joint(BuildJointProblem(associations, factors, graph)) {
-    for (int p = 0; p < graph->num_poses(); ++p) {
-      all.parameter_blocks.push_back(&graph->poses()[3 * p]);
+  Oracle(const SlamGraph& graph, const Associations& associations, const FactorOptions& factors,
+         MapState* state)
+      : joint(BuildJointProblem(graph, associations, factors, state)) {
+    for (int p = 0; p < graph.num_poses(); ++p) {
+      all.parameter_blocks.push_back(&state->poses[3 * p]);
     }
-    for (std::size_t r = 0; r < graph->num_returns(); ++r) {
-      all.parameter_blocks.push_back(&graph->points()[2 * r]);
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      all.parameter_blocks.push_back(&state->points[2 * r]);
     }
     for (const auto& blocks : joint.residual_blocks) {
       all.residual_blocks.insert(all.residual_blocks.end(), blocks.begin(), blocks.end());
@@ -59,23 +60,24 @@ struct Oracle {
   ceres::Problem::EvaluateOptions all;
 };
 
-void ExpectSameAsCeres(const Associations& associations, const FactorOptions& factors,
-                       SlamGraph* graph, bool every_term) {
+void ExpectSameAsCeres(const SlamGraph& graph, const FactorOptions& factors, bool every_term,
+                       MapState* state) {
   ThreadPool pool(2);
-  const Energy energy(*graph, associations, factors, &pool);
+  const Associations associations = AssociationsOf(graph, *state);
+  const Energy energy(graph, associations, factors, &pool);
   TermCosts costs;
   Vector pose_gradient, point_gradient;
   EnergyDerivatives derivatives;
   derivatives.pose_gradient = &pose_gradient;
   derivatives.point_gradient = &point_gradient;
-  ASSERT_TRUE(energy.Evaluate(graph->poses(), graph->points(), &costs, derivatives));
+  ASSERT_TRUE(energy.Evaluate(state->poses, state->points, &costs, derivatives));
 
-  Oracle oracle(associations, factors, graph);
+  Oracle oracle(graph, associations, factors, state);
   double total = 0.0;
   Vector gradient;
   ASSERT_TRUE(oracle.joint.problem->Evaluate(oracle.all, &total, nullptr, &gradient, nullptr));
   EXPECT_NEAR(costs.Total(), total, 1e-9 * total);
-  const std::size_t num_pose_entries = graph->poses().size();
+  const std::size_t num_pose_entries = state->poses.size();
   ExpectClose(pose_gradient, AsEigen(gradient).head(num_pose_entries), "poses");
   ExpectClose(point_gradient, AsEigen(gradient).tail(gradient.size() - num_pose_entries), "points");
 
@@ -99,9 +101,9 @@ void ExpectSameAsCeres(const Associations& associations, const FactorOptions& fa
 }
 
 /// J^T W J of all parameters from Ceres' uncorrected Jacobian; W = rho' of the robust terms.
-SparseMatrix GaussNewtonHessian(const Associations& associations, const FactorOptions& factors,
-                                SlamGraph* graph) {
-  Oracle oracle(associations, factors, graph);
+SparseMatrix GaussNewtonHessian(const SlamGraph& graph, const Associations& associations,
+                                const FactorOptions& factors, MapState* state) {
+  Oracle oracle(graph, associations, factors, state);
   oracle.all.apply_loss_function = false;
   Vector residuals;
   ceres::CRSMatrix crs;
@@ -150,30 +152,31 @@ Eigen::VectorXd DiagonalBlocks(const SparseMatrix& matrix, int size, int first, 
 
 TEST(EnergyTest, CostsAndGradientsAreThoseOfCeres) {
   NoisyRoom room = DisturbedRoom();
-  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
+  ExpectSameAsCeres(room.graph, EveryTerm(), true, &room.state);
 }
 
 TEST(EnergyTest, WithoutShapeTermsToo) {
   NoisyRoom room = DisturbedRoom();
   FactorOptions factors = EveryTerm();
   factors.shape.enabled = false;
-  ExpectSameAsCeres(AssociationsOf(room.graph), factors, &room.graph, false);
+  ExpectSameAsCeres(room.graph, factors, false, &room.state);
 }
 
 TEST(EnergyTest, FixedPosesAreHeldAlike) {
   NoisyRoom room = MakeNoisyRoom();
   ASSERT_TRUE(room.graph.FixPose(2).ok());
   ASSERT_TRUE(room.graph.FixPose(7).ok());
-  DisturbPoses(0.02, &room.graph);
-  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
+  DisturbPoses(0.02, room.graph, &room.state);
+  ExpectSameAsCeres(room.graph, EveryTerm(), true, &room.state);
 }
 
 TEST(EnergyTest, TwoScansOnOnePoseAddUp) {
   NoisyRoom room = MakeNoisyRoom();
   const std::vector<double> ranges(180, 1.0);
   ASSERT_TRUE(room.graph.AddScan(3, 0, ranges).ok());
-  DisturbPoints(0.01, &room.graph);
-  ExpectSameAsCeres(AssociationsOf(room.graph), EveryTerm(), &room.graph, true);
+  room.graph.ExtendState(&room.state);
+  DisturbPoints(0.01, &room.state);
+  ExpectSameAsCeres(room.graph, EveryTerm(), true, &room.state);
 }
 
 TEST(EnergyTest, CostsAndGradientsOfARealLogAreThoseOfCeres) {
@@ -186,18 +189,19 @@ TEST(EnergyTest, CostsAndGradientsOfARealLogAreThoseOfCeres) {
   status = BuildGraph(log, 300, &graph);
   ASSERT_TRUE(status.ok()) << status.message();
   ASSERT_EQ(graph.num_scans(), 300);
-  DisturbPoints(0.01, &graph);
-  ExpectSameAsCeres(AssociationsOf(graph), EveryTerm(), &graph, false);
+  MapState state = graph.InitialState();
+  DisturbPoints(0.01, &state);
+  ExpectSameAsCeres(graph, EveryTerm(), false, &state);
 }
 
 TEST(EnergyTest, CurvatureIsThatOfTheGaussNewtonHessian) {
   NoisyRoom room = DisturbedRoom();
-  const Associations associations = AssociationsOf(room.graph);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   const FactorOptions factors = EveryTerm();
-  const SparseMatrix hessian = GaussNewtonHessian(associations, factors, &room.graph);
+  const SparseMatrix hessian = GaussNewtonHessian(room.graph, associations, factors, &room.state);
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
-  const Vector &poses = room.graph.poses(), &points = room.graph.points();
+  const Vector &poses = room.state.poses, &points = room.state.points;
   for (unsigned seed = 0; seed < 5; ++seed) {
     const Vector pose_direction = RandomVector(poses.size(), seed);
     const Vector point_direction = RandomVector(points.size(), 100 + seed);
@@ -219,9 +223,9 @@ TEST(EnergyTest, CurvatureIsThatOfTheGaussNewtonHessian) {
 
 TEST(EnergyTest, BlocksAreTheDiagonalOfTheGaussNewtonHessian) {
   NoisyRoom room = DisturbedRoom();
-  const Associations associations = AssociationsOf(room.graph);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   const FactorOptions factors = EveryTerm();
-  const SparseMatrix hessian = GaussNewtonHessian(associations, factors, &room.graph);
+  const SparseMatrix hessian = GaussNewtonHessian(room.graph, associations, factors, &room.state);
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
   TermCosts costs;
@@ -229,7 +233,7 @@ TEST(EnergyTest, BlocksAreTheDiagonalOfTheGaussNewtonHessian) {
   EnergyDerivatives derivatives;
   derivatives.pose_blocks = &pose_blocks;
   derivatives.point_blocks = &point_blocks;
-  ASSERT_TRUE(energy.Evaluate(room.graph.poses(), room.graph.points(), &costs, derivatives));
+  ASSERT_TRUE(energy.Evaluate(room.state.poses, room.state.points, &costs, derivatives));
   const int num_poses = room.graph.num_poses();
   const int num_points = static_cast<int>(room.graph.num_returns());
   ExpectClose(pose_blocks, DiagonalBlocks(hessian, 3, 0, num_poses), "poses");
@@ -238,11 +242,11 @@ TEST(EnergyTest, BlocksAreTheDiagonalOfTheGaussNewtonHessian) {
 
 TEST(EnergyTest, ChosenTermsAndTheOthersMakeTheWhole) {
   NoisyRoom room = DisturbedRoom();
-  const Associations associations = AssociationsOf(room.graph);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   const FactorOptions factors = EveryTerm();
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
-  const Vector &poses = room.graph.poses(), &points = room.graph.points();
+  const Vector &poses = room.state.poses, &points = room.state.points;
   const auto evaluate = [&](TermSet terms, Vector* pose_gradient, Vector* point_gradient) {
     TermCosts costs;
     EnergyDerivatives derivatives;
@@ -285,10 +289,10 @@ TEST(EnergyTest, AnyNumberOfThreadsGivesTheSameBits) {
   options.num_poses = 60;
   options.num_beams = 60;
   NoisyRoom room = MakeNoisyRoom(options);
-  DisturbPoses(0.02, &room.graph);
-  const Associations associations = AssociationsOf(room.graph);
+  DisturbPoses(0.02, room.graph, &room.state);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   const FactorOptions factors = EveryTerm();
-  const Vector &poses = room.graph.poses(), &points = room.graph.points();
+  const Vector &poses = room.state.poses, &points = room.state.points;
   const Vector d_poses = RandomVector(poses.size(), 1), d_points = RandomVector(points.size(), 2);
   struct Outcome {
     TermCosts costs;
@@ -320,22 +324,22 @@ TEST(EnergyTest, AnyNumberOfThreadsGivesTheSameBits) {
 
 TEST(EnergyTest, IsUndefinedWhereAPointLiesOnItsLaser) {
   NoisyRoom room = DisturbedRoom();
-  const Associations associations = AssociationsOf(room.graph);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   const FactorOptions factors = EveryTerm();
   ThreadPool pool(2);
   const Energy energy(room.graph, associations, factors, &pool);
   TermCosts costs;
-  EXPECT_TRUE(energy.Evaluate(room.graph.poses(), room.graph.points(), &costs));
-  Vector points = room.graph.points();
-  const Pose2 laser = room.graph.WorldFromLaser(0);
+  EXPECT_TRUE(energy.Evaluate(room.state.poses, room.state.points, &costs));
+  Vector points = room.state.points;
+  const Pose2 laser = room.graph.WorldFromLaser(0, room.state.poses);
   points[0] = laser.x;
   points[1] = laser.y;
-  EXPECT_FALSE(energy.Evaluate(room.graph.poses(), points, &costs));
+  EXPECT_FALSE(energy.Evaluate(room.state.poses, points, &costs));
   points[0] = kNaN;
-  EXPECT_FALSE(energy.Evaluate(room.graph.poses(), points, &costs));
-  Vector poses = room.graph.poses();
+  EXPECT_FALSE(energy.Evaluate(room.state.poses, points, &costs));
+  Vector poses = room.state.poses;
   poses[7] = kInfinity;
-  EXPECT_FALSE(energy.Evaluate(poses, room.graph.points(), &costs));
+  EXPECT_FALSE(energy.Evaluate(poses, room.state.points, &costs));
 }
 
 }  // namespace

@@ -270,7 +270,7 @@ TEST_F(EvaluateProgramTest, PointsNeedNoTrajectory) {
   ASSERT_TRUE(ReadCarmenLog(Path("a.clf"), CarmenReadOptions(), &log).ok());
   SlamGraph graph;
   ASSERT_TRUE(BuildGraph(log, 0, &graph).ok());
-  ASSERT_TRUE(WritePointsPly(Path("a.ply"), graph).ok());
+  ASSERT_TRUE(WritePointsPly(Path("a.ply"), graph, graph.InitialState()).ok());
   EvaluationInputs of_points, of_log = Inputs();
   of_points.points = Path("a.ply");
   of_log.log = Path("a.clf");

@@ -20,7 +20,8 @@ TEST(KnownWalls, FindsTheTruthThroughNoiselessBeamsWhateverTheOdometrySays) {
   const SyntheticNoise noise{"", 0.0, 0.0, 1.0};
   SyntheticDrive drive;
   ASSERT_TRUE(MakeSyntheticDrive(1, noise, &drive).ok());
-  const MapErrors before = MeasureMapErrors({drive.truth.poses, drive.graph.points()}, drive.truth);
+  const MapErrors before =
+      MeasureMapErrors({drive.truth.poses, drive.graph.InitialState().points}, drive.truth);
   EXPECT_GT(MeanAndVarianceOf(before.point_m).mean, 0.5);
   const MapErrors errors = MeasureMapErrors(LocaliseAgainstTruth(drive, Told(noise)), drive.truth);
   for (const double error_m : errors.pose_m) EXPECT_LT(error_m, 2e-4);  // ranges are in mm

@@ -25,10 +25,10 @@ TEST(LogGraphTest, PosesFollowTheOdometryFromTheOrigin) {
   EXPECT_EQ(graph.num_scans(), 2);
   EXPECT_EQ(graph.num_returns(), 5u);  // one reading is at the maximum
   EXPECT_EQ(graph.timestamp_s(1), 0.5);
-  EXPECT_EQ(graph.WorldFromRobot(0).x, 0.0);
-  EXPECT_NEAR(graph.WorldFromRobot(1).x, 0.4, 1e-12);
-  EXPECT_NEAR(graph.WorldFromRobot(1).y, 0.0, 1e-12);
-  EXPECT_NEAR(graph.WorldFromRobot(1).yaw, 0.1, 1e-12);
+  EXPECT_EQ(graph.InitialPose(0).x, 0.0);
+  EXPECT_NEAR(graph.InitialPose(1).x, 0.4, 1e-12);
+  EXPECT_NEAR(graph.InitialPose(1).y, 0.0, 1e-12);
+  EXPECT_NEAR(graph.InitialPose(1).yaw, 0.1, 1e-12);
   ASSERT_EQ(graph.odometry().size(), 1u);
   EXPECT_NEAR(graph.odometry()[0].from_from_to.x, 0.4, 1e-12);
 }

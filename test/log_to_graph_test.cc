@@ -52,9 +52,9 @@ TEST(LogToGraphTest, TheFirstPoseIsTheOriginAndOdometryJoinsTheRest) {
   ASSERT_EQ(graph.num_scans(), 3);
   EXPECT_EQ(graph.num_returns(), 8u);
   EXPECT_EQ(graph.timestamp_s(2), 102.0);
-  ExpectPose(graph.WorldFromRobot(0), 0.0, 0.0, 0.0);
-  ExpectPose(graph.WorldFromRobot(1), 2.0, 0.0, DegToRad(90.0));
-  ExpectPose(graph.WorldFromRobot(2), 2.0, 1.0, DegToRad(90.0));
+  ExpectPose(graph.InitialPose(0), 0.0, 0.0, 0.0);
+  ExpectPose(graph.InitialPose(1), 2.0, 0.0, DegToRad(90.0));
+  ExpectPose(graph.InitialPose(2), 2.0, 1.0, DegToRad(90.0));
   ASSERT_EQ(graph.odometry().size(), 2u);
   EXPECT_EQ(graph.odometry()[1].from, 1);
   EXPECT_EQ(graph.odometry()[1].to, 2);
@@ -71,8 +71,9 @@ TEST(LogToGraphTest, TheLaserSitsWhereTheLogSays) {
   EXPECT_EQ(laser.max_range_m, 10.0);
   EXPECT_EQ(graph.scan(2).laser, graph.scan(0).laser);
   // The middle beam of the first scan looks along the laser's x axis.
-  EXPECT_NEAR(graph.points()[2], -0.04 + 2.0 * std::cos(0.05), 1e-12);
-  EXPECT_NEAR(graph.points()[3], 0.01 + 2.0 * std::sin(0.05), 1e-12);
+  const std::vector<double> points = graph.MeasuredMap(graph.initial_poses());
+  EXPECT_NEAR(points[2], -0.04 + 2.0 * std::cos(0.05), 1e-12);
+  EXPECT_NEAR(points[3], 0.01 + 2.0 * std::sin(0.05), 1e-12);
 }
 
 TEST(LogToGraphTest, EachGeometryHasItsOwnLaser) {

@@ -9,13 +9,14 @@
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/test/initial_guesses.h"
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
 namespace {
 
-// A drive round an office floor with its sequential matching. The graph holds the poses of the
-// odometry.
+// A drive round an office floor with its sequential matching. The graph's initial guesses are the
+// poses of the odometry.
 struct SimulatedDrive {
   SlamGraph graph;
   std::vector<Pose2> truth;
@@ -42,8 +43,7 @@ SimulatedDrive MakeDrive(std::uint64_t seed) {
 }
 
 void SetOdometry(const std::vector<Pose2>& poses, SimulatedDrive* drive) {
-  for (int pose = 0; pose < drive->graph.num_poses(); ++pose)
-    drive->graph.SetPose(pose, poses[pose]);
+  drive->graph = WithInitialPoses(drive->graph, poses);
 }
 
 // All that comes after half of the drive is believed to be `jump` farther on.

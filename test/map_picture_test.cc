@@ -38,11 +38,12 @@ SlamGraph MakeGraph(double length_m) {
 
 class MapPictureTest : public testing::Test {
  protected:
-  Picture Draw(const SlamGraph& graph) {
-    const Status status = WriteMapPicture(path_, graph, options_);
+  Picture Draw(const SlamGraph& graph, const MapState& state) {
+    const Status status = WriteMapPicture(path_, graph, state, options_);
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   }
+  Picture Draw(const SlamGraph& graph) { return Draw(graph, graph.InitialState()); }
 
   const std::string folder_ = TempFolder();
   const std::string path_ = folder_ + "map.png";
@@ -66,7 +67,8 @@ TEST_F(MapPictureTest, PixelsAreOfOneSizeInBothDirections) {
 
 TEST_F(MapPictureTest, TellsWhereTheMapIs) {
   MapArea area;
-  ASSERT_TRUE(WriteMapPicture(path_, MakeGraph(10.0), options_, &area).ok());
+  const SlamGraph graph = MakeGraph(10.0);
+  ASSERT_TRUE(WriteMapPicture(path_, graph, graph.InitialState(), options_, &area).ok());
   const Picture picture(path_);
   const Box dot = picture.Around(IsGreen);  // at (0, 0)
   EXPECT_NEAR(area.left_px + area.raster.Column(0.0), dot.center_x(), 1.0);
@@ -74,7 +76,7 @@ TEST_F(MapPictureTest, TellsWhereTheMapIs) {
   EXPECT_EQ(area.raster.pixel_m, 0.01);
   EXPECT_LT(area.top_px + area.raster.height, picture.height);
   const MapArea before = area;
-  EXPECT_FALSE(WriteMapPicture(path_, SlamGraph(), options_, &area).ok());
+  EXPECT_FALSE(WriteMapPicture(path_, SlamGraph(), MapState(), options_, &area).ok());
   EXPECT_EQ(area.raster.width, before.raster.width);
 }
 
@@ -87,13 +89,14 @@ TEST_F(MapPictureTest, LargeMapsTakeCoarserPixelsOfANiceSize) {
 }
 
 TEST_F(MapPictureTest, FarOutliersDoNotShrinkTheMap) {
-  SlamGraph graph = MakeGraph(10.0);
+  const SlamGraph graph = MakeGraph(10.0);
+  MapState state = graph.InitialState();
   for (int i = 0; i < 5; ++i) {
-    graph.points()[2 * 1000 * i] = 1e6;
-    graph.points()[2 * 1000 * i + 1] = -1e6;
+    state.points[2 * 1000 * i] = 1e6;
+    state.points[2 * 1000 * i + 1] = -1e6;
   }
-  graph.points()[100] = std::numeric_limits<double>::quiet_NaN();
-  const Picture picture = Draw(graph);
+  state.points[100] = std::numeric_limits<double>::quiet_NaN();
+  const Picture picture = Draw(graph, state);
   EXPECT_NEAR(picture.width, 1700 + 40, 12);
   EXPECT_NEAR(picture.height, 700 + 100, 12);
 }
@@ -109,12 +112,13 @@ TEST_F(MapPictureTest, TheTrajectoryIsAlwaysInside) {
 }
 
 TEST_F(MapPictureTest, SingleHitsAreVisibleBesideAWallOfMany) {
-  SlamGraph graph = MakeGraph(0.0);  // Every return eleven times at one place.
+  const SlamGraph graph = MakeGraph(0.0);  // Every return eleven times at one place.
+  MapState state = graph.InitialState();
   for (std::size_t i = 0; i < 20; ++i) {
-    graph.points()[2 * i] = 0.05 * i;
-    graph.points()[2 * i + 1] = 0.5;
+    state.points[2 * i] = 0.05 * i;
+    state.points[2 * i + 1] = 0.5;
   }
-  const Picture picture = Draw(graph);
+  const Picture picture = Draw(graph, state);
   // Black is what the fullest pixels have, 11 or more hits: log(2) / log(12) of darkness or more
   // for a single one.
   int num_gray = 0;
@@ -125,7 +129,7 @@ TEST_F(MapPictureTest, SingleHitsAreVisibleBesideAWallOfMany) {
   EXPECT_GE(num_gray, 20);
 }
 
-TEST_F(MapPictureTest, TheSameGraphGivesTheSameBytes) {
+TEST_F(MapPictureTest, TheSameInputGivesTheSameBytes) {
   options_.title = "a title";
   options_.overlays.resize(1);
   options_.overlays[0].points = {{1.0, 0.0}, {2.0, 0.5}};
@@ -193,20 +197,24 @@ TEST_F(MapPictureTest, AGraphWithoutReturnsIsATrajectory) {
 }
 
 TEST_F(MapPictureTest, BadInputIsRefusedAndLeavesNoFile) {
-  SlamGraph graph;
-  EXPECT_THAT(WriteMapPicture(path_, graph, options_).message(), HasSubstr("no poses"));
-  graph = MakeGraph(1.0);
+  const SlamGraph graph = MakeGraph(1.0);
+  const MapState sound = graph.InitialState();
+  const auto error_of = [&](const MapState& state) {
+    return WriteMapPicture(path_, graph, state, options_).message();
+  };
+  EXPECT_THAT(error_of(MapState()), HasSubstr("no poses"));
   options_.max_side_px = 5;
-  EXPECT_THAT(WriteMapPicture(path_, graph, options_).message(), HasSubstr("max_side_px = 5"));
+  EXPECT_THAT(error_of(sound), HasSubstr("max_side_px = 5"));
   options_ = MapPictureOptions();
-  graph.poses()[3] = 1e200;
-  EXPECT_THAT(WriteMapPicture(path_, graph, options_).message(), HasSubstr("from the origin"));
-  graph.poses()[3] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(WriteMapPicture(path_, graph, options_).message(), HasSubstr("pose 1"));
+  MapState bad = sound;
+  bad.poses[3] = 1e200;
+  EXPECT_THAT(error_of(bad), HasSubstr("from the origin"));
+  bad.poses[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_of(bad), HasSubstr("pose 1"));
   options_.title = "not UTF-8: \xff";
-  EXPECT_FALSE(WriteMapPicture(path_, MakeGraph(1.0), options_).ok());
+  EXPECT_FALSE(WriteMapPicture(path_, graph, sound, options_).ok());
   EXPECT_EQ(NumFilesIn(folder_), 0);
-  EXPECT_EQ(WriteMapPicture(folder_ + "none/map.png", MakeGraph(1.0), MapPictureOptions()).code(),
+  EXPECT_EQ(WriteMapPicture(folder_ + "none/map.png", graph, sound, MapPictureOptions()).code(),
             StatusCode::kUnavailable);
 }
 

@@ -49,8 +49,8 @@ TEST_F(MatchGraphTest, WithoutSurfacesTheOdometryStands) {
       BuildMatchGraph(drive_.graph, surfaces_, MotionOptions(), MatchGraphOptions());
   EXPECT_EQ(matches.edges.size(), 15u);
   for (int i = 0; i < 16; ++i) {
-    EXPECT_NEAR(matches.chain[i].x, drive_.graph.WorldFromRobot(i).x, 1e-9);
-    EXPECT_NEAR(matches.chain[i].y, drive_.graph.WorldFromRobot(i).y, 1e-9);
+    EXPECT_NEAR(matches.chain[i].x, drive_.graph.InitialPose(i).x, 1e-9);
+    EXPECT_NEAR(matches.chain[i].y, drive_.graph.InitialPose(i).y, 1e-9);
   }
 }
 

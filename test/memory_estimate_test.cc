@@ -17,18 +17,19 @@ using testing::Not;
 class MemoryEstimateTest : public testing::Test {
  protected:
   std::string ErrorAt(double limit, int picture_side_px = 50) const {
-    return CheckMemory(EstimateMemory(graph_, solver_, false, picture_side_px), limit, graph_,
-                       solver_)
+    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, picture_side_px), limit,
+                       graph_, solver_)
         .message();
   }
 
   const SlamGraph graph_ = MakeNoisyRoom().graph;  // 12 scans
+  const MapState state_ = graph_.InitialState();
   SolverOptions solver_;
 };
 
 TEST_F(MemoryEstimateTest, SolversDiffer) {
   const auto joint = [&](bool calibrates) {
-    return EstimateMemory(graph_, solver_, calibrates, 50).joint;
+    return EstimateMemory(graph_, state_, solver_, calibrates, 50).joint;
   };
   const double reduced = joint(false);
   EXPECT_GT(joint(true), reduced);

@@ -57,7 +57,7 @@ SlamGraph Reversed(const SlamGraph& from, const Predicate& is_reversed) {
       ranges[is_reversed(s) ? num_beams - 1 - beam : beam] = from.returns().range_m[r];
     }
     EXPECT_TRUE(graph.AddLaser(from.LaserOfScan(s), &laser).ok());
-    EXPECT_TRUE(graph.AddPose(from.WorldFromRobot(scan.pose), s, &pose).ok());
+    EXPECT_TRUE(graph.AddPose(from.InitialPose(scan.pose), s, &pose).ok());
     EXPECT_TRUE(graph.AddScan(pose, laser, ranges).ok());
   }
   return graph;
@@ -65,8 +65,11 @@ SlamGraph Reversed(const SlamGraph& from, const Predicate& is_reversed) {
 
 bool Every(int /*scan*/) { return true; }
 
-TurnVotes Vote(const SlamGraph& graph) { return VoteOnTurns(graph, graph.poses()); }
-Status Check(const SlamGraph& graph) { return CheckScansAreNotMirrored(graph, std::nullopt); }
+// By the initial guesses.
+TurnVotes Vote(const SlamGraph& graph) { return VoteOnTurns(graph, graph.initial_poses()); }
+Status Check(const SlamGraph& graph) {
+  return CheckScansAreNotMirrored(graph, graph.initial_poses(), std::nullopt);
+}
 
 void ExpectToldApart(const SyntheticScene& scene) {
   const SlamGraph graph = MakeGraph(scene);
@@ -97,7 +100,7 @@ TEST(MirroredScansTest, SoDoTwoLasersThatTakeTurns) {
   SlamGraph both;
   int pose = 0;
   for (int s = 0; s < front.num_scans(); ++s) {
-    ASSERT_TRUE(both.AddPose(front.WorldFromRobot(s), s, &pose).ok());
+    ASSERT_TRUE(both.AddPose(front.InitialPose(s), s, &pose).ok());
     ASSERT_TRUE(both.AddScanOf(s % 2 == 0 ? front : rear, s, pose).ok());
   }
   EXPECT_GE(Vote(both).as_they_are, 20);
@@ -119,31 +122,30 @@ TEST(MirroredScansTest, UpsideDownIsNoticedWhereverTheFanLooks) {
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       ranges[seen.returns().beam[r]] = seen.returns().range_m[r];
     }
-    ASSERT_TRUE(told.AddPose(seen.WorldFromRobot(s), s, &pose).ok());
+    ASSERT_TRUE(told.AddPose(seen.InitialPose(s), s, &pose).ok());
     ASSERT_TRUE(told.AddScan(pose, laser, ranges).ok());
   }
   EXPECT_EQ(Vote(seen).mirrored, 0);
   EXPECT_TRUE(Vote(told).SayMirrored());
 }
 
-TEST(MirroredScansTest, SolveRefusesThemAndLeavesTheGraphAlone) {
+TEST(MirroredScansTest, SolveRefusesThemAndLeavesTheStateAlone) {
   for (const SolverType type :
        {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres}) {
-    SlamGraph graph = Reversed(MakeGraph(Room(24)), Every);
-    const SlamGraph given = graph;
+    const SlamGraph graph = Reversed(MakeGraph(Room(24)), Every);
+    MapState state = graph.InitialState();
     SolverOptions options;
     options.type = type;
-    const SolverSummary summary = Solve(options, &graph);
+    const SolverSummary summary = Solve(options, graph, &state);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
     EXPECT_THAT(summary.message, HasSubstr("the scans look mirrored: around 2"));
-    EXPECT_EQ(graph.poses(), given.poses());
-    EXPECT_EQ(graph.points(), given.points());
+    EXPECT_EQ(state, graph.InitialState());
     CalibrationOptions mounting;
     mounting.laser_mounting = true;
     Calibration calibration;
-    EXPECT_THAT(SolveWithCalibration(options, mounting, &graph, &calibration).message,
+    EXPECT_THAT(SolveWithCalibration(options, mounting, graph, &state, &calibration).message,
                 HasSubstr("the scans look mirrored: around 2"));
-    EXPECT_EQ(graph.poses(), given.poses());
+    EXPECT_EQ(state, graph.InitialState());
   }
 }
 
@@ -165,23 +167,25 @@ SolverOptions GoodOdometry() {
 TEST(MirroredScansTest, PosesThatTheOdometryReplacesAreNoReason) {
   SyntheticScene scene = Room(24);
   scene.laser = PanoramicLaser(180);
-  SlamGraph graph = WithOdometry(scene.poses, MakeGraph(scene));
+  const SlamGraph graph = WithOdometry(scene.poses, MakeGraph(scene));
+  MapState state = graph.InitialState();
   for (int i = 0; i < graph.num_poses(); ++i) {  // a mirror image about the first pose's x axis
     const Pose2& pose = scene.poses[i];
-    graph.SetPose(i, {2.0 * scene.poses[0].x - pose.x, pose.y, kPi - pose.yaw});
+    state.SetPose(i, {2.0 * scene.poses[0].x - pose.x, pose.y, kPi - pose.yaw});
   }
-  EXPECT_TRUE(Vote(graph).SayMirrored());
-  const SolverSummary summary = Solve(GoodOdometry(), &graph);
+  EXPECT_TRUE(VoteOnTurns(graph, state.poses).SayMirrored());
+  const SolverSummary summary = Solve(GoodOdometry(), graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.started_from_constraints);
 }
 
 TEST(MirroredScansTest, WherePosesSayNothingTheOdometryDoes) {
   const SyntheticScene scene = Room(24);
-  SlamGraph graph = WithOdometry(scene.poses, Reversed(MakeGraph(scene), Every));
-  std::fill(graph.poses().begin(), graph.poses().end(), 0.0);
-  EXPECT_FALSE(Vote(graph).AreEnough());
-  EXPECT_THAT(Solve(GoodOdometry(), &graph).message, HasSubstr("the scans look mirrored"));
+  const SlamGraph graph = WithOdometry(scene.poses, Reversed(MakeGraph(scene), Every));
+  MapState state = graph.InitialState();
+  std::fill(state.poses.begin(), state.poses.end(), 0.0);
+  EXPECT_FALSE(VoteOnTurns(graph, state.poses).AreEnough());
+  EXPECT_THAT(Solve(GoodOdometry(), graph, &state).message, HasSubstr("the scans look mirrored"));
 }
 
 TEST(MirroredScansTest, ItTakesEnoughTurns) {
@@ -211,9 +215,10 @@ TEST(MirroredScansTest, TurnsThatASquareForgivesDoNotVote) {
   SyntheticScene scene;
   scene.faces = {{{-2, -2}, {2, -2}}, {{2, -2}, {2, 2}}, {{2, 2}, {-2, 2}}, {{-2, 2}, {-2, -2}}};
   for (int i = 0; i < 24; ++i) scene.poses.emplace_back(0.0, 0.0, DegToRad(44.0 * i));
-  SlamGraph graph = MakeGraph(scene);
-  for (std::size_t i = 2; i < graph.poses().size(); i += 3) graph.poses()[i] *= 46.0 / 44.0;
-  EXPECT_FALSE(Vote(graph).SayMirrored());
+  const SlamGraph graph = MakeGraph(scene);
+  std::vector<double> poses = graph.initial_poses();
+  for (std::size_t i = 2; i < poses.size(); i += 3) poses[i] *= 46.0 / 44.0;
+  EXPECT_FALSE(VoteOnTurns(graph, poses).SayMirrored());
 }
 
 TEST(MirroredScansTest, WhatLooksTheSameBothWaysDoesNotVote) {

@@ -31,14 +31,15 @@ SyntheticScene Room(double range_sigma_m) {
   return scene;
 }
 
-/// The same lines from the rule in words, for one point at a time and without an index.
+/// The same lines of the initial state from the rule in words, for one point at a time and without
+/// an index.
 class Oracle {
  public:
   Oracle(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
          const AssociationOptions& options)
-      : graph_(graph), options_(options) {
+      : graph_(graph), state_(graph.InitialState()), options_(options) {
     for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-      const double yaw = graph.WorldFromRobot(graph.scan(graph.returns().scan[r]).pose).yaw;
+      const double yaw = graph.InitialPose(graph.scan(graph.returns().scan[r]).pose).yaw;
       normals_.push_back(Eigen::Rotation2Dd(yaw) * normals[r].cast<double>());
       if (!normals[r].isZero()) surface_.push_back(r);
     }
@@ -71,7 +72,7 @@ class Oracle {
 
  private:
   double Distance(std::size_t q, std::size_t r) const {
-    return (MapPoint(graph_, q) - MapPoint(graph_, r)).norm();
+    return (MapPoint(state_, q) - MapPoint(state_, r)).norm();
   }
 
   // The max_points surface points nearest to r.
@@ -89,10 +90,10 @@ class Oracle {
 
   TangentLine Line(const std::vector<std::size_t>& members, std::size_t r) const {
     Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
-    for (const std::size_t q : members) centroid += MapPoint(graph_, q) / members.size();
+    for (const std::size_t q : members) centroid += MapPoint(state_, q) / members.size();
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     for (const std::size_t q : members) {
-      const Eigen::Vector2d offset = MapPoint(graph_, q) - centroid;
+      const Eigen::Vector2d offset = MapPoint(state_, q) - centroid;
       covariance += offset * offset.transpose() / members.size();
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver =
@@ -105,16 +106,18 @@ class Oracle {
   }
 
   const SlamGraph& graph_;
+  const MapState state_;
   const AssociationOptions& options_;
   std::vector<Eigen::Vector2d> normals_;  // world
   std::vector<std::size_t> surface_;      // returns that have one
   double typical_radius_m_ = 0.0;
 };
 
+// Of the initial state.
 std::vector<TangentLine> LinesOf(const SlamGraph& graph, const AssociationOptions& options,
                                  int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return LinesFromNearest(graph, NormalsOf(graph), options, &pool);
+  return LinesFromNearest(graph, graph.InitialState(), NormalsOf(graph), options, &pool);
 }
 
 std::size_t CountLines(const std::vector<TangentLine>& lines) {
@@ -150,12 +153,13 @@ TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {
   scene.poses = {{-0.5, 0.0, 0.3}, {0.0, 0.5, 0.0}, {0.5, 0.0, -0.8}};
   scene.range_sigma_m = 0.002;
   const SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph, AssociationOptions());
   EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
     if (!Associations::HasLine(lines[r])) continue;
     EXPECT_LT(lines[r].normal_y, -0.99);
-    const double x = MapPoint(graph, r).x();
+    const double x = MapPoint(state, r).x();
     // Ten points and more: 5 sigma.
     EXPECT_NEAR(lines[r].normal_x * x + lines[r].normal_y * 3.0, lines[r].offset, 0.004);
   }

@@ -73,16 +73,12 @@ TEST(NeverWorseSolveTest, APerfectStartComesBackBitForBitAndTheMessageSaysWhy) {
   // By odometry and scans alone: closures would move it by what noise there is in them.
   AdversarialProblem problem;
   ASSERT_TRUE(MakeAdversarialProblem({Attack::kTruth, 0.0, 2, true}, &problem).ok());
-  SlamGraph& graph = problem.graph;
-  for (std::size_t i = 0; i < problem.truth.size(); ++i) {
-    graph.SetPose(static_cast<int>(i), problem.truth[i]);
-  }
-  graph.ResetPointsFromPoses();
-  const std::vector<double> poses = graph.poses(), points = graph.points();
-  const SolverSummary summary = Solve(SolverOptions(), &graph);
+  const std::vector<double> truth = PoseArray(problem.truth);
+  const MapState start{truth, problem.graph.MeasuredMap(truth)};
+  MapState state = start;
+  const SolverSummary summary = Solve(SolverOptions(), problem.graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
-  EXPECT_EQ(graph.poses(), poses);
-  EXPECT_EQ(graph.points(), points);
+  EXPECT_EQ(state, start);
   // Noise that poses are fitted to lowers the energy, and tells nothing of other returns.
   EXPECT_TRUE(summary.verdict.LowersEnergy());
   EXPECT_THAT(summary.message, HasSubstr("the held-out returns fit worse"));
@@ -104,7 +100,8 @@ TEST_P(AllSolversTest, HaveTheirResultJudgedByHeldOutReturns) {
   options.type = GetParam();
   options.rounds.max_coarse_rounds = 1;
   options.rounds.max_fine_rounds = 1;
-  const SolverSummary summary = Solve(options, &problem.graph);
+  MapState state = problem.graph.InitialState();
+  const SolverSummary summary = Solve(options, problem.graph, &state);
   EXPECT_TRUE(summary.verdict.IsBetter()) << summary.message;
   EXPECT_GT(summary.verdict.num_held_out, 1000u);
   EXPECT_LT(summary.verdict.final_held_out_error,

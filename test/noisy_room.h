@@ -18,8 +18,9 @@ namespace plumbline {
 /// A robot's drive through a room of 6 x 4 m with a partition, by a laser that sits off the robot's
 /// centre and turned. Every kind of term occurs. World frame.
 struct NoisyRoom {
-  SlamGraph graph;  ///< starts at the truth
+  SlamGraph graph;  ///< its initial guesses are the truth
   std::vector<Pose2> truth;
+  MapState state;  ///< starts at the truth
 };
 
 struct NoisyRoomOptions {
@@ -42,7 +43,8 @@ inline NoisyRoom MakeNoisyRoom(const NoisyRoomOptions& options = NoisyRoomOption
     const double turn = 2.0 * kPi * i / options.num_poses;
     scene.poses.push_back({1.8 * std::cos(turn), 0.5 * std::sin(turn), turn + 0.5 * kPi});
   }
-  NoisyRoom room{MakeGraph(scene, 7), scene.poses};
+  NoisyRoom room{MakeGraph(scene, 7), scene.poses, {}};
+  room.state = room.graph.InitialState();
   RandomStates random(11);
   const auto motion = [&](int from, int to) {
     const Pose2 exact = Between(room.truth[from], room.truth[to]);
@@ -62,18 +64,16 @@ inline NoisyRoom MakeNoisyRoom(const NoisyRoomOptions& options = NoisyRoomOption
 }
 
 /// Moves all poses but the first by some noise [m] and [rad], and the points with them.
-inline void DisturbPoses(double sigma, SlamGraph* graph) {
+inline void DisturbPoses(double sigma, const SlamGraph& graph, MapState* state) {
   RandomStates random(5);
-  for (std::size_t i = 3; i < graph->poses().size(); ++i) {
-    graph->poses()[i] += random.Gaussian(sigma);
-  }
-  graph->ResetPointsFromPoses();
+  for (std::size_t i = 3; i < state->poses.size(); ++i) state->poses[i] += random.Gaussian(sigma);
+  state->points = graph.MeasuredMap(state->poses);
 }
 
 /// Moves every point by some noise [m].
-inline void DisturbPoints(double sigma, SlamGraph* graph) {
+inline void DisturbPoints(double sigma, MapState* state) {
   RandomStates random(6);
-  for (double& coordinate : graph->points()) coordinate += random.Gaussian(sigma);
+  for (double& coordinate : state->points) coordinate += random.Gaussian(sigma);
 }
 
 /// The defaults, with the shape terms that they leave out.
@@ -83,16 +83,17 @@ inline FactorOptions EveryTerm() {
   return factors;
 }
 
-inline Associations AssociationsOf(const SlamGraph& graph, double radius_m = 0.2) {
+inline Associations AssociationsOf(const SlamGraph& graph, const MapState& state,
+                                   double radius_m = 0.2) {
   ThreadPool pool(1);
-  return BuildAssociations(graph, SurfaceOf(graph), AssociationOptions(), radius_m, &pool);
+  return BuildAssociations(graph, state, SurfaceOf(graph), AssociationOptions(), radius_m, &pool);
 }
 
-/// Mean distance [m] of the graph's poses from the truth. The gauge is the first pose of both.
+/// Mean distance [m] of the state's poses from the truth. The gauge is the first pose of both.
 inline double MeanPoseError(const NoisyRoom& room) {
   double sum = 0.0;
   for (std::size_t i = 0; i < room.truth.size(); ++i) {
-    const Pose2 pose = room.graph.WorldFromRobot(static_cast<int>(i));
+    const Pose2 pose = room.state.WorldFromRobot(static_cast<int>(i));
     sum += (pose.translation() - room.truth[i].translation()).norm();
   }
   return sum / room.truth.size();

@@ -41,22 +41,24 @@ SyntheticScene Room() {
 
 class OccupancyGridTest : public testing::Test {
  protected:
-  OccupancyGrid Build(const SlamGraph& graph) const {
+  OccupancyGrid Build(const SlamGraph& graph, const MapState& state) const {
     OccupancyGrid grid;
-    const Status status = BuildOccupancyGrid(graph, options_, &grid);
+    const Status status = BuildOccupancyGrid(graph, state, options_, &grid);
     EXPECT_TRUE(status.ok()) << status.message();
     return grid;
   }
+  OccupancyGrid Build(const SlamGraph& graph) const { return Build(graph, graph.InitialState()); }
   // As a robot gets it.
-  ServedMap Serve(const SlamGraph& graph) const {
+  ServedMap Serve(const SlamGraph& graph, const MapState& state) const {
     const std::string stem = TempFolder() + "map";
-    EXPECT_TRUE(WriteRosMap(stem, Build(graph)).ok());
+    EXPECT_TRUE(WriteRosMap(stem, Build(graph, state)).ok());
     return ServeMap(stem + ".yaml");
   }
-  std::string ErrorOf(const SlamGraph& graph) const {
+  ServedMap Serve(const SlamGraph& graph) const { return Serve(graph, graph.InitialState()); }
+  std::string ErrorOf(const SlamGraph& graph, const MapState& state) const {
     OccupancyGrid grid;
     grid.width = 77;
-    const Status status = BuildOccupancyGrid(graph, options_, &grid);
+    const Status status = BuildOccupancyGrid(graph, state, options_, &grid);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_EQ(grid.width, 77);
     return status.message();
@@ -180,13 +182,14 @@ TEST_F(OccupancyGridTest, ALaserThatTurnsClockwiseSeesTheSame) {
 TEST_F(OccupancyGridTest, PeopleWhoPassDisappearAndFurnitureStays) {
   SyntheticScene scene = Room();
   scene.discs = {{{-7.2, 7.4}, 0.04}};  // the leg of a table
-  SlamGraph graph = MakeGraph(scene);
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
   scene.discs.push_back({{-8.5, 5.6}, 0.2});
   scene.poses.resize(1);
-  const SlamGraph with_person = MakeGraph(scene);
+  const MapState with_person = MakeGraph(scene).InitialState();
   const Eigen::Vector2d person(-8.5, 5.6);
-  std::copy(with_person.points().begin(), with_person.points().end(), graph.points().begin());
-  const OccupancyGrid grid = Build(graph);
+  std::copy(with_person.points.begin(), with_person.points.end(), state.points.begin());
+  const OccupancyGrid grid = Build(graph, state);
   const auto num_occupied = [&grid](const Eigen::Vector2d& center, double radius_m) {
     int count = 0;
     for (int y = 0; y < grid.height; ++y) {
@@ -231,20 +234,22 @@ TEST_F(OccupancyGridTest, BeamsFarApartDoNotVouchForWhatIsBetween) {
 }
 
 TEST_F(OccupancyGridTest, AStrayReturnIsNoObstacle) {
-  SlamGraph graph = MakeGraph(Room());
+  const SlamGraph graph = MakeGraph(Room());
+  MapState state = graph.InitialState();
   const double x = -11.0, y = 5.0;  // behind the wall, where nobody looks
-  graph.points()[2 * 100] = x;
-  graph.points()[2 * 100 + 1] = y;
-  const ServedMap map = Serve(graph);
+  state.points[2 * 100] = x;
+  state.points[2 * 100 + 1] = y;
+  const ServedMap map = Serve(graph, state);
   EXPECT_EQ(map.At(x, y), Occupancy::kUnknown);
 }
 
 TEST_F(OccupancyGridTest, PointsThatAreNotFiniteAreLeftOut) {
-  SlamGraph graph = MakeGraph(Room());
-  const OccupancyGrid clean = Build(graph);
-  graph.points()[2 * 50] = std::numeric_limits<double>::quiet_NaN();
-  graph.points()[2 * 500 + 1] = std::numeric_limits<double>::infinity();
-  const OccupancyGrid grid = Build(graph);
+  const SlamGraph graph = MakeGraph(Room());
+  MapState state = graph.InitialState();
+  const OccupancyGrid clean = Build(graph, state);
+  state.points[2 * 50] = std::numeric_limits<double>::quiet_NaN();
+  state.points[2 * 500 + 1] = std::numeric_limits<double>::infinity();
+  const OccupancyGrid grid = Build(graph, state);
   EXPECT_NEAR(grid.width, clean.width, 3);
   EXPECT_NEAR(grid.height, clean.height, 3);
 }
@@ -259,26 +264,27 @@ TEST_F(OccupancyGridTest, AGraphWithoutScansIsUnknownGround) {
 }
 
 TEST_F(OccupancyGridTest, BadInputIsRefused) {
-  EXPECT_THAT(ErrorOf(SlamGraph()), HasSubstr("no poses"));
-  SlamGraph graph = MakeGraph(Room());
+  EXPECT_THAT(ErrorOf(SlamGraph(), MapState()), HasSubstr("no poses"));
+  const SlamGraph graph = MakeGraph(Room());
+  MapState state = graph.InitialState();
   for (const double resolution_m : {0.0, -0.05, std::numeric_limits<double>::quiet_NaN(),
                                     std::numeric_limits<double>::infinity()}) {
     options_.resolution_m = resolution_m;
-    EXPECT_THAT(ErrorOf(graph), HasSubstr("resolution_m = "));
+    EXPECT_THAT(ErrorOf(graph, state), HasSubstr("resolution_m = "));
   }
   options_ = OccupancyGridOptions();
   options_.max_cells = 1000;
-  EXPECT_THAT(ErrorOf(graph), testing::AllOf(HasSubstr(" m in cells of 0.05 m"),
-                                             HasSubstr("more than 1000 cells")));
+  EXPECT_THAT(ErrorOf(graph, state), testing::AllOf(HasSubstr(" m in cells of 0.05 m"),
+                                                    HasSubstr("more than 1000 cells")));
   options_ = OccupancyGridOptions();
   options_.coarsen_to_fit = true;
-  graph.poses()[4] = 1e10;  // no map of anything
-  EXPECT_THAT(ErrorOf(graph), HasSubstr("m from the origin"));
+  state.poses[4] = 1e10;  // no map of anything
+  EXPECT_THAT(ErrorOf(graph, state), HasSubstr("m from the origin"));
   options_ = OccupancyGridOptions();
-  graph.poses()[4] = 1e8;
-  EXPECT_THAT(ErrorOf(graph), HasSubstr("more than 4e+08 cells"));
-  graph.poses()[4] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(ErrorOf(graph), HasSubstr("pose 1 is not finite"));
+  state.poses[4] = 1e8;
+  EXPECT_THAT(ErrorOf(graph, state), HasSubstr("more than 4e+08 cells"));
+  state.poses[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(ErrorOf(graph, state), HasSubstr("pose 1 is not finite"));
 }
 
 TEST_F(OccupancyGridTest, CoarsensOnlyAsFarAsItMust) {

@@ -38,14 +38,16 @@ class OverlayPicturesTest : public testing::Test {
     scene.poses = {Pose2(-2.0, 1.5, 0.0), Pose2(2.0, 1.5, 0.0), Pose2(-2.0, 0.0, 0.0),
                    Pose2(2.0, 0.0, 0.0)};
     graph_ = MakeGraph(scene);
+    state_ = graph_.InitialState();
   }
   Picture DrawClosures(const std::vector<LoopClosureRecord>& records) {
-    const Status status = WriteClosurePicture(path_, graph_, records, kSidePx);
+    const Status status = WriteClosurePicture(path_, graph_, state_, records, kSidePx);
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   }
 
   SlamGraph graph_;
+  MapState state_;
   const std::string folder_ = TempFolder();
   const std::string path_ = folder_ + "a.png";
 };
@@ -70,12 +72,14 @@ TEST_F(OverlayPicturesTest, AcceptedAndRefusedClosuresAreToldApart) {
 }
 
 TEST_F(OverlayPicturesTest, ClosuresOfUnknownPosesAreRefused) {
-  EXPECT_THAT(WriteClosurePicture(path_, graph_, {Match(0, 4, ClosureVerdict::kAccepted)}, kSidePx)
-                  .message(),
-              HasSubstr("no pose 4"));
-  EXPECT_THAT(WriteClosurePicture(path_, graph_, {Match(-1, 2, ClosureVerdict::kAccepted)}, kSidePx)
-                  .message(),
-              HasSubstr("no pose -1"));
+  EXPECT_THAT(
+      WriteClosurePicture(path_, graph_, state_, {Match(0, 4, ClosureVerdict::kAccepted)}, kSidePx)
+          .message(),
+      HasSubstr("no pose 4"));
+  EXPECT_THAT(
+      WriteClosurePicture(path_, graph_, state_, {Match(-1, 2, ClosureVerdict::kAccepted)}, kSidePx)
+          .message(),
+      HasSubstr("no pose -1"));
   EXPECT_EQ(NumFilesIn(folder_), 0);
 }
 
@@ -83,7 +87,7 @@ TEST_F(OverlayPicturesTest, ConflictsAreRingsHalfAMetreApart) {
   const auto draw = [this](const std::vector<Eigen::Vector2d>& points) {
     MapConsistency consistency;
     for (const Eigen::Vector2d& point : points) consistency.places.push_back({0, 1, point});
-    const Status status = WriteConflictPicture(path_, graph_, consistency, kSidePx);
+    const Status status = WriteConflictPicture(path_, graph_, state_, consistency, kSidePx);
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   };

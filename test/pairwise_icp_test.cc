@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/test/initial_guesses.h"
 #include "plumbline/test/seeding_testing.h"
 
 namespace plumbline {
@@ -105,27 +106,29 @@ TEST_P(PairwiseIcpTest, WithoutPointsTheGuessStands) {
 
 TEST_P(PairwiseIcpTest, ChainsPairsFromTheOdometry) {
   const SyntheticScene scene = TwoRooms(0.02);
-  SlamGraph graph = MakeGraph(scene);
-  AddOdometry([](const Pose2& step) { return step * Pose2(0.15, -0.1, 0.05); }, &graph);
-  for (int i = 1; i < graph.num_poses(); ++i) graph.SetPose(i, Pose2(7.0, 7.0, 7.0));
+  SlamGraph drive = MakeGraph(scene);
+  AddOdometry([](const Pose2& step) { return step * Pose2(0.15, -0.1, 0.05); }, &drive);
+  std::vector<Pose2> guesses(scene.poses.size(), Pose2(7.0, 7.0, 7.0));
+  guesses[0] = scene.poses[0];
+  const SlamGraph graph = WithInitialPoses(drive, guesses);
   ThreadPool pool(2), one(1);
-  SlamGraph same = graph;
+  MapState state, same;
   PairwiseIcpReport report;
   const PairwiseIcpOptions options = OptionsFor(GetParam());
   const std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
-  ASSERT_TRUE(ChainPairs(options, normals, &pool, &graph, &report).ok());
+  ASSERT_TRUE(ChainPairs(options, normals, &pool, graph, &state, &report).ok());
   EXPECT_EQ(report.num_pairs, 4);
   EXPECT_EQ(report.num_failed, 0);
   EXPECT_EQ(report.num_unconverged, 0);
   EXPECT_EQ(report.num_without_scan, 0);
-  EXPECT_EQ(graph.WorldFromRobot(0).x, scene.poses[0].x);
+  EXPECT_EQ(state.WorldFromRobot(0).x, scene.poses[0].x);
   const double tolerance_m = GetParam() == IcpMetric::kPointToLine ? 0.04 : 0.25;
-  EXPECT_LT(DistanceM(graph.WorldFromRobot(4), scene.poses[4]), tolerance_m);
+  EXPECT_LT(DistanceM(state.WorldFromRobot(4), scene.poses[4]), tolerance_m);
   const std::size_t last = graph.num_returns() - 1;
-  EXPECT_LT((MapPoint(graph, last) - graph.WorldFromRobot(4) * graph.PointInRobot(last)).norm(),
+  EXPECT_LT((MapPoint(state, last) - state.WorldFromRobot(4) * graph.PointInRobot(last)).norm(),
             1e-9);
-  ASSERT_TRUE(ChainPairs(options, normals, &one, &same, &report).ok());
-  EXPECT_EQ(same.poses(), graph.poses());
+  ASSERT_TRUE(ChainPairs(options, normals, &one, graph, &same, &report).ok());
+  EXPECT_EQ(same, state);
 }
 
 // Scans 1 and 2 see nothing, scan 4 sees another world.
@@ -152,32 +155,34 @@ TEST_P(PairwiseIcpTest, TheOdometryStandsWhereScansDoNotMatch) {
   }
   AddOdometry([](const Pose2& step) { return Pose2(step.x + 0.02, 0.0, 0.0); }, &graph);
   ThreadPool pool(1);
+  MapState state;
   PairwiseIcpReport report;
-  ASSERT_TRUE(ChainPairs(OptionsFor(GetParam()), NormalsOf(graph), &pool, &graph, &report).ok());
+  ASSERT_TRUE(
+      ChainPairs(OptionsFor(GetParam()), NormalsOf(graph), &pool, graph, &state, &report).ok());
   EXPECT_EQ(report.num_without_scan, 2);
   EXPECT_EQ(report.num_pairs, 2);
   EXPECT_EQ(report.num_failed, 1);
-  EXPECT_NEAR(graph.WorldFromRobot(1).x, 0.12, 1e-9);
-  EXPECT_NEAR(graph.WorldFromRobot(2).x, 0.24, 1e-9);
-  EXPECT_NEAR(graph.WorldFromRobot(3).x, 0.3, 0.015);  // matched to the first
-  const Pose2 expected = graph.WorldFromRobot(3) * Pose2(0.12, 0.0, 0.0);
-  EXPECT_LT(DistanceM(graph.WorldFromRobot(4), expected), 1e-9);
+  EXPECT_NEAR(state.WorldFromRobot(1).x, 0.12, 1e-9);
+  EXPECT_NEAR(state.WorldFromRobot(2).x, 0.24, 1e-9);
+  EXPECT_NEAR(state.WorldFromRobot(3).x, 0.3, 0.015);  // matched to the first
+  const Pose2 expected = state.WorldFromRobot(3) * Pose2(0.12, 0.0, 0.0);
+  EXPECT_LT(DistanceM(state.WorldFromRobot(4), expected), 1e-9);
 }
 
-TEST(PairwiseIcp, NamesWhatIsWrongAndLeavesTheGraphAsItWas) {
+TEST(PairwiseIcp, NamesWhatIsWrongAndLeavesTheStateAsItWas) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  SlamGraph graph = MakeGraph(scene);
-  const std::vector<double> before = graph.poses();
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
   std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
   ThreadPool pool(1);
   PairwiseIcpReport report;
   PairwiseIcpOptions options;
   const auto expect_failure = [&](const std::string& culprit) {
-    const Status status = ChainPairs(options, normals, &pool, &graph, &report);
+    const Status status = ChainPairs(options, normals, &pool, graph, &state, &report);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr(culprit));
-    EXPECT_EQ(graph.poses(), before);
+    EXPECT_EQ(state, graph.InitialState());
   };
   expect_failure("odometry from pose 0 to pose 1");
   normals.pop_back();

@@ -13,7 +13,7 @@ namespace {
 // Two rooms of the same shape, 12 m apart, from each of which two key scans were taken; then two
 // more from the second one, which are believed to be somewhere else.
 struct CarriedRobot {
-  SlamGraph graph;  // true poses
+  SlamGraph graph;  // initial guesses at the true poses
   std::vector<SurfacePoints> surfaces;
   KeyGraph keys;
 
@@ -22,9 +22,7 @@ struct CarriedRobot {
     ThreadPool pool(num_threads);
     return JoinParts(LoopClosureOptions(), graph, surfaces, keys, kEdge, &pool);
   }
-  Pose2 TrueStep() const {
-    return Between(graph.WorldFromRobot(kEdge), graph.WorldFromRobot(kEdge + 1));
-  }
+  Pose2 TrueStep() const { return Between(graph.InitialPose(kEdge), graph.InitialPose(kEdge + 1)); }
 };
 
 CarriedRobot MakeCarriedRobot() {

@@ -10,7 +10,8 @@
 namespace plumbline {
 namespace {
 
-std::vector<double> EnergiesOf(const SlamGraph& graph,
+// Under the patches that `poses` give.
+std::vector<double> EnergiesOf(const SlamGraph& graph, const std::vector<double>& poses,
                                const std::vector<const std::vector<double>*>& states,
                                int num_threads = 2) {
   ThreadPool pool(num_threads);
@@ -18,18 +19,19 @@ std::vector<double> EnergiesOf(const SlamGraph& graph,
   const FactorOptions factors;
   return PatchEnergies(
       graph, surface, factors,
-      CutIntoPatches(graph, surface, PatchOptionsFor(factors, AssociationOptions()), &pool), states,
-      &pool);
+      CutIntoPatches(graph, poses, surface, PatchOptionsFor(factors, AssociationOptions()), &pool),
+      states, &pool);
 }
 
 TEST(PatchEnergyTest, TheTruthIsBetterThanADisturbedStateUnderThePatchesOfEither) {
   const NoisyRoom room = MakeNoisyRoom();
   for (const double sigma : {0.003, 0.01, 0.03}) {
     NoisyRoom disturbed = MakeNoisyRoom();
-    DisturbPoses(sigma, &disturbed.graph);
-    for (const SlamGraph* graph : {&room.graph, static_cast<const SlamGraph*>(&disturbed.graph)}) {
+    DisturbPoses(sigma, disturbed.graph, &disturbed.state);
+    const std::vector<double>& truth = room.state.poses;
+    for (const std::vector<double>& poses : {truth, disturbed.state.poses}) {
       const std::vector<double> energies =
-          EnergiesOf(*graph, {&room.graph.poses(), &disturbed.graph.poses()});
+          EnergiesOf(room.graph, poses, {&truth, &disturbed.state.poses});
       EXPECT_LT(energies[0], energies[1]) << sigma;
     }
   }
@@ -38,24 +40,25 @@ TEST(PatchEnergyTest, TheTruthIsBetterThanADisturbedStateUnderThePatchesOfEither
 TEST(PatchEnergyTest, StatesDoNotInfluenceEachOther) {
   const NoisyRoom room = MakeNoisyRoom();
   NoisyRoom disturbed = MakeNoisyRoom();
-  DisturbPoses(0.02, &disturbed.graph);
-  const std::vector<double>& a = room.graph.poses();
-  const std::vector<double>& b = disturbed.graph.poses();
-  const std::vector<double> energies = EnergiesOf(room.graph, {&a, &b, &a}, 1);
+  DisturbPoses(0.02, disturbed.graph, &disturbed.state);
+  const std::vector<double>& a = room.state.poses;
+  const std::vector<double>& b = disturbed.state.poses;
+  const std::vector<double> energies = EnergiesOf(room.graph, a, {&a, &b, &a}, 1);
   EXPECT_EQ(energies[0], energies[2]);
-  EXPECT_EQ(EnergiesOf(room.graph, {&b}, 3)[0], energies[1]);
+  EXPECT_EQ(EnergiesOf(room.graph, a, {&b}, 3)[0], energies[1]);
 }
 
 TEST(PatchEnergyTest, AMapMovedAsAWholeCostsNoMoreButForThePrior) {
   const NoisyRoom room = MakeNoisyRoom();
-  std::vector<double> moved = room.graph.poses();
+  const std::vector<double>& poses = room.state.poses;
+  std::vector<double> moved = poses;
   for (std::size_t i = 0; i < moved.size(); i += 3) {
     moved[i] += 0.05;
     moved[i + 1] -= 0.03;
   }
-  const std::vector<double> energies = EnergiesOf(room.graph, {&room.graph.poses(), &moved});
+  const std::vector<double> energies = EnergiesOf(room.graph, poses, {&poses, &moved});
   const PoseTerms terms(room.graph, FactorOptions());
-  const double by_poses = terms.Cost(moved) - terms.Cost(room.graph.poses());
+  const double by_poses = terms.Cost(moved) - terms.Cost(poses);
   EXPECT_GT(by_poses, 1e5);
   EXPECT_NEAR(energies[1] - energies[0], by_poses, 1e-6 * energies[0]);
 }

@@ -24,38 +24,44 @@ using testing::HasSubstr;
 
 NoisyRoom DisturbedRoom() {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.02, &room.graph);
+  DisturbPoses(0.02, room.graph, &room.state);
   return room;
 }
 
-// A drive through an office floor, off the truth by a drift that grows and falls.
-SlamGraph DisturbedBuilding() {
+struct DisturbedDrive {
+  SlamGraph graph;
+  std::vector<double> poses;
+};
+
+// Through an office floor, off the truth by a drift that grows and falls.
+DisturbedDrive DisturbedBuilding() {
   SimulationOptions options;
   options.scan_period_s = 1.2;
   options.laser.num_beams = 180;
   options.laser.bearing_step_rad = DegToRad(1.0);
   SimulatedLog log;
   EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 3)), options, &log).ok());
-  SlamGraph graph;
-  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+  DisturbedDrive drive;
+  EXPECT_TRUE(MakeGraph(log, &drive.graph).ok());
   const Pose2 start = log.scans[0].world_from_robot;
-  for (int i = 0; i < graph.num_poses(); ++i) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < drive.graph.num_poses(); ++i) {
     const double drift = std::sin(2.0 * kPi * i / 60.0);
     const Pose2 truth = Between(start, log.scans[i].world_from_robot);
-    graph.SetPose(i, truth * Pose2(0.03 * drift, -0.02 * drift, 0.003 * drift));
+    poses.push_back(truth * Pose2(0.03 * drift, -0.02 * drift, 0.003 * drift));
   }
-  graph.ResetPointsFromPoses();
-  return graph;
+  drive.poses = PoseArray(poses);
+  return drive;
 }
 
 // All that the scans of a graph saw, compressed, with the weights of its poses; the lines fit.
 struct CompressedGraph {
-  explicit CompressedGraph(const SlamGraph& graph)
-      : surface(SurfaceOf(graph)), terms(graph, FactorOptions()), poses(graph.poses()) {
+  CompressedGraph(const SlamGraph& graph, const std::vector<double>& at)
+      : surface(SurfaceOf(graph)), terms(graph, FactorOptions()), poses(at) {
     const SurfaceNoise noise = NoiseOf(FactorOptions());
     SurfacePatchOptions options;
     options.noise = noise;
-    SurfacePatches cut = CutIntoPatches(graph, surface, options, &pool);
+    SurfacePatches cut = CutIntoPatches(graph, poses, surface, options, &pool);
     patches = std::move(cut.patches);
     ReturnCompressor compressor(graph, surface, noise, &pool);
     sightings = compressor.LayOut(patches.size(), std::move(cut.patch_of_return));
@@ -125,8 +131,8 @@ Eigen::VectorXd GradientByCeres(const PatchProblem& problem, const std::vector<d
                                            static_cast<Eigen::Index>(gradient.size()));
 }
 
-void ExpectSameCostAndGradient(const SlamGraph& graph) {
-  CompressedGraph compressed(graph);
+void ExpectSameCostAndGradient(const SlamGraph& graph, const std::vector<double>& poses) {
+  CompressedGraph compressed(graph, poses);
   ASSERT_GT(compressed.patches.size(), 10u);
   PoseSystem system;
   system.Linearize(compressed.sightings, compressed.patches, compressed.terms, compressed.poses,
@@ -152,8 +158,8 @@ void ExpectSameCostAndGradient(const SlamGraph& graph) {
   EXPECT_LE(std::abs(by_lines_squared), 1e-14 * by_poses.squaredNorm());
 }
 
-void ExpectSameOptimum(const SlamGraph& graph) {
-  CompressedGraph compressed(graph);
+void ExpectSameOptimum(const SlamGraph& graph, const std::vector<double>& start) {
+  CompressedGraph compressed(graph, start);
   const double seed_cost = compressed.Cost(compressed.poses);
   const std::vector<double> seed = compressed.poses;
   const double cost = compressed.Converge();
@@ -175,21 +181,25 @@ void ExpectSameOptimum(const SlamGraph& graph) {
 }
 
 TEST(PatchProblemTest, CostAndGradientAreThoseOfTheReducedSolver) {
-  ExpectSameCostAndGradient(DisturbedRoom().graph);
-  ExpectSameCostAndGradient(DisturbedBuilding());
+  const NoisyRoom room = DisturbedRoom();
+  ExpectSameCostAndGradient(room.graph, room.state.poses);
+  const DisturbedDrive building = DisturbedBuilding();
+  ExpectSameCostAndGradient(building.graph, building.poses);
 }
 
 TEST(PatchProblemTest, BothSolversEndAtTheSameOptimumOfARoom) {
-  ExpectSameOptimum(DisturbedRoom().graph);
+  const NoisyRoom room = DisturbedRoom();
+  ExpectSameOptimum(room.graph, room.state.poses);
 }
 
 TEST(PatchProblemTest, BothSolversEndAtTheSameOptimumOfABuilding) {
-  ExpectSameOptimum(DisturbedBuilding());
+  const DisturbedDrive building = DisturbedBuilding();
+  ExpectSameOptimum(building.graph, building.poses);
 }
 
 TEST(PatchProblemTest, CeresRefitsTheLinesAfterAStepOfThePoses) {
-  const SlamGraph graph = DisturbedBuilding();
-  CompressedGraph compressed(graph);
+  const DisturbedDrive building = DisturbedBuilding();
+  CompressedGraph compressed(building.graph, building.poses);
   std::vector<double> poses = compressed.poses;
   CeresOptions options;
   options.max_iterations = 1;
@@ -202,9 +212,10 @@ TEST(PatchProblemTest, CeresRefitsTheLinesAfterAStepOfThePoses) {
 // Rounds with Ceres against rounds with the reduced solver's own steps.
 class PatchRoundsTest : public testing::Test {
  protected:
-  ReducedResult Run(const CeresOptions& ceres, const ProgressCallback& report, SlamGraph* graph) {
-    return MinimizeOverPatches(SurfaceOf(*graph), factors_, reduced_, AssociationOptions(), report,
-                               &pool_, graph, &ceres);
+  // Ceres' solver, or the built-in one for null.
+  ReducedResult Run(const CeresOptions* ceres, const ProgressCallback& report, NoisyRoom* room) {
+    return MinimizeOverPatches(room->graph, SurfaceOf(room->graph), factors_, reduced_,
+                               AssociationOptions(), report, &pool_, &room->state.poses, ceres);
   }
 
   FactorOptions factors_;
@@ -215,22 +226,19 @@ class PatchRoundsTest : public testing::Test {
 TEST_F(PatchRoundsTest, LeadToTheSamePoses) {
   NoisyRoom own = DisturbedRoom();
   const double error_before = MeanPoseError(own);
-  const ReducedResult expected = MinimizeOverPatches(
-      SurfaceOf(own.graph), factors_, reduced_, AssociationOptions(), nullptr, &pool_, &own.graph);
+  const ReducedResult expected = Run(nullptr, nullptr, &own);
   for (const auto solver : {ceres::SPARSE_SCHUR, ceres::ITERATIVE_SCHUR, ceres::CGNR}) {
     SCOPED_TRACE(ceres::LinearSolverTypeToString(solver));
     CeresOptions options;
     options.linear_solver = solver;
     NoisyRoom room = DisturbedRoom();
-    const std::vector<double> points = room.graph.points();
-    const ReducedResult result = Run(options, nullptr, &room.graph);
+    const ReducedResult result = Run(&options, nullptr, &room);
     EXPECT_TRUE(result.usable);
     EXPECT_TRUE(result.converged) << result.stop_reason;
-    EXPECT_EQ(room.graph.points(), points);
     EXPECT_LT(MeanPoseError(room), 0.3 * error_before);
     // Both stop a fraction of a standard deviation short of the optimum.
-    for (std::size_t i = 0; i < points.size() && i < room.graph.poses().size(); ++i) {
-      EXPECT_NEAR(room.graph.poses()[i], own.graph.poses()[i], 1e-3) << "pose " << i / 3;
+    for (std::size_t i = 0; i < room.state.poses.size(); ++i) {
+      EXPECT_NEAR(room.state.poses[i], own.state.poses[i], 1e-3) << "pose " << i / 3;
     }
     const PatchRoundSummary &first = result.rounds[0], &first_expected = expected.rounds[0];
     EXPECT_EQ(first.num_sightings, first_expected.num_sightings);
@@ -242,16 +250,17 @@ TEST_F(PatchRoundsTest, LeadToTheSamePoses) {
 TEST_F(PatchRoundsTest, EveryIterationOfCeresIsReportedWithItsRoundAndState) {
   NoisyRoom room = DisturbedRoom();
   std::vector<IterationSummary> rows;
-  std::vector<double> last = room.graph.poses();
+  std::vector<double> last = room.state.poses;
+  const CeresOptions options;
   const ReducedResult result = Run(
-      CeresOptions(),
+      &options,
       [&](const IterationSummary& row) {
-        EXPECT_EQ(room.graph.poses() != last, row.cost_change > 0.0);
-        last = room.graph.poses();
+        EXPECT_EQ(room.state.poses != last, row.cost_change > 0.0);
+        last = room.state.poses;
         rows.push_back(row);
         return true;
       },
-      &room.graph);
+      &room);
   ASSERT_GT(result.rounds.size(), 1u);
   // Ceres keeps a step to itself that ends it by the function tolerance.
   ASSERT_GT(rows.size(), 1u);
@@ -263,17 +272,18 @@ TEST_F(PatchRoundsTest, EveryIterationOfCeresIsReportedWithItsRoundAndState) {
 
 TEST_F(PatchRoundsTest, EndWhenTheCallbackSaysSo) {
   NoisyRoom room = DisturbedRoom();
-  const std::vector<double> seed = room.graph.poses();
+  const std::vector<double> seed = room.state.poses;
   int calls = 0;
+  const CeresOptions options;
   const ReducedResult result = Run(
-      CeresOptions(), [&](const IterationSummary&) { return ++calls < 1; }, &room.graph);
+      &options, [&](const IterationSummary&) { return ++calls < 1; }, &room);
   EXPECT_EQ(calls, 1);
   EXPECT_TRUE(result.stopped);
   EXPECT_FALSE(result.converged);
   EXPECT_TRUE(result.usable);
   ASSERT_EQ(result.rounds.size(), 1u);
   EXPECT_LT(result.rounds[0].final_cost, result.rounds[0].initial_cost);
-  EXPECT_NE(room.graph.poses(), seed);
+  EXPECT_NE(room.state.poses, seed);
 }
 
 TEST_F(PatchRoundsTest, MoveThePosesByTheirTermsWhereThereIsNoSurface) {
@@ -283,25 +293,26 @@ TEST_F(PatchRoundsTest, MoveThePosesByTheirTermsWhereThereIsNoSurface) {
     CeresOptions options;
     options.linear_solver = solver;
     NoisyRoom room = MakeNoisyRoom(sparse);
-    DisturbPoses(0.02, &room.graph);
-    const double before = PoseTerms(room.graph, factors_).Cost(room.graph.poses());
-    const ReducedResult result = Run(options, nullptr, &room.graph);
+    DisturbPoses(0.02, room.graph, &room.state);
+    const double before = PoseTerms(room.graph, factors_).Cost(room.state.poses);
+    const ReducedResult result = Run(&options, nullptr, &room);
     EXPECT_TRUE(result.usable) << result.stop_reason;
     EXPECT_EQ(result.rounds[0].num_patches, 0u);
-    EXPECT_LT(PoseTerms(room.graph, factors_).Cost(room.graph.poses()), 0.5 * before);
+    EXPECT_LT(PoseTerms(room.graph, factors_).Cost(room.state.poses), 0.5 * before);
   }
 }
 
 TEST_F(PatchRoundsTest, PassOnWhyCeresFailed) {
   factors_.prior.sigma_translation_m = 0.0;  // the residual at the prior is 0 times infinity
   NoisyRoom room = DisturbedRoom();
-  const std::vector<double> seed = room.graph.poses();
-  const ReducedResult result = Run(CeresOptions(), nullptr, &room.graph);
+  const std::vector<double> seed = room.state.poses;
+  const CeresOptions options;
+  const ReducedResult result = Run(&options, nullptr, &room);
   EXPECT_FALSE(result.usable);
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.rounds.size(), 1u);
   EXPECT_THAT(result.stop_reason, HasSubstr("evaluation failed"));
-  EXPECT_EQ(room.graph.poses(), seed);
+  EXPECT_EQ(room.state.poses, seed);
 }
 
 }  // namespace

@@ -79,7 +79,8 @@ struct Sighted {
   /// sigma_M^2 + n^T C n [m^2], C from the beam as the graph has it.
   double Variance(std::size_t r) const {
     const int scan = graph.returns().scan[r];
-    const double bearing = graph.WorldFromLaser(scan).yaw + graph.returns().bearing_rad[r];
+    const double bearing =
+        graph.WorldFromLaser(scan, graph.initial_poses()).yaw + graph.returns().bearing_rad[r];
     const Eigen::Vector2d axis(std::cos(bearing), std::sin(bearing)), side(-axis.y(), axis.x());
     const Eigen::Vector2d& normal = patches[patch_of_return[r]].normal;
     return std::pow(factors.manifold.sigma_m, 2) +
@@ -90,7 +91,7 @@ struct Sighted {
 
   double Weight(std::size_t r, const GemanMcClure& loss) const {
     const double variance = Variance(r);
-    const double distance = Distance(r, patches, graph.poses());
+    const double distance = Distance(r, patches, graph.initial_poses());
     return loss.Weight(distance * distance / variance) / variance;
   }
 };
@@ -99,7 +100,8 @@ PatchSightings LayOutAndWeigh(const Sighted& sighted, const GemanMcClure& loss, 
                               double* cost) {
   ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), pool);
   PatchSightings sightings = compressor.LayOut(kNumPatches, sighted.patch_of_return);
-  *cost = compressor.Weigh(sighted.patches, FramesOf(sighted.graph.poses()), loss, &sightings);
+  *cost =
+      compressor.Weigh(sighted.patches, FramesOf(sighted.graph.initial_poses()), loss, &sightings);
   return sightings;
 }
 
@@ -181,7 +183,7 @@ TEST(PatchSightingsTest, WeighsReturnsByLossAndVariance) {
   for (std::size_t r = 0; r < sighted.graph.num_returns(); ++r) {
     const int patch = sighted.patch_of_return[r];
     if (patch == SurfacePatches::kNone) continue;
-    const double distance = sighted.Distance(r, sighted.patches, sighted.graph.poses());
+    const double distance = sighted.Distance(r, sighted.patches, sighted.graph.initial_poses());
     expected_cost += 0.5 * loss.Rho(distance * distance / sighted.Variance(r));
     std::size_t i = sightings.first_of_patch[patch];
     while (sightings.sightings[i].pose != sighted.PoseOf(r)) ++i;
@@ -206,7 +208,7 @@ TEST(PatchSightingsTest, CostsWhatItsReturnsCostAtAnyPoseAndLine) {
   const PatchSightings sightings = LayOutAndWeigh(plain, loss, &pool, &cost);
   for (int trial = 0; trial < 5; ++trial) {
     const std::vector<SurfacePatch> lines = Sighted::RandomLines(&random);
-    std::vector<double> poses = plain.graph.poses();
+    std::vector<double> poses = plain.graph.initial_poses();
     for (double& coordinate : poses) coordinate += random.Uniform(-1, 1);
     const std::vector<PoseFrame> frames = FramesOf(poses);
     double expected = 0.0, actual = 0.0;
@@ -231,7 +233,7 @@ TEST(PatchSightingsTest, WeighingAgainStartsFromNothing) {
   ThreadPool pool(1);
   ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
   PatchSightings sightings = compressor.LayOut(kNumPatches, sighted.patch_of_return);
-  const std::vector<PoseFrame> frames = FramesOf(sighted.graph.poses());
+  const std::vector<PoseFrame> frames = FramesOf(sighted.graph.initial_poses());
   const GemanMcClure loss = GemanMcClure::FromGate(2.0);
   compressor.Weigh(sighted.patches, frames, GemanMcClure::FromGate(50.0), &sightings);
   const double again = compressor.Weigh(sighted.patches, frames, loss, &sightings);
@@ -251,8 +253,8 @@ TEST(PatchSightingsTest, AnotherLayoutTakesTheFirstOnesPlace) {
   compressor.LayOut(kNumPatches, sighted.patch_of_return);
   PatchSightings all_on_one =
       compressor.LayOut(1, std::vector<int>(sighted.graph.num_returns(), 0));
-  compressor.Weigh({SurfacePatch()}, FramesOf(sighted.graph.poses()), GemanMcClure::FromGate(1e7),
-                   &all_on_one);
+  compressor.Weigh({SurfacePatch()}, FramesOf(sighted.graph.initial_poses()),
+                   GemanMcClure::FromGate(1e7), &all_on_one);
   EXPECT_EQ(all_on_one.sightings.size(), 120u);
   const PatchSightings none =
       compressor.LayOut(0, std::vector<int>(sighted.graph.num_returns(), SurfacePatches::kNone));

@@ -66,8 +66,8 @@ SlamGraph MakeGraph(int num_scans, double x_m, double y_m) {
 
 class PcdWriterTest : public testing::Test {
  protected:
-  Pcd Write(const SlamGraph& graph) const {
-    const Status status = WritePointsPcd(path_, graph);
+  Pcd Write(const SlamGraph& graph, const MapState& state) const {
+    const Status status = WritePointsPcd(path_, graph, state);
     EXPECT_TRUE(status.ok()) << status.message();
     return ReadPcd(path_);
   }
@@ -77,7 +77,8 @@ class PcdWriterTest : public testing::Test {
 
 TEST_F(PcdWriterTest, WritesEveryPointWithItsScan) {
   const SlamGraph graph = MakeGraph(10000, 4900.0, -7.0);  // More than one block of the writer.
-  Pcd pcd = Write(graph);
+  const MapState state = graph.InitialState();
+  Pcd pcd = Write(graph, state);
   EXPECT_EQ(pcd.header["VERSION"], "0.7");
   EXPECT_EQ(pcd.header["FIELDS"], "x y z scan");
   EXPECT_EQ(pcd.header["SIZE"], "4 4 4 4");
@@ -90,8 +91,8 @@ TEST_F(PcdWriterTest, WritesEveryPointWithItsScan) {
   EXPECT_EQ(pcd.header["VIEWPOINT"], "0 0 0 1 0 0 0");
   ASSERT_EQ(pcd.scan.size(), 20000u);
   for (std::size_t i = 0; i < pcd.scan.size(); ++i) {
-    ASSERT_EQ(pcd.xyz[3 * i], static_cast<float>(graph.points()[2 * i]));
-    ASSERT_EQ(pcd.xyz[3 * i + 1], static_cast<float>(graph.points()[2 * i + 1]));
+    ASSERT_EQ(pcd.xyz[3 * i], static_cast<float>(state.points[2 * i]));
+    ASSERT_EQ(pcd.xyz[3 * i + 1], static_cast<float>(state.points[2 * i + 1]));
     ASSERT_EQ(pcd.xyz[3 * i + 2], 0.0f);
     ASSERT_EQ(pcd.scan[i], i / 2);
   }
@@ -99,36 +100,39 @@ TEST_F(PcdWriterTest, WritesEveryPointWithItsScan) {
 
 TEST_F(PcdWriterTest, MapsFarFromTheOriginKeepTheirMillimetres) {
   const SlamGraph graph = MakeGraph(100, 417321.0, -5317654.5);  // A place in UTM coordinates.
-  Pcd pcd = Write(graph);
+  const MapState state = graph.InitialState();
+  Pcd pcd = Write(graph, state);
   double x_m = 0.0, y_m = 0.0;
   std::istringstream(pcd.header["VIEWPOINT"]) >> x_m >> y_m;
   EXPECT_EQ(x_m, 420000.0);
   EXPECT_EQ(y_m, -5320000.0);
   for (std::size_t i = 0; i < pcd.scan.size(); ++i) {
-    ASSERT_NEAR(x_m + pcd.xyz[3 * i], graph.points()[2 * i], 0.00025);
-    ASSERT_NEAR(y_m + pcd.xyz[3 * i + 1], graph.points()[2 * i + 1], 0.00025);
+    ASSERT_NEAR(x_m + pcd.xyz[3 * i], state.points[2 * i], 0.00025);
+    ASSERT_NEAR(y_m + pcd.xyz[3 * i + 1], state.points[2 * i + 1], 0.00025);
   }
 }
 
 TEST_F(PcdWriterTest, APointThatIsNotANumberStaysInItsPlace) {
-  SlamGraph graph = MakeGraph(2, 0.0, 0.0);
-  graph.points()[2] = std::numeric_limits<double>::quiet_NaN();
-  const Pcd pcd = Write(graph);
+  const SlamGraph graph = MakeGraph(2, 0.0, 0.0);
+  MapState state = graph.InitialState();
+  state.points[2] = std::numeric_limits<double>::quiet_NaN();
+  const Pcd pcd = Write(graph, state);
   ASSERT_EQ(pcd.scan.size(), 4u);
   EXPECT_TRUE(std::isnan(pcd.xyz[3]));
   EXPECT_FALSE(std::isnan(pcd.xyz[6]));
 }
 
 TEST_F(PcdWriterTest, AnEmptyGraphIsAnEmptyCloud) {
-  EXPECT_EQ(Write(SlamGraph()).header["POINTS"], "0");
+  EXPECT_EQ(Write(SlamGraph(), MapState()).header["POINTS"], "0");
 }
 
 TEST_F(PcdWriterTest, BadInputLeavesNoFile) {
-  SlamGraph graph = MakeGraph(1, 0.0, 0.0);
-  graph.poses()[0] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(WritePointsPcd(path_, graph).code(), StatusCode::kInvalidArgument);
+  const SlamGraph graph = MakeGraph(1, 0.0, 0.0);
+  MapState state = graph.InitialState();
+  state.poses[0] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(WritePointsPcd(path_, graph, state).code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(NumFilesIn(folder_), 0);
-  EXPECT_EQ(WritePointsPcd(folder_ + "none/points.pcd", SlamGraph()).code(),
+  EXPECT_EQ(WritePointsPcd(folder_ + "none/points.pcd", SlamGraph(), MapState()).code(),
             StatusCode::kUnavailable);
 }
 

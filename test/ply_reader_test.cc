@@ -28,16 +28,18 @@ SlamGraph MakeGraph() {
 TEST(PlyReaderTest, ReadsBackWhatTheWriterWrote) {
   const std::string path = TempFolder() + "points.ply";
   const SlamGraph graph = MakeGraph();
-  ASSERT_TRUE(WritePointsPly(path, graph).ok());
+  const MapState state = graph.InitialState();
+  ASSERT_TRUE(WritePointsPly(path, graph, state).ok());
   std::vector<double> points;
   const Status status = ReadPointsPly(path, &points);
   ASSERT_TRUE(status.ok()) << status.message();
-  EXPECT_EQ(points, graph.points());
+  EXPECT_EQ(points, state.points);
 }
 
 TEST(PlyReaderTest, AFileThatEndsEarlyIsDataLoss) {
   const std::string path = TempFolder() + "points.ply";
-  ASSERT_TRUE(WritePointsPly(path, MakeGraph()).ok());
+  const SlamGraph graph = MakeGraph();
+  ASSERT_TRUE(WritePointsPly(path, graph, graph.InitialState()).ok());
   const std::string whole = ReadFile(path);
   WriteFile(path, whole.substr(0, whole.size() - 1));
   std::vector<double> points(1);
@@ -72,9 +74,10 @@ TEST(PlyReaderTest, ErrorsNameFileLineAndField) {
 
 TEST(PlyReaderTest, PointsThatAreNotFiniteAreRefused) {
   const std::string path = TempFolder() + "points.ply";
-  SlamGraph graph = MakeGraph();
-  graph.points()[3] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(WritePointsPly(path, graph).ok());
+  const SlamGraph graph = MakeGraph();
+  MapState state = graph.InitialState();
+  state.points[3] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(WritePointsPly(path, graph, state).ok());
   std::vector<double> points;
   EXPECT_EQ(ReadPointsPly(path, &points).message(),
             path + ": vertex 1 is not finite, or beyond 1e7 m");

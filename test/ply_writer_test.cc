@@ -42,7 +42,8 @@ TEST(PlyWriterTest, WritesHeaderAndEveryPointExactly) {
   const std::string path = TempFolder() + "points.ply";
   const SlamGraph graph = MakeGraph(20000);  // More than one block of the writer.
   ASSERT_EQ(graph.num_returns(), 40000u);
-  ASSERT_TRUE(WritePointsPly(path, graph).ok());
+  const MapState state = graph.InitialState();
+  ASSERT_TRUE(WritePointsPly(path, graph, state).ok());
   const std::string content = ReadFile(path);
   const std::string header =
       "ply\nformat binary_little_endian 1.0\n"
@@ -53,8 +54,8 @@ TEST(PlyWriterTest, WritesHeaderAndEveryPointExactly) {
   ASSERT_EQ(content.size(), header.size() + 40000 * 28);
   for (std::size_t i = 0; i < 40000; ++i) {
     const std::size_t offset = header.size() + 28 * i;
-    ASSERT_EQ(Load<double>(content, offset), graph.points()[2 * i]);
-    ASSERT_EQ(Load<double>(content, offset + 8), graph.points()[2 * i + 1]);
+    ASSERT_EQ(Load<double>(content, offset), state.points[2 * i]);
+    ASSERT_EQ(Load<double>(content, offset + 8), state.points[2 * i + 1]);
     ASSERT_EQ(Load<double>(content, offset + 16), 0.0);
     ASSERT_EQ(Load<std::int32_t>(content, offset + 24), static_cast<int>(i / 2));
   }
@@ -62,12 +63,12 @@ TEST(PlyWriterTest, WritesHeaderAndEveryPointExactly) {
 
 TEST(PlyWriterTest, AnEmptyGraphIsAnEmptyCloud) {
   const std::string path = TempFolder() + "points.ply";
-  ASSERT_TRUE(WritePointsPly(path, SlamGraph()).ok());
+  ASSERT_TRUE(WritePointsPly(path, SlamGraph(), MapState()).ok());
   EXPECT_NE(ReadFile(path).find("element vertex 0\n"), std::string::npos);
 }
 
 TEST(PlyWriterTest, MissingFolderIsUnavailable) {
-  EXPECT_EQ(WritePointsPly(TempFolder() + "none/points.ply", SlamGraph()).code(),
+  EXPECT_EQ(WritePointsPly(TempFolder() + "none/points.ply", SlamGraph(), MapState()).code(),
             StatusCode::kUnavailable);
 }
 

@@ -23,10 +23,9 @@ struct LinedRoom {
   explicit LinedRoom(double reach_m) {
     RandomStates random(9);
     surface = SurfaceOf(room.graph);
-    room.graph.ResetPointsFromPoses();
     for (std::size_t r = 0; r < room.graph.num_returns(); ++r) {
       const Eigen::Vector2d normal = random.Direction();
-      const double offset = normal.dot(MapPoint(room.graph, r)) + random.Uniform(-reach_m, reach_m);
+      const double offset = normal.dot(MapPoint(room.state, r)) + random.Uniform(-reach_m, reach_m);
       lines.push_back({normal.x(), normal.y(), offset});
       if (r % 8 == 5) lines.back() = {0.0, 0.0, 0.0};
     }
@@ -34,15 +33,15 @@ struct LinedRoom {
 
   PointDisplacements Recover(const FactorOptions& factors, int num_threads = 2) {
     ThreadPool pool(num_threads);
-    DisturbPoints(0.5, &room.graph);  // where they were does not matter
-    return RecoverPoints(surface, lines, factors, &pool, &room.graph);
+    room.state.points = RecoverPoints(room.graph, room.state.poses, surface, lines, factors, &pool);
+    return MeasureDisplacements(room.graph, room.state, surface, factors, &pool);
   }
 
   /// Covariance of the beam, world frame.
   Eigen::Matrix2d Covariance(std::size_t r, const FactorOptions& factors) const {
     const SlamGraph& graph = room.graph;
-    const double bearing =
-        graph.WorldFromLaser(graph.returns().scan[r]).yaw + graph.returns().bearing_rad[r];
+    const double bearing = graph.WorldFromLaser(graph.returns().scan[r], room.state.poses).yaw +
+                           graph.returns().bearing_rad[r];
     Eigen::Matrix2d axes;
     axes << std::cos(bearing), -std::sin(bearing), std::sin(bearing), std::cos(bearing);
     const Eigen::Vector2d sigmas(factors.beam.sigma_range_m,
@@ -61,10 +60,10 @@ struct LinedRoom {
   }
 
   Eigen::Vector2d Measured(std::size_t r) const {
-    return room.graph.WorldFromRobot(room.graph.scan(room.graph.returns().scan[r]).pose) *
+    return room.state.WorldFromRobot(room.graph.scan(room.graph.returns().scan[r]).pose) *
            room.graph.PointInRobot(r);
   }
-  Eigen::Vector2d Moved(std::size_t r) const { return MapPoint(room.graph, r) - Measured(r); }
+  Eigen::Vector2d Moved(std::size_t r) const { return MapPoint(room.state, r) - Measured(r); }
 };
 
 // Single precision of the measured ends.
@@ -100,7 +99,7 @@ TEST(PointRecoveryTest, EachPointIsAtTheMinimumOfItsTerms) {
   int num_on_line = 0, num_outliers = 0;
   for (std::size_t r = 0; r < lined.lines.size(); ++r) {
     if (!Associations::HasLine(lined.lines[r])) continue;
-    const double cost = lined.Cost(r, MapPoint(lined.room.graph, r), factors);
+    const double cost = lined.Cost(r, MapPoint(lined.room.state, r), factors);
     // Along the way that costs least per distance, C n: all minima lie on it.
     const Eigen::Vector2d normal(lined.lines[r].normal_x, lined.lines[r].normal_y);
     const Eigen::Vector2d way =
@@ -174,10 +173,10 @@ TEST(PointRecoveryTest, EveryPointIsInOneBinOfEitherHistogram) {
 
 TEST(PointRecoveryTest, LengthsBeyondAllBinsAreInTheLast) {
   LinedRoom lined(0.0);
-  for (double& coordinate : lined.room.graph.points()) coordinate += 50.0;
+  for (double& coordinate : lined.room.state.points) coordinate += 50.0;
   ThreadPool pool(2);
-  const PointDisplacements displacements =
-      MeasureDisplacements(lined.surface, FactorOptions(), &pool, lined.room.graph);
+  const PointDisplacements displacements = MeasureDisplacements(
+      lined.room.graph, lined.room.state, lined.surface, FactorOptions(), &pool);
   EXPECT_EQ(displacements.sigma_counts.back(), lined.lines.size());
   EXPECT_EQ(displacements.octave_counts.back(), lined.lines.size());
 }
@@ -197,7 +196,7 @@ TEST(PointRecoveryTest, AnyNumberOfThreadsGivesTheSameBits) {
   for (const int num_threads : {2, 5}) {
     LinedRoom many(0.1);
     const PointDisplacements displacements = many.Recover(FactorOptions(), num_threads);
-    EXPECT_EQ(many.room.graph.points(), one.room.graph.points());
+    EXPECT_EQ(many.room.state.points, one.room.state.points);
     EXPECT_EQ(displacements.mean_m, expected.mean_m);
     EXPECT_EQ(displacements.max_m, expected.max_m);
     EXPECT_EQ(displacements.sigma_counts, expected.sigma_counts);
@@ -205,13 +204,16 @@ TEST(PointRecoveryTest, AnyNumberOfThreadsGivesTheSameBits) {
   }
 }
 
-TEST(PointRecoveryTest, AGraphWithoutReturnsIsLeftAlone) {
+TEST(PointRecoveryTest, AGraphWithoutReturnsHasNoPoints) {
   SlamGraph graph;
   int id = 0;
   ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
   ThreadPool pool(2);
+  const MapState state = graph.InitialState();
+  EXPECT_TRUE(
+      RecoverPoints(graph, state.poses, MeasuredSurface(), {}, FactorOptions(), &pool).empty());
   const PointDisplacements displacements =
-      RecoverPoints(MeasuredSurface(), {}, FactorOptions(), &pool, &graph);
+      MeasureDisplacements(graph, state, MeasuredSurface(), FactorOptions(), &pool);
   EXPECT_EQ(displacements.mean_m, 0.0);
   EXPECT_EQ(displacements.max_m, 0.0);
 }

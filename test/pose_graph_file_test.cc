@@ -50,7 +50,7 @@ TEST_F(PoseGraphFileTest, ReadsG2o) {
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_EQ(file_.format, PoseGraphFormat::kG2o);
   EXPECT_THAT(file_.vertex_ids, ElementsAre(100, -7));
-  EXPECT_THAT(file_.graph.poses(), ElementsAre(1, 2, 3, 4, 5, -3));
+  EXPECT_THAT(file_.graph.initial_poses(), ElementsAre(1, 2, 3, 4, 5, -3));
   EXPECT_EQ(file_.graph.timestamp_s(1), 1.0);
   ASSERT_EQ(file_.graph.relative_poses().size(), 1u);
   const RelativePoseConstraint& edge = file_.graph.relative_poses()[0];
@@ -94,7 +94,7 @@ TEST_F(PoseGraphFileTest, ScansBelongToTheVertexBeforeThem) {
   EXPECT_EQ(graph.timestamp_s(0), 0.0);  // its index
   EXPECT_EQ(graph.timestamp_s(1), 8.5);
   EXPECT_EQ(graph.timestamp_s(2), 7.5);  // of its first scan
-  EXPECT_NEAR(graph.points()[2], 1.0 + 0.2 + 2.0, 1e-6);
+  EXPECT_NEAR(graph.InitialState().points[2], 1.0 + 0.2 + 2.0, 1e-6);
 }
 
 TEST_F(PoseGraphFileTest, NamesTheCulprit) {

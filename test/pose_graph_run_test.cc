@@ -75,21 +75,22 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   EXPECT_EQ(refined.lines[1], given.lines[1]);  // the scan
 
   // Edges alone leave centimetres; beams of 1 cm noise against walls do better.
-  const auto error_m = [&room](const SlamGraph& graph) {
-    room.graph.poses() = graph.poses();
+  const auto error_m = [&room](const MapState& state) {
+    room.state.poses = state.poses;
     return MeanPoseError(room);
   };
-  const double given_error_m = error_m(given.graph);
-  RefinePoseGraph(&given.graph);
-  const double edges_error_m = error_m(given.graph);
+  MapState state = given.graph.InitialState();
+  const double given_error_m = error_m(state);
+  RefinePoseGraph(given.graph, &state);
+  const double edges_error_m = error_m(state);
   EXPECT_LT(edges_error_m, 0.8 * given_error_m);
-  EXPECT_LT(error_m(refined.graph), 0.5 * edges_error_m);
+  EXPECT_LT(error_m(refined.graph.InitialState()), 0.5 * edges_error_m);
 
   std::vector<TimedPose> trajectory;
   ASSERT_TRUE(ReadTumTrajectory(folder_ + "out/trajectory.tum", &trajectory).ok());
   ASSERT_EQ(trajectory.size(), room.truth.size());
   EXPECT_EQ(trajectory[3].timestamp_s, 103.0);
-  EXPECT_NEAR(trajectory[3].world_from_robot.x, refined.graph.WorldFromRobot(3).x, 1e-8);
+  EXPECT_NEAR(trajectory[3].world_from_robot.x, refined.graph.InitialPose(3).x, 1e-8);
   const nlohmann::json summary = Summary();
   EXPECT_LT(summary["pose_graph"]["chi2_pose_graph"], summary["pose_graph"]["chi2_given"]);
   EXPECT_EQ(summary["joint"]["start"], "pose graph");
@@ -128,8 +129,8 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithoutScans) {
   ASSERT_TRUE(status.ok()) << status.message();
   PoseGraphFile refined;
   ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.toro", &refined).ok());
-  EXPECT_NEAR(refined.graph.WorldFromRobot(1).x, 1.1, 1e-6);
-  EXPECT_NEAR(refined.graph.WorldFromRobot(2).x, 2.2, 1e-6);
+  EXPECT_NEAR(refined.graph.InitialPose(1).x, 1.1, 1e-6);
+  EXPECT_NEAR(refined.graph.InitialPose(2).x, 2.2, 1e-6);
   EXPECT_FALSE(Exists("points.ply") || Exists("map_refined.png") || Exists("map.pgm"));
   const nlohmann::json figures = Summary()["pose_graph"];
   EXPECT_NEAR(figures["chi2_given"], 4.0 * 0.09, 1e-9);
@@ -139,9 +140,10 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithoutScans) {
 
 TEST_F(PoseGraphRunTest, ByEdgesAloneIfTheSolverSaysSo) {
   WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
-  PoseGraphFile expected;
-  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "a.g2o", &expected).ok());
-  const PoseGraphSummary edges = RefinePoseGraph(&expected.graph);
+  PoseGraphFile given;
+  ASSERT_TRUE(ReadPoseGraphFile(folder_ + "a.g2o", &given).ok());
+  MapState expected = given.graph.InitialState();
+  const PoseGraphSummary edges = RefinePoseGraph(given.graph, &expected);
   for (const SolverType solver : {SolverType::kPoseGraph, SolverType::kSgd}) {
     const Status status = Run("a.g2o", solver);
     ASSERT_TRUE(status.ok()) << status.message();
@@ -158,7 +160,7 @@ TEST_F(PoseGraphRunTest, ByEdgesAloneIfTheSolverSaysSo) {
     PoseGraphFile refined;
     ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
     if (solver == SolverType::kSgd) continue;
-    EXPECT_NEAR(refined.graph.WorldFromRobot(5).x, expected.graph.WorldFromRobot(5).x, 1e-9);
+    EXPECT_NEAR(refined.graph.InitialPose(5).x, expected.WorldFromRobot(5).x, 1e-9);
     std::filesystem::remove_all(folder_ + "out");
   }
 }
@@ -188,7 +190,7 @@ TEST_F(PoseGraphRunTest, FixedVerticesStay) {
   EXPECT_THAT(graph, HasSubstr("VERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 3 0 0\n"));
   PoseGraphFile refined;
   ASSERT_TRUE(ReadPoseGraphFile(folder_ + "out/graph.g2o", &refined).ok());
-  EXPECT_NEAR(refined.graph.WorldFromRobot(0).x, 0.0, 1e-6);
+  EXPECT_NEAR(refined.graph.InitialPose(0).x, 0.0, 1e-6);
 }
 
 TEST_F(PoseGraphRunTest, MirroredScansAreRefusedBeforeAnythingIsWritten) {

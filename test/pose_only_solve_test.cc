@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/noisy_room.h"
@@ -27,11 +26,13 @@ NoisyRoom RoomWithEdges() {
                         {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()})
                     .ok());
   }
-  DisturbPoses(0.05, &room.graph);
+  DisturbPoses(0.05, room.graph, &room.state);
   return room;
 }
 
-double Chi2(const SlamGraph& graph) { return GraphChi2(graph.relative_poses(), PosesOf(graph)); }
+double Chi2(const NoisyRoom& room) {
+  return GraphChi2(room.graph.relative_poses(), PosesOf(room.state.poses));
+}
 
 class PoseOnlySolveTest : public testing::TestWithParam<SolverType> {
  protected:
@@ -47,13 +48,13 @@ INSTANTIATE_TEST_SUITE_P(Solvers, PoseOnlySolveTest,
 
 TEST_P(PoseOnlySolveTest, MovesThePosesToTheOptimumOfTheEdges) {
   NoisyRoom room = RoomWithEdges();
-  const double seed_chi2 = Chi2(room.graph);
-  const SolverSummary summary = Solve(Options(), &room.graph);
+  const double seed_chi2 = Chi2(room);
+  const SolverSummary summary = Solve(Options(), room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_EQ(summary.solver, ToString(GetParam()));
   EXPECT_EQ(summary.num_relative_poses, room.graph.relative_poses().size());
   EXPECT_EQ(summary.seed_chi2, seed_chi2);
-  EXPECT_EQ(summary.final_chi2, Chi2(room.graph));
+  EXPECT_EQ(summary.final_chi2, Chi2(room));
   // Thirteen edges more than hold the eleven free poses: two loops, three degrees of freedom each.
   EXPECT_LT(summary.final_chi2, 25.0);
   EXPECT_GT(seed_chi2, 100.0);
@@ -64,16 +65,17 @@ TEST_P(PoseOnlySolveTest, MovesThePosesToTheOptimumOfTheEdges) {
 
 TEST_P(PoseOnlySolveTest, PointsRideAlong) {
   NoisyRoom room = RoomWithEdges();
-  DisturbPoints(0.1, &room.graph);  // not where the beams end
-  const SlamGraph before = room.graph;
-  ASSERT_TRUE(Solve(Options(), &room.graph).IsSolutionUsable());
-  const auto in_robot = [](const SlamGraph& graph, std::size_t r) -> Eigen::Vector2d {
-    return graph.WorldFromRobot(graph.scan(graph.returns().scan[r]).pose).Inverse() *
-           MapPoint(graph, r);
+  DisturbPoints(0.1, &room.state);  // not where the beams end
+  const MapState before = room.state;
+  ASSERT_TRUE(Solve(Options(), room.graph, &room.state).IsSolutionUsable());
+  const SlamGraph& graph = room.graph;
+  const auto in_robot = [&graph](const MapState& state, std::size_t r) -> Eigen::Vector2d {
+    return state.WorldFromRobot(graph.scan(graph.returns().scan[r]).pose).Inverse() *
+           MapPoint(state, r);
   };
-  EXPECT_GT((MapPoint(before, 1500) - MapPoint(room.graph, 1500)).norm(), 1e-3);
-  for (std::size_t r = 0; r < before.num_returns(); r += 37) {
-    EXPECT_LT((in_robot(before, r) - in_robot(room.graph, r)).norm(), 1e-12) << r;
+  EXPECT_GT((MapPoint(before, 1500) - MapPoint(room.state, 1500)).norm(), 1e-3);
+  for (std::size_t r = 0; r < graph.num_returns(); r += 37) {
+    EXPECT_LT((in_robot(before, r) - in_robot(room.state, r)).norm(), 1e-12) << r;
   }
 }
 
@@ -86,7 +88,7 @@ TEST_P(PoseOnlySolveTest, ReportsEveryIteration) {
     rows.push_back(row);
     return true;
   };
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   ASSERT_EQ(rows.size(), summary.iterations.size());
   ASSERT_GT(rows.size(), 1u);
   EXPECT_LE(rows.size(), GetParam() == SolverType::kSgd ? 7u : 50u);
@@ -105,36 +107,35 @@ TEST_P(PoseOnlySolveTest, ReturnsTheGivenStateBitForBitIfNothingIsBetter) {
   int id = 0;
   for (const Pose2& pose : room.truth) ASSERT_TRUE(perfect.AddPose(pose, 0.0, &id).ok());
   // Between() may be off by rounding: this motion is exact.
-  perfect.SetPose(1, perfect.WorldFromRobot(0));
+  MapState state = perfect.InitialState();
+  state.SetPose(1, state.WorldFromRobot(0));
   ASSERT_TRUE(perfect.AddRelativePose({0, 1, Pose2(), Eigen::Matrix3d::Identity()}).ok());
-  const std::vector<double> poses = perfect.poses();
-  const SolverSummary summary = Solve(Options(), &perfect);
+  const MapState before = state;
+  const SolverSummary summary = Solve(Options(), perfect, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
   EXPECT_TRUE(summary.IsSolutionUsable());
-  EXPECT_EQ(perfect.poses(), poses);
+  EXPECT_EQ(state, before);
   EXPECT_EQ(summary.final_chi2, summary.seed_chi2);
   EXPECT_THAT(summary.message, HasSubstr("returned as they were"));
 }
 
 TEST_P(PoseOnlySolveTest, HoldsFixedPosesAndPutsThemBack) {
   NoisyRoom room = RoomWithEdges();
-  ASSERT_TRUE(room.graph.FixPose(3).ok());
-  const Pose2 fixed = room.graph.WorldFromRobot(3);
-  room.graph.SetPose(3, {9.0, 9.0, 9.0});
-  ASSERT_TRUE(Solve(Options(), &room.graph).IsSolutionUsable());
-  EXPECT_EQ(room.graph.WorldFromRobot(3).x, fixed.x);
-  EXPECT_EQ(room.graph.WorldFromRobot(3).yaw, fixed.yaw);
+  const Pose2 fixed = room.state.WorldFromRobot(3);
+  ASSERT_TRUE(room.graph.FixPose(3, fixed).ok());
+  room.state.SetPose(3, {9.0, 9.0, 9.0});
+  ASSERT_TRUE(Solve(Options(), room.graph, &room.state).IsSolutionUsable());
+  EXPECT_EQ(room.state.WorldFromRobot(3).x, fixed.x);
+  EXPECT_EQ(room.state.WorldFromRobot(3).yaw, fixed.yaw);
 }
 
 TEST_P(PoseOnlySolveTest, HoldsFixedPosesAlsoWhereTheEdgesWouldRatherNot) {
   NoisyRoom room = RoomWithEdges();
-  const Pose2 displaced = room.graph.WorldFromRobot(5);
-  room.graph.SetPose(5, displaced * Pose2(0.5, 0.0, 0.0));
-  ASSERT_TRUE(room.graph.FixPose(5).ok());
+  const Pose2 displaced = room.state.WorldFromRobot(5);
+  ASSERT_TRUE(room.graph.FixPose(5, displaced * Pose2(0.5, 0.0, 0.0)).ok());
   ASSERT_TRUE(room.graph.FixPose(0).ok());
-  room.graph.SetPose(5, displaced);
-  Solve(Options(), &room.graph);
-  EXPECT_LT((room.graph.WorldFromRobot(5).translation() -
+  Solve(Options(), room.graph, &room.state);
+  EXPECT_LT((room.state.WorldFromRobot(5).translation() -
              (displaced * Pose2(0.5, 0.0, 0.0)).translation())
                 .norm(),
             1e-12);
@@ -144,22 +145,22 @@ TEST_P(PoseOnlySolveTest, FailsWithoutRelativePoses) {
   SyntheticScene scene;
   scene.faces = {{{2, -1}, {2, 1}}};
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  SlamGraph graph = MakeGraph(scene);
-  const std::vector<double> poses = graph.poses();
-  const SolverSummary summary = Solve(Options(), &graph);
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
+  const SolverSummary summary = Solve(Options(), graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("no relative poses"));
   EXPECT_THAT(summary.message, HasSubstr(ToString(GetParam())));
-  EXPECT_EQ(graph.poses(), poses);
+  EXPECT_EQ(state, graph.InitialState());
 }
 
 TEST_P(PoseOnlySolveTest, NamesAStateOrOptionThatIsWrong) {
   NoisyRoom room = RoomWithEdges();
   SolverOptions options = Options();
   options.sgd.max_iterations = 0;
-  EXPECT_THAT(Solve(options, &room.graph).message, HasSubstr("sgd.max_iterations = 0"));
-  room.graph.poses()[3 * 5] = std::numeric_limits<double>::quiet_NaN();
-  const SolverSummary summary = Solve(Options(), &room.graph);
+  EXPECT_THAT(Solve(options, room.graph, &room.state).message, HasSubstr("sgd.max_iterations = 0"));
+  room.state.poses[3 * 5] = std::numeric_limits<double>::quiet_NaN();
+  const SolverSummary summary = Solve(Options(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("pose 5"));
 }
@@ -169,11 +170,11 @@ TEST(PoseOnlySolve, PoseGraphStopsAfterTheIterationItSaw) {
   SolverOptions options;
   options.type = SolverType::kPoseGraph;
   options.callback = [](const IterationSummary&) { return false; };
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(summary.iterations.size(), 1u);
   EXPECT_LT(summary.final_chi2, summary.seed_chi2);
-  EXPECT_EQ(summary.final_chi2, Chi2(room.graph));
+  EXPECT_EQ(summary.final_chi2, Chi2(room));
 }
 
 TEST(PoseOnlySolve, SgdStopsWithTheStateSoFarWhenAskedTo) {
@@ -182,7 +183,7 @@ TEST(PoseOnlySolve, SgdStopsWithTheStateSoFarWhenAskedTo) {
   options.type = SolverType::kSgd;
   int num_calls = 0;
   options.callback = [&](const IterationSummary&) { return ++num_calls < 5; };
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(summary.iterations.size(), 5u);
   EXPECT_LT(summary.final_chi2, summary.seed_chi2);

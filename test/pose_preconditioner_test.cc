@@ -29,18 +29,18 @@ class Drive {
 
   void Join(int from, int to) {
     const Pose2 noise(random_.Gaussian(0.02), random_.Gaussian(0.02), random_.Gaussian(0.01));
-    const Pose2 motion = Between(graph_.WorldFromRobot(from), graph_.WorldFromRobot(to)) * noise;
+    const Pose2 motion = Between(graph_.InitialPose(from), graph_.InitialPose(to)) * noise;
     EXPECT_TRUE(graph_.AddOdometry({from, to, motion}).ok());
   }
   void JoinAll(int first, int last) {
     for (int i = first; i < last; ++i) Join(i, i + 1);
   }
   void CloseLoop(int from, int to, double covariance) {
-    EXPECT_TRUE(graph_
-                    .AddRelativePose(
-                        {from, to, Between(graph_.WorldFromRobot(from), graph_.WorldFromRobot(to)),
-                         covariance * CorrelatedCovariance()})
-                    .ok());
+    EXPECT_TRUE(
+        graph_
+            .AddRelativePose({from, to, Between(graph_.InitialPose(from), graph_.InitialPose(to)),
+                              covariance * CorrelatedCovariance()})
+            .ok());
   }
   void Fix(int pose) { EXPECT_TRUE(graph_.FixPose(pose).ok()); }
 
@@ -48,9 +48,9 @@ class Drive {
   void AddPatch(int first, int last) {
     const Eigen::Vector2d along = random_.Direction(), place(0.0, random_.Uniform(-3, 3));
     SurfacePatch patch;
-    patch.origin = graph_.WorldFromRobot(first) * place;
+    patch.origin = graph_.InitialPose(first) * place;
     for (int pose = first; pose <= last; ++pose) {
-      const Pose2 robot_from_world = graph_.WorldFromRobot(pose).Inverse();
+      const Pose2 robot_from_world = graph_.InitialPose(pose).Inverse();
       const Eigen::Vector2d in_robot = Pose2(0, 0, robot_from_world.yaw) * along;
       PatchSighting s;
       s.pose = pose;
@@ -76,13 +76,14 @@ class Drive {
 
   /// After all is added: moves the poses by some noise, so that there is something to solve.
   void Linearize(double noise = 0.01) {
+    std::vector<double> poses = graph_.initial_poses();
     // A drift that grows bends the drive in long waves, which neighbours hardly notice.
     double drift_m = 0.0;
     for (int i = 1; i < graph_.num_poses(); ++i) {
       drift_m += random_.Gaussian(noise);
-      const Pose2 pose = graph_.WorldFromRobot(i);
-      graph_.SetPose(i, {pose.x + random_.Gaussian(noise), pose.y + drift_m,
-                         pose.yaw + random_.Gaussian(noise)});
+      poses[3 * i] += random_.Gaussian(noise);
+      poses[3 * i + 1] += drift_m;
+      poses[3 * i + 2] += random_.Gaussian(noise);
     }
     sightings_.first_of_patch = first_of_patch_;
     sightings_.of_pose.clear();
@@ -91,10 +92,10 @@ class Drive {
       sightings_.of_pose.insert(sightings_.of_pose.end(), of_pose.begin(), of_pose.end());
       sightings_.first_of_pose.push_back(sightings_.of_pose.size());
     }
-    frames_ = FramesOf(graph_.poses());
+    frames_ = FramesOf(poses);
     FitPatchLines(sightings_, frames_, &pool_, &patches_);
-    system_.Linearize(sightings_, patches_, PoseTerms(graph_, FactorOptions()), graph_.poses(),
-                      frames_, &pool_);
+    system_.Linearize(sightings_, patches_, PoseTerms(graph_, FactorOptions()), poses, frames_,
+                      &pool_);
   }
 
   Eigen::Index size() const { return 3 * graph_.num_poses(); }

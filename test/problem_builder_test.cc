@@ -55,39 +55,40 @@ void ExpectSparseSchurLowersTheCost(const JointProblem& joint) {
 
 TEST(ProblemBuilderTest, EliminatedPointsShareNoResidual) {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.01, &room.graph);
-  const Associations associations = AssociationsOf(room.graph);
+  DisturbPoses(0.01, room.graph, &room.state);
+  const Associations associations = AssociationsOf(room.graph, room.state);
   ASSERT_GT(associations.shape_pairs.size(), 0u);
-  const JointProblem joint = BuildJointProblem(associations, EveryTerm(), &room.graph);
+  const JointProblem joint = BuildJointProblem(room.graph, associations, EveryTerm(), &room.state);
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
 }
 
 TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.01, &room.graph);
-  Associations associations = AssociationsOf(room.graph);
+  DisturbPoses(0.01, room.graph, &room.state);
+  Associations associations = AssociationsOf(room.graph, room.state);
   associations.shape_pairs.clear();
   const auto join = [&](std::size_t previous, std::size_t current) {
     const Eigen::Vector2d normal =
-        SegmentNormal(MapPoint(room.graph, previous), MapPoint(room.graph, current));
+        SegmentNormal(MapPoint(room.state, previous), MapPoint(room.state, current));
     associations.shape_pairs.push_back({previous, current, normal, ShapeCategory::k0});
   };
   for (std::size_t r = 0; r < 20; ++r) join(r, r + 1);   // a chain
   for (std::size_t r = 60; r > 40; --r) join(r, r - 1);  // one that runs back
   join(70, 75), join(75, 80), join(80, 70);              // a ring
   for (std::size_t r = 100; r < 110; ++r) join(90, r);   // a star
-  const JointProblem joint = BuildJointProblem(associations, EveryTerm(), &room.graph);
+  const JointProblem joint = BuildJointProblem(room.graph, associations, EveryTerm(), &room.state);
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
 }
 
 TEST(ProblemBuilderTest, AllPointsAreEliminatedWithoutShapeTerms) {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.01, &room.graph);
+  DisturbPoses(0.01, room.graph, &room.state);
   FactorOptions factors = EveryTerm();
   factors.shape.enabled = false;
-  const JointProblem joint = BuildJointProblem(AssociationsOf(room.graph), factors, &room.graph);
+  const JointProblem joint =
+      BuildJointProblem(room.graph, AssociationsOf(room.graph, room.state), factors, &room.state);
   ExpectValidOrdering(joint, room.graph);
   EXPECT_EQ(joint.ordering->GroupSize(kEliminated), static_cast<int>(room.graph.num_returns()));
   EXPECT_TRUE(joint.residual_blocks[static_cast<int>(Term::kShape)].empty());
@@ -97,22 +98,23 @@ TEST(ProblemBuilderTest, APoseWithoutTermsStaysOut) {
   NoisyRoom room = MakeNoisyRoom();
   int pose_id = 0;
   ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &pose_id).ok());
-  DisturbPoses(0.01, &room.graph);
-  const JointProblem joint =
-      BuildJointProblem(AssociationsOf(room.graph), EveryTerm(), &room.graph);
-  EXPECT_FALSE(joint.problem->HasParameterBlock(&room.graph.poses()[3 * pose_id]));
+  room.graph.ExtendState(&room.state);
+  DisturbPoses(0.01, room.graph, &room.state);
+  const JointProblem joint = BuildJointProblem(room.graph, AssociationsOf(room.graph, room.state),
+                                               EveryTerm(), &room.state);
+  EXPECT_FALSE(joint.problem->HasParameterBlock(&room.state.poses[3 * pose_id]));
   ExpectValidOrdering(joint, room.graph);
   ExpectSparseSchurLowersTheCost(joint);
 }
 
-TEST(ProblemBuilderTest, OptimisesTheArraysOfTheGraph) {
+TEST(ProblemBuilderTest, OptimisesTheArraysOfTheState) {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.01, &room.graph);
-  const std::vector<double> poses = room.graph.poses(), points = room.graph.points();
-  ExpectSparseSchurLowersTheCost(
-      BuildJointProblem(AssociationsOf(room.graph), EveryTerm(), &room.graph));
-  EXPECT_NE(room.graph.poses(), poses);
-  EXPECT_NE(room.graph.points(), points);
+  DisturbPoses(0.01, room.graph, &room.state);
+  const MapState before = room.state;
+  ExpectSparseSchurLowersTheCost(BuildJointProblem(
+      room.graph, AssociationsOf(room.graph, room.state), EveryTerm(), &room.state));
+  EXPECT_NE(room.state.poses, before.poses);
+  EXPECT_NE(room.state.points, before.points);
 }
 
 // Three poses; the first two see patch 0, the others patch 2. Nothing sees patch 1 and pose 3; a
@@ -172,7 +174,7 @@ TEST(ProblemBuilderTest, PosesKeepTheirTermsBesideThePatches) {
   PatchScene scene;
   scene.sightings.sightings.clear();
   scene.terms = PoseTerms(room.graph, EveryTerm());
-  scene.poses = room.graph.poses();
+  scene.poses = room.state.poses;
   const PatchProblem problem = scene.Build();
   EXPECT_EQ(problem.problem->NumResidualBlocks(), 1 + 11 + 2);
   double cost = 0.0;

@@ -15,9 +15,14 @@ namespace {
 constexpr double kRadius = 0.3;
 constexpr double kSigma = 0.01;
 
-std::vector<TangentLine> LinesOf(const SlamGraph& graph, int num_threads = 1) {
+std::vector<TangentLine> LinesOf(const SlamGraph& graph, const std::vector<double>& poses,
+                                 int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return LinesFromRadius(graph, SurfaceOf(graph), AssociationOptions(), kRadius, &pool);
+  return LinesFromRadius(graph, poses, SurfaceOf(graph), AssociationOptions(), kRadius, &pool);
+}
+
+std::vector<TangentLine> LinesOf(const SlamGraph& graph, int num_threads = 1) {
+  return LinesOf(graph, graph.initial_poses(), num_threads);
 }
 
 std::size_t CountLines(const std::vector<TangentLine>& lines) {
@@ -46,6 +51,7 @@ const std::vector<Pose2> kPoses = {{-0.3, 0.0, 0.2}, {0.0, 0.1, 1.0},   {0.2, -0
 
 TEST(RadiusLinesTest, AWallIsFoundBetterThanASinglePoint) {
   const SlamGraph graph = MakeGraph(NoisyScene({{{-2.0, 1.5}, {2.0, 1.5}}}, kPoses));
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph);
   EXPECT_GE(CountLines(lines), graph.num_returns() * 95 / 100);
   for (std::size_t r = 0; r < lines.size(); ++r) {
@@ -54,7 +60,7 @@ TEST(RadiusLinesTest, AWallIsFoundBetterThanASinglePoint) {
     // n = 100 points on 0.6 m, and n = 50 where the wall ends. Offset good to sigma / sqrt(n) at
     // the centroid, direction to sigma / sqrt(n) / (0.6 m / sqrt(12)); half that length at the
     // ends.
-    const double x = MapPoint(graph, r).x();
+    const double x = MapPoint(state, r).x();
     const bool inside = std::abs(x) < 1.7;
     const double sigma = kSigma / std::sqrt(inside ? 100.0 : 50.0);
     const double half_deviation = inside ? 0.173 : 0.087;
@@ -69,10 +75,11 @@ TEST(RadiusLinesTest, AWallIsFoundBetterThanASinglePoint) {
 TEST(RadiusLinesTest, TheSidesOfACornerStayApart) {
   const SlamGraph graph =
       MakeGraph(NoisyScene({{{2.0, -1.0}, {2.0, 2.0}}, {{2.0, 2.0}, {-1.0, 2.0}}}, kPoses));
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph);
   EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    const Eigen::Vector2d point = MapPoint(graph, r);
+    const Eigen::Vector2d point = MapPoint(state, r);
     // Within the noise of the corner itself a point may belong to either side.
     const double to_corner_m = (Eigen::Vector2d(2.0, 2.0) - point).norm();
     if (!Associations::HasLine(lines[r]) || to_corner_m < 4.0 * kSigma) continue;
@@ -95,12 +102,13 @@ TEST(RadiusLinesTest, TheTwoFacesOfAThinWallStayApart) {
     }
     const SlamGraph graph = MakeGraph(
         NoisyScene({{{-1.5, upper}, {1.5, upper}}, {{-1.5, -upper}, {1.5, -upper}}}, poses));
+    const MapState state = graph.InitialState();
     const std::vector<TangentLine> lines = LinesOf(graph);
     EXPECT_GE(CountLines(lines), graph.num_returns() * 95 / 100);
     for (std::size_t r = 0; r < lines.size(); ++r) {
       if (!Associations::HasLine(lines[r])) continue;
-      const bool from_above = graph.WorldFromRobot(graph.returns().scan[r]).y > 0.0;
-      const Eigen::Vector2d foot(MapPoint(graph, r).x(), from_above ? upper : -upper);
+      const bool from_above = graph.InitialPose(graph.returns().scan[r]).y > 0.0;
+      const Eigen::Vector2d foot(MapPoint(state, r).x(), from_above ? upper : -upper);
       EXPECT_LE(std::abs(Height(lines[r], foot)), 0.01) << foot.transpose();
     }
   }
@@ -114,11 +122,12 @@ TEST(RadiusLinesTest, ADiscIsFollowedAlongItsTangents) {
     scene.poses.push_back({0.3 + 2.5 * std::cos(angle), -0.2 + 2.5 * std::sin(angle), angle});
   }
   const SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph);
   EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
     if (!Associations::HasLine(lines[r])) continue;
-    const Eigen::Vector2d radial = (MapPoint(graph, r) - scene.discs[0].center).normalized();
+    const Eigen::Vector2d radial = (MapPoint(state, r) - scene.discs[0].center).normalized();
     // The points of a cell share a line, as do those of the disc of cells around it: a cell's half
     // diagonal of 0.11 m turns the tangent by 0.11 rad, and the same again if the disc is filled
     // unevenly.
@@ -152,7 +161,8 @@ TEST(RadiusLinesTest, ASingleScanHasNone) {
   AssociationOptions of_one_pose;
   of_one_pose.several_poses = false;
   ThreadPool pool(1);
-  EXPECT_GT(CountLines(LinesFromRadius(single, SurfaceOf(single), of_one_pose, kRadius, &pool)),
+  EXPECT_GT(CountLines(LinesFromRadius(single, single.initial_poses(), SurfaceOf(single),
+                                       of_one_pose, kRadius, &pool)),
             0u);
   scene.poses.push_back({0.0, 0.0, 0.0});
   EXPECT_GT(CountLines(LinesOf(MakeGraph(scene))), 0u);
@@ -165,11 +175,12 @@ TEST(RadiusLinesTest, TheRadiusGrowsOnSparseSurface) {
       NoisyScene({{{15.0, -3.0}, {15.0, 3.0}}}, {{0.0, 0.0, 0.0}, {0.1, 0.1, 0.0}});
   scene.laser = PanoramicLaser(360);
   const SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph);
   EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
     if (!Associations::HasLine(lines[r])) continue;
-    EXPECT_LE(std::abs(Height(lines[r], {15.0, MapPoint(graph, r).y()})), 0.02);
+    EXPECT_LE(std::abs(Height(lines[r], {15.0, MapPoint(state, r).y()})), 0.02);
   }
   // One more factor of four is out of reach.
   scene.faces = {{{60.0, -12.0}, {60.0, 12.0}}};
@@ -187,15 +198,16 @@ SyntheticScene Room() {
 
 TEST(RadiusLinesTest, TheyMoveAlongWithTheWorld) {
   const SlamGraph graph = MakeGraph(Room());
+  const MapState state = graph.InitialState();
   const std::vector<TangentLine> lines = LinesOf(graph);
   const Pose2 new_from_old(13.7, -4.9, 0.6);
   const Eigen::Rotation2Dd turn(new_from_old.yaw);
-  SlamGraph moved = graph;
+  MapState moved = state;
   for (int p = 0; p < graph.num_poses(); ++p) {
-    moved.SetPose(p, new_from_old * graph.WorldFromRobot(p));
+    moved.SetPose(p, new_from_old * state.WorldFromRobot(p));
   }
-  moved.ResetPointsFromPoses();
-  const std::vector<TangentLine> moved_lines = LinesOf(moved);
+  moved.points = graph.MeasuredMap(moved.poses);
+  const std::vector<TangentLine> moved_lines = LinesOf(graph, moved.poses);
   int compared = 0;
   for (std::size_t r = 0; r < lines.size(); ++r) {
     if (!Associations::HasLine(lines[r]) || !Associations::HasLine(moved_lines[r])) continue;
@@ -204,7 +216,7 @@ TEST(RadiusLinesTest, TheyMoveAlongWithTheWorld) {
     // The cells fall elsewhere, so other points of the same wall make the line.
     EXPECT_LE(Tilt(moved_lines[r], normal), DegToRad(4.0));
     EXPECT_NEAR(std::abs(Height(moved_lines[r], MapPoint(moved, r))),
-                std::abs(Height(lines[r], MapPoint(graph, r))), 0.01);
+                std::abs(Height(lines[r], MapPoint(state, r))), 0.01);
   }
   EXPECT_GE(compared, static_cast<int>(lines.size()) * 9 / 10);
 }

@@ -26,28 +26,26 @@ SolverOptions Reduced(int num_threads = 2) {
 
 /// Solves; what holds on any graph: a usable end, finite numbers, no higher energy, and the
 /// seed bit for bit if nothing was better.
-SolverSummary SolveSoundly(const SolverOptions& options, SlamGraph* graph) {
-  const std::vector<double> poses = graph->poses(), points = graph->points();
-  const SolverSummary summary = Solve(options, graph);
+SolverSummary SolveSoundly(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
+  const MapState seed = *state;
+  const SolverSummary summary = Solve(options, graph, state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  for (const std::vector<double>* state : {&graph->poses(), &graph->points()}) {
+  for (const std::vector<double>* values : {&state->poses, &state->points}) {
     EXPECT_TRUE(
-        std::all_of(state->begin(), state->end(), [](double v) { return std::isfinite(v); }));
+        std::all_of(values->begin(), values->end(), [](double v) { return std::isfinite(v); }));
   }
   if (summary.termination == TerminationType::kNoImprovement) {
-    EXPECT_EQ(graph->poses(), poses);
-    EXPECT_EQ(graph->points(), points);
+    EXPECT_EQ(*state, seed);
   } else {
     // Measured anew, under the patches of the seed.
-    SlamGraph seed = *graph;
-    seed.poses() = poses;
     ThreadPool pool(1);
     const MeasuredSurface surface =
-        MeasureSurface(seed, NormalOptionsFor(options.factors.beam), &pool);
-    const std::vector<double> energies = PatchEnergies(
-        seed, surface, options.factors,
-        CutIntoPatches(seed, surface, PatchOptionsFor(options.factors, options.association), &pool),
-        {&poses, &graph->poses()}, &pool);
+        MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
+    const std::vector<double> energies =
+        PatchEnergies(graph, surface, options.factors,
+                      CutIntoPatches(graph, seed.poses, surface,
+                                     PatchOptionsFor(options.factors, options.association), &pool),
+                      {&seed.poses, &state->poses}, &pool);
     // The last step, which takes the held-out returns in, goes by other patches.
     EXPECT_LT(energies[1], energies[0] * (1.0 + 1e-4));
   }
@@ -58,7 +56,7 @@ NoisyRoom DisturbedRoom(int num_poses = 24, double sigma = 0.02) {
   NoisyRoomOptions options;
   options.num_poses = num_poses;
   NoisyRoom room = MakeNoisyRoom(options);
-  DisturbPoses(sigma, &room.graph);
+  DisturbPoses(sigma, room.graph, &room.state);
   return room;
 }
 
@@ -69,10 +67,10 @@ void AddChain(const std::vector<Pose2>& truth, int first, int last, SlamGraph* g
 }
 
 /// Root mean square of the poses' distances [m] from the truth.
-double RmsError(const SlamGraph& graph, const std::vector<Pose2>& truth, int first, int last) {
+double RmsError(const MapState& state, const std::vector<Pose2>& truth, int first, int last) {
   double sum = 0.0;
   for (int i = first; i <= last; ++i) {
-    sum += (graph.WorldFromRobot(i).translation() - truth[i].translation()).squaredNorm();
+    sum += (state.WorldFromRobot(i).translation() - truth[i].translation()).squaredNorm();
   }
   return std::sqrt(sum / (last - first + 1));
 }
@@ -92,7 +90,7 @@ SyntheticScene ClosedRoom(int num_poses) {
 TEST(ReducedSolveTest, ImprovesADisturbedRoom) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
-  const SolverSummary summary = SolveSoundly(Reduced(), &room.graph);
+  const SolverSummary summary = SolveSoundly(Reduced(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;
   EXPECT_LT(MeanPoseError(room), 0.4 * before_m);
   EXPECT_TRUE(summary.rounds.empty());
@@ -111,34 +109,36 @@ TEST(ReducedSolveTest, APerfectSeedInAClosedRoomComesBackBitForBit) {
   scene.range_sigma_m = 0.0;
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 11, &graph);
-  const std::vector<double> poses = graph.poses();
-  SolveSoundly(Reduced(), &graph);
+  MapState state = graph.InitialState();
+  SolveSoundly(Reduced(), graph, &state);
   // Corners are not lines: a micrometre may be gained there.
-  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(graph.poses()[i], poses[i], 1e-3);
+  for (std::size_t i = 0; i < state.poses.size(); ++i) {
+    EXPECT_NEAR(state.poses[i], graph.initial_poses()[i], 1e-3);
+  }
 }
 
 TEST(ReducedSolveTest, LinesThatStayHoldThePosesBack) {
   NoisyRoom follow = DisturbedRoom(), stay = DisturbedRoom();
   SolverOptions options = Reduced();
   options.reduced.max_rounds = 1;
-  const SolverSummary following = SolveSoundly(options, &follow.graph);
+  const SolverSummary following = SolveSoundly(options, follow.graph, &follow.state);
   options.reduced.lines_follow = false;
-  const SolverSummary staying = SolveSoundly(options, &stay.graph);
+  const SolverSummary staying = SolveSoundly(options, stay.graph, &stay.state);
   EXPECT_LT(staying.verdict.final_energy, staying.verdict.seed_energy);
   EXPECT_LT(following.verdict.final_energy, staying.verdict.final_energy);
   options.type = SolverType::kCeres;
   options.ceres.reduced = true;
-  EXPECT_THAT(Solve(options, &stay.graph).message, HasSubstr("lines_follow"));
+  EXPECT_THAT(Solve(options, stay.graph, &stay.state).message, HasSubstr("lines_follow"));
 }
 
 TEST(ReducedSolveTest, SolvingAgainFindsLittleToDo) {
   NoisyRoom room = DisturbedRoom();
-  SolveSoundly(Reduced(), &room.graph);
-  const std::vector<double> poses = room.graph.poses();
-  const SolverSummary again = SolveSoundly(Reduced(), &room.graph);
+  SolveSoundly(Reduced(), room.graph, &room.state);
+  const std::vector<double> poses = room.state.poses;
+  const SolverSummary again = SolveSoundly(Reduced(), room.graph, &room.state);
   EXPECT_GT(again.verdict.final_energy, 0.98 * again.verdict.seed_energy);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    EXPECT_NEAR(room.graph.poses()[i], poses[i], 0.01);
+    EXPECT_NEAR(room.state.poses[i], poses[i], 0.01);
   }
 }
 
@@ -150,7 +150,7 @@ TEST(ReducedSolveTest, TheCallbackStopsIt) {
     EXPECT_EQ(row.iteration, ++calls);
     return calls < 2;
   };
-  const SolverSummary summary = SolveSoundly(options, &room.graph);
+  const SolverSummary summary = SolveSoundly(options, room.graph, &room.state);
   EXPECT_EQ(calls, 2);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_THAT(summary.message, HasSubstr("callback"));
@@ -159,37 +159,33 @@ TEST(ReducedSolveTest, TheCallbackStopsIt) {
 
 TEST(ReducedSolveTest, AnyNumberOfThreadsGivesTheSameBits) {
   NoisyRoom one = DisturbedRoom(130);
-  const SolverSummary expected = SolveSoundly(Reduced(1), &one.graph);
+  const SolverSummary expected = SolveSoundly(Reduced(1), one.graph, &one.state);
   EXPECT_GT(expected.patch_rounds.front().num_sightings, 1000u);
   for (const int num_threads : {2, 3, 7}) {
     NoisyRoom many = DisturbedRoom(130);
-    const SolverSummary summary = SolveSoundly(Reduced(num_threads), &many.graph);
-    EXPECT_EQ(many.graph.poses(), one.graph.poses());
-    EXPECT_EQ(many.graph.points(), one.graph.points());
+    const SolverSummary summary = SolveSoundly(Reduced(num_threads), many.graph, &many.state);
+    EXPECT_EQ(many.state, one.state);
     EXPECT_EQ(summary.final_marginal_energy, expected.final_marginal_energy);
   }
 }
 
 TEST(ReducedSolveTest, ALongHallOfManyPatchesIsTheSameOnAnyNumberOfThreads) {
-  const auto hall = [] {
-    SyntheticScene scene;
-    scene.faces = {{{-100, 1.5}, {100, 1.5}}, {{-100, -1.5}, {100, -1.5}}};
-    for (int x = -98; x < 100; x += 4) scene.faces.push_back({{x * 1.0, 1.0}, {x * 1.0, 1.5}});
-    scene.laser = PanoramicLaser(180);
-    scene.range_sigma_m = 0.01;
-    for (int i = 0; i < 280; ++i) scene.poses.emplace_back(-97.0 + 0.7 * i, 0.0, 0.0);
-    SlamGraph graph = MakeGraph(scene);
-    AddChain(scene.poses, 0, 279, &graph);
-    DisturbPoses(0.01, &graph);
-    return graph;
-  };
-  SlamGraph one = hall(), many = hall();
-  const SolverSummary summary = SolveSoundly(Reduced(1), &one);
+  SyntheticScene scene;
+  scene.faces = {{{-100, 1.5}, {100, 1.5}}, {{-100, -1.5}, {100, -1.5}}};
+  for (int x = -98; x < 100; x += 4) scene.faces.push_back({{x * 1.0, 1.0}, {x * 1.0, 1.5}});
+  scene.laser = PanoramicLaser(180);
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i < 280; ++i) scene.poses.emplace_back(-97.0 + 0.7 * i, 0.0, 0.0);
+  SlamGraph graph = MakeGraph(scene);
+  AddChain(scene.poses, 0, 279, &graph);
+  MapState one = graph.InitialState();
+  DisturbPoses(0.01, graph, &one);
+  MapState many = one;
+  const SolverSummary summary = SolveSoundly(Reduced(1), graph, &one);
   EXPECT_GT(summary.patch_rounds.front().num_patches, 256u);
   EXPECT_LT(summary.verdict.final_energy, 0.9 * summary.verdict.seed_energy);
-  SolveSoundly(Reduced(4), &many);
-  EXPECT_EQ(many.poses(), one.poses());
-  EXPECT_EQ(many.points(), one.points());
+  SolveSoundly(Reduced(4), graph, &many);
+  EXPECT_EQ(many, one);
 }
 
 TEST(ReducedSolveTest, IslandsAreSolvedEachByItself) {
@@ -207,18 +203,19 @@ TEST(ReducedSolveTest, IslandsAreSolvedEachByItself) {
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 11, &graph);
   AddChain(scene.poses, 12, 23, &graph);
-  DisturbPoses(0.02, &graph);
-  const double before_m = RmsError(graph, scene.poses, 0, 11);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 11), 0.7 * before_m);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const double before_m = RmsError(state, scene.poses, 0, 11);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 0, 11), 0.7 * before_m);
   // Nothing says where the second is; of itself it knows as much as the first.
   for (int i = 12; i < 24; ++i) {
     const Pose2 expected = Between(scene.poses[12], scene.poses[i]);
-    const Pose2 actual = Between(graph.WorldFromRobot(12), graph.WorldFromRobot(i));
+    const Pose2 actual = Between(state.WorldFromRobot(12), state.WorldFromRobot(i));
     EXPECT_LT((actual.translation() - expected.translation()).norm(), 0.01) << i;
     EXPECT_NEAR(actual.yaw, expected.yaw, 0.01) << i;
   }
-  EXPECT_LT(RmsError(graph, scene.poses, 12, 23), 0.3);
+  EXPECT_LT(RmsError(state, scene.poses, 12, 23), 0.3);
 }
 
 TEST(ReducedSolveTest, PosesWithoutReturnsFollowTheirOdometry) {
@@ -235,10 +232,11 @@ TEST(ReducedSolveTest, PosesWithoutReturnsFollowTheirOdometry) {
     }
   }
   AddChain(scene.poses, 0, 23, &graph);
-  DisturbPoses(0.02, &graph);
-  const double before_m = RmsError(graph, scene.poses, 0, 23);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.5 * before_m);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const double before_m = RmsError(state, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 0, 23), 0.5 * before_m);
 }
 
 TEST(ReducedSolveTest, WithoutSurfacesItDoesNoHarm) {
@@ -247,17 +245,19 @@ TEST(ReducedSolveTest, WithoutSurfacesItDoesNoHarm) {
   scene.laser = PanoramicLaser(3);
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 7, &graph);
-  DisturbPoses(0.02, &graph);
-  const SolverSummary summary = SolveSoundly(Reduced(), &graph);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const SolverSummary summary = SolveSoundly(Reduced(), graph, &state);
   ASSERT_FALSE(summary.patch_rounds.empty());
   EXPECT_EQ(summary.patch_rounds.front().num_patches, 0u);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 7), 0.01);  // the odometry is right
+  EXPECT_LT(RmsError(state, scene.poses, 0, 7), 0.01);  // the odometry is right
 }
 
 TEST(ReducedSolveTest, OneScanIsReturnedAsItWas) {
   SyntheticScene scene = ClosedRoom(1);
-  SlamGraph graph = MakeGraph(scene);
-  EXPECT_EQ(SolveSoundly(Reduced(), &graph).termination, TerminationType::kNoImprovement);
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
+  EXPECT_EQ(SolveSoundly(Reduced(), graph, &state).termination, TerminationType::kNoImprovement);
 }
 
 TEST(ReducedSolveTest, OneReturnIsEnough) {
@@ -266,7 +266,8 @@ TEST(ReducedSolveTest, OneReturnIsEnough) {
   ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
   ASSERT_TRUE(graph.AddLaser(PanoramicLaser(1), &id).ok());
   ASSERT_TRUE(graph.AddScan(0, 0, {2.0}).ok());
-  EXPECT_EQ(SolveSoundly(Reduced(), &graph).termination, TerminationType::kNoImprovement);
+  MapState state = graph.InitialState();
+  EXPECT_EQ(SolveSoundly(Reduced(), graph, &state).termination, TerminationType::kNoImprovement);
 }
 
 TEST(ReducedSolveTest, TwoLasersOnARobotAgree) {
@@ -298,10 +299,11 @@ TEST(ReducedSolveTest, TwoLasersOnARobotAgree) {
     }
   }
   AddChain(scene.poses, 0, 15, &graph);
-  DisturbPoses(0.02, &graph);
-  const double before_m = RmsError(graph, scene.poses, 0, 15);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 15), 0.4 * before_m);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const double before_m = RmsError(state, scene.poses, 0, 15);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 0, 15), 0.4 * before_m);
 }
 
 TEST(ReducedSolveTest, FixedPosesStay) {
@@ -309,18 +311,15 @@ TEST(ReducedSolveTest, FixedPosesStay) {
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 23, &graph);
   for (const int pose : {5, 17}) ASSERT_TRUE(graph.FixPose(pose).ok());
-  std::vector<double> disturbed = graph.poses();
+  MapState state = graph.InitialState();
   RandomStates random(2);
-  for (double& coordinate : disturbed) coordinate += random.Gaussian(0.02);
-  for (const int pose : {5, 17}) {
-    std::copy_n(&graph.poses()[3 * pose], 3, &disturbed[3 * pose]);
-  }
-  graph.poses() = disturbed;
-  graph.ResetPointsFromPoses();
-  const double before_m = RmsError(graph, scene.poses, 0, 23);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.3 * before_m);
-  for (const int pose : {5, 17}) EXPECT_LT(RmsError(graph, scene.poses, pose, pose), 5e-4) << pose;
+  for (double& coordinate : state.poses) coordinate += random.Gaussian(0.02);
+  for (const int pose : {5, 17}) state.SetPose(pose, graph.InitialPose(pose));
+  state.points = graph.MeasuredMap(state.poses);
+  const double before_m = RmsError(state, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 0, 23), 0.3 * before_m);
+  for (const int pose : {5, 17}) EXPECT_LT(RmsError(state, scene.poses, pose, pose), 5e-4) << pose;
 }
 
 TEST(ReducedSolveTest, ALongLoopClosureBendsTheHall) {
@@ -337,17 +336,18 @@ TEST(ReducedSolveTest, ALongLoopClosureBendsTheHall) {
                   .AddRelativePose({160, 0, Between(scene.poses[160], scene.poses[0]),
                                     Eigen::Vector3d(1e-6, 1e-6, 1e-8).asDiagonal()})
                   .ok());
+  MapState state = graph.InitialState();
   for (int i = 0; i < 161; ++i) {
     const double share = i / 160.0;
-    graph.poses()[3 * i + 1] += 0.1 * share * share;
-    graph.poses()[3 * i + 2] += 0.2 * share / 80.0;
+    state.poses[3 * i + 1] += 0.1 * share * share;
+    state.poses[3 * i + 2] += 0.2 * share / 80.0;
   }
-  graph.ResetPointsFromPoses();
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 160, 160), 0.01);
+  state.points = graph.MeasuredMap(state.poses);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 160, 160), 0.01);
   for (int i = 0; i < 161; ++i) {
-    EXPECT_NEAR(graph.WorldFromRobot(i).y, 0.0, 0.02) << i;
-    EXPECT_NEAR(graph.WorldFromRobot(i).yaw, 0.0, 2e-3) << i;
+    EXPECT_NEAR(state.WorldFromRobot(i).y, 0.0, 0.02) << i;
+    EXPECT_NEAR(state.WorldFromRobot(i).yaw, 0.0, 2e-3) << i;
   }
 }
 
@@ -365,20 +365,22 @@ TEST(ReducedSolveTest, HugeCoordinatesLoseNothing) {
     ASSERT_TRUE(graph.AddScan(i, 0, std::vector<double>(first, first + 180)).ok());
   }
   AddChain(truth, 0, 23, &graph);
-  DisturbPoses(0.02, &graph);
-  const double before_m = RmsError(graph, truth, 0, 23);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, truth, 0, 23), 0.4 * before_m);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const double before_m = RmsError(state, truth, 0, 23);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, truth, 0, 23), 0.4 * before_m);
 }
 
 TEST(ReducedSolveTest, PosesBeyondAllMeasureDoNoHarm) {
   SyntheticScene scene = ClosedRoom(6);
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 5, &graph);
-  graph.poses()[3 * 4] = 9e7;
-  graph.poses()[3 * 5 + 1] = -9e7;
-  graph.ResetPointsFromPoses();
-  SolveSoundly(Reduced(), &graph);
+  MapState state = graph.InitialState();
+  state.poses[3 * 4] = 9e7;
+  state.poses[3 * 5 + 1] = -9e7;
+  state.points = graph.MeasuredMap(state.poses);
+  SolveSoundly(Reduced(), graph, &state);
 }
 
 TEST(ReducedSolveTest, HalfAndFullCirclesWork) {
@@ -388,10 +390,11 @@ TEST(ReducedSolveTest, HalfAndFullCirclesWork) {
     scene.laser.bearing_step_rad = view_rad / 180;
     SlamGraph graph = MakeGraph(scene);
     AddChain(scene.poses, 0, 29, &graph);
-    DisturbPoses(0.02, &graph);
-    const double before_m = RmsError(graph, scene.poses, 0, 29);
-    SolveSoundly(Reduced(), &graph);
-    EXPECT_LT(RmsError(graph, scene.poses, 0, 29), 0.4 * before_m) << view_rad;
+    MapState state = graph.InitialState();
+    DisturbPoses(0.02, graph, &state);
+    const double before_m = RmsError(state, scene.poses, 0, 29);
+    SolveSoundly(Reduced(), graph, &state);
+    EXPECT_LT(RmsError(state, scene.poses, 0, 29), 0.4 * before_m) << view_rad;
   }
 }
 
@@ -402,18 +405,19 @@ TEST(ReducedSolveTest, AClockwiseLaserMountedUpsideDownWorks) {
   scene.laser.robot_from_laser = {-0.4, 0.2, -2.5};
   SlamGraph graph = MakeGraph(scene);
   AddChain(scene.poses, 0, 23, &graph);
-  DisturbPoses(0.02, &graph);
-  const double before_m = RmsError(graph, scene.poses, 0, 23);
-  SolveSoundly(Reduced(), &graph);
-  EXPECT_LT(RmsError(graph, scene.poses, 0, 23), 0.4 * before_m);
+  MapState state = graph.InitialState();
+  DisturbPoses(0.02, graph, &state);
+  const double before_m = RmsError(state, scene.poses, 0, 23);
+  SolveSoundly(Reduced(), graph, &state);
+  EXPECT_LT(RmsError(state, scene.poses, 0, 23), 0.4 * before_m);
 }
 
 TEST(ReducedSolveTest, PolishingDoesNotRaiseTheEnergy) {
   NoisyRoom plain = DisturbedRoom(), polished = DisturbedRoom();
   SolverOptions options = Reduced();
-  const SolverSummary without = SolveSoundly(options, &plain.graph);
+  const SolverSummary without = SolveSoundly(options, plain.graph, &plain.state);
   options.reduced.polish_sweeps = 3;
-  const SolverSummary with = SolveSoundly(options, &polished.graph);
+  const SolverSummary with = SolveSoundly(options, polished.graph, &polished.state);
   EXPECT_LE(with.final_marginal_energy, without.final_marginal_energy);
   EXPECT_GT(with.iterations.size(), without.iterations.size());
   EXPECT_EQ(with.iterations.back().phase, "scans");
@@ -422,8 +426,8 @@ TEST(ReducedSolveTest, PolishingDoesNotRaiseTheEnergy) {
 TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {
   for (const double bad : {kNaN, kInfinity}) {
     NoisyRoom room = DisturbedRoom();
-    room.graph.poses()[3 * 7 + 1] = bad;
-    const SolverSummary summary = Solve(Reduced(), &room.graph);
+    room.state.poses[3 * 7 + 1] = bad;
+    const SolverSummary summary = Solve(Reduced(), room.graph, &room.state);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
     EXPECT_THAT(summary.message, HasSubstr("pose 7"));
   }
@@ -432,7 +436,7 @@ TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {
 TEST(ReducedSolveTest, FromAnySeedTheEnergyDoesNotRise) {
   for (const double sigma : {0.0, 0.005, 0.1, 0.5, 3.0}) {
     NoisyRoom room = DisturbedRoom(16, sigma);
-    SolveSoundly(Reduced(), &room.graph);
+    SolveSoundly(Reduced(), room.graph, &room.state);
   }
 }
 

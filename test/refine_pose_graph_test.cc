@@ -35,45 +35,50 @@ SlamGraph SquareDrive() {
 }
 
 TEST(RefinePoseGraph, StartsWhereTheEdgesFitBetterAndPointsFollow) {
-  SlamGraph graph = SquareDrive();
-  const std::vector<double> true_points = graph.points();
-  for (int i = 1; i < 4; ++i) graph.SetPose(i, Pose2(-3.0 * i, 2.0, 2.0));
-  const PoseGraphSummary summary = RefinePoseGraph(&graph);
+  const SlamGraph graph = SquareDrive();
+  const MapState truth = graph.InitialState();
+  MapState state = truth;
+  for (int i = 1; i < 4; ++i) state.SetPose(i, Pose2(-3.0 * i, 2.0, 2.0));
+  const PoseGraphSummary summary = RefinePoseGraph(graph, &state);
   EXPECT_EQ(summary.start, PoseGraphStart::kChordal);
   EXPECT_GT(summary.given_chi2, 100.0);
   ASSERT_TRUE(summary.chordal_chi2.has_value());
   EXPECT_LT(*summary.chordal_chi2, 1e-12);
   EXPECT_LT(summary.final_chi2, 1e-12);
   EXPECT_TRUE(summary.optimization.converged);
-  for (std::size_t i = 0; i < true_points.size(); ++i) {
-    EXPECT_NEAR(graph.points()[i], true_points[i], 1e-6);
+  for (std::size_t i = 0; i < truth.points.size(); ++i) {
+    EXPECT_NEAR(state.points[i], truth.points[i], 1e-6);
   }
   EXPECT_THAT(summary.BriefReport(), AllOf(HasSubstr("4 poses, 4 edges"), HasSubstr("chordal")));
 }
 
 TEST(RefinePoseGraph, FixedPosesStayWhereTheyWereFixed) {
   SlamGraph graph = SquareDrive();
-  graph.SetPose(2, Pose2(1.2, 1.0, -kPi));
+  const Pose2 fixed(1.2, 1.0, -kPi);
   ASSERT_TRUE(graph.FixPose(0).ok());
-  ASSERT_TRUE(graph.FixPose(2).ok());
-  graph.SetPose(0, Pose2(8.0, 8.0, 8.0));
-  const PoseGraphSummary summary = RefinePoseGraph(&graph);
-  EXPECT_EQ(graph.WorldFromRobot(0).x, 0.0);
-  EXPECT_EQ(graph.WorldFromRobot(2).x, 1.2);
-  EXPECT_GT(graph.WorldFromRobot(1).x, 1.05);  // shares the error
+  ASSERT_TRUE(graph.FixPose(2, fixed).ok());
+  MapState state = graph.InitialState();
+  state.SetPose(2, fixed);
+  state.SetPose(0, Pose2(8.0, 8.0, 8.0));
+  const PoseGraphSummary summary = RefinePoseGraph(graph, &state);
+  EXPECT_EQ(state.WorldFromRobot(0).x, 0.0);
+  EXPECT_EQ(state.WorldFromRobot(2).x, 1.2);
+  EXPECT_GT(state.WorldFromRobot(1).x, 1.05);  // shares the error
   EXPECT_GT(summary.final_chi2, 0.1);
   EXPECT_LT(summary.final_chi2, summary.given_chi2);
 }
 
 TEST(RefinePoseGraph, WithoutEdgesThePosesStay) {
   SlamGraph graph;
-  RefinePoseGraph(&graph);
+  MapState state;
+  RefinePoseGraph(graph, &state);
   int id = 0;
   ASSERT_TRUE(graph.AddPose({1.0, 2.0, 3.0}, 0.0, &id).ok());
   ASSERT_TRUE(graph.AddPose({4.0, 5.0, 6.0}, 0.0, &id).ok());
-  const PoseGraphSummary summary = RefinePoseGraph(&graph);
+  graph.ExtendState(&state);
+  const PoseGraphSummary summary = RefinePoseGraph(graph, &state);
   EXPECT_FALSE(summary.chordal_chi2.has_value());
-  EXPECT_EQ(graph.WorldFromRobot(1).y, 5.0);
+  EXPECT_EQ(state.WorldFromRobot(1).y, 5.0);
 }
 
 // Optima that Gauss-Newton reaches from the files' own poses or the chordal start, from the latter
@@ -88,7 +93,8 @@ class RefinePoseGraphDataset : public testing::Test {
   void ExpectOptimum(const std::string& name, double chi2) {
     const Status status = ReadPoseGraphFile(DatasetsFolder() + "/" + name, &file_);
     ASSERT_TRUE(status.ok()) << status.message();
-    const PoseGraphSummary summary = RefinePoseGraph(&file_.graph);
+    MapState state = file_.graph.InitialState();
+    const PoseGraphSummary summary = RefinePoseGraph(file_.graph, &state);
     EXPECT_NEAR(summary.final_chi2, chi2, 1e-6 * chi2) << summary.BriefReport();
     EXPECT_TRUE(summary.optimization.converged);
     EXPECT_LT(summary.optimization.iterations, 20);

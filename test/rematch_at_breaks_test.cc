@@ -16,7 +16,7 @@ constexpr int kSoundPose = 42;
 // A lap of radius 1 m round the room, 10 cm a step, carried on ahead of pose 20. All key scans have
 // been put right; from there to where the path is sound again the other poses are not.
 struct RepairedLap {
-  SlamGraph graph;  // true poses
+  SlamGraph graph;  // initial guesses at the true poses
   std::vector<SurfacePoints> surfaces;
   KeyGraph keys;
   std::vector<Pose2> odometry;
@@ -78,8 +78,8 @@ TEST(RematchAtBreaks, MendsThePosesNextToABreakAndNoOthers) {
   Break(kBrokenEdge, kFirstAfter, &lap);
   const std::vector<Pose2> poses = Rematched(lap);
   for (int pose = 0; pose <= 60; ++pose) {
-    EXPECT_LT(DistanceM(poses[pose], lap.graph.WorldFromRobot(pose)), 0.01) << pose;
-    EXPECT_NEAR(poses[pose].yaw, lap.graph.WorldFromRobot(pose).yaw, 0.01) << pose;
+    EXPECT_LT(DistanceM(poses[pose], lap.graph.InitialPose(pose)), 0.01) << pose;
+    EXPECT_NEAR(poses[pose].yaw, lap.graph.InitialPose(pose).yaw, 0.01) << pose;
     if (pose > 18 && pose < kSoundPose) continue;
     EXPECT_TRUE(SamePose(poses[pose], lap.world_from_robot[pose])) << pose;
   }
@@ -110,11 +110,11 @@ TEST(RematchAtBreaks, TheNextBreakEndsWhatWasSpoilt) {
   Break(kBrokenEdge, kFirstAfter, &lap);
   // From pose 27 to pose 30: between the breaks only the key scan at pose 27 is sound.
   Break(9, 29, &lap);
-  lap.world_from_robot[27] = lap.graph.WorldFromRobot(27);
+  lap.world_from_robot[27] = lap.graph.InitialPose(27);
   const std::vector<Pose2> poses = Rematched(lap);
   EXPECT_TRUE(SamePose(poses[27], lap.world_from_robot[27]));
   for (int pose = 0; pose <= 60; ++pose) {
-    EXPECT_LT(DistanceM(poses[pose], lap.graph.WorldFromRobot(pose)), 0.01) << pose;
+    EXPECT_LT(DistanceM(poses[pose], lap.graph.InitialPose(pose)), 0.01) << pose;
   }
 }
 
@@ -122,7 +122,7 @@ TEST(RematchAtBreaks, WhatOneBreakSpoiltIsNoMapForTheNext) {
   RepairedLap lap = MakeRepairedLap();
   Break(kBrokenEdge, kFirstAfter, &lap);
   Break(9, 29, &lap);
-  lap.world_from_robot[27] = lap.graph.WorldFromRobot(27);
+  lap.world_from_robot[27] = lap.graph.InitialPose(27);
   const std::vector<Pose2> expected = Rematched(lap);
   // The key scans at poses 21 and 24, between the two breaks, are a metre off.
   for (const int k : {7, 8})

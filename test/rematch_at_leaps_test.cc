@@ -12,12 +12,12 @@ namespace {
 
 // Across the room, by default 8 cm a step; every third scan is a key scan.
 struct Crossing {
-  SlamGraph graph;  // true poses
+  SlamGraph graph;  // initial guesses at the true poses
   std::vector<SurfacePoints> surfaces;
   KeyGraph keys;
   std::vector<Pose2> odometry, poses;
 
-  double ErrorM(int pose) const { return DistanceM(poses[pose], graph.WorldFromRobot(pose)); }
+  double ErrorM(int pose) const { return DistanceM(poses[pose], graph.InitialPose(pose)); }
   void Rematch(int num_threads) {
     ThreadPool pool(num_threads);
     RematchAtLeaps(graph, surfaces, keys, odometry, MotionOptions(), &pool, &poses);

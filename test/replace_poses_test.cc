@@ -26,6 +26,7 @@ class ReplacePosesTest : public testing::Test {
       EXPECT_TRUE(graph_.AddPose(Pose2(), time_s, &pose).ok());
       EXPECT_TRUE(graph_.AddScan(pose, laser_id, {2.0}).ok());
     }
+    state_ = graph_.InitialState();
   }
   // Poses at these times, one after the other on the x axis, from 1 m on.
   Status Replace(const std::vector<std::string>& times) {
@@ -35,18 +36,17 @@ class ReplacePosesTest : public testing::Test {
       text += time + ' ' + std::to_string(++x) + " 0 0 0 0 0 1\n";
     }
     WriteFile(path_, text);
-    return ReplacePoses(path_, &graph_);
+    return ReplacePoses(path_, graph_, &state_);
   }
   std::vector<double> Places() const {
     std::vector<double> places;
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      places.push_back(graph_.WorldFromRobot(pose).x);
-    }
+    for (const Pose2& pose : PosesOf(state_.poses)) places.push_back(pose.x);
     return places;
   }
 
   const std::string path_ = TempFolder() + "a.tum";
   SlamGraph graph_;
+  MapState state_;
 };
 
 TEST_F(ReplacePosesTest, TakesThePoseOfTheSameTime) {
@@ -55,7 +55,7 @@ TEST_F(ReplacePosesTest, TakesThePoseOfTheSameTime) {
       Replace({"1000000000.0", "1000000000.5004", "1000000001.5", "1000000002.4995", "1000000009"})
           .ok());
   EXPECT_THAT(Places(), ElementsAre(4.0, 2.0, 3.0));
-  EXPECT_THAT(graph_.points(), ElementsAre(6.0, 0.0, 4.0, 0.0, 5.0, 0.0));
+  EXPECT_THAT(state_.points, ElementsAre(6.0, 0.0, 4.0, 0.0, 5.0, 0.0));
 }
 
 TEST_F(ReplacePosesTest, ScansOfOneTimeKeepTheirOwnPoses) {
@@ -86,7 +86,7 @@ TEST_F(ReplacePosesTest, NamesTheFirstPoseWithoutOne) {
 
 TEST_F(ReplacePosesTest, ATrajectoryThatCannotBeRead) {
   MakeGraph({1.0});
-  EXPECT_EQ(ReplacePoses(path_, &graph_).code(), StatusCode::kNotFound);
+  EXPECT_EQ(ReplacePoses(path_, graph_, &state_).code(), StatusCode::kNotFound);
   EXPECT_THAT(Replace({"soon"}).message(), HasSubstr("a.tum:1: field 't'"));
   EXPECT_THAT(Replace({}).message(), HasSubstr("no pose"));
 }

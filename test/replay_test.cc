@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/simulation/building_generator.h"
@@ -27,6 +28,7 @@ SolverOptions Solver(int num_threads) {
 // A drive through a simulated building that comes back to where it was, and its seed.
 struct SeededDrive {
   SlamGraph graph;
+  MapState seed;
   SeedingReport report;
   std::vector<Pose2> truth;
 };
@@ -42,8 +44,9 @@ const SeededDrive& Drive() {
     for (const SimulatedScan& scan : log.scans) result->truth.push_back(scan.world_from_robot);
     ThreadPool pool(1);
     const Status status = SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(result->graph), {},
-                                    &pool, &result->graph, &result->report);
+                                    &pool, result->graph, &result->seed, &result->report);
     EXPECT_TRUE(status.ok()) << status.message();
+    result->graph = std::move(result->graph).Corrected(result->report.corrections);
     return result;
   }();
   return *drive;
@@ -59,8 +62,8 @@ ReplayOptions SmallBatches() {
 const Replay& Replayed() {
   static const Replay* replay = [] {
     auto* result = new Replay;
-    const Status status =
-        RunReplay(Solver(1), SmallBatches(), Drive().graph, Drive().report, {}, result);
+    const Status status = RunReplay(Solver(1), SmallBatches(), Drive().graph, Drive().seed,
+                                    Drive().report, {}, result);
     EXPECT_TRUE(status.ok()) << status.message();
     return result;
   }();
@@ -110,7 +113,7 @@ TEST(ReplayTest, AClosureThatIsNewsMovesEverything) {
   Replay replay;
   std::vector<ReplayedSolve> seen;
   ASSERT_TRUE(RunReplay(
-                  Solver(1), options, Drive().graph, Drive().report,
+                  Solver(1), options, Drive().graph, Drive().seed, Drive().report,
                   [&](const ReplayStep& step) { seen.push_back(step.solve); }, &replay)
                   .ok());
   EXPECT_THAT(seen, testing::Contains(ReplayedSolve::kLoops));
@@ -121,7 +124,8 @@ TEST(ReplayTest, AClosureThatIsNewsMovesEverything) {
 TEST(ReplayTest, TheResultDoesNotDependOnTheNumberOfThreads) {
   Replay replay;
   ASSERT_TRUE(
-      RunReplay(Solver(3), SmallBatches(), Drive().graph, Drive().report, {}, &replay).ok());
+      RunReplay(Solver(3), SmallBatches(), Drive().graph, Drive().seed, Drive().report, {}, &replay)
+          .ok());
   const Replay& other = Replayed();
   for (std::size_t i = 0; i < replay.world_from_robot.size(); ++i) {
     ASSERT_EQ(replay.world_from_robot[i].x, other.world_from_robot[i].x);
@@ -135,7 +139,8 @@ TEST(ReplayTest, BadInputIsNamed) {
   Replay replay;
   const auto message = [&](const ReplayOptions& options, const SlamGraph& graph,
                            const SeedingReport& report, int num_threads = 1) {
-    const Status status = RunReplay(Solver(num_threads), options, graph, report, {}, &replay);
+    const Status status =
+        RunReplay(Solver(num_threads), options, graph, Drive().seed, report, {}, &replay);
     EXPECT_FALSE(status.ok());
     return status.message();
   };

@@ -49,15 +49,15 @@ INSTANTIATE_TEST_SUITE_P(JointSolvers, ResidualsOf,
 
 TEST_P(ResidualsOf, AddUpToTheCostsOfTheSummary) {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.02, &room.graph);
+  DisturbPoses(0.02, room.graph, &room.state);
   SolverOptions options;
   options.type = GetParam();
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   ASSERT_TRUE(summary.rounds.empty() || summary.rounds.back().kept);
   Residuals residuals;
-  ASSERT_TRUE(EvaluateResiduals(options, room.graph, &residuals).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());
   ASSERT_EQ(residuals.odometry.size(), room.graph.odometry().size());
   ASSERT_EQ(residuals.relative_poses.size(), room.graph.relative_poses().size());
   ASSERT_EQ(residuals.beams.size(), room.graph.num_returns());
@@ -82,16 +82,16 @@ TEST(ResidualsTest, SurfacesGoByTheLinesOfTheSolver) {
   options.association.max_eigenvalue_ratio = 0.1;
   options.type = SolverType::kAlternatingCg;  // no patches: lines from radii alone
   Residuals residuals;
-  ASSERT_TRUE(EvaluateResiduals(options, room.graph, &residuals).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());
   ThreadPool pool(1);
   const MeasuredSurface surface =
       MeasureSurface(room.graph, NormalOptionsFor(options.factors.beam), &pool);
   Associations associations;
-  associations.lines =
-      LinesFromRadius(room.graph, surface, options.association, FineRadius(options), &pool);
+  associations.lines = LinesFromRadius(room.graph, room.state.poses, surface, options.association,
+                                       FineRadius(options), &pool);
   TermCosts costs;
   const Energy energy(room.graph, associations, options.factors, &pool);
-  ASSERT_TRUE(energy.Evaluate(room.graph.poses(), room.graph.points(), &costs));
+  ASSERT_TRUE(energy.Evaluate(room.state.poses, room.state.points, &costs));
   EXPECT_NEAR(RobustCost(residuals.surfaces, options.factors.manifold), costs[Term::kManifold],
               1e-9 * costs[Term::kManifold]);
   EXPECT_EQ(Count(residuals.surfaces), associations.CountLines());
@@ -104,7 +104,7 @@ TEST(ResidualsTest, AWrongClosureStandsOut) {
   wrong.covariance = 1e-4 * Eigen::Matrix3d::Identity();
   ASSERT_TRUE(room.graph.AddRelativePose(wrong).ok());
   Residuals residuals;
-  ASSERT_TRUE(EvaluateResiduals(SolverOptions(), room.graph, &residuals).ok());
+  ASSERT_TRUE(EvaluateResiduals(SolverOptions(), room.graph, room.state, &residuals).ok());
   ASSERT_EQ(residuals.relative_poses.size(), 3u);
   EXPECT_LT(residuals.relative_poses[0].squaredNorm(), 16.3);
   EXPECT_LT(residuals.relative_poses[1].squaredNorm(), 16.3);
@@ -117,16 +117,17 @@ TEST(ResidualsTest, BeamsAreWhitenedRangesAndBearings) {
   NoisyRoom room = MakeNoisyRoom();
   SolverOptions options;
   const std::size_t r = 100;
-  const Pose2 world_from_laser = room.graph.WorldFromLaser(room.graph.returns().scan[r]);
+  const Pose2 world_from_laser =
+      room.graph.WorldFromLaser(room.graph.returns().scan[r], room.state.poses);
   // Three sigmas too far, two to the left.
   const Eigen::Vector2d moved =
       world_from_laser *
       BeamEnd(room.graph.returns().range_m[r] + 3.0 * options.factors.beam.sigma_range_m,
               room.graph.returns().bearing_rad[r] + 2.0 * options.factors.beam.sigma_bearing_rad);
-  room.graph.points()[2 * r] = moved.x();
-  room.graph.points()[2 * r + 1] = moved.y();
+  room.state.points[2 * r] = moved.x();
+  room.state.points[2 * r + 1] = moved.y();
   Residuals residuals;
-  ASSERT_TRUE(EvaluateResiduals(options, room.graph, &residuals).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());
   EXPECT_NEAR(residuals.beams[r].x(), 3.0, 1e-9);
   EXPECT_NEAR(residuals.beams[r].y(), 2.0, 1e-9);
   EXPECT_NEAR(residuals.beams[r + 1].norm(), 0.0, 1e-9);
@@ -137,9 +138,9 @@ TEST(ResidualsTest, TheNumberOfThreadsDoesNotMatter) {
   SolverOptions options;
   Residuals one, many;
   options.num_threads = 1;
-  ASSERT_TRUE(EvaluateResiduals(options, room.graph, &one).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &one).ok());
   options.num_threads = 3;
-  ASSERT_TRUE(EvaluateResiduals(options, room.graph, &many).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &many).ok());
   EXPECT_EQ(one.odometry, many.odometry);
   EXPECT_EQ(one.beams, many.beams);
   for (std::size_t r = 0; r < one.surfaces.size(); ++r) {
@@ -157,7 +158,7 @@ TEST(ResidualsTest, APoseGraphWithoutReturnsHasEdgesOnly) {
   SolverOptions options;
   options.type = SolverType::kPoseGraph;
   Residuals residuals;
-  ASSERT_TRUE(EvaluateResiduals(options, graph, &residuals).ok());
+  ASSERT_TRUE(EvaluateResiduals(options, graph, graph.InitialState(), &residuals).ok());
   ASSERT_EQ(residuals.relative_poses.size(), 1u);
   EXPECT_NEAR(residuals.relative_poses[0].squaredNorm(), 1.0, 1e-12);
   EXPECT_TRUE(residuals.odometry.empty());
@@ -170,16 +171,19 @@ TEST(ResidualsTest, BadInputIsNamedAndChangesNothing) {
   residuals.surfaces = {7.0};
   SolverOptions options;
   options.factors.manifold.sigma_m = 0.0;
-  EXPECT_THAT(EvaluateResiduals(options, room.graph, &residuals).message(),
+  EXPECT_THAT(EvaluateResiduals(options, room.graph, room.state, &residuals).message(),
               HasSubstr("manifold.sigma_m"));
-  const Pose2 laser = room.graph.WorldFromLaser(0);
-  room.graph.points()[10] = laser.x;
-  room.graph.points()[11] = laser.y;
-  EXPECT_THAT(EvaluateResiduals(SolverOptions(), room.graph, &residuals).message(),
+  const Pose2 laser = room.graph.WorldFromLaser(0, room.state.poses);
+  room.state.points[10] = laser.x;
+  room.state.points[11] = laser.y;
+  EXPECT_THAT(EvaluateResiduals(SolverOptions(), room.graph, room.state, &residuals).message(),
               HasSubstr("point 5 "));
-  room.graph.points()[10] = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(EvaluateResiduals(SolverOptions(), room.graph, &residuals).message(),
+  room.state.points[10] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(EvaluateResiduals(SolverOptions(), room.graph, room.state, &residuals).message(),
               HasSubstr("point 5 "));
+  room.state.points.pop_back();
+  EXPECT_THAT(EvaluateResiduals(SolverOptions(), room.graph, room.state, &residuals).message(),
+              HasSubstr("but the state has 36 and"));
   EXPECT_EQ(residuals.surfaces, std::vector<double>{7.0});
 }
 

@@ -86,7 +86,7 @@ class RosRecordingTest : public testing::Test {
     ASSERT_EQ(graph_.num_poses(), 3);
     const double ahead_m[] = {0.0, 0.2, 0.35};
     for (int i = 0; i < 3; ++i) {
-      const Pose2 pose = graph_.WorldFromRobot(i);
+      const Pose2 pose = graph_.InitialPose(i);
       EXPECT_NEAR(pose.x, ahead_m[i], 1e-9);
       EXPECT_NEAR(pose.y, 0.0, 1e-9);
       EXPECT_NEAR(pose.yaw, 0.0, 1e-9);
@@ -262,7 +262,7 @@ TEST_F(RosRecordingTest, AClockMayJumpAhead) {
   recording_.scans.push_back(Scan(5000.1));
   Build();
   ASSERT_EQ(graph_.num_poses(), 4);
-  EXPECT_NEAR(graph_.WorldFromRobot(3).x, 0.65, 1e-9);
+  EXPECT_NEAR(graph_.InitialPose(3).x, 0.65, 1e-9);
 }
 
 TEST_F(RosRecordingTest, WithoutOdometryTheFramesAreNamed) {

@@ -335,7 +335,7 @@ class RosbagDriveTest : public RosbagReaderTest {
     const Pose2& start = log_.scans[0].odom_from_robot;
     for (int i = 0; i < kNumScans; ++i) {
       const Pose2 expected = Between(start, log_.scans[i].odom_from_robot);
-      const Pose2 off = Between(expected, graph.WorldFromRobot(i));
+      const Pose2 off = Between(expected, graph.InitialPose(i));
       EXPECT_LT(std::hypot(off.x, off.y) + std::abs(off.yaw), 1e-9) << i;
       EXPECT_EQ(graph.timestamp_s(i), ros::Time(Stamp(i)).toSec());
     }

@@ -20,13 +20,14 @@ using testing::HasSubstr;
 
 class RunOutputsTest : public testing::Test {
  protected:
-  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.graph.poses()) {
+  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.state.poses) {
     options_.picture_side_px = 300;
     options_.map_resolution_m = 0.1;
   }
 
   Status Write(const std::string& folder, const MapConsistency* consistency, int num_threads) {
-    const RefinedMap map{&room_.graph, &poses_before_, "seed", consistency, nullptr, &warning_};
+    const RefinedMap map{&room_.graph, &room_.state, &poses_before_, "seed",
+                         consistency,  nullptr,      &warning_};
     const OutputFolder output(folder_ + folder);
     EXPECT_TRUE(output.Make().ok());
     ThreadPool pool(num_threads);

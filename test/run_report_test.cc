@@ -15,12 +15,12 @@ TEST(RunReportTest, SumsUpARun) {
   summary.num_returns = 1000000;
   summary.num_skipped_records = 2;
   summary.read_time_s = 0.5;
-  summary.seeding.loops.num_closures = 3;
-  summary.seeding.loops.matches.resize(4);
-  for (LoopClosureRecord& match : summary.seeding.loops.matches) {
+  summary.mapping.seeding.loops.num_closures = 3;
+  summary.mapping.seeding.loops.matches.resize(4);
+  for (LoopClosureRecord& match : summary.mapping.seeding.loops.matches) {
     match.verdict = ClosureVerdict::kAccepted;
   }
-  summary.seeding.loops.matches[0].verdict = ClosureVerdict::kLowOverlap;
+  summary.mapping.seeding.loops.matches[0].verdict = ClosureVerdict::kLowOverlap;
   const HtmlReport report = MakeRunReport(summary);
   EXPECT_EQ(report.title, "a.clf.gz");
   EXPECT_EQ(report.subtitle, "1,234 scans, 1,000,000 returns, 2 records skipped");

@@ -20,31 +20,31 @@ RunSummary MakeSummary() {
   summary.num_scans = 150;
   summary.num_returns = 54000;
   summary.num_skipped_records = 2;
-  summary.seeding.sequential.num_key_scans = 7;
-  summary.seeding.sequential.odometry_sign.sign_lost = true;
-  summary.seeding.loops.num_closures = 3;
-  summary.seeding.loops.matches.resize(4);
-  summary.seeding.loops.matches[3].verdict = ClosureVerdict::kAmbiguous;
-  DoubtfulStep& doubt = summary.seeding.loops.doubts.emplace_back();
+  summary.mapping.seeding.sequential.num_key_scans = 7;
+  summary.mapping.seeding.sequential.odometry_sign.sign_lost = true;
+  summary.mapping.seeding.loops.num_closures = 3;
+  summary.mapping.seeding.loops.matches.resize(4);
+  summary.mapping.seeding.loops.matches[3].verdict = ClosureVerdict::kAmbiguous;
+  DoubtfulStep& doubt = summary.mapping.seeding.loops.doubts.emplace_back();
   doubt.first_pose_after = 5;
   doubt.evidence = 0.75;
   doubt.broken = true;
   doubt.turned_rad = 0.25;
   doubt.num_closures_across = 2;
-  summary.seeding.odometry_noise.rotation_scale = {0.03, 0.004};
-  summary.seeding.odometry_noise.rotation = {true, 20, 0.0, 0.125};
-  summary.seeding.consistency.between_passes = {200, 50};
-  summary.refined_consistency.within_pass = {400, 20};
-  summary.refined_consistency.num_pairs_within = 6;
-  summary.solver.solver = "alternating_cg";
-  summary.solver.termination = TerminationType::kConverged;
-  summary.solver.message = "said \"enough\"";
-  summary.solver.final_marginal_energy = 0.1 + 0.2;
-  summary.solver.rounds.resize(2);
-  summary.solver.rounds[1].num_lines = 11;
-  summary.solver.iterations.resize(3);
-  summary.solver.iterations[2].phase = "poses";
-  summary.solver.terms[0].count = 1;
+  summary.mapping.seeding.odometry_noise.rotation_scale = {0.03, 0.004};
+  summary.mapping.seeding.odometry_noise.rotation = {true, 20, 0.0, 0.125};
+  summary.mapping.seeding.consistency.between_passes = {200, 50};
+  summary.mapping.consistency.within_pass = {400, 20};
+  summary.mapping.consistency.num_pairs_within = 6;
+  summary.mapping.solver.solver = "alternating_cg";
+  summary.mapping.solver.termination = TerminationType::kConverged;
+  summary.mapping.solver.message = "said \"enough\"";
+  summary.mapping.solver.final_marginal_energy = 0.1 + 0.2;
+  summary.mapping.solver.rounds.resize(2);
+  summary.mapping.solver.rounds[1].num_lines = 11;
+  summary.mapping.solver.iterations.resize(3);
+  summary.mapping.solver.iterations[2].phase = "poses";
+  summary.mapping.solver.terms[0].count = 1;
   summary.stages.resize(2);
   summary.stages[0].name = "odometry";
   summary.stages[1].name = "seed";
@@ -115,13 +115,13 @@ TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
   EXPECT_EQ(refined["worst_over_explicable"], 1.0);
   EXPECT_EQ(refined["contradictory"], false);
 
-  summary.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps"}};
+  summary.mapping.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps"}};
   json = WriteAndRead(summary);
   EXPECT_EQ(json["alarm"], true);
   EXPECT_EQ(json["alarm_reasons"],
             Json::parse(R"([{"scan": 7, "time_s": 1.5, "x_m": 2.0, "y_m": -3.0,
                              "reason": "it leaps"}])"));
-  summary.alarms[0].place.scan.reset();
+  summary.mapping.alarms[0].place.scan.reset();
   EXPECT_TRUE(WriteAndRead(summary)["alarm_reasons"][0]["scan"].is_null());
 }
 

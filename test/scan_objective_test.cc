@@ -14,9 +14,9 @@ using Vector = std::vector<double>;
 
 struct Fixture {
   Fixture() {
-    DisturbPoses(0.02, &room.graph);
-    DisturbPoints(0.005, &room.graph);
-    associations = AssociationsOf(room.graph);
+    DisturbPoses(0.02, room.graph, &room.state);
+    DisturbPoints(0.005, &room.state);
+    associations = AssociationsOf(room.graph, room.state);
   }
 
   NoisyRoom room = MakeNoisyRoom();
@@ -45,19 +45,20 @@ double Dot(const Vector& a, const Vector& b) {
 
 TEST(ScanObjectiveTest, PointsStayWhereTheirRobotSeesThem) {
   Fixture f;
-  SlamGraph& graph = f.room.graph;
+  const SlamGraph& graph = f.room.graph;
+  const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);
-  ScanObjective objective(energy, &graph);
-  objective.AttachPoints();
+  ScanObjective objective(energy);
+  objective.AttachPoints(state);
   Vector placed;
-  objective.PlacePoints(graph.poses(), &placed);
-  for (std::size_t i = 0; i < placed.size(); ++i) EXPECT_NEAR(placed[i], graph.points()[i], 1e-14);
+  objective.PlacePoints(state.poses, &placed);
+  for (std::size_t i = 0; i < placed.size(); ++i) EXPECT_NEAR(placed[i], state.points[i], 1e-14);
 
-  const Vector moved = Plus(graph.poses(), RandomVector(graph.poses().size(), 1.0), 1.0);
+  const Vector moved = Plus(state.poses, RandomVector(state.poses.size(), 1.0), 1.0);
   objective.PlacePoints(moved, &placed);
   for (std::size_t r = 0; r < graph.num_returns(); ++r) {
     const int pose = graph.scan(graph.returns().scan[r]).pose;
-    const Eigen::Vector2d before = graph.WorldFromRobot(pose).Inverse() * MapPoint(graph, r);
+    const Eigen::Vector2d before = state.WorldFromRobot(pose).Inverse() * MapPoint(state, r);
     const Eigen::Vector2d after =
         Pose2(&moved[3 * pose]).Inverse() * Eigen::Vector2d(placed[2 * r], placed[2 * r + 1]);
     EXPECT_NEAR((after - before).norm(), 0.0, 1e-12);
@@ -66,15 +67,16 @@ TEST(ScanObjectiveTest, PointsStayWhereTheirRobotSeesThem) {
 
 TEST(ScanObjectiveTest, CostIsTheJointEnergyOfThePlacedPoints) {
   Fixture f;
-  SlamGraph& graph = f.room.graph;
+  const SlamGraph& graph = f.room.graph;
+  const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);
-  ScanObjective objective(energy, &graph);
-  objective.AttachPoints();
+  ScanObjective objective(energy);
+  objective.AttachPoints(state);
   double cost = 0.0;
   Vector gradient, placed;
-  ASSERT_TRUE(objective.Start(graph.poses(), &cost, &gradient));
-  const Vector moved = Plus(graph.poses(), RandomVector(graph.poses().size(), 0.05), 1.0);
-  for (const Vector& x : {graph.poses(), moved}) {
+  ASSERT_TRUE(objective.Start(state.poses, &cost, &gradient));
+  const Vector moved = Plus(state.poses, RandomVector(state.poses.size(), 0.05), 1.0);
+  for (const Vector& x : {state.poses, moved}) {
     ASSERT_TRUE(objective.Evaluate(x, &cost, &gradient));
     objective.PlacePoints(x, &placed);
     TermCosts costs;
@@ -87,19 +89,21 @@ TEST(ScanObjectiveTest, GradientAgreesWithDifferences) {
   Fixture f;
   // A second scan on a pose adds to the same entries.
   ASSERT_TRUE(f.room.graph.AddScan(3, 0, Vector(180, 1.1)).ok());
-  f.associations = AssociationsOf(f.room.graph);
+  f.room.graph.ExtendState(&f.room.state);
+  f.associations = AssociationsOf(f.room.graph, f.room.state);
   const SlamGraph& graph = f.room.graph;
+  const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);
-  ScanObjective objective(energy, &graph);
-  objective.AttachPoints();
+  ScanObjective objective(energy);
+  objective.AttachPoints(state);
   double cost = 0.0;
   Vector gradient, ignored;
-  ASSERT_TRUE(objective.Start(graph.poses(), &cost, &gradient));
-  ASSERT_EQ(gradient.size(), graph.poses().size());
+  ASSERT_TRUE(objective.Start(state.poses, &cost, &gradient));
+  ASSERT_EQ(gradient.size(), state.poses.size());
   double norm = std::sqrt(Dot(gradient, gradient));
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     constexpr double kStep = 1e-6;
-    Vector x = graph.poses();
+    Vector x = state.poses;
     double ahead = 0.0, behind = 0.0;
     x[i] += kStep;
     ASSERT_TRUE(objective.Evaluate(x, &ahead, &ignored));
@@ -115,12 +119,13 @@ TEST(ScanObjectiveTest, PreconditionerIsTheDiagonalOfTheCurvature) {
   Fixture f;
   f.factors.shape.enabled = false;
   const SlamGraph& graph = f.room.graph;
+  const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);
-  ScanObjective objective(energy, &graph);
-  objective.AttachPoints();
+  ScanObjective objective(energy);
+  objective.AttachPoints(state);
   double cost = 0.0;
   Vector gradient;
-  const Vector& x = graph.poses();
+  const Vector& x = state.poses;
   ASSERT_TRUE(objective.Start(x, &cost, &gradient));
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     // H of the block by polarisation, then P^-1 H = 1.
@@ -145,21 +150,22 @@ TEST(ScanObjectiveTest, PreconditionerIsTheDiagonalOfTheCurvature) {
 TEST(ScanObjectiveTest, CurvatureIsThatOfTheEnergyAlongTheMotion) {
   Fixture f;
   const SlamGraph& graph = f.room.graph;
+  const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);
-  ScanObjective objective(energy, &graph);
-  objective.AttachPoints();
+  ScanObjective objective(energy);
+  objective.AttachPoints(state);
   double cost = 0.0;
   Vector gradient;
-  ASSERT_TRUE(objective.Start(graph.poses(), &cost, &gradient));
-  const Vector d = RandomVector(graph.poses().size(), 1.0);
+  ASSERT_TRUE(objective.Start(state.poses, &cost, &gradient));
+  const Vector d = RandomVector(state.poses.size(), 1.0);
   // How the points move, by differences. The beam terms feel nothing of it.
   Vector ahead, behind;
   constexpr double kStep = 1e-6;
-  objective.PlacePoints(Plus(graph.poses(), d, kStep), &ahead);
-  objective.PlacePoints(Plus(graph.poses(), d, -kStep), &behind);
+  objective.PlacePoints(Plus(state.poses, d, kStep), &ahead);
+  objective.PlacePoints(Plus(state.poses, d, -kStep), &behind);
   for (std::size_t i = 0; i < ahead.size(); ++i) ahead[i] = (ahead[i] - behind[i]) / (2.0 * kStep);
-  const double expected = energy.Curvature(graph.poses(), graph.points(), &d, &ahead);
-  EXPECT_NEAR(objective.Curvature(graph.poses(), d), expected, 1e-6 * expected);
+  const double expected = energy.Curvature(state.poses, state.points, &d, &ahead);
+  EXPECT_NEAR(objective.Curvature(state.poses, d), expected, 1e-6 * expected);
 }
 
 }  // namespace

@@ -48,12 +48,14 @@ void AddDriftingOdometry(SlamGraph* graph) {
       graph);
 }
 
-SlamGraph Seeded(SlamGraph graph, int num_threads, SeedingReport* report) {
+MapState Seeded(const SlamGraph& graph, int num_threads, SeedingReport* report) {
   ThreadPool pool(num_threads);
   SeedingOptions options;
+  MapState state;
   EXPECT_TRUE(
-      SeedGraph(options, MotionOptions(), NormalsOf(graph), nullptr, &pool, &graph, report).ok());
-  return graph;
+      SeedGraph(options, MotionOptions(), NormalsOf(graph), nullptr, &pool, graph, &state, report)
+          .ok());
+  return state;
 }
 
 TEST(Seed, ClosesALoopThatDriftedOpen) {
@@ -62,24 +64,24 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   AddDriftingOdometry(&odometry);
   // Back at the start, the sequential matching alone is off by what it could not see.
   const int back = 260;
-  ASSERT_LT(DistanceM(truth.WorldFromRobot(back), truth.WorldFromRobot(0)), 0.5);
+  ASSERT_LT(DistanceM(truth.InitialPose(back), truth.InitialPose(0)), 0.5);
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport sequential;
   ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), odometry,
                                SurfacesOf(odometry), nullptr, &pool, &trajectory, &sequential)
                   .ok());
-  EXPECT_GT(DistanceM(truth.WorldFromRobot(back), trajectory.world_from_robot[back]), 0.2);
+  EXPECT_GT(DistanceM(truth.InitialPose(back), trajectory.world_from_robot[back]), 0.2);
 
   SeedingReport report;
-  const SlamGraph seeded = Seeded(odometry, 2, &report);
+  const MapState seeded = Seeded(odometry, 2, &report);
   EXPECT_GT(report.loops.num_closures, 5);
-  EXPECT_LT(DistanceM(truth.WorldFromRobot(back), seeded.WorldFromRobot(back)), 0.02);
+  EXPECT_LT(DistanceM(truth.InitialPose(back), seeded.WorldFromRobot(back)), 0.02);
 
   // The pose graph that it reports leads from the sequential poses to the seed.
   std::vector<Pose2> poses = report.sequential_poses;
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(seeded.num_poses()));
-  EXPECT_GT(DistanceM(truth.WorldFromRobot(back), poses[back]), 0.2);
+  EXPECT_GT(DistanceM(truth.InitialPose(back), poses[back]), 0.2);
   ASSERT_EQ(report.pose_graph.size(), poses.size() - 1 + report.loops.num_closures);
   OptimizePoseGraph(report.pose_graph, {}, &poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -91,10 +93,9 @@ TEST(Seed, IsTheSameForAnyNumberOfThreads) {
   SlamGraph odometry = LapRoundABlock();
   AddDriftingOdometry(&odometry);
   SeedingReport report;
-  const SlamGraph one = Seeded(odometry, 1, &report);
-  const SlamGraph three = Seeded(odometry, 3, &report);
-  EXPECT_EQ(one.poses(), three.poses());
-  EXPECT_EQ(one.points(), three.points());
+  const MapState one = Seeded(odometry, 1, &report);
+  const MapState three = Seeded(odometry, 3, &report);
+  EXPECT_EQ(one, three);
 }
 
 TEST(Seed, PutsPointsWhereThePosesSay) {
@@ -103,25 +104,45 @@ TEST(Seed, PutsPointsWhereThePosesSay) {
   SlamGraph graph = MakeGraph(scene);
   AddOdometry([](const Pose2&) { return Pose2(); }, &graph);
   SeedingReport report;
-  const SlamGraph seeded = Seeded(graph, 1, &report);
-  const std::size_t last = seeded.num_returns() - 1;
-  const Eigen::Vector2d expected = seeded.WorldFromRobot(1) * seeded.PointInRobot(last);
+  const MapState seeded = Seeded(graph, 1, &report);
+  const std::size_t last = graph.num_returns() - 1;
+  const Eigen::Vector2d expected = seeded.WorldFromRobot(1) * graph.PointInRobot(last);
   EXPECT_NEAR((MapPoint(seeded, last) - expected).norm(), 0.0, 1e-9);
   EXPECT_NEAR(seeded.WorldFromRobot(1).x, 0.1, 0.01);
 }
 
-TEST(Seed, FailsWithoutOdometryAndLeavesTheGraphAsItWas) {
+TEST(Seed, ReportsTheOdometryWithItsLostSigns) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i <= 30; ++i) {
+    const double angle = 0.1 * i;
+    scene.poses.emplace_back(std::cos(angle), std::sin(angle), angle + 0.5 * kPi);
+  }
+  for (int i = 0; i < 12; ++i) scene.poses.push_back(scene.poses[29 - i]);
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2& s) { return s.x < 0.0 ? Pose2(-s.x, -s.y, s.yaw) : s; }, &graph);
+  SeedingReport report;
+  Seeded(graph, 1, &report);
+  ASSERT_EQ(report.corrections.odometry.size(), graph.odometry().size());
+  const SlamGraph corrected = graph.Corrected(report.corrections);
+  for (std::size_t i = 0; i < graph.odometry().size(); ++i) {
+    EXPECT_GT(graph.odometry()[i].from_from_to.x, 0.0) << i;
+    EXPECT_EQ(corrected.odometry()[i].from_from_to.x < 0.0, i >= 30) << i;
+  }
+}
+
+TEST(Seed, FailsWithoutOdometryAndLeavesTheStateAsItWas) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  SlamGraph graph = MakeGraph(scene);
-  const std::vector<double> before = graph.poses();
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
   ThreadPool pool(1);
   SeedingReport report;
-  EXPECT_EQ(SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(graph), nullptr, &pool, &graph,
-                      &report)
+  EXPECT_EQ(SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(graph), nullptr, &pool, graph,
+                      &state, &report)
                 .code(),
             StatusCode::kInvalidArgument);
-  EXPECT_EQ(graph.poses(), before);
+  EXPECT_EQ(state, graph.InitialState());
 }
 
 TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
@@ -130,12 +151,14 @@ TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
   SlamGraph graph = MakeGraph(scene);
   AddOdometry([](const Pose2& step) { return step; }, &graph);
   ThreadPool pool(1);
+  MapState state;
   SeedingReport report;
   SeedingOptions options;
   MotionOptions motion;
   std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
   const auto expect_failure = [&](const std::string& culprit) {
-    const Status status = SeedGraph(options, motion, normals, nullptr, &pool, &graph, &report);
+    const Status status =
+        SeedGraph(options, motion, normals, nullptr, &pool, graph, &state, &report);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_NE(status.message().find(culprit), std::string::npos) << status.message();
   };

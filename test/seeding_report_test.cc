@@ -32,7 +32,8 @@ SeedingReport MakeReport() {
 }
 
 std::string Text(const SeedingReport& report, int num_scans = 5) {
-  return SeedingText(report, MakeScans(num_scans));
+  const SlamGraph graph = MakeScans(num_scans);
+  return SeedingText(report, graph, graph.initial_poses());
 }
 
 TEST(SeedingTextTest, ADriveWithoutAnythingSpecial) {

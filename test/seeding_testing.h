@@ -32,7 +32,7 @@ inline SyntheticScene Room() {
 /// Adds odometry from each pose to the next: the true motion, passed through `distort`.
 inline void AddOdometry(const std::function<Pose2(const Pose2&)>& distort, SlamGraph* graph) {
   for (int pose = 1; pose < graph->num_poses(); ++pose) {
-    const Pose2 step = Between(graph->WorldFromRobot(pose - 1), graph->WorldFromRobot(pose));
+    const Pose2 step = Between(graph->InitialPose(pose - 1), graph->InitialPose(pose));
     ASSERT_TRUE(graph->AddOdometry({pose - 1, pose, distort(step)}).ok());
   }
 }

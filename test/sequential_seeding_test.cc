@@ -32,7 +32,7 @@ double WorstM(const SlamGraph& truth, const SequentialTrajectory& trajectory) {
   double worst_m = 0.0;
   for (int pose = 0; pose < truth.num_poses(); ++pose) {
     worst_m =
-        std::max(worst_m, DistanceM(truth.WorldFromRobot(pose), trajectory.world_from_robot[pose]));
+        std::max(worst_m, DistanceM(truth.InitialPose(pose), trajectory.world_from_robot[pose]));
   }
   return worst_m;
 }

@@ -16,7 +16,7 @@ constexpr TangentLine kNoLine{0.0, 0.0, 0.0};
 
 std::vector<ShapePair> PairsOf(const SlamGraph& graph, int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return FindShapePairs(graph, NormalsOf(graph),
+  return FindShapePairs(graph, graph.InitialState().points, NormalsOf(graph),
                         std::vector<TangentLine>(graph.num_returns(), kNoLine),
                         AssociationOptions(), &pool);
 }
@@ -51,13 +51,14 @@ const Face kWall{{1.5, -2.0}, {1.5, 2.0}};
 TEST(ShapePairsTest, AStraightWallIsParallelToItself) {
   for (const SyntheticScene& scene : {Scene({kWall}), Clockwise(Scene({kWall}))}) {
     const SlamGraph graph = MakeGraph(scene);
+    const MapState state = graph.InitialState();
     const std::vector<ShapePair> pairs = PairsOf(graph);
     EXPECT_GE(pairs.size(), 14u);
     EXPECT_LE(pairs.size(), 18u);
     EXPECT_EQ(Count(pairs, ShapeCategory::k0), static_cast<int>(pairs.size()));
     for (const ShapePair& pair : pairs) {
-      const Eigen::Vector2d previous = MapPoint(graph, pair.previous);
-      const Eigen::Vector2d current = MapPoint(graph, pair.current);
+      const Eigen::Vector2d previous = MapPoint(state, pair.previous);
+      const Eigen::Vector2d current = MapPoint(state, pair.current);
       EXPECT_GE((previous - current).norm(), 0.2);
       EXPECT_LE((previous - current).norm(), 0.24);
       EXPECT_NEAR((pair.adjacent_normal - SegmentNormal(previous, current)).norm(), 0.0, 1e-9);
@@ -113,13 +114,14 @@ TEST(ShapePairsTest, WallsAtThirtyDegreesAreNotTiedTogether) {
   const Eigen::Vector2d bend(2.0, 0.5);
   const Eigen::Vector2d end = bend + 2.0 * Eigen::Vector2d(-0.5, std::sqrt(0.75));
   const SlamGraph graph = MakeGraph(Scene({{{2.0, -1.5}, bend}, {bend, end}}));
+  const MapState state = graph.InitialState();
   const std::vector<ShapePair> pairs = PairsOf(graph);
   EXPECT_GE(pairs.size(), 12u);
   EXPECT_EQ(Count(pairs, ShapeCategory::k0), static_cast<int>(pairs.size()));
   bool below = false, above = false;
   for (const ShapePair& pair : pairs) {
     const double turn_rad = std::atan2(pair.adjacent_normal.y(), pair.adjacent_normal.x());
-    const bool is_above = MapPoint(graph, pair.previous).y() > bend.y();
+    const bool is_above = MapPoint(state, pair.previous).y() > bend.y();
     // The region across the bend itself may lean either way, its neighbours by no more than 10 deg.
     EXPECT_LE(std::abs(turn_rad - (is_above ? DegToRad(30.0) : 0.0)), DegToRad(11.0));
     (is_above ? above : below) = true;
@@ -151,9 +153,9 @@ TEST(ShapePairsTest, TheAdjacentNormalIsThatOfTheTangentLine) {
   // Lines turned by 2 deg and of the other sign: the wall's segment normals point to +x.
   const TangentLine line{-std::cos(DegToRad(2.0)), -std::sin(DegToRad(2.0)), -1.5};
   ThreadPool pool(1);
-  const std::vector<ShapePair> pairs =
-      FindShapePairs(graph, normals, std::vector<TangentLine>(graph.num_returns(), line),
-                     AssociationOptions(), &pool);
+  const std::vector<ShapePair> pairs = FindShapePairs(
+      graph, graph.InitialState().points, normals,
+      std::vector<TangentLine>(graph.num_returns(), line), AssociationOptions(), &pool);
   ASSERT_GE(pairs.size(), 14u);
   for (const ShapePair& pair : pairs) {
     EXPECT_EQ(pair.category, ShapeCategory::k0);

@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace plumbline {
 namespace {
@@ -34,9 +37,17 @@ class SlamGraphTest : public testing::Test {
     ASSERT_TRUE(graph_.AddPose(Pose2(1.0, 5.0, kPi), 11.0, &second_).ok());
   }
 
-  void ExpectPoint(std::size_t r, double x, double y) const {
-    EXPECT_NEAR(graph_.points()[2 * r], x, 1e-12) << "return " << r;
-    EXPECT_NEAR(graph_.points()[2 * r + 1], y, 1e-12) << "return " << r;
+  static void ExpectPoint(const std::vector<double>& points, std::size_t r, double x, double y) {
+    EXPECT_NEAR(points[2 * r], x, 1e-12) << "return " << r;
+    EXPECT_NEAR(points[2 * r + 1], y, 1e-12) << "return " << r;
+  }
+
+  void ExpectFixed(std::size_t i, int pose, const Pose2& world_from_robot) const {
+    const FixedPose& fixed = graph_.fixed_poses()[i];
+    EXPECT_EQ(fixed.pose, pose);
+    EXPECT_EQ(fixed.world_from_robot.x, world_from_robot.x);
+    EXPECT_EQ(fixed.world_from_robot.y, world_from_robot.y);
+    EXPECT_EQ(fixed.world_from_robot.yaw, world_from_robot.yaw);
   }
 
   static void ExpectInvalid(const Status& status, const std::string& message) {
@@ -54,11 +65,11 @@ TEST_F(SlamGraphTest, IdsCountUpFromZero) {
   EXPECT_EQ(second_, 1);
   EXPECT_EQ(graph_.num_poses(), 2);
   EXPECT_EQ(graph_.timestamp_s(1), 11.0);
-  EXPECT_EQ(graph_.WorldFromRobot(0).y, 2.0);
-  EXPECT_THAT(graph_.poses(), ElementsAre(1.0, 2.0, 0.5 * kPi, 1.0, 5.0, kPi));
+  EXPECT_EQ(graph_.InitialPose(0).y, 2.0);
+  EXPECT_THAT(graph_.initial_poses(), ElementsAre(1.0, 2.0, 0.5 * kPi, 1.0, 5.0, kPi));
 }
 
-TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByThePose) {
+TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByTheInitialGuess) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, kInfinity, 2.0}).ok());
   ASSERT_TRUE(graph_.AddScan(second_, laser_, {std::nan(""), 3.0, 10.0}).ok());
 
@@ -72,12 +83,14 @@ TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByThePose) {
   EXPECT_THAT(graph_.returns().beam, ElementsAre(0, 2, 1));
   EXPECT_THAT(graph_.returns().scan, ElementsAre(0, 0, 1));
 
-  ASSERT_EQ(graph_.points().size(), 6u);
-  ExpectPoint(0, 2.0, 2.5);   // Laser at (1, 2.5), its right is +x.
-  ExpectPoint(1, -1.0, 2.5);  // Its left is -x.
-  ExpectPoint(2, -2.5, 5.0);  // Laser at (0.5, 5), it looks along -x.
+  const MapState state = graph_.InitialState();
+  EXPECT_EQ(state.poses, graph_.initial_poses());
+  ASSERT_EQ(state.points.size(), 6u);
+  ExpectPoint(state.points, 0, 2.0, 2.5);   // Laser at (1, 2.5), its right is +x.
+  ExpectPoint(state.points, 1, -1.0, 2.5);  // Its left is -x.
+  ExpectPoint(state.points, 2, -2.5, 5.0);  // Laser at (0.5, 5), it looks along -x.
   EXPECT_TRUE(graph_.PointInRobot(1).isApprox(Eigen::Vector2d(0.5, 2.0)));
-  EXPECT_NEAR(graph_.WorldFromLaser(0).y, 2.5, 1e-12);
+  EXPECT_NEAR(graph_.WorldFromLaser(0, state.poses).y, 2.5, 1e-12);
 }
 
 TEST_F(SlamGraphTest, PointsOfASweepAreThoseOfItsRanges) {
@@ -90,13 +103,14 @@ TEST_F(SlamGraphTest, PointsOfASweepAreThoseOfItsRanges) {
                      {{0.5, 2.0}, {none, 1.0}, {0.5, -1.0}, {0.5, 0.0}, {far, 0.0}, {3.5, 0.0}})
           .ok());
   ASSERT_EQ(graph_.num_returns(), 6u);
+  const std::vector<double> points = graph_.InitialState().points;
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(graph_.returns().range_m[3 + k], graph_.returns().range_m[k], 1e-12);
     EXPECT_NEAR(graph_.returns().bearing_rad[3 + k], graph_.returns().bearing_rad[k], 1e-12);
     EXPECT_EQ(graph_.returns().beam[3 + k], graph_.returns().beam[k]);
     EXPECT_EQ(graph_.returns().scan[3 + k], 1);
     EXPECT_TRUE(graph_.PointInRobot(3 + k).isApprox(graph_.PointInRobot(k)));
-    EXPECT_NEAR(graph_.points()[6 + 2 * k], graph_.points()[2 * k], 1e-12);
+    EXPECT_NEAR(points[6 + 2 * k], points[2 * k], 1e-12);
   }
 }
 
@@ -125,16 +139,48 @@ TEST_F(SlamGraphTest, AScanWithoutReturnsIsAScan) {
   EXPECT_EQ(graph_.scan(0).num_returns, 0u);
 }
 
-TEST_F(SlamGraphTest, PointsFollowThePosesOnlyWhenAsked) {
+TEST_F(SlamGraphTest, TheMeasuredMapIsSeenFromThePosesAskedFor) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 4.0, kInfinity}).ok());
-  graph_.SetPose(first_, Pose2(0.0, 0.0, 0.0));
-  ExpectPoint(0, 2.0, 2.5);
-  const std::vector<double> measured = graph_.MeasuredMap(graph_.poses());
-  ExpectPoint(0, 2.0, 2.5);
-  graph_.ResetPointsFromPoses();
-  ExpectPoint(0, 0.5, -1.0);
-  ExpectPoint(1, 4.5, 0.0);
-  EXPECT_EQ(graph_.points(), measured);
+  MapState state = graph_.InitialState();
+  EXPECT_EQ(graph_.MeasuredMap(state.poses), state.points);
+  state.SetPose(first_, Pose2(0.0, 0.0, 0.0));
+  ExpectPoint(state.points, 0, 2.0, 2.5);
+  const std::vector<double> measured = graph_.MeasuredMap(state.poses);
+  ExpectPoint(measured, 0, 0.5, -1.0);
+  ExpectPoint(measured, 1, 4.5, 0.0);
+  EXPECT_NEAR(graph_.WorldFromLaser(0, state.poses).x, 0.5, 1e-12);
+}
+
+TEST_F(SlamGraphTest, AStateIsExtendedByWhatTheGraphHasMore) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 4.0, kInfinity}).ok());
+  MapState state = graph_.InitialState();
+  state.SetPose(first_, Pose2(0.0, 0.0, 0.0));
+  state.points[0] = 7.0;
+  int third = 0;
+  ASSERT_TRUE(graph_.AddPose(Pose2(3.0, 4.0, 0.0), 12.0, &third).ok());
+  ASSERT_TRUE(graph_.AddScan(third, laser_, {kInfinity, 2.0, kInfinity}).ok());
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {kInfinity, 3.0, kInfinity}).ok());
+  graph_.ExtendState(&state);
+  EXPECT_THAT(state.poses, ElementsAre(0.0, 0.0, 0.0, 1.0, 5.0, kPi, 3.0, 4.0, 0.0));
+  ASSERT_EQ(state.points.size(), 8u);
+  // What was there stays.
+  EXPECT_EQ(state.points[0], 7.0);
+  ExpectPoint(state.points, 1, 1.0, 6.5);
+  // What is new is seen from the initial guess of its pose, or from where the state has it.
+  ExpectPoint(state.points, 2, 5.5, 4.0);
+  ExpectPoint(state.points, 3, 3.5, 0.0);
+}
+
+TEST_F(SlamGraphTest, ExtendingStartsFromNothingAndEndsWithNothingToDo) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 4.0, kInfinity}).ok());
+  MapState state;
+  graph_.ExtendState(&state);
+  EXPECT_EQ(state, graph_.InitialState());
+  state.SetPose(second_, Pose2(7.0, 8.0, 9.0));
+  const MapState before = state;
+  graph_.ExtendState(&state);
+  EXPECT_EQ(state, before);
+  EXPECT_EQ(SlamGraph().InitialState(), MapState());
 }
 
 TEST_F(SlamGraphTest, BadInputIsNamedAndChangesNothing) {
@@ -166,7 +212,7 @@ TEST_F(SlamGraphTest, BadInputIsNamedAndChangesNothing) {
   EXPECT_EQ(graph_.num_poses(), 2);
   EXPECT_EQ(graph_.num_scans(), 0);
   EXPECT_EQ(graph_.num_returns(), 0u);
-  EXPECT_TRUE(graph_.points().empty());
+  EXPECT_TRUE(graph_.InitialState().points.empty());
   EXPECT_TRUE(graph_.odometry().empty());
   EXPECT_TRUE(graph_.relative_poses().empty());
 }
@@ -229,24 +275,38 @@ TEST_F(SlamGraphTest, EqualLasersAreOne) {
 
 TEST_F(SlamGraphTest, TheFirstPoseIsFixedUnlessAnotherIsNamed) {
   EXPECT_TRUE(SlamGraph().fixed_poses().empty());
-  graph_.SetPose(first_, Pose2(9.0, 9.0, 9.0));
   ASSERT_EQ(graph_.fixed_poses().size(), 1u);
-  EXPECT_EQ(graph_.fixed_poses()[0].pose, first_);
-  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 2.0);  // as it was added
+  ExpectFixed(0, first_, Pose2(1.0, 2.0, 0.5 * kPi));
 
   ASSERT_TRUE(graph_.FixPose(second_).ok());
-  graph_.SetPose(second_, Pose2(7.0, 7.0, 7.0));
   ASSERT_EQ(graph_.fixed_poses().size(), 1u);
-  EXPECT_EQ(graph_.fixed_poses()[0].pose, second_);
-  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 5.0);  // as it was fixed
+  ExpectFixed(0, second_, Pose2(1.0, 5.0, kPi));
 
   ASSERT_TRUE(graph_.FixPose(first_).ok());
-  ASSERT_TRUE(graph_.FixPose(second_).ok());
   ASSERT_EQ(graph_.fixed_poses().size(), 2u);
-  EXPECT_EQ(graph_.fixed_poses()[0].world_from_robot.y, 7.0);
-  EXPECT_EQ(graph_.fixed_poses()[1].world_from_robot.y, 9.0);
+  ExpectFixed(0, second_, Pose2(1.0, 5.0, kPi));
+  ExpectFixed(1, first_, Pose2(1.0, 2.0, 0.5 * kPi));
   ExpectInvalid(graph_.FixPose(2), "fixed pose: no pose with id 2");
   ExpectInvalid(graph_.FixPose(-1), "fixed pose: no pose with id -1");
+}
+
+TEST_F(SlamGraphTest, APoseCanBeFixedElsewhereThanAtItsGuess) {
+  ASSERT_TRUE(graph_.FixPose(second_, Pose2(7.0, 8.0, 9.0)).ok());
+  ASSERT_TRUE(graph_.FixPose(first_).ok());
+  ExpectFixed(0, second_, Pose2(7.0, 8.0, 9.0));
+  EXPECT_EQ(graph_.InitialPose(second_).y, 5.0);
+  // The last word counts, and keeps the place in the list.
+  ASSERT_TRUE(graph_.FixPose(second_, Pose2(3.0, 4.0, 5.0)).ok());
+  ASSERT_EQ(graph_.fixed_poses().size(), 2u);
+  ExpectFixed(0, second_, Pose2(3.0, 4.0, 5.0));
+  ASSERT_TRUE(graph_.FixPose(second_).ok());
+  ExpectFixed(0, second_, Pose2(1.0, 5.0, kPi));
+
+  ExpectInvalid(graph_.FixPose(2, Pose2()), "fixed pose: no pose with id 2");
+  ExpectInvalid(graph_.FixPose(second_, Pose2(kInfinity, 0.0, 0.0)), "fixed pose 1: coordinates");
+  ExpectInvalid(graph_.FixPose(second_, Pose2(0.0, 1e8, 0.0)), "fixed pose 1: coordinates");
+  ASSERT_EQ(graph_.fixed_poses().size(), 2u);
+  ExpectFixed(0, second_, Pose2(1.0, 5.0, kPi));
 }
 
 TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
@@ -262,6 +322,7 @@ TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
   ExpectInvalid(other.AddScanOf(graph_, -1, pose), "the other graph has no scan with id -1");
   ASSERT_EQ(other.num_scans(), 2);
   ASSERT_EQ(other.num_returns(), 6u);
+  const std::vector<double> points = other.InitialState().points;
   EXPECT_EQ(other.LaserOfScan(1), ThreeBeamLaser());
   for (std::size_t r = 0; r < 6; ++r) {
     const std::size_t from = graph_.scan(1).first_return + r % 3;
@@ -270,31 +331,47 @@ TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
     EXPECT_EQ(other.returns().beam[r], graph_.returns().beam[from]);
     EXPECT_EQ(other.returns().scan[r], static_cast<int>(r / 3));
     const Eigen::Vector2d expected = Pose2(7.0, 8.0, 0.0) * other.PointInRobot(r);
-    EXPECT_NEAR(other.points()[2 * r], expected.x(), 1e-12);
-    EXPECT_NEAR(other.points()[2 * r + 1], expected.y(), 1e-12);
+    ExpectPoint(points, r, expected.x(), expected.y());
   }
 }
 
 TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
-  graph_.SetOdometryMotion(0, Pose2(-1.0, 0.0, 0.0));
-  EXPECT_EQ(graph_.odometry()[0].from_from_to.x, -1.0);
-  EXPECT_EQ(graph_.odometry()[0].to, 1);
+  const SlamGraph corrected = graph_.Corrected({{Pose2(-1.0, 0.0, 0.0)}, {}, {}});
+  EXPECT_EQ(corrected.odometry()[0].from_from_to.x, -1.0);
+  EXPECT_EQ(corrected.odometry()[0].to, 1);
+  EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 1.0);
 }
 
 TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
-  graph_.SetMounting(laser_, Pose2(0.0, 0.0, 0.0));
-  graph_.SetRange(1, 3.0);
-  graph_.ResetPointsFromPoses();
-  ExpectPoint(0, 2.0, 2.0);
-  ExpectPoint(1, 1.0, 5.0);
+  const SlamGraph corrected = graph_.Corrected({{}, {Pose2(0.0, 0.0, 0.0)}, {1.0, 3.0}});
+  const std::vector<double> points = corrected.InitialState().points;
+  ExpectPoint(points, 0, 2.0, 2.0);
+  ExpectPoint(points, 1, 1.0, 5.0);
+  EXPECT_EQ(graph_.laser(laser_).robot_from_laser.x, 0.5);
+  EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0));
   // A return stays one.
-  graph_.SetRange(0, -1.0);
-  EXPECT_EQ(graph_.returns().range_m[0], graph_.laser(laser_).min_range_m);
-  graph_.SetRange(0, 100.0);
-  EXPECT_TRUE(graph_.laser(laser_).IsReturn(graph_.returns().range_m[0]));
-  EXPECT_NEAR(graph_.returns().range_m[0], 10.0, 1e-12);
+  const SlamGraph clamped = graph_.Corrected({{}, {}, {-1.0, 100.0}});
+  EXPECT_EQ(clamped.returns().range_m[0], clamped.laser(laser_).min_range_m);
+  EXPECT_TRUE(clamped.laser(laser_).IsReturn(clamped.returns().range_m[1]));
+  EXPECT_NEAR(clamped.returns().range_m[1], 10.0, 1e-12);
+}
+
+TEST_F(SlamGraphTest, WhatIsNotCorrectedStaysAsItIs) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
+  ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
+  ASSERT_TRUE(graph_.FixPose(second_).ok());
+  const MapState state = graph_.InitialState();
+  const SlamGraph same = graph_.Corrected({});
+  EXPECT_EQ(same.InitialState(), state);
+  EXPECT_EQ(same.odometry()[0].from_from_to.x, 1.0);
+  EXPECT_EQ(same.fixed_poses()[0].pose, second_);
+  EXPECT_EQ(same.timestamp_s(second_), 11.0);
+  // In place.
+  graph_ = std::move(graph_).Corrected({{Pose2(2.0, 0.0, 0.0)}, {}, {}});
+  EXPECT_EQ(graph_.InitialState(), state);
+  EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 2.0);
 }
 
 }  // namespace

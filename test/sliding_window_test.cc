@@ -30,12 +30,12 @@ NoisyRoom LongDrive() {
 
 // Moves some poses by the same amount [m] and [rad] to one side and then to the other, and their
 // points with them.
-void Displace(const std::vector<int>& poses, double amount, SlamGraph* graph) {
+void Displace(const std::vector<int>& poses, double amount, NoisyRoom* room) {
   for (const int pose : poses) {
     const double by = pose % 2 == 0 ? amount : -amount;
-    graph->SetPose(pose, graph->WorldFromRobot(pose) * Pose2(by, -by, by));
+    room->state.SetPose(pose, room->state.WorldFromRobot(pose) * Pose2(by, -by, by));
   }
-  graph->ResetPointsFromPoses();
+  room->state.points = room->graph.MeasuredMap(room->state.poses);
 }
 
 std::vector<int> Range(int first, int end) {
@@ -47,7 +47,7 @@ std::vector<int> Range(int first, int end) {
 double WorstError(const NoisyRoom& room, const std::vector<int>& poses) {
   double worst_m = 0.0;
   for (const int pose : poses) {
-    worst_m = std::max(worst_m, DistanceM(room.graph.WorldFromRobot(pose), room.truth[pose]));
+    worst_m = std::max(worst_m, DistanceM(room.state.WorldFromRobot(pose), room.truth[pose]));
   }
   return worst_m;
 }
@@ -67,19 +67,19 @@ WindowOptions Newest(int num_free_poses) {
 }
 
 // All but `free_poses` and their points are the same bits.
-void ExpectOthersUntouched(const SlamGraph& before, const SlamGraph& after,
+void ExpectOthersUntouched(const MapState& before, const NoisyRoom& after,
                            const std::vector<int>& free_poses) {
   std::vector<char> is_free(before.num_poses());
   for (const int pose : free_poses) is_free[pose] = true;
-  for (std::size_t i = 0; i < before.poses().size(); ++i) {
+  for (std::size_t i = 0; i < before.poses.size(); ++i) {
     if (!is_free[i / 3]) {
-      EXPECT_EQ(before.poses()[i], after.poses()[i]) << "pose " << i / 3;
+      EXPECT_EQ(before.poses[i], after.state.poses[i]) << "pose " << i / 3;
     }
   }
-  for (std::size_t i = 0; i < before.points().size(); ++i) {
-    const int pose = before.scan(before.returns().scan[i / 2]).pose;
+  for (std::size_t i = 0; i < before.points.size(); ++i) {
+    const int pose = after.graph.scan(after.graph.returns().scan[i / 2]).pose;
     if (!is_free[pose]) {
-      ASSERT_EQ(before.points()[i], after.points()[i]) << "a point of " << pose;
+      ASSERT_EQ(before.points[i], after.state.points[i]) << "a point of " << pose;
     }
   }
 }
@@ -87,29 +87,30 @@ void ExpectOthersUntouched(const SlamGraph& before, const SlamGraph& after,
 TEST(SlidingWindowTest, TheNewestPosesFindTheirPlaceAndOlderOnesStay) {
   NoisyRoom room = LongDrive();
   const std::vector<int> newest = Range(16, kNumPoses);
-  Displace(newest, 0.05, &room.graph);
-  const SlamGraph before = room.graph;
-  const SolverSummary summary = SolveWindow(Options(), Newest(8), &room.graph);
+  Displace(newest, 0.05, &room);
+  const MapState before = room.state;
+  const SolverSummary summary = SolveWindow(Options(), Newest(8), room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_LT(summary.verdict.final_energy, summary.verdict.seed_energy);
-  EXPECT_GT(WorstError({before, room.truth}, newest), 0.06);
+  EXPECT_GT(WorstError({room.graph, room.truth, before}, newest), 0.06);
   EXPECT_LT(WorstError(room, newest), 0.01);
-  EXPECT_NE(room.graph.points().back(), before.points().back());
-  ExpectOthersUntouched(before, room.graph, newest);
+  EXPECT_NE(room.state.points.back(), before.points.back());
+  ExpectOthersUntouched(before, room, newest);
 }
 
 // The energy of the whole map falls, too.
 TEST(SlidingWindowTest, AWindowImprovesTheWholeMap) {
   NoisyRoom room = LongDrive();
-  Displace(Range(16, kNumPoses), 0.02, &room.graph);
-  const SlamGraph before = room.graph;
-  ASSERT_TRUE(SolveWindow(Options(), Newest(8), &room.graph).IsSolutionUsable());
+  Displace(Range(16, kNumPoses), 0.02, &room);
+  const MapState before = room.state;
+  ASSERT_TRUE(SolveWindow(Options(), Newest(8), room.graph, &room.state).IsSolutionUsable());
   ThreadPool pool(1);
   const FactorOptions factors;
-  const SurfacePatches cut = CutIntoPatches(before, SurfaceOf(before),
+  const MeasuredSurface surface = SurfaceOf(room.graph);
+  const SurfacePatches cut = CutIntoPatches(room.graph, before.poses, surface,
                                             PatchOptionsFor(factors, AssociationOptions()), &pool);
-  const std::vector<double> energies = PatchEnergies(before, SurfaceOf(before), factors, cut,
-                                                     {&before.poses(), &room.graph.poses()}, &pool);
+  const std::vector<double> energies =
+      PatchEnergies(room.graph, surface, factors, cut, {&before.poses, &room.state.poses}, &pool);
   EXPECT_LT(energies[1], 0.7 * energies[0]);
 }
 
@@ -118,26 +119,27 @@ TEST(SlidingWindowTest, AnySetOfPosesCanBeSolvedFor) {
        {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres}) {
     NoisyRoom room = LongDrive();
     const std::vector<int> changed = {17, 4, 5};  // in any order
-    Displace(changed, 0.03, &room.graph);
-    const SlamGraph before = room.graph;
-    const SolverSummary summary = SolvePoses(Options(type), WindowOptions(), changed, &room.graph);
+    Displace(changed, 0.03, &room);
+    const MapState before = room.state;
+    const SolverSummary summary =
+        SolvePoses(Options(type), WindowOptions(), changed, room.graph, &room.state);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_LT(WorstError(room, changed), 0.01) << ToString(type);
-    ExpectOthersUntouched(before, room.graph, changed);
+    ExpectOthersUntouched(before, room, changed);
   }
 }
 
 TEST(SlidingWindowTest, AWindowAsLongAsTheGraphIsSolve) {
   for (const SolverType type : {SolverType::kReduced, SolverType::kAlternatingCg}) {
     NoisyRoom room = MakeNoisyRoom();
-    DisturbPoses(0.02, &room.graph);
-    ASSERT_TRUE(room.graph.FixPose(3).ok());
-    room.graph.SetPose(3, room.graph.WorldFromRobot(3) * Pose2(0.01, 0.0, 0.0));
-    SlamGraph whole = room.graph;
-    const SolverSummary expected = Solve(Options(type), &whole);
-    const SolverSummary summary = SolveWindow(Options(type), WindowOptions(), &room.graph);
-    EXPECT_EQ(room.graph.poses(), whole.poses()) << ToString(type);
-    EXPECT_EQ(room.graph.points(), whole.points()) << ToString(type);
+    DisturbPoses(0.02, room.graph, &room.state);
+    ASSERT_TRUE(room.graph.FixPose(3, room.state.WorldFromRobot(3)).ok());
+    room.state.SetPose(3, room.state.WorldFromRobot(3) * Pose2(0.01, 0.0, 0.0));
+    MapState whole = room.state;
+    const SolverSummary expected = Solve(Options(type), room.graph, &whole);
+    const SolverSummary summary =
+        SolveWindow(Options(type), WindowOptions(), room.graph, &room.state);
+    EXPECT_EQ(room.state, whole) << ToString(type);
     EXPECT_EQ(summary.message, expected.message);
     EXPECT_EQ(summary.final_marginal_energy, expected.final_marginal_energy);
   }
@@ -145,30 +147,29 @@ TEST(SlidingWindowTest, AWindowAsLongAsTheGraphIsSolve) {
 
 TEST(SlidingWindowTest, TheResultDoesNotDependOnTheNumberOfThreads) {
   NoisyRoom room = LongDrive();
-  Displace(Range(12, kNumPoses), 0.03, &room.graph);
-  SlamGraph other = room.graph;
-  ASSERT_TRUE(SolveWindow(Options(), Newest(12), &room.graph).IsSolutionUsable());
-  ASSERT_TRUE(SolveWindow(Options(SolverType::kReduced, 3), Newest(12), &other).IsSolutionUsable());
-  EXPECT_EQ(room.graph.poses(), other.poses());
-  EXPECT_EQ(room.graph.points(), other.points());
+  Displace(Range(12, kNumPoses), 0.03, &room);
+  MapState other = room.state;
+  ASSERT_TRUE(SolveWindow(Options(), Newest(12), room.graph, &room.state).IsSolutionUsable());
+  ASSERT_TRUE(SolveWindow(Options(SolverType::kReduced, 3), Newest(12), room.graph, &other)
+                  .IsSolutionUsable());
+  EXPECT_EQ(room.state, other);
 }
 
 TEST(SlidingWindowTest, AWindowAtItsOptimumHardlyMoves) {
   NoisyRoom room = LongDrive();
   double moved_m = 1.0;
   for (int i = 0; i < 20; ++i) {
-    const SlamGraph before = room.graph;
-    const SolverSummary summary = SolveWindow(Options(), Newest(8), &room.graph);
+    const MapState before = room.state;
+    const SolverSummary summary = SolveWindow(Options(), Newest(8), room.graph, &room.state);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_TRUE(summary.verdict.LowersEnergy() ||
                 summary.termination == TerminationType::kNoImprovement);
     if (summary.termination == TerminationType::kNoImprovement) {
-      EXPECT_EQ(room.graph.poses(), before.poses());
-      EXPECT_EQ(room.graph.points(), before.points());
+      EXPECT_EQ(room.state, before);
     }
     moved_m = 0.0;
     for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
-      const Pose2 step = Between(before.WorldFromRobot(pose), room.graph.WorldFromRobot(pose));
+      const Pose2 step = Between(before.WorldFromRobot(pose), room.state.WorldFromRobot(pose));
       moved_m = std::max(moved_m, step.translation().norm());
     }
   }
@@ -177,11 +178,11 @@ TEST(SlidingWindowTest, AWindowAtItsOptimumHardlyMoves) {
 
 TEST(SlidingWindowTest, TheCallbackCanStopIt) {
   NoisyRoom room = LongDrive();
-  Displace(Range(16, kNumPoses), 0.05, &room.graph);
+  Displace(Range(16, kNumPoses), 0.05, &room);
   SolverOptions options = Options();
   int num_calls = 0;
   options.callback = [&](const IterationSummary&) { return ++num_calls < 1; };
-  const SolverSummary summary = SolveWindow(options, Newest(8), &room.graph);
+  const SolverSummary summary = SolveWindow(options, Newest(8), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(num_calls, 1);
 }
@@ -190,7 +191,7 @@ TEST(SlidingWindowTest, AWindowIsNoLargerThanItsOptionsSay) {
   NoisyRoom room = LongDrive();
   WindowOptions window = Newest(5);
   window.max_fixed_poses = 6;
-  const SolverSummary summary = SolveWindow(Options(), window, &room.graph);
+  const SolverSummary summary = SolveWindow(Options(), window, room.graph, &room.state);
   // One fixed pose for the odometry, one for the closure of the last pose to the first.
   EXPECT_LE(summary.num_poses, 5u + 6u + 2u);
   EXPECT_GE(summary.num_poses, 5u + 6u);
@@ -208,12 +209,13 @@ TEST(SlidingWindowTest, ConstraintsOnOlderPosesCount) {
           .ok());
   WindowOptions window = Newest(1);
   window.max_fixed_poses = 0;
-  const SolverSummary summary = SolveWindow(Options(), window, &graph);
+  MapState state = graph.InitialState();
+  const SolverSummary summary = SolveWindow(Options(), window, graph, &state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  EXPECT_NEAR(graph.WorldFromRobot(2).x, 100.2, 1e-6);
-  EXPECT_NEAR(graph.WorldFromRobot(2).y, 0.1, 1e-6);
-  EXPECT_NEAR(graph.points()[1], 0.1, 1e-6);
-  EXPECT_EQ(graph.WorldFromRobot(1).x, 50.0);
+  EXPECT_NEAR(state.WorldFromRobot(2).x, 100.2, 1e-6);
+  EXPECT_NEAR(state.WorldFromRobot(2).y, 0.1, 1e-6);
+  EXPECT_NEAR(state.points[1], 0.1, 1e-6);
+  EXPECT_EQ(state.WorldFromRobot(1).x, 50.0);
 }
 
 TEST(SlidingWindowTest, PosesWithoutScansAndScansWithoutReturnsFollowTheirOdometry) {
@@ -228,10 +230,11 @@ TEST(SlidingWindowTest, PosesWithoutScansAndScansWithoutReturnsFollowTheirOdomet
       ASSERT_TRUE(graph.AddScan(pose, 0, std::vector<double>(180, 1e9)).ok());
     }
   }
-  const SolverSummary summary = SolveWindow(Options(), Newest(2), &graph);
+  graph.ExtendState(&room.state);
+  const SolverSummary summary = SolveWindow(Options(), Newest(2), graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  const Pose2 expected = graph.WorldFromRobot(pose - 2) * step * step;
-  EXPECT_LT(DistanceM(graph.WorldFromRobot(pose), expected), 1e-4);
+  const Pose2 expected = room.state.WorldFromRobot(pose - 2) * step * step;
+  EXPECT_LT(DistanceM(room.state.WorldFromRobot(pose), expected), 1e-4);
 }
 
 TEST(SlidingWindowTest, AnIslandKeepsItsFirstPose) {
@@ -245,27 +248,29 @@ TEST(SlidingWindowTest, AnIslandKeepsItsFirstPose) {
   for (int i = 0; i < 12; ++i) {
     scene.poses.push_back({(i < 6 ? -1.0 : 19.0) + 0.2 * (i % 6), 0.05 * i, 0.1 * i});
   }
-  NoisyRoom room{MakeGraph(scene), scene.poses};
-  Displace({7, 8, 9, 10, 11}, 0.02, &room.graph);
-  const SlamGraph before = room.graph;
-  const SolverSummary summary = SolveWindow(Options(), Newest(6), &room.graph);
+  NoisyRoom room{MakeGraph(scene), scene.poses, {}};
+  room.state = room.graph.InitialState();
+  Displace({7, 8, 9, 10, 11}, 0.02, &room);
+  const MapState before = room.state;
+  const SolverSummary summary = SolveWindow(Options(), Newest(6), room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_EQ(summary.num_poses, 6u);
-  EXPECT_LT(DistanceM(room.graph.WorldFromRobot(6), room.truth[6]), 1e-3);
+  EXPECT_LT(DistanceM(room.state.WorldFromRobot(6), room.truth[6]), 1e-3);
   EXPECT_LT(WorstError(room, Range(6, 12)), 0.01);
-  ExpectOthersUntouched(before, room.graph, Range(6, 12));
+  ExpectOthersUntouched(before, room, Range(6, 12));
 }
 
 TEST(SlidingWindowTest, BadInputIsNamedAndChangesNothing) {
   NoisyRoom room = MakeNoisyRoom();
-  SlamGraph& graph = room.graph;
+  const SlamGraph& graph = room.graph;
+  MapState& state = room.state;
   const auto expect_failure = [&](const std::vector<int>& poses, const WindowOptions& window,
                                   const SolverOptions& options, const char* message) {
-    const SlamGraph before = graph;
-    const SolverSummary summary = SolvePoses(options, window, poses, &graph);
+    const MapState before = state;
+    const SolverSummary summary = SolvePoses(options, window, poses, graph, &state);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
     EXPECT_THAT(summary.message, HasSubstr(message));
-    EXPECT_EQ(graph.points(), before.points());
+    EXPECT_EQ(state.points, before.points);
   };
   const WindowOptions good;
   expect_failure({}, good, Options(), "no free poses");
@@ -277,22 +282,26 @@ TEST(SlidingWindowTest, BadInputIsNamedAndChangesNothing) {
   bad.fixed_turn_rad = 0.0;
   expect_failure({8}, bad, Options(), "window.fixed_turn_rad");
 
-  graph.points()[2 * graph.scan(4).first_return] = 1e300;
+  state.points[2 * graph.scan(4).first_return] = 1e300;
   expect_failure({4}, good, Options(), "a point of scan 4 is not finite");
   expect_failure({5}, good, Options(), "a point of scan 4 is not finite");
-  graph.SetPose(2, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
-  expect_failure({2}, good, Options(), "pose 2 of the graph is not finite");
-  expect_failure({1}, good, Options(), "pose 2 of the graph is not finite");  // its neighbour
+  state.SetPose(2, {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+  expect_failure({2}, good, Options(), "pose 2 of the state is not finite");
+  expect_failure({1}, good, Options(), "pose 2 of the state is not finite");  // its neighbour
+  state.poses.resize(state.poses.size() - 3);  // as if the graph had grown
+  expect_failure({1}, good, Options(), "see SlamGraph::ExtendState");
 }
 
 TEST(SlidingWindowTest, AGraphWithoutPosesOrReturnsIsAnError) {
   SlamGraph graph;
-  EXPECT_THAT(SolveWindow(Options(), Newest(5), &graph).message, HasSubstr("no free poses"));
-  EXPECT_THAT(SolveWindow(Options(), Newest(0), &graph).message,
+  MapState state;
+  EXPECT_THAT(SolveWindow(Options(), Newest(5), graph, &state).message, HasSubstr("no free poses"));
+  EXPECT_THAT(SolveWindow(Options(), Newest(0), graph, &state).message,
               HasSubstr("window.num_free_poses"));
   int pose = 0;
   ASSERT_TRUE(graph.AddPose({1.0, 2.0, 3.0}, 0.0, &pose).ok());
-  const SolverSummary summary = SolveWindow(Options(), Newest(5), &graph);
+  graph.ExtendState(&state);
+  const SolverSummary summary = SolveWindow(Options(), Newest(5), graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("no laser returns"));
 }

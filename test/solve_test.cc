@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 NoisyRoom DisturbedRoom() {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.03, &room.graph);
+  DisturbPoses(0.03, room.graph, &room.state);
   return room;
 }
 
@@ -33,9 +33,10 @@ SolverOptions OptionsFor(SolverType type) {
 }
 
 /// Fails with a message that holds `culprit` and touches nothing.
-void ExpectFailure(const SolverOptions& options, SlamGraph* graph, const std::string& culprit) {
-  const std::vector<double> poses = graph->poses(), points = graph->points();
-  const SolverSummary summary = Solve(options, graph);
+void ExpectFailure(const SolverOptions& options, const SlamGraph& graph, MapState* state,
+                   const std::string& culprit) {
+  const MapState before = *state;
+  const SolverSummary summary = Solve(options, graph, state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_FALSE(summary.IsSolutionUsable());
   EXPECT_THAT(summary.message, HasSubstr(culprit));
@@ -44,8 +45,8 @@ void ExpectFailure(const SolverOptions& options, SlamGraph* graph, const std::st
     return a.size() == b.size() &&
            (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
   };
-  EXPECT_TRUE(same_bits(graph->poses(), poses));
-  EXPECT_TRUE(same_bits(graph->points(), points));
+  EXPECT_TRUE(same_bits(state->poses, before.poses));
+  EXPECT_TRUE(same_bits(state->points, before.points));
 }
 
 std::string NameOf(const testing::TestParamInfo<SolverType>& info) { return ToString(info.param); }
@@ -64,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(PointSolvers, SolveInRoundsWith,
 TEST_P(SolveInRoundsWith, BringsThePosesCloserToTheTruth) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), &room.graph);
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), room.graph, &room.state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.verdict.IsBetter());
   EXPECT_GT(before_m, 0.02);
@@ -98,7 +99,7 @@ TEST_P(SolveInRoundsWith, ANoisyScannerGetsWiderNeighborhoods) {
   SolverOptions options = OptionsFor(GetParam());
   options.factors.beam.sigma_range_m = 0.04;
   options.factors.manifold.sigma_m = 0.03;
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   ASSERT_FALSE(summary.rounds.empty());
   EXPECT_DOUBLE_EQ(summary.rounds.front().radius_m, 0.3);
   EXPECT_DOUBLE_EQ(summary.rounds.back().radius_m, 0.25);  // five times 0.05 m
@@ -115,14 +116,13 @@ TEST_P(SolveWith, ReturnsAPerfectSeedBitForBit) {
   for (int i = 0; i + 1 < graph.num_poses(); ++i) {
     ASSERT_TRUE(graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])}).ok());
   }
-  const std::vector<double> poses = graph.poses(), points = graph.points();
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), &graph);
+  MapState state = graph.InitialState();
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_THAT(summary.message, HasSubstr("the seed is returned as it was"));
   EXPECT_FALSE(summary.verdict.IsBetter());
-  EXPECT_EQ(graph.poses(), poses);
-  EXPECT_EQ(graph.points(), points);
+  EXPECT_EQ(state, graph.InitialState());
 }
 
 TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
@@ -134,7 +134,7 @@ TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
     rows.push_back(it);
     return it.round < 2;
   };
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
   EXPECT_EQ(summary.rounds.size(), 2u);
   ASSERT_EQ(summary.iterations.size(), rows.size());
@@ -149,16 +149,16 @@ TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
 TEST_P(SolveInRoundsWith, ToldToStopAtOnceSaysThatItStopped) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(GetParam());
-  ASSERT_TRUE(Solve(options, &room.graph).IsSolutionUsable());
+  ASSERT_TRUE(Solve(options, room.graph, &room.state).IsSolutionUsable());
   // Lines this wide blur what is sharp already: the round is undone.
   options.rounds.coarse_radius_m = 1.0;
   options.callback = [](const IterationSummary&) { return false; };
-  const std::vector<double> poses = room.graph.poses();
-  const SolverSummary summary = Solve(options, &room.graph);
+  const std::vector<double> poses = room.state.poses;
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
   EXPECT_EQ(summary.rounds.size(), 1u);
   EXPECT_FALSE(summary.rounds.front().kept);
-  EXPECT_EQ(room.graph.poses(), poses);
+  EXPECT_EQ(room.state.poses, poses);
 }
 
 TEST_P(SolveWith, TakesPosesThatNothingTiesTogether) {
@@ -172,41 +172,42 @@ TEST_P(SolveWith, TakesPosesThatNothingTiesTogether) {
   SlamGraph graph = MakeGraph(scene);
   int pose_id = 0;
   ASSERT_TRUE(graph.AddPose({-9, -9, 1}, 9.0, &pose_id).ok());
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), &graph);
+  MapState state = graph.InitialState();
+  const SolverSummary summary = Solve(OptionsFor(GetParam()), graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
-  for (const double value : graph.poses()) EXPECT_TRUE(std::isfinite(value));
-  for (const double value : graph.points()) EXPECT_TRUE(std::isfinite(value));
-  EXPECT_NEAR(graph.WorldFromRobot(pose_id).x, -9.0, 1e-6);
+  for (const double value : state.poses) EXPECT_TRUE(std::isfinite(value));
+  for (const double value : state.points) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_NEAR(state.WorldFromRobot(pose_id).x, -9.0, 1e-6);
   // The wall of the second island says nothing of the way along it.
-  EXPECT_NEAR(graph.WorldFromRobot(2).x, 48.0, 0.05);
-  EXPECT_NEAR(graph.WorldFromRobot(2).y, 0.0, 0.2);
+  EXPECT_NEAR(state.WorldFromRobot(2).x, 48.0, 0.05);
+  EXPECT_NEAR(state.WorldFromRobot(2).y, 0.0, 0.2);
 }
 
 TEST_P(SolveInRoundsWith, FailsOnAStateWithoutAnEnergy) {
   NoisyRoom room = DisturbedRoom();
-  const Pose2 laser = room.graph.WorldFromLaser(0);
-  room.graph.points()[0] = laser.x;
-  room.graph.points()[1] = laser.y;
-  ExpectFailure(OptionsFor(GetParam()), &room.graph, "returned as it was");
+  const Pose2 laser = room.graph.WorldFromLaser(0, room.state.poses);
+  room.state.points[0] = laser.x;
+  room.state.points[1] = laser.y;
+  ExpectFailure(OptionsFor(GetParam()), room.graph, &room.state, "returned as it was");
 }
 
 TEST(SolveTest, AnyNumberOfThreadsGivesTheSameBits) {
   NoisyRoom one = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kAlternatingCg);
   options.num_threads = 1;
-  Solve(options, &one.graph);
+  Solve(options, one.graph, &one.state);
   for (const int num_threads : {2, 3}) {
     NoisyRoom many = DisturbedRoom();
     options.num_threads = num_threads;
-    Solve(options, &many.graph);
-    EXPECT_EQ(many.graph.poses(), one.graph.poses()) << num_threads;
-    EXPECT_EQ(many.graph.points(), one.graph.points()) << num_threads;
+    Solve(options, many.graph, &many.state);
+    EXPECT_EQ(many.state, one.state) << num_threads;
   }
 }
 
 TEST(SolveTest, SummarisesTheTermsOfTheLastRound) {
   NoisyRoom room = DisturbedRoom();
-  const SolverSummary summary = Solve(OptionsFor(SolverType::kAlternatingCg), &room.graph);
+  const SolverSummary summary =
+      Solve(OptionsFor(SolverType::kAlternatingCg), room.graph, &room.state);
   const auto term = [&](Term t) { return summary.terms[static_cast<int>(t)]; };
   EXPECT_EQ(term(Term::kPosePrior).count, 1u);
   EXPECT_EQ(term(Term::kMotion).count, 11u);
@@ -226,33 +227,50 @@ TEST(SolveTest, SummarisesTheTermsOfTheLastRound) {
 TEST(SolveTest, NamesWhatIsWrongWithTheState) {
   for (const double bad : {kNaN, kInfinity}) {
     NoisyRoom room = DisturbedRoom();
-    room.graph.poses()[3 * 5 + 2] = bad;
-    ExpectFailure(SolverOptions(), &room.graph, "pose 5");
+    room.state.poses[3 * 5 + 2] = bad;
+    ExpectFailure(SolverOptions(), room.graph, &room.state, "pose 5");
     room = DisturbedRoom();
-    room.graph.points()[2 * 123] = bad;
-    ExpectFailure(SolverOptions(), &room.graph, "point 123");
+    room.state.points[2 * 123] = bad;
+    ExpectFailure(SolverOptions(), room.graph, &room.state, "point 123");
   }
 }
 
 TEST(SolveTest, FailsOnAGraphWithoutReturns) {
   SlamGraph graph;
-  ExpectFailure(SolverOptions(), &graph, "no laser returns");
+  MapState state;
+  ExpectFailure(SolverOptions(), graph, &state, "no laser returns");
   int id = 0;
   ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
-  ExpectFailure(SolverOptions(), &graph, "no laser returns");
+  graph.ExtendState(&state);
+  ExpectFailure(SolverOptions(), graph, &state, "no laser returns");
+}
+
+TEST(SolveTest, AStateOfAnotherSizeThanTheGraphIsRefused) {
+  NoisyRoom room = DisturbedRoom();
+  const std::string points = std::to_string(2 * room.graph.num_returns());
+  const std::string of_graph = "which takes 36 and " + points + " coordinates, ";
+  MapState state;
+  ExpectFailure(SolverOptions(), room.graph, &state, of_graph + "but the state has 0 and 0");
+  state = room.state;
+  state.poses.pop_back();
+  ExpectFailure(SolverOptions(), room.graph, &state,
+                of_graph + "but the state has 35 and " + points);
+  state = room.state;
+  state.points.resize(200);
+  ExpectFailure(SolverOptions(), room.graph, &state, of_graph + "but the state has 36 and 200");
 }
 
 TEST(SolveTest, NamesTheOptionThatIsWrong) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options;
   options.factors.beam.sigma_range_m = 0.0;
-  ExpectFailure(options, &room.graph, "factors.beam.sigma_range_m");
+  ExpectFailure(options, room.graph, &room.state, "factors.beam.sigma_range_m");
   options = SolverOptions();
   options.rounds.fine_radius_m = kNaN;
-  ExpectFailure(options, &room.graph, "rounds.fine_radius_m");
+  ExpectFailure(options, room.graph, &room.state, "rounds.fine_radius_m");
   options = SolverOptions();
   options.num_threads = 0;
-  ExpectFailure(options, &room.graph, "num_threads");
+  ExpectFailure(options, room.graph, &room.state, "num_threads");
 }
 
 TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
@@ -260,23 +278,23 @@ TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
   SolverOptions options = OptionsFor(SolverType::kCeres);
   options.ceres.trust_region_strategy = ceres::DOGLEG;
   options.ceres.linear_solver = ceres::CGNR;
-  ExpectFailure(options, &room.graph, "DOGLEG");
+  ExpectFailure(options, room.graph, &room.state, "DOGLEG");
 }
 
 TEST(SolveTest, PatchesHaveNoNearestNeighbors) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kReduced);
   options.association.neighborhood = NeighborhoodType::kNearest;
-  ExpectFailure(options, &room.graph, "association.neighborhood = nearest");
+  ExpectFailure(options, room.graph, &room.state, "association.neighborhood = nearest");
 }
 
 TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   NoisyRoom own = DisturbedRoom();
-  const SolverSummary expected = Solve(OptionsFor(SolverType::kReduced), &own.graph);
+  const SolverSummary expected = Solve(OptionsFor(SolverType::kReduced), own.graph, &own.state);
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kCeres);
   options.ceres.reduced = true;
-  const SolverSummary summary = Solve(options, &room.graph);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.solver, "ceres, reduced");
   EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;
   EXPECT_TRUE(summary.rounds.empty());
@@ -284,29 +302,28 @@ TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   EXPECT_EQ(summary.iterations.front().phase, "joint");
   EXPECT_NEAR(summary.final_marginal_energy, expected.final_marginal_energy,
               0.01 * expected.final_marginal_energy);
-  EXPECT_NE(room.graph.points(), DisturbedRoom().graph.points());
+  EXPECT_NE(room.state.points, DisturbedRoom().state.points);
 }
 
 TEST(SolveTest, ASurfaceThatTheCallerHasMeasuredGivesTheSameResult) {
   const SolverOptions options;
   NoisyRoom expected = DisturbedRoom();
-  Solve(options, &expected.graph);
+  Solve(options, expected.graph, &expected.state);
   NoisyRoom room = DisturbedRoom();
   ThreadPool pool(1);
   const MeasuredSurface surface =
       MeasureSurface(room.graph, NormalOptionsFor(options.factors.beam), &pool);
-  EXPECT_TRUE(Solve(options, surface, &room.graph).IsSolutionUsable());
-  EXPECT_EQ(room.graph.poses(), expected.graph.poses());
-  EXPECT_EQ(room.graph.points(), expected.graph.points());
+  EXPECT_TRUE(Solve(options, surface, room.graph, &room.state).IsSolutionUsable());
+  EXPECT_EQ(room.state, expected.state);
 }
 
 TEST(SolveTest, ASurfaceOfAnotherGraphIsRefused) {
   NoisyRoom room = DisturbedRoom();
-  const std::vector<double> poses = room.graph.poses();
-  const SolverSummary summary = Solve(SolverOptions(), MeasuredSurface(), &room.graph);
+  const MapState before = room.state;
+  const SolverSummary summary = Solve(SolverOptions(), MeasuredSurface(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, testing::HasSubstr("but the surface 0 points and 0 normals"));
-  EXPECT_EQ(room.graph.poses(), poses);
+  EXPECT_EQ(room.state, before);
 }
 
 TEST(SolveTest, NormalsSpanSixTimesTheRangeNoise) {

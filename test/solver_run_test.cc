@@ -16,10 +16,11 @@ namespace {
 
 using testing::HasSubstr;
 
-SlamGraph Seed() {
+// Its state is the seed.
+NoisyRoom Seeded() {
   NoisyRoom room = MakeNoisyRoom();
-  DisturbPoses(0.03, &room.graph);
-  return room.graph;
+  DisturbPoses(0.03, room.graph, &room.state);
+  return room;
 }
 
 ComparedSolver Solver(SolverType type) {
@@ -32,11 +33,12 @@ ComparedSolver Solver(SolverType type) {
   return solver;
 }
 
-double EnergyOf(const SlamGraph& graph, const SolverOptions& options) {
+double EnergyOf(const SlamGraph& graph, const std::vector<double>& poses,
+                const SolverOptions& options) {
   ThreadPool pool(1);
   const MeasuredSurface surface =
       MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
-  return YardstickEnergy(graph, surface, options, &pool);
+  return YardstickEnergy(graph, poses, surface, options, &pool);
 }
 
 class RunSolverWith : public testing::TestWithParam<SolverType> {};
@@ -47,15 +49,15 @@ INSTANTIATE_TEST_SUITE_P(EverySolver, RunSolverWith,
 
 TEST_P(RunSolverWith, TracesTheEnergyFromTheSeedToTheResult) {
   const ComparedSolver solver = Solver(GetParam());
-  SlamGraph graph = Seed(), reference = Seed();
-  const SolverRun run = RunSolver(solver, {}, 600.0, &graph);
-  std::vector<double> energies = {EnergyOf(reference, solver.options)};
+  NoisyRoom room = Seeded();
+  const SolverRun run = RunSolver(solver, {}, 600.0, room.graph, room.state);
+  std::vector<double> energies = {EnergyOf(room.graph, room.state.poses, solver.options)};
   SolverOptions options = solver.options;
-  options.callback = [&](const IterationSummary&) {
-    energies.push_back(EnergyOf(reference, solver.options));
+  options.callback = [&](const IterationSummary& iteration) {
+    energies.push_back(EnergyOf(room.graph, *iteration.poses, solver.options));
     return true;
   };
-  const SolverSummary summary = Solve(options, &reference);
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
   energies.push_back(summary.final_marginal_energy);
 
   EXPECT_EQ(run.failure, "");
@@ -74,15 +76,14 @@ TEST_P(RunSolverWith, TracesTheEnergyFromTheSeedToTheResult) {
   EXPECT_FALSE(run.relations.has_value());
 }
 
-TEST(SolverRunTest, AProcessOfItsOwnFindsTheSameAndLeavesTheSeed) {
+TEST(SolverRunTest, AProcessOfItsOwnFindsTheSame) {
   const ComparedSolver solver = Solver(SolverType::kReduced);
-  SlamGraph seed = Seed(), graph = Seed();
+  const NoisyRoom room = Seeded();
   std::vector<Relation> relations(1);
   relations[0].to_s = 3.0;
-  relations[0].from_from_to = Between(seed.WorldFromRobot(0), seed.WorldFromRobot(3));
-  const SolverRun here = RunSolver(solver, relations, 600.0, &graph);
-  const SolverRun there = RunSolverInChild(solver, relations, 600.0, &seed);
-  EXPECT_EQ(seed.poses(), Seed().poses());
+  relations[0].from_from_to = Between(room.state.WorldFromRobot(0), room.state.WorldFromRobot(3));
+  const SolverRun here = RunSolver(solver, relations, 600.0, room.graph, room.state);
+  const SolverRun there = RunSolverInChild(solver, relations, 600.0, room.graph, room.state);
   ASSERT_EQ(there.failure, "");
   EXPECT_EQ(there.solver, "reduced");
   EXPECT_EQ(there.termination, here.termination);
@@ -107,18 +108,20 @@ TEST(SolverRunTest, AProcessOfItsOwnFindsTheSameAndLeavesTheSeed) {
 }
 
 TEST(SolverRunTest, TheTimeLimitStopsASolver) {
-  SlamGraph graph = Seed();
-  const SolverRun run = RunSolver(Solver(SolverType::kAlternatingCg), {}, 1e-9, &graph);
+  const NoisyRoom room = Seeded();
+  const SolverRun run =
+      RunSolver(Solver(SolverType::kAlternatingCg), {}, 1e-9, room.graph, room.state);
   EXPECT_EQ(run.failure, "");
   EXPECT_EQ(run.termination, ToString(TerminationType::kUserStopped));
   EXPECT_EQ(run.num_iterations, 1);
 }
 
 TEST(SolverRunTest, FailuresAreTold) {
-  SlamGraph seed = Seed();
+  const NoisyRoom room = Seeded();
   ComparedSolver bad = Solver(SolverType::kReduced);
   bad.options.rounds.fine_radius_m = -1.0;
-  EXPECT_THAT(RunSolverInChild(bad, {}, 600.0, &seed).failure, HasSubstr("fine_radius_m"));
+  EXPECT_THAT(RunSolverInChild(bad, {}, 600.0, room.graph, room.state).failure,
+              HasSubstr("fine_radius_m"));
 }
 
 }  // namespace

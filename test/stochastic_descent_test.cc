@@ -269,8 +269,7 @@ TEST(StochasticDescent, ManhattanWorld) {
   const Status status = ReadPoseGraphFile(name + ".g2o", &file);
   ASSERT_TRUE(status.ok()) << status.message();
   const Edges& edges = file.graph.relative_poses();
-  std::vector<Pose2> poses, truth;
-  for (int i = 0; i < file.graph.num_poses(); ++i) poses.push_back(file.graph.WorldFromRobot(i));
+  std::vector<Pose2> poses = PosesOf(file.graph.initial_poses()), truth;
   std::ifstream truth_file(name + ".groundtruth.txt");
   for (Pose2 pose; truth_file >> pose.x >> pose.y >> pose.yaw;) truth.push_back(pose);
   ASSERT_EQ(truth.size(), poses.size());

@@ -17,6 +17,7 @@ namespace {
 
 struct ScatteredReturns {
   SlamGraph graph;
+  std::vector<double> poses;  ///< starts at the initial guesses
   MeasuredSurface surface;
 };
 
@@ -36,6 +37,7 @@ ScatteredReturns ScatterReturns(int num_scans) {
     for (double& range : ranges) range *= random.Uniform(0.1, 4.0);
     EXPECT_TRUE(scattered.graph.AddScan((7 * s) % kNumPoses, laser, ranges).ok());
   }
+  scattered.poses = scattered.graph.initial_poses();
   std::vector<Eigen::Vector2f> normals;
   for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
     const Eigen::Vector2f normal = random.Direction().cast<float>();
@@ -61,7 +63,7 @@ std::vector<Placed> PlaceReturns(const ScatteredReturns& scattered, const Surfac
   std::vector<Placed> placed;
   for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
     const int pose = scattered.graph.scan(scattered.graph.returns().scan[r]).pose;
-    const Pose2 world_from_robot = scattered.graph.WorldFromRobot(pose);
+    const Pose2 world_from_robot(&scattered.poses[3 * pose]);
     const Eigen::Vector2d in_robot = scattered.surface.points[r].cast<double>();
     const Eigen::Vector2f& normal = scattered.surface.normals[r];
     placed.push_back(
@@ -118,8 +120,8 @@ TEST(SurfaceCellsTest, AgreesWithAPlainMap) {
   const ScatteredReturns scattered = ScatterReturns(700);
   ThreadPool pool(2);
   std::vector<int> cell_of_return;
-  const SurfaceCells cells =
-      SortIntoCells(scattered.graph, scattered.surface, kTurnedGrid, &pool, &cell_of_return);
+  const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
+                                           kTurnedGrid, &pool, &cell_of_return);
   const std::vector<Placed> placed = PlaceReturns(scattered, kTurnedGrid);
   ExpectCellsOf(placed, cells);
   ASSERT_EQ(cell_of_return.size(), placed.size());
@@ -141,17 +143,18 @@ TEST(SurfaceCellsTest, AgreesWithAPlainMap) {
 
 TEST(SurfaceCellsTest, CountsPosesAndNotScans) {
   ScatteredReturns scattered = ScatterReturns(0);
+  scattered.poses =
+      PoseArray(std::vector<Pose2>(scattered.graph.num_poses(), Pose2(0.05, 0.05, 0.0)));
   for (const int pose : {3, 3, 5, 3}) {
     std::vector<double> ranges(12, kInfinity);
     ranges[4] = 1.0;
     ASSERT_TRUE(scattered.graph.AddScan(pose, 0, ranges).ok());
-    scattered.graph.SetPose(pose, {0.05, 0.05, 0.0});
     scattered.surface.points.emplace_back(0.1f, 0.1f);
     scattered.surface.normals.emplace_back(1.0f, 0.0f);
     ThreadPool pool(1);
     std::vector<int> cell_of_return;
-    const SurfaceCells cells =
-        SortIntoCells(scattered.graph, scattered.surface, {1.0, 0.0, 0.0}, &pool, &cell_of_return);
+    const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
+                                             {1.0, 0.0, 0.0}, &pool, &cell_of_return);
     ASSERT_EQ(cells.size(), 1u);
     EXPECT_EQ(cells[0].several_poses, scattered.graph.num_scans() > 2);
   }
@@ -162,12 +165,12 @@ TEST(SurfaceCellsTest, AnyNumberOfThreadsGivesTheSameBits) {
     const ScatteredReturns scattered = ScatterReturns(num_scans);
     std::vector<int> cell_of_return, expected_cell_of_return;
     ThreadPool one(1);
-    const SurfaceCells expected = SortIntoCells(scattered.graph, scattered.surface, kTurnedGrid,
-                                                &one, &expected_cell_of_return);
+    const SurfaceCells expected = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
+                                                kTurnedGrid, &one, &expected_cell_of_return);
     for (const int num_threads : {2, 3, 8}) {
       ThreadPool pool(num_threads);
-      const SurfaceCells cells =
-          SortIntoCells(scattered.graph, scattered.surface, kTurnedGrid, &pool, &cell_of_return);
+      const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
+                                               kTurnedGrid, &pool, &cell_of_return);
       EXPECT_EQ(cell_of_return, expected_cell_of_return);
       ASSERT_EQ(cells.size(), expected.size());
       for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -175,8 +178,8 @@ TEST(SurfaceCellsTest, AnyNumberOfThreadsGivesTheSameBits) {
         EXPECT_EQ(cells[i].pose, expected[i].pose);
         EXPECT_EQ(0, std::memcmp(&cells[i].moments, &expected[i].moments, sizeof(PointMoments)));
       }
-      EXPECT_EQ(DominantDirection(scattered.graph, scattered.surface, &pool),
-                DominantDirection(scattered.graph, scattered.surface, &one));
+      EXPECT_EQ(DominantDirection(scattered.graph, scattered.poses, scattered.surface, &pool),
+                DominantDirection(scattered.graph, scattered.poses, scattered.surface, &one));
     }
   }
 }
@@ -185,8 +188,8 @@ TEST(SurfaceCellsTest, CoarseCellsAreWhatSortingIntoThemGives) {
   const ScatteredReturns scattered = ScatterReturns(300);
   ThreadPool pool(1);
   std::vector<int> cell_of_return;
-  std::vector<SurfaceCells> tables = {
-      SortIntoCells(scattered.graph, scattered.surface, kTurnedGrid, &pool, &cell_of_return)};
+  std::vector<SurfaceCells> tables = {SortIntoCells(
+      scattered.graph, scattered.poses, scattered.surface, kTurnedGrid, &pool, &cell_of_return)};
   for (int level = 0; level < 3; ++level) {
     for (std::size_t i = 0; i < tables.back().size(); ++i) {
       EXPECT_EQ(tables.back()[i].parent, SurfaceCells::kNone);
@@ -210,13 +213,14 @@ TEST(SurfaceCellsTest, KeepsItsDigitsFarFromTheOrigin) {
   std::vector<int> near, far;
   const SurfaceGrid grid{0.25, 0.0, 0.0};
   const SurfaceCells expected =
-      SortIntoCells(scattered.graph, scattered.surface, grid, &pool, &near);
+      SortIntoCells(scattered.graph, scattered.poses, scattered.surface, grid, &pool, &near);
   constexpr std::int64_t kShiftCells = 1 << 22;  // 1000 km; exact in binary
-  for (int i = 0; i < scattered.graph.num_poses(); ++i) {
-    scattered.graph.poses()[3 * i] -= 0.25 * kShiftCells;
-    scattered.graph.poses()[3 * i + 1] += 0.25 * kShiftCells;
+  for (std::size_t i = 0; i < scattered.poses.size(); i += 3) {
+    scattered.poses[i] -= 0.25 * kShiftCells;
+    scattered.poses[i + 1] += 0.25 * kShiftCells;
   }
-  const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.surface, grid, &pool, &far);
+  const SurfaceCells cells =
+      SortIntoCells(scattered.graph, scattered.poses, scattered.surface, grid, &pool, &far);
   ASSERT_EQ(far, near);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     EXPECT_EQ(cells[i].key.x, expected[i].key.x - kShiftCells);
@@ -255,16 +259,17 @@ TEST(SurfaceCellsTest, TheDominantDirectionIsThatOfTheWalls) {
       if (normal.isZero() || r % 3 == 0) continue;  // a third stays clutter
       const int pose = scattered.graph.scan(scattered.graph.returns().scan[r]).pose;
       const double angle = walls_rad + 0.5 * kPi * static_cast<double>(r % 4) +
-                           random.Gaussian(0.02) - scattered.graph.WorldFromRobot(pose).yaw;
+                           random.Gaussian(0.02) - scattered.graph.InitialPose(pose).yaw;
       normal = Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
     }
     ThreadPool pool(2);
-    EXPECT_NEAR(DominantDirection(scattered.graph, scattered.surface, &pool), walls_rad, 0.02);
+    EXPECT_NEAR(DominantDirection(scattered.graph, scattered.poses, scattered.surface, &pool),
+                walls_rad, 0.02);
   }
   ScatteredReturns nothing = ScatterReturns(10);
   for (Eigen::Vector2f& normal : nothing.surface.normals) normal.setZero();
   ThreadPool pool(1);
-  EXPECT_EQ(DominantDirection(nothing.graph, nothing.surface, &pool), 0.0);
+  EXPECT_EQ(DominantDirection(nothing.graph, nothing.poses, nothing.surface, &pool), 0.0);
 }
 
 }  // namespace

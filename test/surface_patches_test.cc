@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "plumbline/factors/surface_noise.h"
@@ -17,12 +16,15 @@ namespace {
 /// A scene cut into patches.
 struct CutScene {
   SlamGraph graph;
+  std::vector<double> poses;
   MeasuredSurface surface;
   SurfacePatches cut;
   SurfaceNoise noise;
 
-  explicit CutScene(const SyntheticScene& scene) : CutScene(MakeGraph(scene), scene) {}
-  CutScene(SlamGraph with_poses, const SyntheticScene& scene) : graph(std::move(with_poses)) {
+  explicit CutScene(const SyntheticScene& scene) : CutScene(scene, scene.poses) {}
+  /// Seen from `scene.poses`, and cut as if from `believed_poses`.
+  CutScene(const SyntheticScene& scene, const std::vector<Pose2>& believed_poses)
+      : graph(MakeGraph(scene)), poses(PoseArray(believed_poses)) {
     ThreadPool pool(2);
     ReturnNormalOptions options;
     options.half_window_m = std::max(0.06, 6.0 * scene.range_sigma_m);
@@ -37,15 +39,16 @@ struct CutScene {
     ThreadPool pool(num_threads);
     SurfacePatchOptions options;
     options.noise = noise;
-    cut = CutIntoPatches(graph, surface, options, &pool);
+    cut = CutIntoPatches(graph, poses, surface, options, &pool);
   }
 
   std::size_t num_patches() const { return cut.patches.size(); }
   int PoseOf(std::size_t r) const { return graph.scan(graph.returns().scan[r]).pose; }
+  Pose2 WorldFromRobot(int pose) const { return Pose2(&poses[3 * pose]); }
   bool HasPatch(std::size_t r) const { return cut.patch_of_return[r] != SurfacePatches::kNone; }
 
   Eigen::Vector2d End(std::size_t r) const {
-    return graph.WorldFromRobot(PoseOf(r)) * graph.PointInRobot(r);
+    return WorldFromRobot(PoseOf(r)) * graph.PointInRobot(r);
   }
   double Distance(std::size_t r) const {
     const SurfacePatch& patch = cut.patches[cut.patch_of_return[r]];
@@ -54,11 +57,9 @@ struct CutScene {
   /// Standard deviation of its distance [m].
   double NoiseOfReturn(std::size_t r) const {
     const SurfacePatch& patch = cut.patches[cut.patch_of_return[r]];
-    const Pose2 pose = graph.WorldFromRobot(PoseOf(r));
-    const Pose2 world_from_laser = graph.WorldFromLaser(graph.returns().scan[r]);
-    return std::sqrt(noise.surface_variance + noise.BeamVariance(pose * graph.PointInRobot(r) -
-                                                                     world_from_laser.translation(),
-                                                                 patch.normal));
+    const Pose2 world_from_laser = graph.WorldFromLaser(graph.returns().scan[r], poses);
+    return std::sqrt(noise.surface_variance +
+                     noise.BeamVariance(End(r) - world_from_laser.translation(), patch.normal));
   }
   double RmsDistance() const {
     double sum = 0.0;
@@ -199,13 +200,13 @@ TEST(SurfacePatchesTest, BothImagesOfADoubleWallShareALine) {
       scene.poses = PosesAlong(-8, 8, 40);
       scene.range_sigma_m = 0.01;
       scene = Turned(scene, angle);
-      SlamGraph graph = MakeGraph(scene);
       const Eigen::Vector2d shift = Pose2(0, 0, angle) * Eigen::Vector2d(0, 0.06);
-      for (int i = 0; i < graph.num_poses(); i += 2) {
-        const Pose2 pose = graph.WorldFromRobot(i);
-        graph.SetPose(i, {pose.x + shift.x(), pose.y + shift.y(), pose.yaw});
+      std::vector<Pose2> poses = scene.poses;
+      for (std::size_t i = 0; i < poses.size(); i += 2) {
+        poses[i].x += shift.x();
+        poses[i].y += shift.y();
       }
-      const CutScene wall(std::move(graph), scene);
+      const CutScene wall(scene, poses);
       wall.ExpectSound();
       EXPECT_GT(wall.CoveredShare(), 0.95) << angle << " " << wall_y;
       std::vector<int> shifted(wall.num_patches()), unshifted(wall.num_patches());
@@ -270,7 +271,8 @@ TEST(SurfacePatchesTest, OptionsSetTheSize) {
   for (int i = 0; i < 2; ++i) {
     association.patch_size_m = i == 0 ? 0.4 : 1.6;
     const SurfacePatchOptions options = PatchOptionsFor(FactorOptions(), association);
-    num_patches[i] = CutIntoPatches(graph, SurfaceOf(graph), options, &pool).patches.size();
+    num_patches[i] = CutIntoPatches(graph, graph.initial_poses(), SurfaceOf(graph), options, &pool)
+                         .patches.size();
   }
   EXPECT_GT(num_patches[1], 2u);
   EXPECT_GT(num_patches[0], 1.5 * static_cast<double>(num_patches[1]));
@@ -290,7 +292,7 @@ TEST(SurfacePatchesTest, SizesGrowWithTheNoise) {
   EXPECT_EQ(PatchOptionsFor(FactorOptions(), AssociationOptions()).largest_m, 0.8);
   ThreadPool pool(1);
   CutScene following = fixed;
-  following.cut = CutIntoPatches(fixed.graph, fixed.surface, options, &pool);
+  following.cut = CutIntoPatches(fixed.graph, fixed.poses, fixed.surface, options, &pool);
   EXPECT_LT(fixed.CoveredShare(), 0.7);
   EXPECT_GT(following.CoveredShare(), 0.9);
   EXPECT_LT(following.RmsDistance(), 1.2 * scene.range_sigma_m);
@@ -380,9 +382,10 @@ TEST_F(ReturnsWithoutNormalTest, StayAloneOnTheFarSide) {
   SlamGraph& graph = scene_.graph;
   int beyond = 0;
   ASSERT_TRUE(graph.AddPose({0.0, 2.0, 0.0}, 99.0, &beyond).ok());
+  scene_.poses = graph.initial_poses();
   std::vector<Eigen::Vector2d> points;
   for (const std::size_t r : taken) {
-    points.push_back(graph.WorldFromRobot(beyond).Inverse() * scene_.End(r));
+    points.push_back(graph.InitialPose(beyond).Inverse() * scene_.End(r));
   }
   const std::size_t first = graph.num_returns();
   ASSERT_TRUE(graph.AddPoints(beyond, 0, points).ok());
@@ -402,9 +405,9 @@ TEST(SurfacePatchesTest, FarFromTheOriginItIsTheSame) {
   scene.range_sigma_m = 0.01;
   CutScene wall(scene);
   const double rms_m = wall.RmsDistance();
-  for (std::size_t i = 0; i < wall.graph.poses().size(); i += 3) {
-    wall.graph.poses()[i] += 1e6;
-    wall.graph.poses()[i + 1] -= 1e6;
+  for (std::size_t i = 0; i < wall.poses.size(); i += 3) {
+    wall.poses[i] += 1e6;
+    wall.poses[i + 1] -= 1e6;
   }
   wall.Cut();
   wall.ExpectSound();

@@ -9,6 +9,7 @@
 
 #include "plumbline/apps/simulation/world.h"
 #include "plumbline/core/laser_scan.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
@@ -33,8 +34,8 @@ struct SyntheticScene {
   double range_sigma_m = 0.0;
 };
 
-/// The graph of a scene: true poses, and points where the beams meet the walls, give or take the
-/// noise of the ranges.
+/// The graph of a scene: initial guesses at the true poses, and returns where the beams meet the
+/// walls, give or take the noise of the ranges.
 inline SlamGraph MakeGraph(const SyntheticScene& scene, unsigned seed = 1) {
   Building building;
   building.faces = scene.faces;
@@ -69,8 +70,8 @@ inline MeasuredSurface SurfaceOf(const SlamGraph& graph) {
   return MeasureSurface(graph, ReturnNormalOptions(), &pool);
 }
 
-inline Eigen::Vector2d MapPoint(const SlamGraph& graph, std::size_t return_id) {
-  return {graph.points()[2 * return_id], graph.points()[2 * return_id + 1]};
+inline Eigen::Vector2d MapPoint(const MapState& state, std::size_t return_id) {
+  return {state.points[2 * return_id], state.points[2 * return_id + 1]};
 }
 
 }  // namespace plumbline

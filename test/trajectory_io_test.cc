@@ -83,15 +83,17 @@ TEST(TrajectoryIoTest, MissingFileIsNotFound) {
   EXPECT_EQ(ReadTumTrajectory(TempFolder() + "none", &trajectory).code(), StatusCode::kNotFound);
 }
 
-TEST(TrajectoryIoTest, TakesTheTrajectoryOfAGraph) {
+TEST(TrajectoryIoTest, TakesPosesOfAStateAndTimesOfItsGraph) {
   SlamGraph graph;
   int pose = 0;
   ASSERT_TRUE(graph.AddPose({1.0, 2.0, 3.0}, 10.0, &pose).ok());
   ASSERT_TRUE(graph.AddPose({4.0, 5.0, 6.0}, 11.0, &pose).ok());
-  const std::vector<TimedPose> trajectory = TrajectoryOf(graph);
+  MapState state = graph.InitialState();
+  state.SetPose(1, {7.0, 5.0, 6.0});
+  const std::vector<TimedPose> trajectory = TrajectoryOf(graph, state);
   ASSERT_EQ(trajectory.size(), 2u);
   EXPECT_EQ(trajectory[1].timestamp_s, 11.0);
-  EXPECT_EQ(trajectory[1].world_from_robot.x, 4.0);
+  EXPECT_EQ(trajectory[1].world_from_robot.x, 7.0);
   EXPECT_EQ(trajectory[1].world_from_robot.yaw, 6.0);
 }
 

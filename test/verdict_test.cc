@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "plumbline/solvers/held_out_returns.h"
@@ -33,10 +34,8 @@ Verdict Compare(const SlamGraph& graph, const std::vector<double>& seed,
   const MeasuredSurface surface = SurfaceOf(graph);
   SurfacePatchOptions options = PatchOptionsFor(factors, AssociationOptions());
   options.hold_out = true;
-  const auto cut = [&](const std::vector<double>& state) {
-    SlamGraph there = graph;
-    there.poses() = state;
-    return CutIntoPatches(there, surface, options, &pool);
+  const auto cut = [&](const std::vector<double>& at) {
+    return CutIntoPatches(graph, at, surface, options, &pool);
   };
   return CompareWithSeed(graph, surface, factors, {seed, cut(seed)}, {poses, cut(poses)}, &pool);
 }
@@ -88,11 +87,11 @@ TEST(VerdictTest, TextNamesWhatSpeaksAgainstTheState) {
 TEST(VerdictTest, TheTruthBeatsADisturbedSeedAndNotTheOtherWayRound) {
   const NoisyRoom room = LargeRoom();
   NoisyRoom disturbed = LargeRoom();
-  DisturbPoses(0.02, &disturbed.graph);
-  const Verdict better = Compare(room.graph, disturbed.graph.poses(), room.graph.poses());
+  DisturbPoses(0.02, disturbed.graph, &disturbed.state);
+  const Verdict better = Compare(room.graph, disturbed.state.poses, room.state.poses);
   EXPECT_TRUE(better.IsBetter()) << better.Text();
   EXPECT_LT(better.final_held_out_error, better.seed_held_out_error - 3.0 * better.held_out_noise);
-  const Verdict worse = Compare(room.graph, room.graph.poses(), disturbed.graph.poses());
+  const Verdict worse = Compare(room.graph, room.state.poses, disturbed.state.poses);
   EXPECT_FALSE(worse.LowersEnergy());
   EXPECT_FALSE(worse.KeepsHeldOutError());
 }
@@ -101,13 +100,13 @@ TEST(VerdictTest, WhatContradictsTheScansDoesNotBribeTheHeldOutReturns) {
   // One edge far more certain than all returns together: following it lowers the energy.
   NoisyRoom room = LargeRoom();
   const Eigen::Matrix3d covariance = 1e-12 * Eigen::Matrix3d::Identity();
-  std::vector<double> followed = room.graph.poses();
+  std::vector<double> followed = room.state.poses;
   followed[3 * 20] += 0.3;
   ASSERT_TRUE(room.graph
                   .AddRelativePose(
                       {0, 20, Between(Pose2(&followed[0]), Pose2(&followed[3 * 20])), covariance})
                   .ok());
-  Verdict verdict = Compare(room.graph, room.graph.poses(), followed);
+  Verdict verdict = Compare(room.graph, room.state.poses, followed);
   EXPECT_TRUE(verdict.LowersEnergy());
   EXPECT_TRUE(verdict.IsBetter());      // a relative pose is to be believed: the map holds together
   verdict.with_relative_poses = false;  // odometry is not
@@ -122,15 +121,16 @@ TEST(VerdictTest, WhatIsHeldOutHasNoSayInTheLinesItIsHeldAgainst) {
   scene.faces = {{{2, -3}, {2, 3}}};
   for (int i = 0; i < 8; ++i) scene.poses.emplace_back(0.0, 0.03 * i, 0.0);
   SlamGraph graph = MakeGraph(scene);
+  std::vector<double> ranges_m = graph.returns().range_m;
   for (int s = 0; s < graph.num_scans(); ++s) {
     HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) {
-      const double cosine = std::cos(graph.returns().bearing_rad[r]);
-      graph.SetRange(r, graph.returns().range_m[r] - 0.02 / cosine);
+      ranges_m[r] -= 0.02 / std::cos(graph.returns().bearing_rad[r]);
     });
   }
-  std::vector<double> shifted = graph.poses();
+  graph = std::move(graph).Corrected({{}, {}, ranges_m});
+  std::vector<double> shifted = graph.initial_poses();
   for (std::size_t i = 0; i < shifted.size(); i += 3) shifted[i] += 1e-3;
-  const Verdict verdict = Compare(graph, graph.poses(), shifted);
+  const Verdict verdict = Compare(graph, graph.initial_poses(), shifted);
   const FactorOptions factors;
   const double variance = std::pow(NoiseOf(factors).StandardDeviation(), 2);
   EXPECT_GT(verdict.num_held_out, 50u);
@@ -142,9 +142,9 @@ TEST(VerdictTest, WhatIsHeldOutHasNoSayInTheLinesItIsHeldAgainst) {
 TEST(VerdictTest, AnyNumberOfThreadsGivesTheSameBits) {
   const NoisyRoom room = LargeRoom();
   NoisyRoom disturbed = LargeRoom();
-  DisturbPoses(0.01, &disturbed.graph);
-  const Verdict one = Compare(room.graph, disturbed.graph.poses(), room.graph.poses(), 1);
-  const Verdict many = Compare(room.graph, disturbed.graph.poses(), room.graph.poses(), 5);
+  DisturbPoses(0.01, disturbed.graph, &disturbed.state);
+  const Verdict one = Compare(room.graph, disturbed.state.poses, room.state.poses, 1);
+  const Verdict many = Compare(room.graph, disturbed.state.poses, room.state.poses, 5);
   EXPECT_EQ(one.seed_energy, many.seed_energy);
   EXPECT_EQ(one.final_energy, many.final_energy);
   EXPECT_EQ(one.seed_held_out_error, many.seed_held_out_error);

@@ -33,13 +33,14 @@ SlamGraph Hall() {
 
 TEST(WindowContextTest, TheNearestPosesThatSawTheSame) {
   const SlamGraph graph = Hall();
+  const MapState state = graph.InitialState();
   WindowOptions options;
   options.max_fixed_poses = 3;
-  EXPECT_THAT(ChooseFixedPoses(options, graph, {38, 39}), ElementsAre(35, 36, 37));
-  EXPECT_THAT(ChooseFixedPoses(options, graph, {20}), ElementsAre(18, 19, 21));
+  EXPECT_THAT(ChooseFixedPoses(options, graph, state, {38, 39}), ElementsAre(35, 36, 37));
+  EXPECT_THAT(ChooseFixedPoses(options, graph, state, {20}), ElementsAre(18, 19, 21));
   options.max_fixed_poses = 100;
   options.min_common_share = 0.5;
-  const std::vector<int> fixed = ChooseFixedPoses(options, graph, {39});
+  const std::vector<int> fixed = ChooseFixedPoses(options, graph, state, {39});
   EXPECT_THAT(fixed, Contains(36));
   EXPECT_THAT(fixed, Each(Ge(28)));  // 11 m away, a tenth of the returns is common
 }
@@ -49,7 +50,8 @@ TEST(WindowContextTest, PosesBehindAWallAreNotTaken) {
   scene.faces = Rectangle({-3.0, -2.0}, {-0.6, 2.0});
   for (const Face& face : Rectangle({0.6, -2.0}, {3.0, 2.0})) scene.faces.push_back(face);
   scene.poses = {{-2.0, 0.0, 0.0}, {-1.5, 0.5, 0.0}, {1.5, 0.0, 0.0}, {2.0, 0.5, 0.0}};
-  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), MakeGraph(scene), {3}), ElementsAre(2));
+  const SlamGraph graph = MakeGraph(scene);
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, graph.InitialState(), {3}), ElementsAre(2));
 }
 
 TEST(WindowContextTest, OneOfAllThatStoodThereAndLookedThatWay) {
@@ -58,10 +60,11 @@ TEST(WindowContextTest, OneOfAllThatStoodThereAndLookedThatWay) {
   scene.poses.push_back({0.6, 0.6, 2.0});  // looks elsewhere
   scene.poses.push_back({0.0, 0.6, 0.0});
   const SlamGraph graph = MakeGraph(scene);
-  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {11}), ElementsAre(0, 10));
+  const MapState state = graph.InitialState();
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, state, {11}), ElementsAre(0, 10));
   WindowOptions dense;
   dense.fixed_spacing_m = 0.001;
-  EXPECT_THAT(ChooseFixedPoses(dense, graph, {11}), SizeIs(11));
+  EXPECT_THAT(ChooseFixedPoses(dense, graph, state, {11}), SizeIs(11));
 }
 
 TEST(WindowContextTest, APoseThatSawNothingDoesNotStandForItsNeighbours) {
@@ -71,33 +74,36 @@ TEST(WindowContextTest, APoseThatSawNothingDoesNotStandForItsNeighbours) {
   SlamGraph graph = MakeGraph(scene);
   int blind = 0;
   ASSERT_TRUE(graph.AddPose({0.01, 0.6, 0.0}, 99.0, &blind).ok());
-  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {1}), ElementsAre(0));
+  MapState state = graph.InitialState();
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, state, {1}), ElementsAre(0));
   // Nearer to the window than the pose that saw it.
-  graph.SetPose(blind, {0.1, 0.6, 0.0});
-  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {1}), ElementsAre(0));
+  state.SetPose(blind, {0.1, 0.6, 0.0});
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, state, {1}), ElementsAre(0));
 }
 
 TEST(WindowContextTest, FarPosesDoNotCountUnlessAConstraintTiesThem) {
   SlamGraph graph = Hall();
+  const MapState state = graph.InitialState();
   WindowOptions options;
   options.max_fixed_distance_m = 2.5;
-  EXPECT_THAT(ChooseFixedPoses(options, graph, {39}), ElementsAre(37, 38));
+  EXPECT_THAT(ChooseFixedPoses(options, graph, state, {39}), ElementsAre(37, 38));
   ASSERT_TRUE(graph.AddOdometry({20, 21, Pose2(1.0, 0.0, 0.0)}).ok());  // not of this window
   ASSERT_TRUE(
       graph.AddRelativePose({39, 0, Pose2(-39.0, 0.0, 0.0), Eigen::Matrix3d::Identity()}).ok());
-  EXPECT_THAT(ChooseFixedPoses(options, graph, {39}), ElementsAre(0, 37, 38));
+  EXPECT_THAT(ChooseFixedPoses(options, graph, state, {39}), ElementsAre(0, 37, 38));
   options.max_fixed_poses = 0;
-  EXPECT_THAT(ChooseFixedPoses(options, graph, {39}), ElementsAre(0));
+  EXPECT_THAT(ChooseFixedPoses(options, graph, state, {39}), ElementsAre(0));
 }
 
 TEST(WindowContextTest, PosesOutOfReachAreNotTaken) {
-  SlamGraph graph = Hall();
-  graph.SetPose(38, {38.0, 0.0, std::numeric_limits<double>::quiet_NaN()});
+  const SlamGraph graph = Hall();
+  MapState state = graph.InitialState();
+  state.SetPose(38, {38.0, 0.0, std::numeric_limits<double>::quiet_NaN()});
   const ScanEntry& scan = graph.scan(37);
   for (std::size_t i = 2 * scan.first_return; i < 2 * (scan.first_return + scan.num_returns); ++i) {
-    graph.points()[i] = 1e300;
+    state.points[i] = 1e300;
   }
-  const std::vector<int> fixed = ChooseFixedPoses(WindowOptions(), graph, {39});
+  const std::vector<int> fixed = ChooseFixedPoses(WindowOptions(), graph, state, {39});
   EXPECT_THAT(fixed, Contains(36));
   EXPECT_THAT(fixed, Not(Contains(37)));
   EXPECT_THAT(fixed, Not(Contains(38)));
@@ -107,7 +113,7 @@ TEST(WindowContextTest, APoseWithoutReturnsHasNoContext) {
   SlamGraph graph = Hall();
   int pose = 0;
   ASSERT_TRUE(graph.AddPose({39.5, 0.0, 0.0}, 100.0, &pose).ok());
-  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, {pose}), IsEmpty());
+  EXPECT_THAT(ChooseFixedPoses(WindowOptions(), graph, graph.InitialState(), {pose}), IsEmpty());
 }
 
 }  // namespace

@@ -13,10 +13,8 @@
 #include "plumbline/apps/report_json.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/map_quality.h"
-#include "plumbline/core/return_normals.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -42,32 +40,37 @@ void SwitchOffMotion(MotionOptions* motion) {
   }
 }
 
-AblationOutcome Measure(const AblationInput& input, const SlamGraph& graph, ThreadPool* pool) {
+AblationOutcome Measure(const AblationInput& input, const MapState& state, ThreadPool* pool) {
   AblationOutcome outcome;
   if (!input.truth.poses.empty()) {
-    const MapErrors errors = MeasureMapErrors({PosesOf(graph), graph.points()}, input.truth);
+    const MapErrors errors = MeasureMapErrors({PosesOf(state.poses), state.points}, input.truth);
     outcome.pose_m = MeanAndVarianceOf(errors.pose_m).mean;
     outcome.point_m = MeanAndVarianceOf(errors.point_m).mean;
   }
   if (!input.relations.empty()) {
-    outcome.relations_m = MeasureRelations(input.relations, TrajectoryOf(graph), RelationsOptions())
-                              .all.translation_m.mean;
+    outcome.relations_m =
+        MeasureRelations(input.relations, TrajectoryOf(input.graph, state), RelationsOptions())
+            .all.translation_m.mean;
   }
-  const MapQuality quality = MeasureMapQuality(graph.points(), MapQualityOptions(), pool);
+  const MapQuality quality = MeasureMapQuality(state.points, MapQualityOptions(), pool);
   outcome.thickness_m = quality.wall_thickness_m;
   outcome.entropy = quality.mean_map_entropy;
   const MeasuredSurface surface =
-      MeasureSurface(graph, NormalOptionsFor(input.full.factors.beam), pool);
-  outcome.energy = YardstickEnergy(graph, surface, input.full, pool);
+      MeasureSurface(input.graph, NormalOptionsFor(input.full.factors.beam), pool);
+  outcome.energy = YardstickEnergy(input.graph, state.poses, surface, input.full, pool);
   return outcome;
 }
 
 Status SeedInput(ThreadPool* pool, AblationInput* input) {
-  const std::vector<Eigen::Vector2f> normals =
-      EstimateReturnNormals(input->seed, NormalOptionsFor(input->full.factors.beam), pool);
-  SeedingReport report;
-  return SeedGraph(SeedingOptions(), input->full.factors.motion, normals, {}, pool, &input->seed,
-                   &report);
+  MapLogOptions options;
+  options.solver = input->full;
+  LogMapping mapping;
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(input->graph), pool, &mapping));
+  PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, pool, &mapping));
+  input->full = RefinementOptions(options, mapping.report.seeding);
+  input->graph = std::move(mapping.graph);
+  input->seed = std::move(mapping.state);
+  return Status::Ok();
 }
 
 std::vector<std::string> RowNames() {
@@ -149,12 +152,12 @@ Status RunAblation(const AblationInput& input, ThreadPool* pool,
                    std::vector<AblationOutcome>* outcomes) {
   std::vector<AblationOutcome> results = {Measure(input, input.seed, pool)};
   for (const AblationVariant& variant : AblationVariants(input.full)) {
-    SlamGraph graph = input.seed;
-    const SolverSummary summary = Solve(variant.options, &graph);
+    MapState state = input.seed;
+    const SolverSummary summary = Solve(variant.options, input.graph, &state);
     if (!summary.IsSolutionUsable()) {
       return Status::InvalidArgument(variant.name + ": " + summary.message);
     }
-    results.push_back(Measure(input, graph, pool));
+    results.push_back(Measure(input, state, pool));
   }
   *outcomes = std::move(results);
   return Status::Ok();
@@ -166,7 +169,7 @@ Status AblateSyntheticDrives(int num_seeds, const SolverOptions& full, ThreadPoo
   const auto make_input = [&](std::size_t seed, AblationInput* input) {
     SyntheticDrive drive;
     PLUMBLINE_RETURN_IF_ERROR(MakeSyntheticDrive(seed, noise, &drive));
-    input->seed = std::move(drive.graph);
+    input->graph = std::move(drive.graph);
     input->truth = std::move(drive.truth);
     input->full = full;
     input->full.factors.beam.sigma_range_m = noise.sigma_range_m;
@@ -183,8 +186,8 @@ Status AblateBuildings(int num_buildings, const SolverOptions& full, ThreadPool*
     SimulatedLog log;
     PLUMBLINE_RETURN_IF_ERROR(
         Simulate(World(GenerateBuilding(BuildingKind::kRandom, seed)), SimulationOptions(), &log));
-    PLUMBLINE_RETURN_IF_ERROR(MakeGraph(log, &input->seed));
-    input->truth = TruthOf(log, input->seed);
+    PLUMBLINE_RETURN_IF_ERROR(MakeGraph(log, &input->graph));
+    input->truth = TruthOf(log, input->graph);
     input->full = full;
     return Status::Ok();
   };

@@ -7,6 +7,7 @@
 
 #include "plumbline/apps/benchmark/map_errors.h"
 #include "plumbline/apps/evaluation/relations_metric.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -23,9 +24,10 @@ struct AblationVariant {
 /// The full form first, then one part at a time left out, put in or changed.
 std::vector<AblationVariant> AblationVariants(const SolverOptions& full);
 
-/// A seeded graph that all variants start from, with what is known of the truth.
+/// A graph with the seed that all variants start from, and what is known of the truth.
 struct AblationInput {
-  SlamGraph seed;
+  SlamGraph graph;
+  MapState seed;
   MapEstimate truth;  ///< in the frame of the first pose; empty if not known
   std::vector<Relation> relations;
   /// The full form, told the noise of this input's laser.
@@ -64,7 +66,7 @@ Status AblateSyntheticDrives(int num_seeds, const SolverOptions& full, ThreadPoo
 Status AblateBuildings(int num_buildings, const SolverOptions& full, ThreadPool* pool,
                        AblationTable* table);
 
-/// One input, on all threads.
+/// One input without a seed, on all threads.
 Status AblateLog(const std::string& name, AblationInput input, AblationTable* table);
 
 /// Medians over the inputs, for people.

@@ -11,11 +11,10 @@
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/core/angle.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/map_quality.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/map_state.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/mirrored_scans.h"
-#include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -43,14 +42,15 @@ const std::vector<AttackLevels>& AllAttacks() {
   return attacks;
 }
 
-MapState Measure(const SlamGraph& graph, const std::vector<Pose2>& truth, ThreadPool* pool) {
-  const std::vector<Pose2> poses = PosesOf(graph);
+MapFigures Measure(const SlamGraph& graph, const std::vector<double>& pose_array,
+                   const std::vector<Pose2>& truth, ThreadPool* pool) {
+  const std::vector<Pose2> poses = PosesOf(pose_array);
   const Pose2 truth_from_world = AlignTrajectories(poses, truth);
   PoseErrors errors(StatisticsConvention::kEvo);
   for (std::size_t i = 0; i < truth.size(); ++i) errors.Add(truth[i], truth_from_world * poses[i]);
   const PoseErrorStatistics statistics = errors.Statistics();
   const MapQuality quality =
-      MeasureMapQuality(PlacedReturns(graph, poses), MapQualityOptions(), pool);
+      MeasureMapQuality(graph.MeasuredMap(pose_array), MapQualityOptions(), pool);
   return {statistics.translation_m.mean, DegToRad(statistics.rotation_deg.mean),
           quality.wall_thickness_m, quality.mean_map_entropy};
 }
@@ -60,9 +60,43 @@ Status MeasureFloor(std::uint64_t seed, const SolverOptions& solver, ThreadPool*
                     double* floor_m) {
   AdversarialProblem problem;
   PLUMBLINE_RETURN_IF_ERROR(MakeAdversarialProblem({Attack::kNone, 0.0, seed}, &problem));
-  const SolverSummary summary = Solve(solver, &problem.graph);
+  MapState state = problem.graph.InitialState();
+  const SolverSummary summary = Solve(solver, problem.graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-  *floor_m = Measure(problem.graph, problem.truth, pool).pose_error_m;
+  *floor_m = Measure(problem.graph, state.poses, problem.truth, pool).pose_error_m;
+  return Status::Ok();
+}
+
+// To refuse mirrored scans is to give the start back.
+bool IsDueRefusal(const SlamGraph& graph, const std::vector<double>& poses) {
+  return VoteOnTurns(graph, poses).SayMirrored();
+}
+
+Status MapProblem(const AdversarialProblem& problem, const SolverOptions& solver, ThreadPool* pool,
+                  AdversarialOutcome* outcome) {
+  MapLogOptions options;
+  options.solver = solver;
+  LogMapping mapping;
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, problem.graph, pool, &mapping));
+  PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, pool, &mapping));
+  outcome->before = Measure(mapping.graph, mapping.state.poses, problem.truth, pool);
+  const Status refined = RefineLog(options, pool, &mapping);
+  if (!refined.ok() && !IsDueRefusal(mapping.graph, mapping.state.poses)) return refined;
+  outcome->alarm = !refined.ok() || !mapping.report.alarms.empty();
+  outcome->after = Measure(mapping.graph, mapping.state.poses, problem.truth, pool);
+  outcome->summary = std::move(mapping.report.solver);
+  return Status::Ok();
+}
+
+Status SolveProblem(const AdversarialProblem& problem, const SolverOptions& solver,
+                    ThreadPool* pool, AdversarialOutcome* outcome) {
+  MapState state = problem.graph.InitialState();
+  outcome->before = Measure(problem.graph, state.poses, problem.truth, pool);
+  outcome->summary = Solve(solver, problem.graph, &state);
+  if (!outcome->summary.IsSolutionUsable() && !IsDueRefusal(problem.graph, state.poses)) {
+    return Status::InvalidArgument(outcome->summary.message);
+  }
+  outcome->after = Measure(problem.graph, state.poses, problem.truth, pool);
   return Status::Ok();
 }
 
@@ -166,22 +200,8 @@ Status RunAdversarialCase(const AdversarialCase& run, SolverOptions solver,
   AdversarialProblem problem;
   PLUMBLINE_RETURN_IF_ERROR(MakeAdversarialProblem(run, &problem));
   if (run.attack == Attack::kNoise) solver.factors.beam.sigma_range_m *= run.level;
-  if (run.seeded) {
-    const std::vector<Eigen::Vector2f> normals =
-        EstimateReturnNormals(problem.graph, NormalOptionsFor(solver.factors.beam), &pool);
-    SeedingReport report;
-    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(SeedingOptions(), solver.factors.motion, normals, {}, &pool,
-                                        &problem.graph, &report));
-    result.alarm = report.alarm;
-  }
-  result.before = Measure(problem.graph, problem.truth, &pool);
-  result.summary = Solve(solver, &problem.graph);
-  // To refuse mirrored scans is to give the start back.
-  if (!result.summary.IsSolutionUsable() &&
-      !VoteOnTurns(problem.graph, problem.graph.poses()).SayMirrored()) {
-    return Status::InvalidArgument(result.summary.message);
-  }
-  result.after = Measure(problem.graph, problem.truth, &pool);
+  PLUMBLINE_RETURN_IF_ERROR(
+      (run.seeded ? MapProblem : SolveProblem)(problem, solver, &pool, &result));
   *outcome = std::move(result);
   return Status::Ok();
 }

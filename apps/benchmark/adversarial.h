@@ -39,7 +39,7 @@ struct AdversarialCase {
 };
 
 /// How far a map is off, as poses place the measured ranges.
-struct MapState {
+struct MapFigures {
   double pose_error_m = 0.0;  ///< mean, after the rigid motion that fits the trajectory best
   double pose_error_rad = 0.0;
   double wall_thickness_m = 0.0;
@@ -48,7 +48,7 @@ struct MapState {
 
 struct AdversarialOutcome {
   AdversarialCase run;
-  MapState before, after;
+  MapFigures before, after;
   /// Pose error that noise leaves of the same drive without any attack, started at the usual drift:
   /// what two results that are as good as each other may differ by.
   double floor_m = 0.0;

@@ -9,11 +9,11 @@
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/core/graph_poses.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -23,11 +23,6 @@ constexpr int kNumDetails = 2;
 constexpr double kDetailM = 3.0;  // a piece of a room
 
 using Clock = std::chrono::steady_clock;
-
-void SetPoses(const std::vector<Pose2>& poses, SlamGraph* graph) {
-  for (int pose = 0; pose < graph->num_poses(); ++pose) graph->SetPose(pose, poses[pose]);
-  graph->ResetPointsFromPoses();
-}
 
 // Moves a panel onto the reference by their trajectories, which pair by index.
 void Align(const MapPanel& reference, MapPanel* panel) {
@@ -44,7 +39,10 @@ class Experiment {
  public:
   Experiment(const LogExperimentInputs& inputs,
              std::function<void(const LogStart&, const LogStage&)> done)
-      : inputs_(inputs), done_(std::move(done)), pool_(inputs.solver.num_threads) {}
+      : inputs_(inputs),
+        options_{inputs.seeding, inputs.solver, {}},
+        done_(std::move(done)),
+        pool_(inputs.solver.num_threads) {}
 
   Status Run(LogExperiment* experiment) {
     result_.log = inputs_.log.substr(inputs_.log.find_last_of('/') + 1);
@@ -71,63 +69,69 @@ class Experiment {
  private:
   Status RunWholeLog(const CarmenLog& log) {
     PLUMBLINE_RETURN_IF_ERROR(Start("raw log", log));
-    AddStage("odometry", 0.0);
-    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point"));
-    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line"));
-    AddPanel("pairwise ICP");
-    SeedingReport seeding;
-    PLUMBLINE_RETURN_IF_ERROR(Seed(&seeding));
-    const std::vector<Pose2> seed = PosesOf(graph_);
-    AddDescent(seeding);
-    AddPanel("gradient descent (SGD)");
-    SetPoses(seed, &graph_);
-    AddStage("seed (pose graph)", seed_time_s_);
-    AddPanel("pose graph, Plumbline's seed");
-    PLUMBLINE_RETURN_IF_ERROR(Refine(seeding.odometry_noise));
-    AddPanel("Plumbline, poses and points");
+    AddStage("odometry", mapping_.state, 0.0);
+    MapState chain;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &chain));
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line", &chain));
+    AddPanel("pairwise ICP", chain);
+    double seed_time_s = 0.0;
+    PLUMBLINE_RETURN_IF_ERROR(Seed(&seed_time_s));
+    AddDescent(mapping_.report.seeding);
+    AddStage("seed (pose graph)", mapping_.state, seed_time_s);
+    AddPanel("pose graph, Plumbline's seed", mapping_.state);
+    PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &pool_, &mapping_));
+    AddRefined(mapping_.report.solver);
+    AddPanel("Plumbline, poses and points", mapping_.state);
     FinishFigure();
     return Status::Ok();
   }
 
   Status RunCorrectedLog(const CorrectedLog& pair) {
     PLUMBLINE_RETURN_IF_ERROR(Start("corrected poses", pair.corrected));
-    AddStage("as corrected", 0.0);
-    PLUMBLINE_RETURN_IF_ERROR(Refine({}));
+    AddStage("as corrected", mapping_.state, 0.0);
+    const SolverSummary summary =
+        Solve(inputs_.solver, mapping_.surface, mapping_.graph, &mapping_.state);
+    if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
+    AddRefined(summary);
     PLUMBLINE_RETURN_IF_ERROR(Start("the same scans, raw odometry", pair.raw));
-    AddStage("odometry", 0.0);
-    SeedingReport seeding;
-    PLUMBLINE_RETURN_IF_ERROR(Seed(&seeding));
-    AddStage("seed (pose graph)", seed_time_s_);
-    return Refine(seeding.odometry_noise);
-  }
-
-  Status Start(const std::string& name, const CarmenLog& log) {
-    const Status built = BuildGraph(log, 0, &graph_);
-    if (!built.ok()) return Status::InvalidArgument(inputs_.log + ": " + built.message());
-    if (graph_.num_returns() == 0) {
-      return Status::InvalidArgument(inputs_.log + ": no scan has a return within range");
-    }
-    normals_ = EstimateReturnNormals(graph_, NormalOptionsFor(inputs_.solver.factors.beam), &pool_);
-    result_.starts.push_back({name, graph_.num_scans(), graph_.num_returns(), {}});
+    AddStage("odometry", mapping_.state, 0.0);
+    double seed_time_s = 0.0;
+    PLUMBLINE_RETURN_IF_ERROR(Seed(&seed_time_s));
+    AddStage("seed (pose graph)", mapping_.state, seed_time_s);
+    PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &pool_, &mapping_));
+    AddRefined(mapping_.report.solver);
     return Status::Ok();
   }
 
-  // Leaves the result in the graph; all metrics start from the odometry, which edges hold.
-  Status ChainPairs(IcpMetric metric, const std::string& name) {
+  Status Start(const std::string& name, const CarmenLog& log) {
+    SlamGraph graph;
+    const Status built = BuildGraph(log, 0, &graph);
+    if (!built.ok()) return Status::InvalidArgument(inputs_.log + ": " + built.message());
+    if (graph.num_returns() == 0) {
+      return Status::InvalidArgument(inputs_.log + ": no scan has a return within range");
+    }
+    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_, std::move(graph), &pool_, &mapping_));
+    result_.starts.push_back({name, mapping_.graph.num_scans(), mapping_.graph.num_returns(), {}});
+    return Status::Ok();
+  }
+
+  Status ChainPairs(IcpMetric metric, const std::string& name, MapState* chain) {
     PairwiseIcpOptions options = inputs_.icp;
     options.metric = metric;
     PairwiseIcpReport report;
     const auto start = Clock::now();
-    PLUMBLINE_RETURN_IF_ERROR(plumbline::ChainPairs(options, normals_, &pool_, &graph_, &report));
-    AddStage(name, SecondsSince(start));
+    PLUMBLINE_RETURN_IF_ERROR(plumbline::ChainPairs(options, mapping_.surface.normals, &pool_,
+                                                    mapping_.graph, chain, &report));
+    AddStage(name, *chain, SecondsSince(start));
     return Status::Ok();
   }
 
-  Status Seed(SeedingReport* report) {
+  Status Seed(double* time_s) {
     const auto start = Clock::now();
-    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(inputs_.seeding, inputs_.solver.factors.motion, normals_,
-                                        {}, &pool_, &graph_, report));
-    seed_time_s_ = SecondsSince(start);
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_, {}, &pool_, &mapping_));
+    *time_s = SecondsSince(start);
     return Status::Ok();
   }
 
@@ -136,42 +140,37 @@ class Experiment {
     const auto start = Clock::now();
     DescendStochastically(seeding.pose_graph, inputs_.descent, &poses);
     const double time_s = SecondsSince(start);
-    SetPoses(poses, &graph_);
-    AddStage("gradient descent (SGD) on its pose graph", time_s);
+    MapState state;
+    state.poses = PoseArray(poses);
+    state.points = mapping_.graph.MeasuredMap(state.poses);
+    AddStage("gradient descent (SGD) on its pose graph", state, time_s);
+    AddPanel("gradient descent (SGD)", state);
   }
 
-  // odometry_noise: as the seeding found it, if there was one.
-  Status Refine(const OdometryNoiseReport& odometry_noise) {
-    const auto start = Clock::now();
-    SolverOptions solver = inputs_.solver;
-    solver.factors.motion = RefinementMotion(odometry_noise, solver.factors.motion);
-    const SolverSummary summary = Solve(solver, &graph_);
-    if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-    const double time_s = SecondsSince(start);
-    const std::vector<double> points = graph_.points();
-    graph_.ResetPointsFromPoses();
-    LogStage* stage = Measure("refined", time_s);
-    graph_.points() = points;
-    stage->points = MeasureSharpness(points, &pool_);
+  void AddRefined(const SolverSummary& summary) {
+    MapState raw = mapping_.state;
+    raw.points = mapping_.graph.MeasuredMap(raw.poses);
+    LogStage* stage = Measure("refined", raw, summary.total_time_s);
+    stage->points = MeasureSharpness(mapping_.state.points, &pool_);
     Report();
-    return Status::Ok();
   }
 
-  LogStage* Measure(const std::string& name, double time_s) {
+  LogStage* Measure(const std::string& name, const MapState& state, double time_s) {
     LogStage stage;
     stage.name = name;
     stage.time_s = time_s;
     if (!relations_.empty()) {
-      stage.relations = MeasureRelations(relations_, TrajectoryOf(graph_), RelationsOptions());
+      stage.relations =
+          MeasureRelations(relations_, TrajectoryOf(mapping_.graph, state), RelationsOptions());
     }
-    stage.raw_ranges = MeasureSharpness(graph_.points(), &pool_);
+    stage.raw_ranges = MeasureSharpness(state.points, &pool_);
     std::vector<LogStage>* stages = &result_.starts.back().stages;
     stages->push_back(std::move(stage));
     return &stages->back();
   }
 
-  void AddStage(const std::string& name, double time_s) {
-    Measure(name, time_s);
+  void AddStage(const std::string& name, const MapState& state, double time_s) {
+    Measure(name, state, time_s);
     Report();
   }
 
@@ -179,8 +178,8 @@ class Experiment {
     if (done_) done_(result_.starts.back(), result_.starts.back().stages.back());
   }
 
-  void AddPanel(const std::string& title) {
-    result_.maps.panels.push_back({title, graph_.points(), PosesOf(graph_), {}});
+  void AddPanel(const std::string& title, const MapState& state) {
+    result_.maps.panels.push_back({title, state.points, PosesOf(state.poses), {}});
   }
 
   // The last panel is what the others are compared with.
@@ -193,12 +192,11 @@ class Experiment {
   }
 
   const LogExperimentInputs& inputs_;
+  const MapLogOptions options_;
   const std::function<void(const LogStart&, const LogStage&)> done_;
   ThreadPool pool_;
   std::vector<Relation> relations_;
-  SlamGraph graph_;
-  std::vector<Eigen::Vector2f> normals_;
-  double seed_time_s_ = 0.0;
+  LogMapping mapping_;
   LogExperiment result_;
 };
 

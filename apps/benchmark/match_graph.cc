@@ -47,7 +47,7 @@ MatchGraph BuildMatchGraph(const SlamGraph& graph, const std::vector<SurfacePoin
                            const MotionOptions& motion, const MatchGraphOptions& options) {
   MatchGraph result;
   result.edges = MatchConsecutive(graph, surfaces, motion, options);
-  result.chain.push_back(graph.WorldFromRobot(0));
+  result.chain.push_back(graph.InitialPose(0));
   for (const RelativePoseConstraint& edge : result.edges) {
     result.chain.push_back(result.chain[edge.from] * edge.from_from_to);
   }

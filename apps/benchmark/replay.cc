@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "plumbline/apps/benchmark/solver_run.h"
-#include "plumbline/core/graph_poses.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -41,7 +41,7 @@ class Host {
     for (const RelativePoseConstraint& c : drive_.relative_poses()) {
       if (ArrivesIn(first, end, c)) PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(c));
     }
-    const std::vector<Pose2> poses = PosesOf(graph_);
+    const std::vector<Pose2> poses = PosesOf(state_.poses);
     num_news_ = 0;
     for (const RelativePoseConstraint& c : closures_) {
       if (!ArrivesIn(first, end, c)) continue;
@@ -62,6 +62,7 @@ class Host {
   }
 
   const SlamGraph& graph() const { return graph_; }
+  const MapState& state() const { return state_; }
 
  private:
   template <typename Constraint>
@@ -71,9 +72,9 @@ class Host {
   }
 
   Status AddPose(int pose) {
-    Pose2 world_from_robot = drive_.WorldFromRobot(0);
+    Pose2 world_from_robot = drive_.InitialPose(0);
     if (pose > 0) {
-      world_from_robot = graph_.WorldFromRobot(pose - 1) *
+      world_from_robot = state_.WorldFromRobot(pose - 1) *
                          Between(sequential_poses_[pose - 1], sequential_poses_[pose]);
     }
     int id = 0;
@@ -82,6 +83,7 @@ class Host {
          ++scan) {
       PLUMBLINE_RETURN_IF_ERROR(graph_.AddScanOf(drive_, scan, id));
     }
+    graph_.ExtendState(&state_);
     return Status::Ok();
   }
 
@@ -89,8 +91,8 @@ class Host {
     const auto start = Clock::now();
     if (solve == ReplayedSolve::kLoops) CloseLoops();
     const SolverSummary summary = solve == ReplayedSolve::kWindow
-                                      ? SolveWindow(solver_, options_.window, &graph_)
-                                      : Solve(solver_, &graph_);
+                                      ? SolveWindow(solver_, options_.window, graph_, &state_)
+                                      : Solve(solver_, graph_, &state_);
     *step = {batch_,
              graph_.num_poses(),
              solve,
@@ -105,14 +107,14 @@ class Host {
 
   // The shape that the map has by now, with the uncertainty of its steps, under all closures.
   void CloseLoops() {
-    std::vector<Pose2> poses = PosesOf(graph_);
+    std::vector<Pose2> poses = PosesOf(state_.poses);
     std::vector<RelativePoseConstraint> steps(steps_.begin(), steps_.begin() + poses.size() - 1);
     for (RelativePoseConstraint& step : steps) {
       step.from_from_to = Between(poses[step.from], poses[step.to]);
     }
     OptimizePoseGraph(steps, arrived_closures_, &poses);
-    for (std::size_t i = 0; i < poses.size(); ++i) graph_.SetPose(static_cast<int>(i), poses[i]);
-    graph_.ResetPointsFromPoses();
+    state_.poses = PoseArray(poses);
+    state_.points = graph_.MeasuredMap(state_.poses);
   }
 
   const SolverOptions& solver_;
@@ -122,16 +124,17 @@ class Host {
   const std::vector<RelativePoseConstraint> steps_;     // from each pose to the next
   const std::vector<RelativePoseConstraint> closures_;  // of the whole drive
   SlamGraph graph_;
+  MapState state_;
   std::vector<RelativePoseConstraint> arrived_closures_;
   int next_scan_ = 0;
   int batch_ = 0;
   int num_news_ = 0;  // closures of this batch that the poses contradict
 };
 
-Status CheckInput(const SlamGraph& seed, const SeedingReport& report) {
-  const std::size_t num_poses = seed.num_poses();
-  for (int scan = 1; scan < seed.num_scans(); ++scan) {
-    if (seed.scan(scan).pose >= seed.scan(scan - 1).pose) continue;
+Status CheckInput(const SlamGraph& drive, const SeedingReport& report) {
+  const std::size_t num_poses = drive.num_poses();
+  for (int scan = 1; scan < drive.num_scans(); ++scan) {
+    if (drive.scan(scan).pose >= drive.scan(scan - 1).pose) continue;
     return Status::InvalidArgument("a replay needs scans in the order of their poses, but scan " +
                                    std::to_string(scan) + " is not");
   }
@@ -144,18 +147,19 @@ Status CheckInput(const SlamGraph& seed, const SeedingReport& report) {
                                  std::to_string(report.sequential_poses.size()));
 }
 
-double EnergyOf(const SlamGraph& graph, const SolverOptions& solver) {
+double EnergyOf(const SlamGraph& graph, const MapState& state, const SolverOptions& solver) {
   ThreadPool pool(solver.num_threads);
   const MeasuredSurface surface =
       MeasureSurface(graph, NormalOptionsFor(solver.factors.beam), &pool);
-  return YardstickEnergy(graph, surface, solver, &pool);
+  return YardstickEnergy(graph, state.poses, surface, solver, &pool);
 }
 
-Status SolveBatch(const SolverOptions& solver, SlamGraph* graph, Replay* replay) {
+Status SolveBatch(const SolverOptions& solver, const SlamGraph& graph, MapState* state,
+                  Replay* replay) {
   const auto start = Clock::now();
-  const SolverSummary summary = Solve(solver, graph);
+  const SolverSummary summary = Solve(solver, graph, state);
   replay->batch_time_s = SecondsSince(start);
-  replay->batch_energy = EnergyOf(*graph, solver);
+  replay->batch_energy = EnergyOf(graph, *state, solver);
   return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);
 }
 
@@ -189,14 +193,14 @@ bool ReplayOptions::Check(std::string* error) const {
   return true;
 }
 
-Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& seed,
-                 const SeedingReport& report, const std::function<void(const ReplayStep&)>& done,
-                 Replay* replay) {
+Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& drive,
+                 const MapState& seed, const SeedingReport& report,
+                 const std::function<void(const ReplayStep&)>& done, Replay* replay) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  PLUMBLINE_RETURN_IF_ERROR(CheckInput(seed, report));
+  PLUMBLINE_RETURN_IF_ERROR(CheckInput(drive, report));
   Replay result;
-  Host host(solver, options, seed, report);
+  Host host(solver, options, drive, report);
   ReplayStep step;
   const auto keep = [&] {
     result.steps.push_back(step);
@@ -207,14 +211,14 @@ Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, cons
     PLUMBLINE_RETURN_IF_ERROR(host.Refine(&step));
     keep();
   }
-  result.online_energy = EnergyOf(host.graph(), solver);
+  result.online_energy = EnergyOf(host.graph(), host.state(), solver);
   PLUMBLINE_RETURN_IF_ERROR(host.Finish(&step));
   keep();
-  result.final_energy = EnergyOf(host.graph(), solver);
-  result.world_from_robot = PosesOf(host.graph());
-  SlamGraph batch = seed;
-  PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, &batch, &result));
-  Compare(PosesOf(batch), &result);
+  result.final_energy = EnergyOf(host.graph(), host.state(), solver);
+  result.world_from_robot = PosesOf(host.state().poses);
+  MapState batch = seed;
+  PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, drive, &batch, &result));
+  Compare(PosesOf(batch.poses), &result);
   *replay = std::move(result);
   return Status::Ok();
 }

@@ -64,12 +64,12 @@ struct Replay {
 /// chained to the last refined pose by the sequential matching. A closure arrives with the later of
 /// its poses. What is timed is the back end: matching and search for closures are not.
 ///
-/// seed: of the whole drive, one pose after the other, and its scans in the order of the poses.
-/// report: as SeedGraph left it. `done` is called after each step. InvalidArgument on bad options
-/// and a report of another graph, Unavailable if a solve fails.
-Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& seed,
-                 const SeedingReport& report, const std::function<void(const ReplayStep&)>& done,
-                 Replay* replay);
+/// drive: the whole of it, one pose after the other, and its scans in the order of the poses. seed
+/// and report: as SeedGraph gave them. `done` is called after each step. InvalidArgument on bad
+/// options and a report of another graph, Unavailable if a solve fails.
+Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, const SlamGraph& drive,
+                 const MapState& seed, const SeedingReport& report,
+                 const std::function<void(const ReplayStep&)>& done, Replay* replay);
 
 }  // namespace plumbline
 

@@ -72,23 +72,26 @@ Status SimulateDrive(int num_scans, ScalingOutcome* outcome, SimulatedLog* log) 
   return Status::Ok();
 }
 
-void Disturb(const std::vector<TimedPose>& truth, SlamGraph* graph) {
+// The true poses with a drift.
+MapState DisturbedState(const std::vector<TimedPose>& truth, const SlamGraph& graph) {
   constexpr double kDriftM = 0.03, kDriftRad = 0.0035;
   NoiseSource source(kSeed, kDriftStream);
   const SmoothDrift x(&source), y(&source), yaw(&source);
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
+  MapState state = graph.InitialState();
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
     const double path_m = kScanSpacing * pose;
     Pose2 drifted = truth[pose].world_from_robot;
     drifted.x += kDriftM * x.At(path_m);
     drifted.y += kDriftM * y.At(path_m);
     drifted.yaw += kDriftRad * yaw.At(path_m);
-    graph->SetPose(pose, drifted);
+    state.SetPose(pose, drifted);
   }
-  graph->ResetPointsFromPoses();
+  state.points = graph.MeasuredMap(state.poses);
+  return state;
 }
 
-// The graph of a drive, and the true poses; all else is freed on return.
-Status MakeProblem(int num_scans, ScalingOutcome* outcome, SlamGraph* graph,
+// The graph of a drive, a disturbed start, and the true poses; all else is freed on return.
+Status MakeProblem(int num_scans, ScalingOutcome* outcome, SlamGraph* graph, MapState* state,
                    std::vector<TimedPose>* truth) {
   SimulatedLog log;
   PLUMBLINE_RETURN_IF_ERROR(SimulateDrive(num_scans, outcome, &log));
@@ -97,15 +100,16 @@ Status MakeProblem(int num_scans, ScalingOutcome* outcome, SlamGraph* graph,
     truth->push_back(
         {scan.scan.timestamp_s, Between(log.scans[0].world_from_robot, scan.world_from_robot)});
   }
-  Disturb(*truth, graph);
+  *state = DisturbedState(*truth, *graph);
   return Status::Ok();
 }
 
-void MeasureErrors(const SlamGraph& graph, const std::vector<TimedPose>& truth,
-                   double* pose_error_m, double* step_error_m) {
+void MeasureErrors(const SlamGraph& graph, const MapState& state,
+                   const std::vector<TimedPose>& truth, double* pose_error_m,
+                   double* step_error_m) {
   TrajectoryMetricsOptions options;
   options.delta_m = 10.0;
-  const TrajectoryMetrics metrics = MeasureTrajectory(TrajectoryOf(graph), truth, options);
+  const TrajectoryMetrics metrics = MeasureTrajectory(TrajectoryOf(graph, state), truth, options);
   *pose_error_m = metrics.absolute.translation_m.mean;
   *step_error_m = metrics.relative_metres.translation_m.mean;
 }
@@ -167,24 +171,25 @@ ScalingOutcome RunScalingCase(int num_scans, const SolverOptions& options) {
   outcome.num_scans = num_scans;
   const auto start = Clock::now();
   SlamGraph graph;
+  MapState state;
   std::vector<TimedPose> truth;
-  const Status status = MakeProblem(num_scans, &outcome, &graph, &truth);
+  const Status status = MakeProblem(num_scans, &outcome, &graph, &state, &truth);
   if (!status.ok()) {
     outcome.failure = status.message();
     return outcome;
   }
   outcome.simulation_time_s = SecondsSince(start);
   outcome.num_returns = graph.num_returns();
-  MeasureErrors(graph, truth, &outcome.pose_error_before_m, &outcome.step_error_before_m);
+  MeasureErrors(graph, state, truth, &outcome.pose_error_before_m, &outcome.step_error_before_m);
   SolverOptions reduced = options;
   reduced.type = SolverType::kReduced;
   RestartPeakMemory();
   outcome.graph_memory_bytes = ResidentMemoryBytes();
   const std::clock_t cpu_start = std::clock();
-  const SolverSummary summary = Solve(reduced, &graph);
+  const SolverSummary summary = Solve(reduced, graph, &state);
   outcome.cpu_time_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   outcome.peak_memory_bytes = PeakMemoryBytes();
-  MeasureErrors(graph, truth, &outcome.pose_error_after_m, &outcome.step_error_after_m);
+  MeasureErrors(graph, state, truth, &outcome.pose_error_after_m, &outcome.step_error_after_m);
   Describe(summary, &outcome);
   return outcome;
 }

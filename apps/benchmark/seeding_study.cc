@@ -13,8 +13,8 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/seeding/frozen_laser.h"
 #include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
@@ -108,19 +108,18 @@ void InjectJump(const SeedingCase& run, SequentialTrajectory* trajectory) {
 Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seeding,
                             const MotionOptions& motion,
                             const std::vector<Eigen::Vector2f>& normals, ThreadPool* pool,
-                            SlamGraph* graph, SeedingReport* report) {
+                            const SlamGraph& graph, std::vector<Pose2>* poses,
+                            SeedingReport* report) {
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(*graph, normals, seeding.point_spacing_m, pool);
+      ThinnedSurfacePoints(graph, normals, seeding.point_spacing_m, pool);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, *graph, surfaces, {}, pool,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, graph, surfaces, {}, pool,
                                              &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
   PLUMBLINE_RETURN_IF_ERROR(
-      CloseAllLoops(seeding, noise, *graph, surfaces, {}, pool, &trajectory, report));
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    graph->SetPose(pose, trajectory.world_from_robot[pose]);
-  }
+      CloseAllLoops(seeding, noise, graph, surfaces, {}, pool, &trajectory, report));
+  *poses = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }
 
@@ -136,9 +135,8 @@ void AddErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated, std
 }
 
 // first_scan: as SimulateWithFault has it.
-void MeasureErrors(const SimulatedLog& log, const SlamGraph& graph, std::size_t first_scan,
-                   SeedingOutcome* outcome) {
-  const std::vector<Pose2> estimated = PosesOf(graph);
+void MeasureErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated,
+                   std::size_t first_scan, SeedingOutcome* outcome) {
   const bool is_parted = IsAlarmDue(outcome->run.fault.kind);
   PoseErrors errors(StatisticsConvention::kEvo);
   AddErrors(log, estimated, 0, is_parted ? first_scan : estimated.size(), &errors);
@@ -224,23 +222,29 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
 
   const auto start = std::chrono::steady_clock::now();
   ThreadPool pool(1);
-  std::vector<FrozenStretch> frozen;
-  PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&graph, &frozen));
-  const std::vector<Eigen::Vector2f> normals =
-      EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool);
-  SeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(
-      run.fault.kind == FaultKind::kInjected
-          ? SeedWithInjectedJump(run, seeding, factors.motion, normals, &pool, &graph, &report)
-          : SeedGraph(seeding, factors.motion, normals, {}, &pool, &graph, &report));
+  MapLogOptions options;
+  options.seeding = seeding;
+  options.solver.factors = factors;
+  LogMapping mapping;
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));
+  std::vector<Pose2> poses;
+  SeedingReport& report = mapping.report.seeding;
+  if (run.fault.kind == FaultKind::kInjected) {
+    PLUMBLINE_RETURN_IF_ERROR(SeedWithInjectedJump(run, seeding, factors.motion,
+                                                   mapping.surface.normals, &pool, mapping.graph,
+                                                   &poses, &report));
+  } else {
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));
+    poses = PosesOf(mapping.state.poses);
+  }
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
 
-  result.num_scans = graph.num_scans();
+  result.num_scans = mapping.graph.num_scans();
   result.path_length_m = log.path_length_m;
-  result.alarm = report.alarm || !frozen.empty();
+  result.alarm = report.alarm || !mapping.report.frozen_laser.empty();
   result.repaired = report.Repaired();
   result.time_s = duration.count();
-  MeasureErrors(log, graph, first_scan, &result);
+  MeasureErrors(log, poses, first_scan, &result);
   *outcome = result;
   return Status::Ok();
 }

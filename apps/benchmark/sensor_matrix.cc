@@ -5,14 +5,13 @@
 #include <cstddef>
 #include <utility>
 
-#include "plumbline/apps/alarm.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -74,25 +73,23 @@ double ShareWithoutTruth(const Truth& truth) {
   return 2.0 * static_cast<double>(without) / static_cast<double>(truth.points.size());
 }
 
-// What the joint estimation makes of a start within a centimetre of the truth. Leaves the graph as
-// it is.
-Status MeasureFloor(const SolverOptions& solver, const MeasuredSurface& surface, const Truth& truth,
-                    ThreadPool* pool, SlamGraph* graph, double* floor_m) {
-  const std::vector<double> poses = graph->poses();
-  for (int i = 0; i < graph->num_poses(); ++i) {
+// What the joint estimation makes of a start within a centimetre of the truth.
+Status MeasureFloor(const SolverOptions& solver, const MeasuredSurface& surface,
+                    const SlamGraph& graph, const Truth& truth, ThreadPool* pool, double* floor_m) {
+  MapState state = graph.InitialState();
+  for (int i = 0; i < graph.num_poses(); ++i) {
     const Pose2 off(0.01 * std::sin(2.1 * i), 0.01 * std::sin(1.3 * i), 0.003 * std::sin(3.3 * i));
-    graph->SetPose(i, truth.trajectory[i].world_from_robot * off);
+    state.SetPose(i, truth.trajectory[i].world_from_robot * off);
   }
-  const SolverSummary summary = Solve(solver, surface, graph);
+  state.points = graph.MeasuredMap(state.poses);
+  const SolverSummary summary = Solve(solver, surface, graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-  *floor_m = MeasureStage("floor", *graph, &truth, pool).error->mean_pose_error_m;
-  graph->poses() = poses;
-  graph->ResetPointsFromPoses();
+  *floor_m = MeasureStage("floor", state, &truth, pool).error->mean_pose_error_m;
   return Status::Ok();
 }
 
 // On one thread.
-Status RunCase(const SensorCase& sensor, SolverOptions solver, const SeedingOptions& seeding,
+Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const SeedingOptions& seeding,
                SensorOutcome* outcome) {
   Building building = sensor.make_building(outcome->seed);
   MakeGlass(sensor.glass_share, outcome->seed, &building);
@@ -106,23 +103,23 @@ Status RunCase(const SensorCase& sensor, SolverOptions solver, const SeedingOpti
   outcome->num_scans = graph.num_scans();
   outcome->outlier_share = ShareWithoutTruth(truth);
 
-  solver.num_threads = 1;
-  solver.factors.beam.sigma_range_m = simulation.laser_noise.sigma_range_m;
-  solver.factors.shape.enabled = sensor.shape;
+  MapLogOptions options;
+  options.seeding = seeding;
+  options.solver = solver;
+  options.solver.num_threads = 1;
+  options.solver.factors.beam.sigma_range_m = simulation.laser_noise.sigma_range_m;
+  options.solver.factors.shape.enabled = sensor.shape;
   ThreadPool pool(1);
-  const MeasuredSurface surface =
-      MeasureSurface(graph, NormalOptionsFor(solver.factors.beam), &pool);
-  SeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(
-      SeedGraph(seeding, solver.factors.motion, surface.normals, {}, &pool, &graph, &report));
-  outcome->seeded = MeasureStage("seed", graph, &truth, &pool);
-  solver.factors.motion = RefinementMotion(report.odometry_noise, solver.factors.motion);
-  PLUMBLINE_RETURN_IF_ERROR(MeasureFloor(solver, surface, truth, &pool, &graph, &outcome->floor_m));
-  const SolverSummary summary = Solve(solver, surface, &graph);
-  if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-  outcome->refined = MeasureStage("refined", graph, &truth, &pool);
-  const MapConsistency consistency = MeasureMapConsistency(graph, PosesOf(graph), &pool);
-  outcome->alarm = !RunAlarms(report, consistency, graph).empty();
+  LogMapping mapping;
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));
+  PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));
+  outcome->seeded = MeasureStage("seed", mapping.state, &truth, &pool);
+  PLUMBLINE_RETURN_IF_ERROR(MeasureFloor(RefinementOptions(options, mapping.report.seeding),
+                                         mapping.surface, mapping.graph, truth, &pool,
+                                         &outcome->floor_m));
+  PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
+  outcome->refined = MeasureStage("refined", mapping.state, &truth, &pool);
+  outcome->alarm = !mapping.report.alarms.empty();
   return Status::Ok();
 }
 

@@ -100,11 +100,11 @@ std::vector<SolverRun> CompareSolvers(const std::vector<ComparedSolver>& solvers
                                       const std::vector<Relation>& relations,
                                       const ComparisonOptions& options,
                                       const std::function<void(const SolverRun&)>& done,
-                                      SlamGraph* seed) {
+                                      const SlamGraph& graph, const MapState& seed) {
   std::vector<SolverRun> runs;
   for (int repeat = 1; repeat <= options.repeats; ++repeat) {
     for (const ComparedSolver& solver : solvers) {
-      runs.push_back(RunSolverInChild(solver, relations, options.time_limit_s, seed));
+      runs.push_back(RunSolverInChild(solver, relations, options.time_limit_s, graph, seed));
       runs.back().repeat = repeat;
       if (done) done(runs.back());
     }

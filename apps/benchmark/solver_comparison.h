@@ -20,13 +20,13 @@ struct ComparisonOptions {
 /// Every solver, the reduced one first, with options that differ in nothing else.
 std::vector<ComparedSolver> ComparedSolvers(const SolverOptions& options);
 
-/// One process after the other, all from the same seed, which stays as it is. Every solver has its
+/// One process after the other, all from the same seed. Every solver has its
 /// first run before any has its second. `done` is called after each.
 std::vector<SolverRun> CompareSolvers(const std::vector<ComparedSolver>& solvers,
                                       const std::vector<Relation>& relations,
                                       const ComparisonOptions& options,
                                       const std::function<void(const SolverRun&)>& done,
-                                      SlamGraph* seed);
+                                      const SlamGraph& graph, const MapState& seed);
 
 /// The time [s] of the first state within 0.01 % of an energy; none if there is no such state.
 std::optional<double> TimeToReach(const SolverRun& run, double energy);

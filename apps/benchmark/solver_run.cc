@@ -62,16 +62,18 @@ class PoseStore {
 // One run, step by step.
 class TracedRun {
  public:
-  TracedRun(const ComparedSolver& solver, double time_limit_s, SlamGraph* graph)
+  TracedRun(const ComparedSolver& solver, double time_limit_s, const SlamGraph& graph,
+            const MapState& seed)
       : solver_(solver),
         time_limit_s_(time_limit_s),
         graph_(graph),
-        states_(graph->poses().size()) {
+        state_(seed),
+        states_(seed.poses.size()) {
     run_.solver = solver.name;
   }
 
   SolverRun Run(const std::vector<Relation>& relations) {
-    Record({});
+    Record({}, state_.poses);
     if (stored_) Minimise();
     if (run_.failure.empty() && !stored_) run_.failure = "no room for a temporary file";
     if (run_.failure.empty()) Evaluate(relations);
@@ -79,18 +81,18 @@ class TracedRun {
   }
 
  private:
-  void Record(const Seconds& time) {
-    stored_ = stored_ && states_.Add(graph_->poses());
+  void Record(const Seconds& time, const std::vector<double>& poses) {
+    stored_ = stored_ && states_.Add(poses);
     run_.trace.push_back({time.wall, time.cpu, 0.0});
   }
 
   void Minimise() {
     SolverOptions options = solver_.options;
     Seconds start, aside;
-    options.callback = [&](const IterationSummary&) {
+    options.callback = [&](const IterationSummary& iteration) {
       const Seconds called = Seconds::Now();
       const Seconds time = called - start - aside;
-      Record(time);
+      Record(time, *iteration.poses);
       aside += Seconds::Now() - called;
       return stored_ && time.wall <= time_limit_s_;
     };
@@ -98,7 +100,7 @@ class TracedRun {
     run_.start_memory_bytes = ResidentMemoryBytes();
     alarm(1 + static_cast<unsigned>(2.0 * time_limit_s_));
     start = Seconds::Now();
-    const SolverSummary summary = Solve(options, graph_);
+    const SolverSummary summary = Solve(options, graph_, &state_);
     const Seconds time = Seconds::Now() - start - aside;
     alarm(0);
     run_.peak_memory_bytes = PeakMemoryBytes();
@@ -106,26 +108,25 @@ class TracedRun {
     run_.num_rounds = static_cast<int>(summary.rounds.size() + summary.patch_rounds.size());
     run_.termination = ToString(summary.termination);
     if (!summary.IsSolutionUsable()) run_.failure = summary.message;
-    Record(time);
+    Record(time, state_.poses);
   }
 
   void Evaluate(const std::vector<Relation>& relations) {
     ThreadPool pool(solver_.options.num_threads);
     if (!relations.empty()) {
       const PoseErrorStatistics all =
-          MeasureRelations(relations, TrajectoryOf(*graph_), RelationsOptions()).all;
+          MeasureRelations(relations, TrajectoryOf(graph_, state_), RelationsOptions()).all;
       run_.relations = RelationsFigures{all.translation_m.mean, all.translation_m.std,
                                         all.rotation_deg.mean, all.rotation_deg.std};
     }
-    run_.points = MeasureSharpness(graph_->points(), &pool);
-    graph_->ResetPointsFromPoses();
-    run_.raw_ranges = MeasureSharpness(graph_->points(), &pool);
+    run_.points = MeasureSharpness(state_.points, &pool);
+    run_.raw_ranges = MeasureSharpness(graph_.MeasuredMap(state_.poses), &pool);
     EvaluateTrace(&pool);
   }
 
   void EvaluateTrace(ThreadPool* pool) {
     const MeasuredSurface surface =
-        MeasureSurface(*graph_, NormalOptionsFor(solver_.options.factors.beam), pool);
+        MeasureSurface(graph_, NormalOptionsFor(solver_.options.factors.beam), pool);
     states_.Rewind();
     std::vector<double> poses, evaluated;
     double energy = 0.0;
@@ -136,8 +137,8 @@ class TracedRun {
       }
       // Iterations on the map alone leave the poses as they are.
       if (poses != evaluated) {
-        graph_->poses() = evaluated = poses;
-        energy = YardstickEnergy(*graph_, surface, solver_.options, pool);
+        evaluated = poses;
+        energy = YardstickEnergy(graph_, poses, surface, solver_.options, pool);
       }
       point.marginal_energy = energy;
     }
@@ -145,7 +146,8 @@ class TracedRun {
 
   const ComparedSolver& solver_;
   const double time_limit_s_;
-  SlamGraph* graph_;
+  const SlamGraph& graph_;
+  MapState state_;
   PoseStore states_;
   bool stored_ = true;
   SolverRun run_;
@@ -219,26 +221,27 @@ void Unpack(const std::string& packed, SolverRun* run) {
 
 }  // namespace
 
-double YardstickEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
-                       const SolverOptions& options, ThreadPool* pool) {
+double YardstickEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                       const MeasuredSurface& surface, const SolverOptions& options,
+                       ThreadPool* pool) {
   return MarginalEnergy(
-      graph, surface,
-      LinesFromRadius(graph, surface, options.association, FineRadius(options), pool),
+      graph, poses, surface,
+      LinesFromRadius(graph, poses, surface, options.association, FineRadius(options), pool),
       options.factors, pool);
 }
 
 SolverRun RunSolver(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                    double time_limit_s, SlamGraph* graph) {
-  return TracedRun(solver, time_limit_s, graph).Run(relations);
+                    double time_limit_s, const SlamGraph& graph, const MapState& seed) {
+  return TracedRun(solver, time_limit_s, graph, seed).Run(relations);
 }
 
 SolverRun RunSolverInChild(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                           double time_limit_s, SlamGraph* seed) {
+                           double time_limit_s, const SlamGraph& graph, const MapState& seed) {
   SolverRun run;
   run.solver = solver.name;
   std::string packed;
-  const Status status =
-      RunInChild([&] { return Pack(RunSolver(solver, relations, time_limit_s, seed)); }, &packed);
+  const Status status = RunInChild(
+      [&] { return Pack(RunSolver(solver, relations, time_limit_s, graph, seed)); }, &packed);
   if (status.ok()) {
     Unpack(packed, &run);
   } else {

@@ -8,6 +8,7 @@
 
 #include "plumbline/apps/evaluation/map_sharpness.h"
 #include "plumbline/apps/evaluation/relations_metric.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -54,24 +55,25 @@ struct SolverRun {
   double final_energy() const { return trace.back().marginal_energy; }
 };
 
-/// The yardstick for all solvers: MarginalEnergy of the graph's poses under the lines that they
-/// give at the fine radius.
-double YardstickEnergy(const SlamGraph& graph, const MeasuredSurface& surface,
-                       const SolverOptions& options, ThreadPool* pool);
+/// The yardstick for all solvers: MarginalEnergy of poses, (x, y, yaw) each, under the lines that
+/// they give at the fine radius.
+double YardstickEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                       const MeasuredSurface& surface, const SolverOptions& options,
+                       ThreadPool* pool);
 
-/// Solves, with a trace of the way. The clocks stand still while a state is put aside (in a file,
-/// as memory is measured) and all evaluation comes after the solve; states are those that the graph
-/// holds when the callback is called.
+/// Solves from a seed, with a trace of the way. The clocks stand still while a state is put aside
+/// (in a file, as memory is measured) and all evaluation comes after the solve; states are those
+/// that the callback is shown.
 ///
 /// After time_limit_s [s] the callback asks the solver to stop. A solver that does not call back
 /// for as long again ends the process by SIGALRM. `relations` may be empty.
 SolverRun RunSolver(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                    double time_limit_s, SlamGraph* graph);
+                    double time_limit_s, const SlamGraph& graph, const MapState& seed);
 
-/// The same in a process of its own, from a copy of the seed, which stays as it is. A process that
+/// The same in a process of its own. A process that
 /// comes to a bad end is a failure of the run.
 SolverRun RunSolverInChild(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                           double time_limit_s, SlamGraph* seed);
+                           double time_limit_s, const SlamGraph& graph, const MapState& seed);
 
 }  // namespace plumbline
 

@@ -8,11 +8,11 @@
 
 #include "plumbline/apps/benchmark/known_walls.h"
 #include "plumbline/apps/benchmark/match_graph.h"
-#include "plumbline/core/graph_poses.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
-#include "plumbline/solvers/seeding/seed.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -59,7 +59,7 @@ class MapMaker {
 
   Status Run() {
     normals_ = EstimateReturnNormals(drive_.graph, NormalOptionsFor(factors_.beam), &pool_);
-    PutRaw(Mapper::kOdometry, PosesOf(drive_.graph));
+    PutRaw(Mapper::kOdometry, PosesOf(drive_.graph.initial_poses()));
     PutRaw(Mapper::kTruePoses, drive_.truth.poses);
     Map(Mapper::kKnownWalls) = LocaliseAgainstTruth(drive_, ExactFactorsFor(noise_));
     PLUMBLINE_RETURN_IF_ERROR(Chain(IcpMetric::kPointToPoint, Mapper::kPointToPoint));
@@ -76,11 +76,11 @@ class MapMaker {
   }
 
   Status Chain(IcpMetric metric, Mapper mapper) {
-    SlamGraph graph = drive_.graph;
+    MapState state;
     PairwiseIcpReport report;
     PLUMBLINE_RETURN_IF_ERROR(
-        ChainPairs(IcpFor(noise_, metric), normals_, &pool_, &graph, &report));
-    PutRaw(mapper, PosesOf(graph));
+        ChainPairs(IcpFor(noise_, metric), normals_, &pool_, drive_.graph, &state, &report));
+    PutRaw(mapper, PosesOf(state.poses));
     return Status::Ok();
   }
 
@@ -100,17 +100,13 @@ class MapMaker {
   }
 
   Status Refine() {
-    SlamGraph graph = drive_.graph;
-    SeedingReport report;
-    PLUMBLINE_RETURN_IF_ERROR(
-        SeedGraph(SeedingOptions(), factors_.motion, normals_, {}, &pool_, &graph, &report));
-    PutRaw(Mapper::kSeed, PosesOf(graph));
-    SolverOptions solver;
-    solver.factors = factors_;
-    solver.num_threads = 1;
-    const SolverSummary summary = Solve(solver, &graph);
-    if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-    Map(Mapper::kPlumbline) = {PosesOf(graph), graph.points()};
+    MapLogOptions options;
+    options.solver.factors = factors_;
+    options.solver.num_threads = 1;
+    LogMapping mapping;
+    PLUMBLINE_RETURN_IF_ERROR(MapLog(options, drive_.graph, {}, &mapping));
+    PutRaw(Mapper::kSeed, PosesOf(mapping.start_poses));
+    Map(Mapper::kPlumbline) = {PosesOf(mapping.state.poses), mapping.state.points};
     return Status::Ok();
   }
 

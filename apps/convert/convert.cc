@@ -57,22 +57,23 @@ Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* 
   return status.ok() ? status : Status::InvalidArgument(options.input + ": " + status.message());
 }
 
-Status Write(const ConversionTarget& target, const PoseGraphFile& file, double map_resolution_m) {
+Status Write(const ConversionTarget& target, const PoseGraphFile& file, const MapState& state,
+             double map_resolution_m) {
   switch (target.format) {
     case ConversionFormat::kTum:
-      return WriteTumTrajectory(target.path, TrajectoryOf(file.graph));
+      return WriteTumTrajectory(target.path, TrajectoryOf(file.graph, state));
     case ConversionFormat::kG2o:
-      return WritePoseGraphFile(target.path, PoseGraphFormat::kG2o, file);
+      return WritePoseGraphFile(target.path, PoseGraphFormat::kG2o, file, state.poses);
     case ConversionFormat::kToro:
-      return WritePoseGraphFile(target.path, PoseGraphFormat::kToro, file);
+      return WritePoseGraphFile(target.path, PoseGraphFormat::kToro, file, state.poses);
     case ConversionFormat::kPly:
-      return WritePointsPly(target.path, file.graph);
+      return WritePointsPly(target.path, file.graph, state);
     case ConversionFormat::kPcd:
-      return WritePointsPcd(target.path, file.graph);
+      return WritePointsPcd(target.path, file.graph, state);
     case ConversionFormat::kRosMap:
       break;
   }
-  return WriteRobotMap(target.MapStem(), file.graph, map_resolution_m);
+  return WriteRobotMap(target.MapStem(), file.graph, state, map_resolution_m);
 }
 
 }  // namespace
@@ -90,8 +91,9 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
   ConversionReport result;
   PoseGraphFile file;
   PLUMBLINE_RETURN_IF_ERROR(ReadInput(options, &file, &result.counts));
+  MapState state = file.graph.InitialState();
   if (!options.trajectory.empty()) {
-    PLUMBLINE_RETURN_IF_ERROR(ReplacePoses(options.trajectory, &file.graph));
+    PLUMBLINE_RETURN_IF_ERROR(ReplacePoses(options.trajectory, file.graph, &state));
   }
   for (const ConversionTarget& target : options.targets) {
     if (target.NeedsReturns() && file.graph.num_returns() == 0) {
@@ -99,7 +101,7 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
                                      target.path + "'");
     }
     if (target.format == ConversionFormat::kRosMap) {
-      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options.input, file.graph, options.map_resolution_m));
+      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options.input, state, options.map_resolution_m));
     }
     result.left_out.push_back(LeftOut(target.format, file.graph));
   }
@@ -108,7 +110,7 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
   result.num_scans = file.graph.num_scans();
   result.num_returns = file.graph.num_returns();
   for (const ConversionTarget& target : options.targets) {
-    PLUMBLINE_RETURN_IF_ERROR(Write(target, file, options.map_resolution_m));
+    PLUMBLINE_RETURN_IF_ERROR(Write(target, file, state, options.map_resolution_m));
   }
   *report = std::move(result);
   return Status::Ok();

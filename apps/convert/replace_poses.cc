@@ -36,22 +36,23 @@ Status Match(const std::string& path, const std::vector<TimedPose>& trajectory,
 
 }  // namespace
 
-Status ReplacePoses(const std::string& trajectory_path, SlamGraph* graph) {
+Status ReplacePoses(const std::string& trajectory_path, const SlamGraph& graph, MapState* state) {
   std::vector<TimedPose> trajectory;
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(trajectory_path, &trajectory));
   Pairing pairing;
   PLUMBLINE_RETURN_IF_ERROR(ChoosePairing({trajectory_path, TimesOf(trajectory)},
-                                          {"the log or graph", TimesOf(*graph)}, kSameTime_s,
+                                          {"the log or graph", TimesOf(graph)}, kSameTime_s,
                                           &pairing));
   if (!pairing.by_order) {
     std::vector<TimedPose> matches;
-    PLUMBLINE_RETURN_IF_ERROR(Match(trajectory_path, trajectory, *graph, &matches));
+    PLUMBLINE_RETURN_IF_ERROR(Match(trajectory_path, trajectory, graph, &matches));
     trajectory = std::move(matches);
   }
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    graph->SetPose(pose, trajectory[pose].world_from_robot);
-  }
-  graph->ResetPointsFromPoses();
+  std::vector<Pose2> poses;
+  poses.reserve(trajectory.size());
+  for (const TimedPose& pose : trajectory) poses.push_back(pose.world_from_robot);
+  state->poses = PoseArray(poses);
+  state->points = graph.MeasuredMap(state->poses);
   return Status::Ok();
 }
 

@@ -10,7 +10,6 @@
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/ply_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
@@ -55,8 +54,9 @@ Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>&
                    ThreadPool* pool, Evaluation* evaluation) {
   LogMap map;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, inputs.trajectory, trajectory, &map));
-  evaluation->raw_ranges = MeasureSharpness(map.graph.points(), pool);
-  evaluation->consistency = MeasureMapConsistency(map.graph, PosesOf(map.graph), pool);
+  const MapState state = map.graph.InitialState();
+  evaluation->raw_ranges = MeasureSharpness(state.points, pool);
+  evaluation->consistency = MeasureMapConsistency(map.graph, PosesOf(state.poses), pool);
   evaluation->num_scans_without_pose = map.num_scans_without_pose;
   evaluation->log_by_order = map.clock_is_useless;
   return Status::Ok();

@@ -13,7 +13,7 @@ namespace plumbline {
 
 /// The scans of a log at the poses of a trajectory.
 struct LogMap {
-  SlamGraph graph;                ///< in the log's order; points where the raw ranges put them
+  SlamGraph graph;                ///< in the log's order; its initial guesses are these poses
   bool clock_is_useless = false;  ///< scans and poses were paired by order
   std::size_t num_scans_without_pose = 0;
 };

@@ -48,22 +48,23 @@ class OnlineMapper {
     if (graph_.num_poses() == 0) PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(Laser(), &laser_));
     const int previous = graph_.num_poses() - 1;
     Pose2 predicted;  // the first pose is the origin of the map
-    if (previous >= 0) predicted = graph_.WorldFromRobot(previous) * previous_from_this;
+    if (previous >= 0) predicted = state_.WorldFromRobot(previous) * previous_from_this;
     int pose = 0;
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(predicted, 0.1 * graph_.num_poses(), &pose));
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(pose, laser_, ranges_m));
+    graph_.ExtendState(&state_);  // what was estimated before stays
     if (previous < 0) return Status::Ok();
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry({previous, pose, previous_from_this}));
     if (graph_.num_poses() % kKeyframesPerWindow != 0) return Status::Ok();
     ++num_windows_;
-    return Succeeded(plumbline::SolveWindow(options_, window_, &graph_));
+    return Succeeded(plumbline::SolveWindow(options_, window_, graph_, &state_));
   }
 
   // A place that was recognised: earlier and later pose, and how they lie to each other.
   Status CloseLoop(const RelativePoseConstraint& closure) {
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(closure));
     PLUMBLINE_RETURN_IF_ERROR(SpreadOverLoop(closure));
-    const plumbline::SolverSummary summary = plumbline::Solve(options_, &graph_);
+    const plumbline::SolverSummary summary = plumbline::Solve(options_, graph_, &state_);
     std::printf("closed the loop: %s\n", summary.BriefReport().c_str());
     return Succeeded(summary);
   }
@@ -72,13 +73,13 @@ class OnlineMapper {
   Status NewestCovariance(Eigen::Matrix3d* covariance) const {
     const int newest = graph_.num_poses() - 1;
     std::vector<Eigen::Matrix3d> covariances;
-    PLUMBLINE_RETURN_IF_ERROR(
-        plumbline::ComputePoseCovariances(options_, graph_, {{newest, newest}}, &covariances));
+    PLUMBLINE_RETURN_IF_ERROR(plumbline::ComputePoseCovariances(options_, graph_, state_,
+                                                                {{newest, newest}}, &covariances));
     *covariance = covariances.front();
     return Status::Ok();
   }
 
-  const plumbline::SlamGraph& graph() const { return graph_; }
+  const plumbline::MapState& state() const { return state_; }
   int num_windows() const { return num_windows_; }
 
  private:
@@ -93,10 +94,10 @@ class OnlineMapper {
     plumbline::SlamGraph steps;
     int id = 0;
     for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      const Pose2 here = graph_.WorldFromRobot(pose);
+      const Pose2 here = state_.WorldFromRobot(pose);
       PLUMBLINE_RETURN_IF_ERROR(steps.AddPose(here, graph_.timestamp_s(pose), &id));
       if (pose == 0) continue;
-      RelativePoseConstraint step{pose - 1, pose, Between(graph_.WorldFromRobot(pose - 1), here)};
+      RelativePoseConstraint step{pose - 1, pose, Between(state_.WorldFromRobot(pose - 1), here)};
       step.covariance =
           Eigen::Vector3d(kStepM * kStepM, kStepM * kStepM, kStepRad * kStepRad).asDiagonal();
       PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(step));
@@ -104,17 +105,17 @@ class OnlineMapper {
     PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(closure));
     plumbline::SolverOptions options;
     options.type = plumbline::SolverType::kPoseGraph;
-    PLUMBLINE_RETURN_IF_ERROR(Succeeded(plumbline::Solve(options, &steps)));
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      graph_.SetPose(pose, steps.WorldFromRobot(pose));
-    }
-    graph_.ResetPointsFromPoses();
+    plumbline::MapState spread = steps.InitialState();
+    PLUMBLINE_RETURN_IF_ERROR(Succeeded(plumbline::Solve(options, steps, &spread)));
+    state_.poses = spread.poses;
+    state_.points = graph_.MeasuredMap(state_.poses);
     return Status::Ok();
   }
 
   plumbline::SolverOptions options_;
   plumbline::WindowOptions window_;
-  plumbline::SlamGraph graph_;
+  plumbline::SlamGraph graph_;  // what was measured
+  plumbline::MapState state_;   // what is estimated: poses and map points
   int laser_ = 0;
   int num_windows_ = 0;
 };
@@ -179,13 +180,6 @@ double MeanError(const std::vector<Pose2>& poses, const std::vector<Pose2>& trut
   return sum_m / poses.size();
 }
 
-std::vector<Pose2> PosesOf(const plumbline::SlamGraph& graph) {
-  std::vector<Pose2> poses;
-  poses.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) poses.push_back(graph.WorldFromRobot(pose));
-  return poses;
-}
-
 Status Run(bool* better) {
   const std::vector<Pose2> truth = TruePath();
   SimulatedRobot robot;
@@ -197,16 +191,16 @@ Status Run(bool* better) {
     PLUMBLINE_RETURN_IF_ERROR(mapper.AddKeyframe(step, robot.Scan(truth[i])));
   }
   const double odometry_m = MeanError(by_odometry, truth);
-  const double windows_m = MeanError(PosesOf(mapper.graph()), truth);
+  const double windows_m = MeanError(plumbline::PosesOf(mapper.state().poses), truth);
   std::printf("%d key frames, %d windows: mean error of the poses %.3f m -> %.3f m\n",
-              mapper.graph().num_poses(), mapper.num_windows(), odometry_m, windows_m);
+              mapper.state().num_poses(), mapper.num_windows(), odometry_m, windows_m);
 
   // The place recogniser, good to 1 cm and 3 mrad.
-  const int newest = mapper.graph().num_poses() - 1;
+  const int newest = mapper.state().num_poses() - 1;
   RelativePoseConstraint closure{10, newest, Between(truth[10], truth[newest])};
   closure.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
   PLUMBLINE_RETURN_IF_ERROR(mapper.CloseLoop(closure));
-  const double closed_m = MeanError(PosesOf(mapper.graph()), truth);
+  const double closed_m = MeanError(plumbline::PosesOf(mapper.state().poses), truth);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   PLUMBLINE_RETURN_IF_ERROR(mapper.NewestCovariance(&covariance));
   const Eigen::Vector3d sigma = covariance.diagonal().cwiseSqrt();

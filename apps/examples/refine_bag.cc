@@ -6,9 +6,9 @@
 //
 //   plumbline_example_refine_bag IN.bag SCAN_TOPIC ODOM_TOPIC OUT.tum
 #include <nav_msgs/Odometry.h>
+#include <plumbline/core/map_state.h>
 #include <plumbline/core/slam_graph.h>
-#include <plumbline/solvers/seeding/seed.h>
-#include <plumbline/solvers/solve.h>
+#include <plumbline/solvers/map_log.h>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/LaserScan.h>
@@ -20,6 +20,7 @@
 #include <iterator>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 using plumbline::Pose2;
@@ -110,21 +111,22 @@ Status ReadBag(const std::string& path, const std::string& scan_topic,
                                  odom_topic);
 }
 
-Status Map(plumbline::SlamGraph* graph) {
-  const plumbline::SolverOptions options;
-  plumbline::SeedingReport seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedGraph(plumbline::SeedingOptions(), options, graph, &seeding));
-  if (seeding.alarm) std::fprintf(stderr, "warning: the map may be wrong\n");
-  const plumbline::SolverSummary summary = plumbline::Solve(options, graph);
-  std::printf("%s\n", summary.BriefReport().c_str());
-  return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
+Status Map(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
+  plumbline::LogMapping mapping;
+  PLUMBLINE_RETURN_IF_ERROR(
+      plumbline::MapLog(plumbline::MapLogOptions(), graph, nullptr, &mapping));
+  std::fputs(plumbline::AlarmText(mapping.report.alarms).c_str(), stderr);
+  std::printf("%s\n", mapping.report.solver.BriefReport().c_str());
+  *state = std::move(mapping.state);
+  return Status::Ok();
 }
 
-Status WriteTrajectory(const std::string& path, const plumbline::SlamGraph& graph) {
+Status WriteTrajectory(const std::string& path, const plumbline::SlamGraph& graph,
+                       const plumbline::MapState& state) {
   std::FILE* file = std::fopen(path.c_str(), "w");
   bool good = file != nullptr;
-  for (int i = 0; good && i < graph.num_poses(); ++i) {
-    const Pose2 pose = graph.WorldFromRobot(i);
+  for (int i = 0; good && i < state.num_poses(); ++i) {
+    const Pose2 pose = state.WorldFromRobot(i);
     good = std::fprintf(file, "%.6f %.9f %.9f 0 0 0 %.9f %.9f\n", graph.timestamp_s(i), pose.x,
                         pose.y, std::sin(0.5 * pose.yaw), std::cos(0.5 * pose.yaw)) > 0;
   }
@@ -135,8 +137,9 @@ Status WriteTrajectory(const std::string& path, const plumbline::SlamGraph& grap
 Status Run(char** arguments) {
   plumbline::SlamGraph graph;
   PLUMBLINE_RETURN_IF_ERROR(ReadBag(arguments[1], arguments[2], arguments[3], &graph));
-  PLUMBLINE_RETURN_IF_ERROR(Map(&graph));
-  return WriteTrajectory(arguments[4], graph);
+  plumbline::MapState state;
+  PLUMBLINE_RETURN_IF_ERROR(Map(graph, &state));
+  return WriteTrajectory(arguments[4], graph, state);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ using plumbline::Status;
 
 namespace {
 
-// The file, and the graph made of it.
+// The file, and the graph made of it, whose initial guesses are the file's poses.
 struct G2oGraph {
   std::vector<std::string> lines;
   std::vector<std::size_t> vertex_lines;  // of each pose
@@ -196,10 +196,10 @@ class G2oReader {
   Pose2 robot_from_laser_;
 };
 
-Status WriteGraph(const std::string& path, const G2oGraph& g2o) {
+Status WriteGraph(const std::string& path, const G2oGraph& g2o, const plumbline::MapState& state) {
   std::vector<std::string> lines = g2o.lines;
   for (const auto& [id, index] : g2o.pose_of_id) {
-    const Pose2 pose = g2o.graph.WorldFromRobot(index);
+    const Pose2 pose = state.WorldFromRobot(index);
     char text[160];
     std::snprintf(text, sizeof(text), "VERTEX_SE2 %lld %.17g %.17g %.17g", id, pose.x, pose.y,
                   plumbline::NormalizeAngle(pose.yaw));
@@ -213,19 +213,19 @@ Status WriteGraph(const std::string& path, const G2oGraph& g2o) {
 
 // The edges alone first: the joint estimation wants poses that are right to a few decimetres. If a
 // file was refined before, and its edges are poorer than its poses, leave that out.
-Status Refine(plumbline::SlamGraph* graph) {
-  if (!graph->relative_poses().empty()) {
+Status Refine(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
+  if (!graph.relative_poses().empty()) {
     plumbline::SolverOptions by_edges;
     by_edges.type = plumbline::SolverType::kPoseGraph;
-    const plumbline::SolverSummary edges = plumbline::Solve(by_edges, graph);
+    const plumbline::SolverSummary edges = plumbline::Solve(by_edges, graph, state);
     if (!edges.IsSolutionUsable()) return Status::InvalidArgument(edges.message);
     std::printf("edges alone: chi2 %.6g -> %.6g\n", edges.seed_chi2, edges.final_chi2);
   }
-  if (graph->num_returns() == 0) {
+  if (graph.num_returns() == 0) {
     std::printf("no scans: that is all\n");
     return Status::Ok();
   }
-  const plumbline::SolverSummary joint = plumbline::Solve(plumbline::SolverOptions(), graph);
+  const plumbline::SolverSummary joint = plumbline::Solve(plumbline::SolverOptions(), graph, state);
   if (!joint.IsSolutionUsable()) return Status::InvalidArgument(joint.message);
   if (joint.termination == plumbline::TerminationType::kNoImprovement) {
     std::printf("edges and scans: no better than the start, which stays\n");
@@ -242,18 +242,17 @@ Status Run(const std::string& input, const std::string& output) {
   std::printf("%s: %d poses, %zu edges, %d scans, %zu returns\n", input.c_str(),
               g2o.graph.num_poses(), g2o.graph.relative_poses().size(), g2o.graph.num_scans(),
               g2o.graph.num_returns());
-  std::vector<Pose2> given;
-  given.reserve(g2o.graph.num_poses());
-  for (int i = 0; i < g2o.graph.num_poses(); ++i) given.push_back(g2o.graph.WorldFromRobot(i));
-  PLUMBLINE_RETURN_IF_ERROR(Refine(&g2o.graph));
+  plumbline::MapState state = g2o.graph.InitialState();
+  PLUMBLINE_RETURN_IF_ERROR(Refine(g2o.graph, &state));
   double sum_m = 0.0, most_m = 0.0;
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    const Pose2 moved = Between(given[i], g2o.graph.WorldFromRobot(static_cast<int>(i)));
+  for (int i = 0; i < state.num_poses(); ++i) {
+    const Pose2 moved = Between(g2o.graph.InitialPose(i), state.WorldFromRobot(i));
     sum_m += moved.translation().norm();
     most_m = std::max(most_m, moved.translation().norm());
   }
-  std::printf("poses moved by %.4f m in the mean, %.4f m at most\n", sum_m / given.size(), most_m);
-  return WriteGraph(output, g2o);
+  std::printf("poses moved by %.4f m in the mean, %.4f m at most\n", sum_m / state.num_poses(),
+              most_m);
+  return WriteGraph(output, g2o, state);
 }
 
 }  // namespace

@@ -215,12 +215,13 @@ class JointScanSolver : public karto::ScanSolver {
     SpreadConstraints();
     plumbline::SlamGraph graph;
     status_ = MakeGraph(&graph);
+    plumbline::MapState state = graph.InitialState();
     if (status_.ok() && graph.num_returns() > 0) {
-      const plumbline::SolverSummary summary = plumbline::Solve(options_, &graph);
+      const plumbline::SolverSummary summary = plumbline::Solve(options_, graph, &state);
       if (!summary.IsSolutionUsable()) status_ = Status::Unavailable(summary.message);
     }
     for (auto& [id, node] : nodes_) {
-      if (status_.ok()) node.world_from_robot = graph.WorldFromRobot(node.index);
+      if (status_.ok()) node.world_from_robot = state.WorldFromRobot(node.index);
       corrections_.emplace_back(id, ToKarto(node.world_from_robot));
     }
     for (Constraint& constraint : constraints_) constraint.is_new = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 using plumbline::LaserModel;
+using plumbline::MapState;
 using plumbline::Pose2;
 using plumbline::RelativePoseConstraint;
 using plumbline::SlamGraph;
@@ -71,8 +72,8 @@ plumbline::SolverOptions Options() {
 // [options]
 
 // [solve]
-Status Refine(SlamGraph* graph) {
-  const plumbline::SolverSummary summary = plumbline::Solve(Options(), graph);
+Status Refine(const SlamGraph& graph, MapState* state) {
+  const plumbline::SolverSummary summary = plumbline::Solve(Options(), graph, state);
   std::puts(summary.BriefReport().c_str());
   return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
 }
@@ -81,10 +82,11 @@ Status Refine(SlamGraph* graph) {
 // [residuals]
 // Drops the edges that the scans and the other edges contradict, chi-squared with three degrees of
 // freedom. Returns how many there were.
-Status DropFalseEdges(const SlamGraph& graph, PoseGraph* host, int* num_dropped) {
+Status DropFalseEdges(const SlamGraph& graph, const MapState& state, PoseGraph* host,
+                      int* num_dropped) {
   constexpr double kMaxChi2 = 100.0;  // sound edges stay below 16.3; leave some room for optimism
   plumbline::Residuals residuals;
-  PLUMBLINE_RETURN_IF_ERROR(plumbline::EvaluateResiduals(Options(), graph, &residuals));
+  PLUMBLINE_RETURN_IF_ERROR(plumbline::EvaluateResiduals(Options(), graph, state, &residuals));
   std::vector<RelativePoseConstraint> kept;
   for (std::size_t i = 0; i < host->edges.size(); ++i) {
     const double chi2 = residuals.relative_poses[i].squaredNorm();
@@ -97,10 +99,10 @@ Status DropFalseEdges(const SlamGraph& graph, PoseGraph* host, int* num_dropped)
 // [residuals]
 
 // [covariance]
-Status PrintSigmas(const SlamGraph& graph, int pose) {
+Status PrintSigmas(const SlamGraph& graph, const MapState& state, int pose) {
   std::vector<Eigen::Matrix3d> covariances;
   PLUMBLINE_RETURN_IF_ERROR(
-      plumbline::ComputePoseCovariances(Options(), graph, {{pose, pose}}, &covariances));
+      plumbline::ComputePoseCovariances(Options(), graph, state, {{pose, pose}}, &covariances));
   const Eigen::Vector3d sigma = covariances[0].diagonal().cwiseSqrt();
   std::printf("pose %d: sigma x %.1f mm, y %.1f mm, yaw %.2f mrad\n", pose, 1e3 * sigma.x(),
               1e3 * sigma.y(), 1e3 * sigma.z());
@@ -159,46 +161,51 @@ PoseGraph MakePoseGraph(const std::vector<Pose2>& truth) {
 }
 
 // Mean distance [m] of the map points from the nearest wall.
-double MapError(const SlamGraph& graph) {
+double MapError(const std::vector<double>& points) {
+  const std::size_t num_points = points.size() / 2;
   double sum_m = 0.0;
-  for (std::size_t i = 0; i < graph.num_returns(); ++i) {
-    const double x = graph.points()[2 * i], y = graph.points()[2 * i + 1];
+  for (std::size_t i = 0; i < num_points; ++i) {
+    const double x = points[2 * i], y = points[2 * i + 1];
     sum_m += std::min(std::abs(kHalfXM - std::abs(x)), std::abs(kHalfYM - std::abs(y)));
   }
-  return sum_m / graph.num_returns();
+  return sum_m / num_points;
 }
 
 Status Run(bool* sharper) {
   PoseGraph host = MakePoseGraph(TruePath());
   SlamGraph graph;
   PLUMBLINE_RETURN_IF_ERROR(MakeGraph(host, &graph));
-  const double before_m = MapError(graph);
-  PLUMBLINE_RETURN_IF_ERROR(Refine(&graph));
+  // [state]
+  MapState state = graph.InitialState();
+  // [state]
+  const double before_m = MapError(state.points);
+  PLUMBLINE_RETURN_IF_ERROR(Refine(graph, &state));
 
   // [again]
   int num_dropped = 0;
-  PLUMBLINE_RETURN_IF_ERROR(DropFalseEdges(graph, &host, &num_dropped));
+  PLUMBLINE_RETURN_IF_ERROR(DropFalseEdges(graph, state, &host, &num_dropped));
   if (num_dropped > 0) {
     graph = SlamGraph();
     PLUMBLINE_RETURN_IF_ERROR(MakeGraph(host, &graph));
-    PLUMBLINE_RETURN_IF_ERROR(Refine(&graph));
+    state = graph.InitialState();
+    PLUMBLINE_RETURN_IF_ERROR(Refine(graph, &state));
   }
   // [again]
   std::printf("%d edges dropped, %zu kept\n", num_dropped, host.edges.size());
 
   // [result]
-  for (int pose = 0; pose < graph.num_poses(); pose += 10) {
-    const Pose2 world_from_robot = graph.WorldFromRobot(pose);
+  for (int pose = 0; pose < state.num_poses(); pose += 10) {
+    const Pose2 world_from_robot = state.WorldFromRobot(pose);
     std::printf("t = %.1f s: x %.3f m, y %.3f m, yaw %.4f rad\n", graph.timestamp_s(pose),
                 world_from_robot.x, world_from_robot.y, world_from_robot.yaw);
   }
-  const std::vector<double>& points = graph.points();  // x, y [m] of every return in turn
+  const std::vector<double>& points = state.points;  // x, y [m] of every return in turn
   std::printf("%zu map points, the first at (%.3f, %.3f)\n", graph.num_returns(), points[0],
               points[1]);
   // [result]
 
-  PLUMBLINE_RETURN_IF_ERROR(PrintSigmas(graph, graph.num_poses() - 1));
-  const double after_m = MapError(graph);
+  PLUMBLINE_RETURN_IF_ERROR(PrintSigmas(graph, state, state.num_poses() - 1));
+  const double after_m = MapError(state.points);
   std::printf("mean error of the map: %.1f mm -> %.1f mm\n", 1e3 * before_m, 1e3 * after_m);
   *sharper = num_dropped > 0 && after_m < 0.25 * before_m;
   return Status::Ok();

@@ -11,7 +11,6 @@
 #include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -25,20 +24,20 @@ constexpr int kBorderPx = 20;     // around the maps
 constexpr int kMinPanelPx = 300;  // room for a title and the scale bar
 constexpr double kFontPx = 18.0;
 
-Status CheckInput(const SlamGraph& graph, const std::vector<double>& poses_before,
+Status CheckInput(const MapState& state, const std::vector<double>& poses_before,
                   const BeforeAfterOptions& options) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("before and after: " + error);
-  if (graph.num_poses() == 0) {
+  if (state.poses.empty()) {
     return Status::InvalidArgument("before and after: the graph has no poses");
   }
-  if (poses_before.size() != graph.poses().size()) {
+  if (poses_before.size() != state.poses.size()) {
     return Status::InvalidArgument("before and after: " + std::to_string(poses_before.size() / 3) +
-                                   " poses before, " + std::to_string(graph.num_poses()) +
+                                   " poses before, " + std::to_string(state.num_poses()) +
                                    " after");
   }
   for (std::size_t i = 0; i < poses_before.size(); ++i) {
-    if (std::isfinite(poses_before[i]) && std::isfinite(graph.poses()[i])) continue;
+    if (std::isfinite(poses_before[i]) && std::isfinite(state.poses[i])) continue;
     return Status::InvalidArgument("before and after: pose " + std::to_string(i / 3) +
                                    " is not finite");
   }
@@ -128,17 +127,17 @@ bool BeforeAfterOptions::Check(std::string* error) const {
 }
 
 Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
-                               const std::vector<double>& poses_before,
+                               const MapState& state, const std::vector<double>& poses_before,
                                const BeforeAfterOptions& options) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, poses_before, options));
+  PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, poses_before, options));
   MapRaster raster;
-  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(graph.points(), PosesOf(graph), kCropShare,
+  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(state.points, PosesOf(state.poses), kCropShare,
                                          options.max_side_px, &raster, kPixelM));
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   Panel panels[2] = {{options.before_title, {}}, {options.after_title, {}}};
   panels[0].hits = CountHits(graph.MeasuredMap(poses_before), raster);
-  panels[1].hits = CountHits(graph.points(), raster);
+  panels[1].hits = CountHits(state.points, raster);
 
   const Layout layout(raster);
   const CairoSurface surface(cairo_image_surface_create(kGray, layout.width, layout.height));

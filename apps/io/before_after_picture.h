@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -19,12 +20,12 @@ struct BeforeAfterOptions {
   bool Check(std::string* error) const;
 };
 
-/// Draws the map of a graph before and after its estimation as one PNG picture: two density images
-/// of the same window and size, on one exposure, side by side if the map is taller than wide and
-/// one above the other if not, so that the picture stays handy.
+/// Draws a map before and after its estimation as one PNG picture: two density images of the same
+/// window and size, on one exposure, side by side if the map is taller than wide and one above the
+/// other if not, so that the picture stays handy.
 ///
-/// poses_before: in the form of SlamGraph::poses(); the points before are where the measurements
-/// put them from there. After: the graph's poses and points, which also choose the window, as in
+/// poses_before: in the form of MapState::poses; the points before are where the measurements put
+/// them from there. After: the poses and points of `state`, which also choose the window, as in
 /// WriteMapPicture. A pixel is 2 cm; on maps for which max_side_px is too small the next of 2.5, 5,
 /// 10, 20, 25 ... cm. The scale bar's line tells. The same input gives the same bytes.
 ///
@@ -32,7 +33,7 @@ struct BeforeAfterOptions {
 /// graph's, a graph without poses, and a map larger than 1e9 m; points that are not finite are left
 /// out. Unavailable if the file cannot be written.
 Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
-                               const std::vector<double>& poses_before,
+                               const MapState& state, const std::vector<double>& poses_before,
                                const BeforeAfterOptions& options);
 
 }  // namespace plumbline

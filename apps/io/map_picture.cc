@@ -12,7 +12,6 @@
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/scale_bar.h"
 #include "plumbline/apps/number_text.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -48,15 +47,15 @@ void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const M
 }
 
 /// The path in the current colour, its start as a green dot.
-void DrawTrajectory(const SlamGraph& graph, const MapRaster& raster, cairo_t* context) {
+void DrawTrajectory(const MapState& state, const MapRaster& raster, cairo_t* context) {
   cairo_set_line_width(context, 1.5);
   cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    const Pose2 robot = graph.WorldFromRobot(pose);
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    const Pose2 robot = state.WorldFromRobot(pose);
     cairo_line_to(context, raster.Column(robot.x), raster.Row(robot.y));
   }
   cairo_stroke(context);
-  const Pose2 start = graph.WorldFromRobot(0);
+  const Pose2 start = state.WorldFromRobot(0);
   cairo_arc(context, raster.Column(start.x), raster.Row(start.y), 6.0, 0.0, 2.0 * kPi);
   cairo_set_source_rgb(context, 0.1, 0.6, 0.2);
   cairo_fill(context);
@@ -71,7 +70,7 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
 }
 
 /// The lines and marks on the map area, which cuts them off.
-void DrawMap(const SlamGraph& graph, const std::vector<MapOverlay>& overlays,
+void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
              const MapRaster& raster, int left, cairo_t* context) {
   cairo_translate(context, left, kHeaderPx);
   cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
@@ -81,7 +80,7 @@ void DrawMap(const SlamGraph& graph, const std::vector<MapOverlay>& overlays,
   } else {
     cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
   }
-  DrawTrajectory(graph, raster, context);
+  DrawTrajectory(state, raster, context);
   for (const MapOverlay& overlay : overlays) DrawOverlay(overlay, raster, context);
 }
 
@@ -98,12 +97,12 @@ void DrawLegend(const std::vector<MapOverlay>& overlays, double left, double top
   }
 }
 
-Status CheckInput(const SlamGraph& graph, const MapPictureOptions& options) {
+Status CheckInput(const MapState& state, const MapPictureOptions& options) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("map picture options: " + error);
-  if (graph.num_poses() == 0) return Status::InvalidArgument("map picture: the graph has no poses");
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    if (IsFinite(graph.WorldFromRobot(pose))) continue;
+  if (state.poses.empty()) return Status::InvalidArgument("map picture: the graph has no poses");
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    if (IsFinite(state.WorldFromRobot(pose))) continue;
     return Status::InvalidArgument("map picture: pose " + std::to_string(pose) + " is not finite");
   }
   return Status::Ok();
@@ -119,11 +118,11 @@ bool MapPictureOptions::Check(std::string* error) const {
   return true;
 }
 
-Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
+Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                        const MapPictureOptions& options, MapArea* area) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, options));
+  PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, options));
   MapRaster raster;
-  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(graph.points(), PosesOf(graph), options.crop_share,
+  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(state.points, PosesOf(state.poses), options.crop_share,
                                          options.max_side_px, &raster));
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
@@ -137,7 +136,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
-  const std::vector<std::uint32_t> hits = CountHits(graph.points(), raster);
+  const std::vector<std::uint32_t> hits = CountHits(state.points, raster);
   DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
               map_left, kHeaderPx, surface.get());
 
@@ -149,7 +148,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
   DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
-  DrawMap(graph, options.overlays, raster, map_left, context.get());
+  DrawMap(state, options.overlays, raster, map_left, context.get());
 
   PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
   if (area != nullptr) *area = {raster, map_left, kHeaderPx};

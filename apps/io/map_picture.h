@@ -6,6 +6,7 @@
 
 #include "plumbline/apps/io/map_overlay.h"
 #include "plumbline/apps/io/map_raster.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -28,19 +29,19 @@ struct MapArea {
   int left_px = 0, top_px = 0;
 };
 
-/// Draws the map points of a graph as a PNG picture: x to the right, y up, equal scale.
+/// Draws the map points of a state as a PNG picture: x to the right, y up, equal scale.
 ///
 /// Points are a density image, the darker the more returns fall into a pixel, on an exposure taken
 /// from the picture itself. The trajectory of the robot is a red line that starts at a green dot.
 /// A pixel is 1, 2, 2.5 or 5 times a power of ten [cm], at least 1 cm, on a grid through the
 /// world's origin, so that pictures of one log can be laid over each other. The area holds the
-/// whole trajectory and all but the farthest points (crop_share). The same graph gives the same
+/// whole trajectory and all but the farthest points (crop_share). The same input gives the same
 /// bytes.
 ///
 /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
 /// finite or a map larger than 1e9 m; points that are not finite are left out.
 /// Unavailable if the file cannot be written. Sets *area, if given, on success only.
-Status WriteMapPicture(const std::string& path, const SlamGraph& graph,
+Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                        const MapPictureOptions& options, MapArea* area = nullptr);
 
 }  // namespace plumbline

@@ -7,7 +7,6 @@
 
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/occupancy_scores.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/core/joined_returns.h"
 #include "plumbline/core/options_check.h"
 
@@ -29,20 +28,21 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 // they look through.
 class ScanScorer {
  public:
-  ScanScorer(const SlamGraph& graph, const OccupancyGrid& grid, OccupancyScores* scores)
-      : graph_(graph), grid_(grid), scores_(scores) {}
+  ScanScorer(const SlamGraph& graph, const MapState& state, const OccupancyGrid& grid,
+             OccupancyScores* scores)
+      : graph_(graph), state_(state), grid_(grid), scores_(scores) {}
 
   void Add(int scan) {
     const ScanEntry& entry = graph_.scan(scan);
     points_.resize(entry.num_returns);
     cells_.resize(entry.num_returns);
     for (std::size_t k = 0; k < entry.num_returns; ++k) {
-      const double* point = &graph_.points()[2 * (entry.first_return + k)];
+      const double* point = &state_.points[2 * (entry.first_return + k)];
       points_[k] = {point[0], point[1]};
       cells_[k] = InCells(points_[k]);
     }
     AddSurface(scan);
-    AddFreeSpace(entry, InCells(graph_.WorldFromLaser(scan).translation()));
+    AddFreeSpace(entry, InCells(graph_.WorldFromLaser(scan, state_.poses).translation()));
   }
 
  private:
@@ -115,6 +115,7 @@ class ScanScorer {
   }
 
   const SlamGraph& graph_;
+  const MapState& state_;
   const OccupancyGrid& grid_;
   OccupancyScores* scores_;
   std::vector<Eigen::Vector2d> points_, cells_;  // of one scan: world frame [m]; in cells
@@ -131,9 +132,9 @@ struct GridSides {
   double left, bottom, width, height;
 };
 
-Status LayGrid(const SlamGraph& graph, const OccupancyGridOptions& options, OccupancyGrid* grid) {
+Status LayGrid(const MapState& state, const OccupancyGridOptions& options, OccupancyGrid* grid) {
   MapExtent extent;
-  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph.points(), PosesOf(graph), kCropShare, &extent));
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(state.points, PosesOf(state.poses), kCropShare, &extent));
   double cell_m = options.resolution_m;
   GridSides sides(extent, cell_m);
   while (!(sides.width * sides.height <= options.max_cells)) {
@@ -200,27 +201,27 @@ bool OccupancyGridOptions::Check(std::string* error) const {
   return true;
 }
 
-Status CheckGridSize(const SlamGraph& graph, const OccupancyGridOptions& options) {
+Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options) {
   OccupancyGrid ignored;
-  return LayGrid(graph, options, &ignored);
+  return LayGrid(state, options, &ignored);
 }
 
-Status BuildOccupancyGrid(const SlamGraph& graph, const OccupancyGridOptions& options,
-                          OccupancyGrid* grid) {
+Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
+                          const OccupancyGridOptions& options, OccupancyGrid* grid) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("occupancy grid options: " + error);
-  if (graph.num_poses() == 0) {
+  if (state.poses.empty()) {
     return Status::InvalidArgument("occupancy grid: the graph has no poses");
   }
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    if (IsFinite(graph.WorldFromRobot(pose))) continue;
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    if (IsFinite(state.WorldFromRobot(pose))) continue;
     return Status::InvalidArgument("occupancy grid: pose " + std::to_string(pose) +
                                    " is not finite");
   }
   OccupancyGrid result;
-  PLUMBLINE_RETURN_IF_ERROR(LayGrid(graph, options, &result));
+  PLUMBLINE_RETURN_IF_ERROR(LayGrid(state, options, &result));
   OccupancyScores scores(result.width, result.height);
-  ScanScorer scorer(graph, result, &scores);
+  ScanScorer scorer(graph, state, result, &scores);
   for (int scan = 0; scan < graph.num_scans(); ++scan) scorer.Add(scan);
   Judge(scores, &result);
   DropStrayReturns(scores, &result);

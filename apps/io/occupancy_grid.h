@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -37,9 +38,9 @@ struct OccupancyGridOptions {
 
 /// InvalidArgument if a map of this extent needs more than max_cells: an early word on what
 /// BuildOccupancyGrid would say. Needs poses, all of them finite.
-Status CheckGridSize(const SlamGraph& graph, const OccupancyGridOptions& options);
+Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options);
 
-/// Finds out where a robot could drive, from all scans of a graph and its map points.
+/// Finds out where a robot could drive, from all scans of a graph and the map points of a state.
 ///
 /// *Surface*: a scan touches the cells its map points lie in, and those between two points up to
 /// 0.3 m apart that one surface joins, so that walls are closed where beams are farther apart than
@@ -60,8 +61,8 @@ Status CheckGridSize(const SlamGraph& graph, const OccupancyGridOptions& options
 /// InvalidArgument on options out of range, a graph without poses or with poses that are not
 /// finite, and a map that needs more than max_cells, unless it may be coarser. Points that are not
 /// finite are left out.
-Status BuildOccupancyGrid(const SlamGraph& graph, const OccupancyGridOptions& options,
-                          OccupancyGrid* grid);
+Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
+                          const OccupancyGridOptions& options, OccupancyGrid* grid);
 
 }  // namespace plumbline
 

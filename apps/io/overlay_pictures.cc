@@ -39,16 +39,16 @@ std::vector<Eigen::Vector2d> ThinnedPlaces(const std::vector<SpaceConflict>& pla
 
 }  // namespace
 
-Status WriteClosurePicture(const std::string& path, const SlamGraph& graph,
+Status WriteClosurePicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                            const std::vector<LoopClosureRecord>& records, int max_side_px) {
   std::map<ClosureVerdict, MapOverlay> by_verdict;
   by_verdict[ClosureVerdict::kAccepted];  // has its line in the legend also if there is none
   for (const LoopClosureRecord& record : records) {
     for (const int pose : {record.from_pose, record.to_pose}) {
-      if (pose < 0 || pose >= graph.num_poses()) {
+      if (pose < 0 || pose >= state.num_poses()) {
         return Status::InvalidArgument("closure picture: no pose " + std::to_string(pose));
       }
-      by_verdict[record.verdict].points.push_back(graph.WorldFromRobot(pose).translation());
+      by_verdict[record.verdict].points.push_back(state.WorldFromRobot(pose).translation());
     }
   }
   MapPictureOptions options;
@@ -63,10 +63,10 @@ Status WriteClosurePicture(const std::string& path, const SlamGraph& graph,
         accepted ? std::to_string(count) + " loop closures" : RefusedLabel(count, verdict);
     options.overlays.push_back(overlay);
   }
-  return WriteMapPicture(path, graph, options);
+  return WriteMapPicture(path, graph, state, options);
 }
 
-Status WriteConflictPicture(const std::string& path, const SlamGraph& graph,
+Status WriteConflictPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                             const MapConsistency& consistency, int max_side_px) {
   MapOverlay places;
   places.style = OverlayStyle::kRings;
@@ -81,7 +81,7 @@ Status WriteConflictPicture(const std::string& path, const SlamGraph& graph,
   options.title = title;
   options.max_side_px = max_side_px;
   options.overlays = {places};
-  return WriteMapPicture(path, graph, options);
+  return WriteMapPicture(path, graph, state, options);
 }
 
 }  // namespace plumbline

@@ -11,10 +11,10 @@ namespace plumbline {
 namespace {
 
 // What the file's coordinates are relative to [m], a multiple of 10 km.
-Eigen::Vector2d Offset(const SlamGraph& graph) {
+Eigen::Vector2d Offset(const MapState& state) {
   constexpr double kStepM = 10000.0;
-  if (graph.num_poses() == 0) return Eigen::Vector2d::Zero();
-  const Eigen::Vector2d start = graph.WorldFromRobot(0).translation();
+  if (state.poses.empty()) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d start = state.WorldFromRobot(0).translation();
   // Plus zero: no "-0" in the header.
   return {kStepM * std::round(start.x() / kStepM) + 0.0,
           kStepM * std::round(start.y() / kStepM) + 0.0};
@@ -22,8 +22,8 @@ Eigen::Vector2d Offset(const SlamGraph& graph) {
 
 }  // namespace
 
-Status WritePointsPcd(const std::string& path, const SlamGraph& graph) {
-  const Eigen::Vector2d offset = Offset(graph);
+Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state) {
+  const Eigen::Vector2d offset = Offset(state);
   if (!offset.allFinite()) {
     return Status::InvalidArgument("'" + path + "': the first pose is not finite");
   }
@@ -36,9 +36,9 @@ Status WritePointsPcd(const std::string& path, const SlamGraph& graph) {
                 << "WIDTH " << graph.num_returns() << "\nHEIGHT 1\n"
                 << "VIEWPOINT " << offset.x() << ' ' << offset.y() << " 0 1 0 0 0\n"
                 << "POINTS " << graph.num_returns() << "\nDATA binary\n";
-  const auto store = [&graph, &offset](std::size_t i, unsigned char* out) {
-    out = StoreFloat(static_cast<float>(graph.points()[2 * i] - offset.x()), out);
-    out = StoreFloat(static_cast<float>(graph.points()[2 * i + 1] - offset.y()), out);
+  const auto store = [&graph, &state, &offset](std::size_t i, unsigned char* out) {
+    out = StoreFloat(static_cast<float>(state.points[2 * i] - offset.x()), out);
+    out = StoreFloat(static_cast<float>(state.points[2 * i + 1] - offset.y()), out);
     out = StoreFloat(0.0f, out);
     return StoreLittleEndian(static_cast<std::uint32_t>(graph.returns().scan[i]), out);
   };

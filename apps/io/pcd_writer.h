@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -16,7 +17,7 @@ namespace plumbline {
 /// coordinates such as UTM keep that, points are relative to the first pose's position rounded to
 /// 10 km: zero for a map that begins within 5 km of the origin. The header's VIEWPOINT holds that
 /// offset, world point = VIEWPOINT + point.
-Status WritePointsPcd(const std::string& path, const SlamGraph& graph);
+Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state);
 
 }  // namespace plumbline
 

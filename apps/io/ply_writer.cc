@@ -7,7 +7,7 @@
 
 namespace plumbline {
 
-Status WritePointsPly(const std::string& path, const SlamGraph& graph) {
+Status WritePointsPly(const std::string& path, const SlamGraph& graph, const MapState& state) {
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   file.stream() << "ply\nformat binary_little_endian 1.0\n"
@@ -15,9 +15,9 @@ Status WritePointsPly(const std::string& path, const SlamGraph& graph) {
                 << "element vertex " << graph.num_returns() << "\n"
                 << "property double x\nproperty double y\nproperty double z\n"
                 << "property int scan\nend_header\n";
-  const auto store = [&graph](std::size_t i, unsigned char* out) {
-    out = StoreDouble(graph.points()[2 * i], out);
-    out = StoreDouble(graph.points()[2 * i + 1], out);
+  const auto store = [&graph, &state](std::size_t i, unsigned char* out) {
+    out = StoreDouble(state.points[2 * i], out);
+    out = StoreDouble(state.points[2 * i + 1], out);
     out = StoreDouble(0.0, out);
     return StoreLittleEndian(static_cast<std::uint32_t>(graph.returns().scan[i]), out);
   };

@@ -21,8 +21,8 @@ const char* ToString(PoseGraphFormat format);
 /// A pose graph and the file it came in.
 struct PoseGraphFile {
   PoseGraphFormat format = PoseGraphFormat::kG2o;
-  /// Poses in the order of the vertices, relative poses in the order of the edges, covariance =
-  /// inverse of the information.
+  /// Initial guesses in the order of the vertices, relative poses in the order of the edges,
+  /// covariance = inverse of the information.
   SlamGraph graph;
   std::vector<long long> vertex_ids;  ///< the file's name of each pose; any integers
   std::vector<std::string> lines;     ///< the file's text, without line ends

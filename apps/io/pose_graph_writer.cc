@@ -68,8 +68,8 @@ Status ScanText(const SlamGraph& graph, int scan, std::string* text) {
   CarmenScan record;
   PLUMBLINE_RETURN_IF_ERROR(ReadingsOf(graph, scan, &record.ranges));
   record.timestamp_s = graph.timestamp_s(graph.scan(scan).pose);
-  record.odom_from_robot = graph.WorldFromRobot(graph.scan(scan).pose);
-  record.odom_from_laser = graph.WorldFromLaser(scan);
+  record.odom_from_robot = graph.InitialPose(graph.scan(scan).pose);
+  record.odom_from_laser = graph.WorldFromLaser(scan, graph.initial_poses());
   record.first_bearing_rad =
       laser.bearing_step_rad < 0.0 ? laser.Bearing(laser.num_beams - 1) : laser.first_bearing_rad;
   // A single beam has no step, but the record wants one.
@@ -97,7 +97,7 @@ std::string TranslateEdge(std::string_view line, const PoseGraphDialect& from,
   return text;
 }
 
-// The record of a vertex with the pose that it has now.
+// The record of a vertex with this pose.
 std::string TranslateVertex(std::string_view line, const Pose2& pose, const PoseGraphDialect& to) {
   FieldReader fields(line);
   fields.Word("keyword");
@@ -124,8 +124,7 @@ Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraph
   const std::string vertex = DialectOf(kWritten).vertex;
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     result.vertex_ids.push_back(pose);
-    result.lines.push_back(vertex + ' ' + std::to_string(pose) +
-                           PoseText(graph.WorldFromRobot(pose)));
+    result.lines.push_back(vertex + ' ' + std::to_string(pose) + PoseText(graph.InitialPose(pose)));
     for (const int scan : scans_of_pose[pose]) {
       result.lines.emplace_back();
       PLUMBLINE_RETURN_IF_ERROR(ScanText(graph, scan, &result.lines.back()));
@@ -147,7 +146,7 @@ Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraph
 }
 
 Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
-                          const PoseGraphFile& file) {
+                          const PoseGraphFile& file, const std::vector<double>& poses) {
   AtomicFile output;
   PLUMBLINE_RETURN_IF_ERROR(output.Open(path));
   const PoseGraphDialect &from = DialectOf(file.format), &to = DialectOf(format);
@@ -155,7 +154,7 @@ Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
   for (const std::string& line : file.lines) {
     const std::string_view keyword = RecordKeyword(line);
     if (keyword == from.vertex) {
-      output.stream() << TranslateVertex(line, file.graph.WorldFromRobot(pose++), to) << '\n';
+      output.stream() << TranslateVertex(line, Pose2(&poses[3 * pose++]), to) << '\n';
     } else if (keyword == from.edge && format != file.format) {
       output.stream() << TranslateEdge(line, from, to) << '\n';
     } else {

@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_IO_POSE_GRAPH_WRITER_H_
 
 #include <string>
+#include <vector>
 
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/core/slam_graph.h"
@@ -10,8 +11,9 @@
 
 namespace plumbline {
 
-/// Puts a graph into words, as a g2o file to write or to convert: its poses, numbered from 0, each
-/// followed by its scans; FIX; edges, first those of the odometry, then the relative poses.
+/// Puts a graph into words, as a g2o file to write or to convert: its initial guesses of the poses,
+/// numbered from 0, each followed by its scans; FIX; edges, first those of the odometry, then the
+/// relative poses.
 ///
 /// An odometry constraint has no covariance of its own: its edge has the one that `motion` gives
 /// it. Information is the inverse of the covariance. A scan is a ROBOTLASER1 record with the time
@@ -27,13 +29,13 @@ namespace plumbline {
 /// in by AddPoints need not: the record has no place for them. Replaces *file on success only.
 Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraphFile* file);
 
-/// Writes the file in either format, with the poses that its graph has now; all else stays as it
-/// is, number by number, and so do vertices whose pose is as it was read. The numbers of the others
-/// round-trip exactly, yaw in [-pi, pi). The formats' inventors gave TORO neither FIX nor laser
-/// records; they are kept, for ReadPoseGraphFile takes them and TORO's own programs skip records
-/// they do not know. Unavailable if the file cannot be written.
+/// Writes the file in either format with these poses (as MapState::poses, for its graph); all else
+/// stays as it is, number by number, and so do vertices whose pose is the one in the file. The
+/// numbers of the others round-trip exactly, yaw in [-pi, pi). The formats' inventors gave TORO
+/// neither FIX nor laser records; they are kept, for ReadPoseGraphFile takes them and TORO's own
+/// programs skip records they do not know. Unavailable if the file cannot be written.
 Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
-                          const PoseGraphFile& file);
+                          const PoseGraphFile& file, const std::vector<double>& poses);
 
 }  // namespace plumbline
 

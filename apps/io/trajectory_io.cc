@@ -34,11 +34,11 @@ TimedPose ReadPose(FieldReader* fields) {
 
 }  // namespace
 
-std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph) {
+std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph, const MapState& state) {
   std::vector<TimedPose> trajectory;
-  trajectory.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    trajectory.push_back({graph.timestamp_s(pose), graph.WorldFromRobot(pose)});
+  trajectory.reserve(state.num_poses());
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    trajectory.push_back({graph.timestamp_s(pose), state.WorldFromRobot(pose)});
   }
   return trajectory;
 }

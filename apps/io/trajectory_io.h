@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -15,8 +16,8 @@ struct TimedPose {
   Pose2 world_from_robot;
 };
 
-/// Every pose of a graph, in order of its ids.
-std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph);
+/// Every pose of a state with its time, in order of the ids.
+std::vector<TimedPose> TrajectoryOf(const SlamGraph& graph, const MapState& state);
 
 /// Writes one line `t x y z qx qy qz qw` per pose, the format of the TUM RGB-D benchmark: time [s]
 /// with 6 decimals, position [m] and unit quaternion of world_from_robot with 9.

@@ -58,17 +58,18 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
                     WithThousands(summary.num_returns) + " returns, " +
                     WithThousands(summary.num_skipped_records) + " records skipped";
   AddStop(summary.stopped_by, &report);
-  AddVerdict(summary.alarms, "No sign that the map contradicts itself.", &report);
+  AddVerdict(summary.mapping.alarms, "No sign that the map contradicts itself.", &report);
   AddStages(summary.stages, &report);
-  AddLoops(summary.seeding.loops, &report);
-  AddHypotheses(summary.seeding.hypotheses, &report);
-  AddConsistency({{"Seed", summary.seeding.consistency}, {"Refined", summary.refined_consistency}},
-                 &report);
+  AddLoops(summary.mapping.seeding.loops, &report);
+  AddHypotheses(summary.mapping.seeding.hypotheses, &report);
+  AddConsistency(
+      {{"Seed", summary.mapping.seeding.consistency}, {"Refined", summary.mapping.consistency}},
+      &report);
   report.durations = {{"Reading", summary.read_time_s},
                       {"Seeding: normals, matching, loop closure", summary.seed_time_s}};
-  AddSolver(summary.solver, &report);
-  if (!summary.calibration.parameters.empty()) {
-    report.texts.push_back({"Calibration", CalibrationText(summary.calibration)});
+  AddSolver(summary.mapping.solver, &report);
+  if (!summary.mapping.calibration.parameters.empty()) {
+    report.texts.push_back({"Calibration", CalibrationText(summary.mapping.calibration)});
   }
   report.figures.push_back(
       {"Peak memory", FixedText(static_cast<double>(PeakMemoryBytes()) / kBytesPerMb, 0) + " MB",

@@ -38,15 +38,15 @@ std::size_t Associations::CountLines() const {
   return count;
 }
 
-Associations BuildAssociations(const SlamGraph& graph, const MeasuredSurface& surface,
-                               const AssociationOptions& options, double radius_m,
-                               ThreadPool* pool) {
+Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
+                               const MeasuredSurface& surface, const AssociationOptions& options,
+                               double radius_m, ThreadPool* pool) {
   Associations associations;
   associations.lines = options.neighborhood == NeighborhoodType::kRadius
-                           ? LinesFromRadius(graph, surface, options, radius_m, pool)
-                           : LinesFromNearest(graph, surface.normals, options, pool);
+                           ? LinesFromRadius(graph, state.poses, surface, options, radius_m, pool)
+                           : LinesFromNearest(graph, state, surface.normals, options, pool);
   associations.shape_pairs =
-      FindShapePairs(graph, surface.normals, associations.lines, options, pool);
+      FindShapePairs(graph, state.points, surface.normals, associations.lines, options, pool);
   return associations;
 }
 

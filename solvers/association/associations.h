@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -70,21 +71,22 @@ struct Associations {
   std::size_t CountLines() const;
 };
 
-/// Builds the associations of the graph's current poses and points.
+/// Builds the associations of a state of the graph.
 /// radius_m: smallest neighbourhood of kRadius.
-Associations BuildAssociations(const SlamGraph& graph, const MeasuredSurface& surface,
-                               const AssociationOptions& options, double radius_m,
-                               ThreadPool* pool);
+Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
+                               const MeasuredSurface& surface, const AssociationOptions& options,
+                               double radius_m, ThreadPool* pool);
 
 /// The parts of BuildAssociations. LinesFromRadius is fitted to the measured ends of the beams,
-/// placed by the current poses; the other two see the current points.
-std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const MeasuredSurface& surface,
+/// placed by the poses, (x, y, yaw) each; the other two see the state's points, (x, y) each.
+std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
+                                         const MeasuredSurface& surface,
                                          const AssociationOptions& options, double radius_m,
                                          ThreadPool* pool);
-std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph,
+std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph, const MapState& state,
                                           const std::vector<Eigen::Vector2f>& normals,
                                           const AssociationOptions& options, ThreadPool* pool);
-std::vector<ShapePair> FindShapePairs(const SlamGraph& graph,
+std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<Eigen::Vector2f>& normals,
                                       const std::vector<TangentLine>& lines,
                                       const AssociationOptions& options, ThreadPool* pool);

@@ -36,17 +36,18 @@ struct SurfaceMap {
   Eigen::Vector2d point(std::size_t i) const { return {points[2 * i], points[2 * i + 1]}; }
 };
 
-SurfaceMap CollectSurface(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals) {
+SurfaceMap CollectSurface(const SlamGraph& graph, const MapState& state,
+                          const std::vector<Eigen::Vector2f>& normals) {
   SurfaceMap map;
   for (int s = 0; s < graph.num_scans(); ++s) {
     const ScanEntry& scan = graph.scan(s);
     const Eigen::Matrix2f rotation =
-        Eigen::Rotation2Dd(graph.WorldFromRobot(scan.pose).yaw).toRotationMatrix().cast<float>();
+        Eigen::Rotation2Dd(state.WorldFromRobot(scan.pose).yaw).toRotationMatrix().cast<float>();
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       if (normals[r].isZero()) continue;
       map.return_ids.push_back(r);
       map.scans.push_back(s);
-      map.points.insert(map.points.end(), {graph.points()[2 * r], graph.points()[2 * r + 1]});
+      map.points.insert(map.points.end(), {state.points[2 * r], state.points[2 * r + 1]});
       map.normals.push_back(rotation * normals[r]);
     }
   }
@@ -124,11 +125,11 @@ class NearestLineFitter {
 
 }  // namespace
 
-std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph,
+std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph, const MapState& state,
                                           const std::vector<Eigen::Vector2f>& normals,
                                           const AssociationOptions& options, ThreadPool* pool) {
   std::vector<TangentLine> lines(graph.num_returns(), TangentLine{0.0, 0.0, 0.0});
-  const SurfaceMap map = CollectSurface(graph, normals);
+  const SurfaceMap map = CollectSurface(graph, state, normals);
   const NearestLineFitter fitter(map, options, pool);
   pool->ForEachChunk(map.size(), kPointsPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {

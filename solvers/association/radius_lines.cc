@@ -60,13 +60,14 @@ TangentLine LineOfCell(const std::vector<SurfaceCells>& tables, std::size_t id,
 
 }  // namespace
 
-std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const MeasuredSurface& surface,
+std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
+                                         const MeasuredSurface& surface,
                                          const AssociationOptions& options, double radius_m,
                                          ThreadPool* pool) {
-  const SurfaceGrid grid{0.5 * radius_m, 0.0, DominantDirection(graph, surface, pool)};
+  const SurfaceGrid grid{0.5 * radius_m, 0.0, DominantDirection(graph, poses, surface, pool)};
   std::vector<int> cell_of_return;
   std::vector<SurfaceCells> tables;
-  tables.push_back(SortIntoCells(graph, surface, grid, pool, &cell_of_return));
+  tables.push_back(SortIntoCells(graph, poses, surface, grid, pool, &cell_of_return));
   while (static_cast<int>(tables.size()) < kNumLevels) tables.push_back(Coarsened(&tables.back()));
 
   std::vector<TangentLine> line_of_cell(tables.front().size());

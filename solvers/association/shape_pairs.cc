@@ -26,9 +26,11 @@ struct Region {
 
 class ScanShapePairs {
  public:
-  ScanShapePairs(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
-                 const std::vector<TangentLine>& lines, const AssociationOptions& options)
+  ScanShapePairs(const SlamGraph& graph, const std::vector<double>& points,
+                 const std::vector<Eigen::Vector2f>& normals, const std::vector<TangentLine>& lines,
+                 const AssociationOptions& options)
       : graph_(graph),
+        points_(points),
         normals_(normals),
         lines_(lines),
         options_(options),
@@ -122,7 +124,7 @@ class ScanShapePairs {
     return SegmentNormal(MapPoint(region.first), MapPoint(region.last));
   }
   Eigen::Vector2d MapPoint(std::size_t k) const {
-    return Eigen::Map<const Eigen::Vector2d>(&graph_.points()[2 * (first_return_ + k)]);
+    return Eigen::Map<const Eigen::Vector2d>(&points_[2 * (first_return_ + k)]);
   }
   const Eigen::Vector2f& NormalOf(std::size_t k) const { return normals_[first_return_ + k]; }
   double Distance(std::size_t a, std::size_t b) const {
@@ -130,6 +132,7 @@ class ScanShapePairs {
   }
 
   const SlamGraph& graph_;
+  const std::vector<double>& points_;
   const std::vector<Eigen::Vector2f>& normals_;
   const std::vector<TangentLine>& lines_;
   const AssociationOptions& options_;
@@ -144,7 +147,7 @@ class ScanShapePairs {
 
 }  // namespace
 
-std::vector<ShapePair> FindShapePairs(const SlamGraph& graph,
+std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<Eigen::Vector2f>& normals,
                                       const std::vector<TangentLine>& lines,
                                       const AssociationOptions& options, ThreadPool* pool) {
@@ -153,7 +156,7 @@ std::vector<ShapePair> FindShapePairs(const SlamGraph& graph,
   std::vector<std::vector<ShapePair>> chunks(ThreadPool::NumChunks(num_scans, kScansPerChunk));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ScanShapePairs finder(graph, normals, lines, options);
+                       ScanShapePairs finder(graph, points, normals, lines, options);
                        for (std::size_t s = begin; s < end; ++s) {
                          finder.Find(static_cast<int>(s), &chunks[chunk]);
                        }

@@ -22,9 +22,11 @@ int OctantOf(double x, double y) {
 // The returns of a chunk of scans, in a table of their own.
 class ChunkSorter {
  public:
-  ChunkSorter(const SlamGraph& graph, const MeasuredSurface& surface, const SurfaceGrid& grid,
-              bool hold_out, std::vector<int>* cell_of_return)
+  ChunkSorter(const SlamGraph& graph, const std::vector<double>& poses,
+              const MeasuredSurface& surface, const SurfaceGrid& grid, bool hold_out,
+              std::vector<int>* cell_of_return)
       : graph_(graph),
+        poses_(poses),
         surface_(surface),
         grid_(grid),
         hold_out_(hold_out),
@@ -34,9 +36,9 @@ class ChunkSorter {
   void Sort(int scan_id) {
     const ScanEntry& scan = graph_.scan(scan_id);
     const Pose2 grid_from_robot =
-        Pose2(0.0, 0.0, -grid_.cell_yaw_rad) * graph_.WorldFromRobot(scan.pose);
+        Pose2(0.0, 0.0, -grid_.cell_yaw_rad) * Pose2(&poses_[3 * scan.pose]);
     const double c = std::cos(grid_from_robot.yaw), s = std::sin(grid_from_robot.yaw);
-    const double octant_yaw = graph_.WorldFromRobot(scan.pose).yaw - grid_.octant_yaw_rad;
+    const double octant_yaw = poses_[3 * scan.pose + 2] - grid_.octant_yaw_rad;
     const double oc = std::cos(octant_yaw), os = std::sin(octant_yaw);
     // Neighbouring beams mostly end in the same cell, which saves looking it up.
     SurfaceCellKey last_key;
@@ -73,6 +75,7 @@ class ChunkSorter {
 
  private:
   const SlamGraph& graph_;
+  const std::vector<double>& poses_;
   const MeasuredSurface& surface_;
   const SurfaceGrid& grid_;
   const bool hold_out_;
@@ -124,7 +127,8 @@ void SurfaceCells::Grow() {
   }
 }
 
-double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool) {
+double DominantDirection(const SlamGraph& graph, const std::vector<double>& poses,
+                         const MeasuredSurface& surface, ThreadPool* pool) {
   // The fourth power of a normal, as a complex number, is the same for all four directions.
   std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk));
   pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
@@ -140,7 +144,7 @@ double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface,
                            re += re2 * re2 - im2 * im2;
                            im += 2.0 * re2 * im2;
                          }
-                         const double yaw = graph.WorldFromRobot(scan.pose).yaw;
+                         const double yaw = poses[3 * scan.pose + 2];
                          sum += std::complex<double>(re, im) * std::polar(1.0, 4.0 * yaw);
                        }
                        sums[chunk] = sum;
@@ -150,16 +154,16 @@ double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface,
   return std::abs(total) > 0.0 ? 0.25 * std::arg(total) : 0.0;
 }
 
-SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surface,
-                           const SurfaceGrid& grid, ThreadPool* pool,
-                           std::vector<int>* cell_of_return, bool hold_out) {
+SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& poses,
+                           const MeasuredSurface& surface, const SurfaceGrid& grid,
+                           ThreadPool* pool, std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
   std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk),
                                   SurfaceCells(grid.cell_m));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ChunkSorter sorter(graph, surface, grid, hold_out, cell_of_return);
+                       ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
                        for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
                        parts[chunk] = sorter.TakeCells();
                      });

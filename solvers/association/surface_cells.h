@@ -105,14 +105,16 @@ struct SurfaceGrid {
 
 /// Direction [rad] that most walls are parallel or orthogonal to. Octants are to be centred on it:
 /// an edge between two octants that lay on the walls would tear each wall in two.
-double DominantDirection(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool);
+double DominantDirection(const SlamGraph& graph, const std::vector<double>& poses,
+                         const MeasuredSurface& surface, ThreadPool* pool);
 
-/// Sorts the measured ends of all beams, placed by the graph's poses, into cells. cell_of_return:
-/// kNone for a return without a normal. With hold_out, held-out returns get their cells but do not
-/// count in the moments. Bitwise the same for any number of threads.
-SurfaceCells SortIntoCells(const SlamGraph& graph, const MeasuredSurface& surface,
-                           const SurfaceGrid& grid, ThreadPool* pool,
-                           std::vector<int>* cell_of_return, bool hold_out = false);
+/// Sorts the measured ends of all beams, placed by the poses, into cells. poses: (x, y, yaw) each.
+/// cell_of_return: kNone for a return without a normal. With hold_out, held-out returns get their
+/// cells but do not count in the moments. Bitwise the same for any number of threads.
+SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& poses,
+                           const MeasuredSurface& surface, const SurfaceGrid& grid,
+                           ThreadPool* pool, std::vector<int>* cell_of_return,
+                           bool hold_out = false);
 
 /// The table of twice the cell size, by joining 2 x 2 cells; links every cell to its parent.
 SurfaceCells Coarsened(SurfaceCells* fine);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "plumbline/core/float_environment.h"
-#include "plumbline/core/graph_poses.h"
 #include "plumbline/solvers/pose_graph/chordal_start.h"
 
 namespace plumbline {
@@ -24,16 +23,17 @@ std::string PoseGraphSummary::BriefReport() const {
   return report.str();
 }
 
-PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& callback) {
+PoseGraphSummary RefinePoseGraph(const SlamGraph& graph, MapState* state,
+                                 const PoseGraphCallback& callback) {
   const DefaultFloatEnvironment float_environment;
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<RelativePoseConstraint>& edges = graph->relative_poses();
+  const std::vector<RelativePoseConstraint>& edges = graph.relative_poses();
   std::vector<int> fixed;
-  for (const FixedPose& pose : graph->fixed_poses()) {
-    graph->SetPose(pose.pose, pose.world_from_robot);
+  for (const FixedPose& pose : graph.fixed_poses()) {
+    state->SetPose(pose.pose, pose.world_from_robot);
     fixed.push_back(pose.pose);
   }
-  std::vector<Pose2> poses = PosesOf(*graph);
+  std::vector<Pose2> poses = PosesOf(state->poses);
 
   PoseGraphSummary summary;
   summary.num_poses = poses.size();
@@ -49,8 +49,8 @@ PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& call
   }
   summary.optimization = OptimizePoseGraph(edges, {}, &poses, fixed, callback);
   summary.final_chi2 = GraphChi2(edges, poses);
-  for (int i = 0; i < graph->num_poses(); ++i) graph->SetPose(i, poses[i]);
-  graph->ResetPointsFromPoses();
+  state->poses = PoseArray(poses);
+  state->points = graph.MeasuredMap(state->poses);
   summary.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return summary;
 }

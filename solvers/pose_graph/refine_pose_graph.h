@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 
@@ -12,7 +13,7 @@ namespace plumbline {
 
 /// Where an optimisation of a pose graph starts.
 enum class PoseGraphStart {
-  kGiven,    ///< the poses as the graph has them
+  kGiven,    ///< the given state
   kChordal,  ///< see chordal_start.h
 };
 const char* ToString(PoseGraphStart start);
@@ -31,12 +32,13 @@ struct PoseGraphSummary {
   std::string BriefReport() const;
 };
 
-/// Moves the poses of a graph to the optimum of its relative poses, all quadratic, and puts every
-/// map point where its pose says. Fixed poses stay exactly. Starts at the given poses or at a
+/// Moves the poses of a state to the optimum of the graph's relative poses, all quadratic, and puts
+/// every map point where its pose says. Fixed poses stay exactly. Starts at the given poses or at a
 /// chordal start, whichever fits the edges better; the result is never worse than the given poses.
 /// Expects relative poses to connect every pose with a fixed one; without any, all poses stay.
 /// Odometry and laser returns are not looked at. The callback sees each iteration.
-PoseGraphSummary RefinePoseGraph(SlamGraph* graph, const PoseGraphCallback& callback = nullptr);
+PoseGraphSummary RefinePoseGraph(const SlamGraph& graph, MapState* state,
+                                 const PoseGraphCallback& callback = nullptr);
 
 }  // namespace plumbline
 

@@ -2,50 +2,52 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/motion_factor.h"
 
 namespace plumbline {
-namespace {}  // namespace
 
-CalibratedGraph::CalibratedGraph(SlamGraph* graph)
-    : graph_(graph), ranges_m_(graph->returns().range_m) {
-  for (int i = 0; i < graph->num_lasers(); ++i) {
-    mountings_.push_back(graph->laser(i).robot_from_laser);
-  }
-  for (const OdometryConstraint& c : graph->odometry()) motions_.push_back(c.from_from_to);
+CalibratedGraph::CalibratedGraph(const SlamGraph& given, const std::vector<double>& poses)
+    : given_(given), graph_(given), poses_(poses) {
   WeighMotions();
 }
 
 void CalibratedGraph::WeighMotions() {
   const double scale = std::exp(theta_[kLogOdometryScale]);
   weighed_motions_.clear();
-  for (const OdometryConstraint& c : graph_->odometry()) {
-    const Pose2 motion = Between(graph_->WorldFromRobot(c.from), graph_->WorldFromRobot(c.to));
+  for (const OdometryConstraint& c : given_.odometry()) {
+    const Pose2 motion = Between(Pose2(&poses_[3 * c.from]), Pose2(&poses_[3 * c.to]));
     weighed_motions_.push_back({motion.x / scale, motion.y / scale, motion.yaw});
   }
 }
 
 Pose2 CalibratedGraph::MountingAt(int laser, const CalibrationVector& theta) const {
-  const Pose2& given = mountings_[laser];
+  const Pose2& given = given_.laser(laser).robot_from_laser;
   return {given.x + theta[kMountingX], given.y + theta[kMountingY],
           given.yaw + theta[kMountingYaw]};
 }
 
 void CalibratedGraph::Set(const CalibrationVector& theta, const std::vector<double>& poses) {
   theta_ = theta;
-  graph_->poses() = poses;
-  for (int i = 0; i < graph_->num_lasers(); ++i) graph_->SetMounting(i, MountingAt(i, theta));
+  poses_ = poses;
+  corrections_ = MeasurementCorrections();
+  for (int i = 0; i < given_.num_lasers(); ++i) {
+    corrections_.robot_from_laser.push_back(MountingAt(i, theta));
+  }
   const double range_scale = std::exp(theta[kLogRangeScale]);
-  for (std::size_t r = 0; r < ranges_m_.size(); ++r) {
-    graph_->SetRange(r, range_scale * (ranges_m_[r] + theta[kRangeBias]));
+  corrections_.range_m.reserve(given_.num_returns());
+  for (const double range_m : given_.returns().range_m) {
+    corrections_.range_m.push_back(range_scale * (range_m + theta[kRangeBias]));
   }
   const double odometry_scale = std::exp(theta[kLogOdometryScale]);
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
-    graph_->SetOdometryMotion(
-        i, {odometry_scale * motions_[i].x, odometry_scale * motions_[i].y, motions_[i].yaw});
+  for (const OdometryConstraint& c : given_.odometry()) {
+    const Pose2& motion = c.from_from_to;
+    corrections_.odometry.push_back(
+        {odometry_scale * motion.x, odometry_scale * motion.y, motion.yaw});
   }
+  graph_ = std::move(graph_).Corrected(corrections_);
 }
 
 std::vector<double> CalibratedGraph::Carried(const CalibrationVector& to,
@@ -73,7 +75,7 @@ std::vector<double> CalibratedGraph::Carried(const CalibrationVector& to,
 }
 
 CalibrationRows CalibratedGraph::CarriedBy(int pose) const {
-  const Pose2 here = graph_->WorldFromRobot(pose), anchor = graph_->WorldFromRobot(Anchor());
+  const Pose2 here(&poses_[3 * pose]), anchor(&poses_[3 * Anchor()]);
   const Eigen::Vector2d lever = MountingAt(0, theta_).translation();
   const Eigen::Vector2d from_anchor = here.translation() - anchor.translation();
   Eigen::Matrix2d turn;  // what the two poses' axes differ by
@@ -88,9 +90,9 @@ CalibrationRows CalibratedGraph::CarriedBy(int pose) const {
 }
 
 PoseTerms CalibratedGraph::Terms(const FactorOptions& factors) const {
-  PoseTerms terms(*graph_, factors);
+  PoseTerms terms(graph_, factors);
   const double scale = std::exp(theta_[kLogOdometryScale]);
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
+  for (std::size_t i = 0; i < weighed_motions_.size(); ++i) {
     MotionResidual& residual = terms.motions[i].residual;
     residual.sqrt_information =
         MakeMotionResidual(weighed_motions_[i], factors.motion).sqrt_information;

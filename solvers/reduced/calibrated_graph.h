@@ -28,7 +28,8 @@ using CalibrationMatrix =
 /// Three rows per pose or residual.
 using CalibrationRows = Eigen::Matrix<double, 3, kNumCalibrationParameters>;
 
-/// A graph whose sensors can be corrected again and again, always from what it was given with.
+/// A graph with poses whose sensors can be corrected again and again, always from what it was given
+/// with.
 ///
 /// New mountings and range scales are tried with the map in place: the poses are carried along so
 /// that every laser stays where it is, on a map that grows with its ranges about the first fixed
@@ -37,13 +38,16 @@ using CalibrationRows = Eigen::Matrix<double, 3, kNumCalibrationParameters>;
 /// That takes lasers that all have one mounting; the other parameters do not mind.
 class CalibratedGraph {
  public:
-  /// Keeps the pointer.
-  explicit CalibratedGraph(SlamGraph* graph);
+  /// Keeps a reference to the graph. poses: (x, y, yaw) each.
+  CalibratedGraph(const SlamGraph& given, const std::vector<double>& poses);
 
-  const SlamGraph& graph() const { return *graph_; }
+  /// The given graph with its measurements corrected.
+  const SlamGraph& graph() const { return graph_; }
+  const MeasurementCorrections& corrections() const { return corrections_; }
   const CalibrationVector& theta() const { return theta_; }
+  const std::vector<double>& poses() const { return poses_; }
 
-  /// Corrects mountings, ranges and odometry, and sets the poses; leaves the points alone.
+  /// Corrects mountings, ranges and odometry, and sets the poses.
   void Set(const CalibrationVector& theta, const std::vector<double>& poses);
 
   /// Takes the noise of the odometry for that of the motion that the poses at hand show. By what it
@@ -64,15 +68,14 @@ class CalibratedGraph {
   SurfaceNoise Noise(const FactorOptions& factors) const;
 
  private:
-  int Anchor() const { return graph_->fixed_poses().front().pose; }
+  int Anchor() const { return graph_.fixed_poses().front().pose; }
   Pose2 MountingAt(int laser, const CalibrationVector& theta) const;
 
-  SlamGraph* graph_;
+  const SlamGraph& given_;
+  SlamGraph graph_;
+  MeasurementCorrections corrections_;
+  std::vector<double> poses_;
   CalibrationVector theta_ = CalibrationVector::Zero();
-  // As given.
-  std::vector<Pose2> mountings_;
-  std::vector<double> ranges_m_;
-  std::vector<Pose2> motions_;
   // As WeighMotions found them, in units of what the odometry read.
   std::vector<Pose2> weighed_motions_;
 };

@@ -24,8 +24,8 @@ struct LinearEdge {
   CalibrationRows by_theta;
 
   LinearEdge(const CalibratedGraph& graph, const PoseEdge& edge, bool is_odometry) {
-    const double* from = &graph.graph().poses()[3 * edge.from];
-    const double* to = &graph.graph().poses()[3 * edge.to];
+    const double* from = &graph.poses()[3 * edge.from];
+    const double* to = &graph.poses()[3 * edge.to];
     edge.residual.Evaluate(from, to, residual.data(), by_from.data(), by_to.data());
     by_theta = by_from * graph.CarriedBy(edge.from) + by_to * graph.CarriedBy(edge.to);
     if (!is_odometry) return;
@@ -74,8 +74,7 @@ void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTer
   for (const PosePrior& prior : terms.priors) {
     Eigen::Vector3d residual;
     RowMajor3d by_pose;
-    prior.residual.Evaluate(&graph.graph().poses()[3 * prior.pose], residual.data(),
-                            by_pose.data());
+    prior.residual.Evaluate(&graph.poses()[3 * prior.pose], residual.data(), by_pose.data());
     const CalibrationRows by_theta = by_pose * graph.CarriedBy(prior.pose);
     add(prior.pose, by_pose, by_theta);
     information += by_theta.transpose() * by_theta;

@@ -34,21 +34,22 @@ struct StepOutcome {
 
 class PatchMinimizer {
  public:
-  PatchMinimizer(const MeasuredSurface& surface, const FactorOptions& factors,
-                 const ReducedOptions& options, const AssociationOptions& association,
-                 const ProgressCallback& report, ThreadPool* pool, SlamGraph* graph,
-                 const CeresOptions* ceres)
-      : surface_(surface),
+  PatchMinimizer(const SlamGraph& graph, const MeasuredSurface& surface,
+                 const FactorOptions& factors, const ReducedOptions& options,
+                 const AssociationOptions& association, const ProgressCallback& report,
+                 ThreadPool* pool, std::vector<double>* poses, const CeresOptions* ceres)
+      : graph_(graph),
+        surface_(surface),
         factors_(factors),
         options_(options),
         association_(association),
         report_(report),
         pool_(pool),
-        graph_(graph),
-        terms_(*graph, factors),
+        poses_(*poses),
+        terms_(graph, factors),
         num_priors_(terms_.priors.size()),
-        compressor_(*graph, surface, NoiseOf(factors), pool),
-        move_poses_([this, ceres] { ceres ? MoveByCeres(*ceres) : MoveByGaussNewton(); }) {}
+        compressor_(graph, surface, NoiseOf(factors), pool),
+        move_([this, ceres] { ceres ? MoveByCeres(*ceres) : MoveByGaussNewton(); }) {}
 
   ReducedResult Run() {
     for (int round = 0; round < options_.max_rounds && !result_.converged && !Ended(); ++round) {
@@ -56,7 +57,7 @@ class PatchMinimizer {
       const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
-    result_.judged_poses = graph_->poses();
+    result_.judged_poses = poses_;
     result_.judged_cut = {patches_, patch_of_return_};
     if (!Ended()) RunLastRound();
     result_.last_cut.patch_of_return = compressor_.PatchOfReturn();
@@ -99,7 +100,7 @@ class PatchMinimizer {
     double moved_squared = 0.0;
     while (row.steps < max_steps && !Ended()) {
       step_start_ = Clock::now();
-      frames_ = FramesOf(graph_->poses());
+      frames_ = FramesOf(poses_);
       compressor_.Weigh(patches_, frames_, loss, &sightings_);
       if (factors_.shape.enabled) {
         SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &patches_);
@@ -107,7 +108,7 @@ class PatchMinimizer {
       if (row.steps == 0 && !options_.lines_follow) {
         FitPatchLines(sightings_, frames_, pool_, &patches_);
       }
-      cost_ = Cost(graph_->poses(), frames_);
+      cost_ = Cost(poses_, frames_);
       if (row.steps == 0) row.initial_cost = cost_;
       outcome = Step();
       moved_squared += outcome.moved_squared;
@@ -126,7 +127,7 @@ class PatchMinimizer {
     terms_.priors.resize(num_priors_);
     for (const int pose : FindFreeIslands(sightings_, terms_)) {
       terms_.priors.push_back(
-          {pose, MakePosePriorResidual(graph_->WorldFromRobot(pose), factors_.prior)});
+          {pose, MakePosePriorResidual(Pose2(&poses_[3 * pose]), factors_.prior)});
     }
   }
 
@@ -141,16 +142,16 @@ class PatchMinimizer {
     ForgetSightings();
     SurfacePatchOptions options = PatchOptionsFor(factors_, association_);
     options.hold_out = true;
-    SurfacePatches cut = CutIntoPatches(*graph_, surface_, options, pool_);
+    SurfacePatches cut = CutIntoPatches(graph_, poses_, surface_, options, pool_);
     if (factors_.shape.enabled) {
       adjacent_ =
-          FindAdjacentPatches(*graph_, surface_, cut, association_.min_segment_length_m, pool_);
+          FindAdjacentPatches(graph_, surface_, cut, association_.min_segment_length_m, pool_);
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
     patches_ = std::move(cut.patches);
     patch_of_return_ = std::move(cut.patch_of_return);
     sightings_ = compressor_.LayOut(
-        patches_.size(), WithoutHeldOut(*graph_, patch_of_return_, int{SurfacePatches::kNone}));
+        patches_.size(), WithoutHeldOut(graph_, patch_of_return_, int{SurfacePatches::kNone}));
     result_.cutting_time_s += SecondsSince(start);
   }
 
@@ -162,11 +163,11 @@ class PatchMinimizer {
   }
 
   StepOutcome Step() {
-    system_.Linearize(sightings_, patches_, terms_, graph_->poses(), frames_, pool_);
+    system_.Linearize(sightings_, patches_, terms_, poses_, frames_, pool_);
     if (!options_.lines_follow) system_.HoldLines();
-    const std::vector<double> poses = graph_->poses();
+    const std::vector<double> poses = poses_;
     const double cost = cost_;
-    move_poses_();
+    move_();
     return {cost - cost_, MovedSquared(poses)};
   }
 
@@ -183,10 +184,10 @@ class PatchMinimizer {
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;
-    std::vector<double> poses(graph_->poses().size());
+    std::vector<double> poses(poses_.size());
     for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
-        poses[i] = graph_->poses()[i] + length * step[static_cast<Eigen::Index>(i)];
+        poses[i] = poses_[i] + length * step[static_cast<Eigen::Index>(i)];
       }
       if (!MoveIfBetter(poses)) continue;
       iteration.step_norm = length * step.norm();
@@ -200,11 +201,11 @@ class PatchMinimizer {
   }
 
   void MoveByCeres(const CeresOptions& options) {
-    std::vector<double> poses = graph_->poses();
+    std::vector<double> poses = poses_;
     const InnerResult inner = SolvePatchesWithCeres(
         sightings_, patches_, terms_, options, pool_->num_threads(),
-        [this](const IterationSummary& iteration) { return Report(iteration); }, &graph_->poses());
-    graph_->poses().swap(poses);
+        [this](const IterationSummary& iteration) { return Report(iteration); }, &poses_);
+    poses_.swap(poses);
     MoveIfBetter(poses);
     result_.setup_time_s += inner.setup_time_s;
     result_.usable = inner.usable;
@@ -214,11 +215,11 @@ class PatchMinimizer {
   bool MoveIfBetter(const std::vector<double>& poses) {
     const double cost = Cost(poses, FramesOf(poses));
     if (!(cost < cost_)) {
-      Cost(graph_->poses(), frames_);  // puts the lines back
+      Cost(poses_, frames_);  // puts the lines back
       return false;
     }
     cost_ = cost;
-    graph_->poses() = poses;
+    poses_ = poses;
     return true;
   }
 
@@ -228,7 +229,7 @@ class PatchMinimizer {
     double sum = 0.0;
     Eigen::Vector3d moved_before = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < system_.by_sightings.size(); ++i) {
-      const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(&graph_->poses()[3 * i]) -
+      const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(&poses_[3 * i]) -
                                     Eigen::Map<const Eigen::Vector3d>(&from[3 * i]);
       Eigen::Vector3d relative = moved - moved_before;
       if (i > 0) {
@@ -266,18 +267,19 @@ class PatchMinimizer {
     result_.stop_reason = result_.stopped ? kStopped : reason.str();
   }
 
+  const SlamGraph& graph_;
   const MeasuredSurface& surface_;
   const FactorOptions& factors_;
   const ReducedOptions& options_;
   const AssociationOptions& association_;
   const ProgressCallback& report_;
   ThreadPool* pool_;
-  SlamGraph* graph_;
+  std::vector<double>& poses_;  // the result so far
   PoseTerms terms_;
   const std::size_t num_priors_;  // the graph's own; those of islands follow
   ReturnCompressor compressor_;
-  // Lowers the cost for the weights at hand, if it can: changes the poses of the graph and cost_.
-  const std::function<void()> move_poses_;
+  // Lowers the cost for the weights at hand, if it can: changes poses_ and cost_.
+  const std::function<void()> move_;
   std::vector<SurfacePatch> patches_;
   std::vector<int> patch_of_return_;  // with those held out; until the last round
   std::vector<AdjacentPatches> adjacent_;
@@ -291,12 +293,13 @@ class PatchMinimizer {
 
 }  // namespace
 
-ReducedResult MinimizeOverPatches(const MeasuredSurface& surface, const FactorOptions& factors,
-                                  const ReducedOptions& options,
+ReducedResult MinimizeOverPatches(const SlamGraph& graph, const MeasuredSurface& surface,
+                                  const FactorOptions& factors, const ReducedOptions& options,
                                   const AssociationOptions& association,
                                   const ProgressCallback& report, ThreadPool* pool,
-                                  SlamGraph* graph, const CeresOptions* ceres) {
-  return PatchMinimizer(surface, factors, options, association, report, pool, graph, ceres).Run();
+                                  std::vector<double>* poses, const CeresOptions* ceres) {
+  return PatchMinimizer(graph, surface, factors, options, association, report, pool, poses, ceres)
+      .Run();
 }
 
 }  // namespace plumbline

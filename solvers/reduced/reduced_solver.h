@@ -40,8 +40,8 @@ struct ReducedResult {
 /// The rounds do without the held-out returns, see held_out_returns.h, and end when the last step
 /// of one lowers the cost, and the round moves the returns, by less than the tolerances. A last
 /// step takes all returns in, so that none is lost to the result; it is left out if the callback
-/// stopped the rounds. Updates the poses of the graph; leaves its points alone. Bitwise the same
-/// for any number of threads.
+/// stopped the rounds. Starts from the poses given, (x, y, yaw) each, and updates them. Bitwise the
+/// same for any number of threads.
 ///
 /// A group of poses that no term ties to a fixed one keeps its first pose. The graph must have
 /// returns.
@@ -49,11 +49,11 @@ struct ReducedResult {
 /// With `ceres`, which must pass CheckCeresOptions, Ceres minimises over poses and lines instead of
 /// each Gauss-Newton step; weights, rounds and their end are the same. The last digits may then
 /// depend on the number of threads.
-ReducedResult MinimizeOverPatches(const MeasuredSurface& surface, const FactorOptions& factors,
-                                  const ReducedOptions& options,
+ReducedResult MinimizeOverPatches(const SlamGraph& graph, const MeasuredSurface& surface,
+                                  const FactorOptions& factors, const ReducedOptions& options,
                                   const AssociationOptions& association,
                                   const ProgressCallback& report, ThreadPool* pool,
-                                  SlamGraph* graph, const CeresOptions* ceres = nullptr);
+                                  std::vector<double>* poses, const CeresOptions* ceres = nullptr);
 
 }  // namespace plumbline
 

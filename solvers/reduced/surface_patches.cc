@@ -169,9 +169,9 @@ class Quadtree {
 
 // Far away or at a grazing angle, a return has too few neighbours for a normal of its own, but
 // says as much of where the laser is as any other.
-void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surface,
-                             const Quadtree& quadtree, const SurfaceGrid& grid, ThreadPool* pool,
-                             SurfacePatches* result) {
+void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& poses,
+                             const MeasuredSurface& surface, const Quadtree& quadtree,
+                             const SurfaceGrid& grid, ThreadPool* pool, SurfacePatches* result) {
   constexpr double kMaxSigmas = 3.0;
   constexpr std::size_t kScansPerChunk = 16;
   const double grid_pose[3] = {0.0, 0.0, grid.cell_yaw_rad};
@@ -180,8 +180,9 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const MeasuredSurface& surf
       graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
           const ScanEntry& scan = graph.scan(static_cast<int>(s));
-          const PoseFrame frame(&graph.poses()[3 * scan.pose]);
-          const Eigen::Vector2d laser = graph.WorldFromLaser(static_cast<int>(s)).translation();
+          const PoseFrame frame(&poses[3 * scan.pose]);
+          const Eigen::Vector2d laser =
+              graph.WorldFromLaser(static_cast<int>(s), poses).translation();
           for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
             if (!surface.normals[r].isZero(0.0f)) continue;
             const Eigen::Vector2d point =
@@ -208,15 +209,16 @@ SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
   return options;
 }
 
-SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
-                              const SurfacePatchOptions& options, ThreadPool* pool) {
+SurfacePatches CutIntoPatches(const SlamGraph& graph, const std::vector<double>& poses,
+                              const MeasuredSurface& surface, const SurfacePatchOptions& options,
+                              ThreadPool* pool) {
   SurfaceGrid grid;
   grid.cell_m = options.largest_m / kLargestOverFinest;
-  grid.octant_yaw_rad = DominantDirection(graph, surface, pool);
+  grid.octant_yaw_rad = DominantDirection(graph, poses, surface, pool);
   grid.cell_yaw_rad = grid.octant_yaw_rad + kGridTurnRad;
   SurfacePatches result;
   const SurfaceCells cells =
-      SortIntoCells(graph, surface, grid, pool, &result.patch_of_return, options.hold_out);
+      SortIntoCells(graph, poses, surface, grid, pool, &result.patch_of_return, options.hold_out);
   Quadtree quadtree(cells, options);
   result.patches = quadtree.Cut(grid);
   constexpr std::size_t kReturnsPerChunk = 65536;
@@ -228,7 +230,7 @@ SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& sur
               patch == SurfaceCells::kNone ? SurfacePatches::kNone : quadtree.PatchOfCell(patch);
         }
       });
-  AddReturnsWithoutNormal(graph, surface, quadtree, grid, pool, &result);
+  AddReturnsWithoutNormal(graph, poses, surface, quadtree, grid, pool, &result);
   return result;
 }
 

@@ -55,15 +55,16 @@ struct SurfacePatchOptions {
 SurfacePatchOptions PatchOptionsFor(const FactorOptions& factors,
                                     const AssociationOptions& association);
 
-/// Cuts the surfaces that the scans saw, placed by the graph's poses, into patches: cells of a
-/// quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
+/// Cuts the surfaces that the scans saw, placed by the poses, (x, y, yaw) each, into patches: cells
+/// of a quadtree per octant of the normals' direction. A cell stays whole unless the lines of its
 /// quarters explain its returns better than its own, by more than they owe to their number. So the
 /// size follows the data: sparse and noisy returns share long lines, dense ones resolve a curve.
 /// Returns without a normal have no say in that, and then join the line that faces their laser and
 /// is fewest standard deviations off, at most three.
 /// Bitwise the same for any number of threads.
-SurfacePatches CutIntoPatches(const SlamGraph& graph, const MeasuredSurface& surface,
-                              const SurfacePatchOptions& options, ThreadPool* pool);
+SurfacePatches CutIntoPatches(const SlamGraph& graph, const std::vector<double>& poses,
+                              const MeasuredSurface& surface, const SurfacePatchOptions& options,
+                              ThreadPool* pool);
 
 /// Gives every return without a line of its own (too far from others, or seen at a grazing angle)
 /// that of its patch, if it lies on one. lines: per return.

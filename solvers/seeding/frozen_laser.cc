@@ -193,7 +193,7 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   }
   for (int pose = 0; pose < graph->num_poses(); ++pose) {
     PLUMBLINE_RETURN_IF_ERROR(
-        without.AddPose(graph->WorldFromRobot(pose), graph->timestamp_s(pose), &id));
+        without.AddPose(graph->InitialPose(pose), graph->timestamp_s(pose), &id));
   }
   for (int scan = 0; scan < graph->num_scans(); ++scan) {
     if (is_repeated[scan] == 0) {
@@ -211,10 +211,10 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
     PLUMBLINE_RETURN_IF_ERROR(without.AddRelativePose(constraint));
   }
-  const std::vector<FixedPose>& fixed_poses = graph->fixed_poses();
-  const bool by_default = fixed_poses.size() == 1 && fixed_poses.front().pose == 0;
-  for (const FixedPose& fixed : fixed_poses) {
-    if (!by_default) PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose));
+  if (graph->has_named_fixed_poses()) {
+    for (const FixedPose& fixed : graph->fixed_poses()) {
+      PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose, fixed.world_from_robot));
+    }
   }
   *graph = std::move(without);
   return Status::Ok();

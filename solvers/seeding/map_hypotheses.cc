@@ -319,9 +319,7 @@ class HypothesisSearch {
 
   SequentialTrajectory OdometryAsGiven() const {
     SequentialTrajectory odometry = matched_;
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      odometry.world_from_robot[pose] = graph_.WorldFromRobot(pose);
-    }
+    odometry.world_from_robot = PosesOf(graph_.initial_poses());
     return odometry;
   }
 

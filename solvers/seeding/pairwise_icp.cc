@@ -192,29 +192,31 @@ PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Po
 }
 
 Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Vector2f>& normals,
-                  ThreadPool* pool, SlamGraph* graph, PairwiseIcpReport* report) {
+                  ThreadPool* pool, const SlamGraph& graph, MapState* state,
+                  PairwiseIcpReport* report) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  if (normals.size() != graph->num_returns()) {
+  if (normals.size() != graph.num_returns()) {
     return Status::InvalidArgument("pairwise ICP needs one normal per return, " +
-                                   std::to_string(graph->num_returns()) + ", but got " +
+                                   std::to_string(graph.num_returns()) + ", but got " +
                                    std::to_string(normals.size()));
   }
   std::vector<int> step_to_pose;
-  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(*graph, &step_to_pose));
+  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(*graph, normals, options.point_spacing_m, pool);
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(*graph, surfaces);
-  std::vector<Pair> pairs = FindPairs(*graph, step_to_pose, scan_of_pose);
+      ThinnedSurfacePoints(graph, normals, options.point_spacing_m, pool);
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  std::vector<Pair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
   MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);
-  for (int pose = 1; pose < graph->num_poses(); ++pose) {
+  std::vector<Pose2> poses = PosesOf(graph.initial_poses());
+  for (int pose = 1; pose < graph.num_poses(); ++pose) {
     const Pair& pair = pairs[pose];
     const bool matched = pair.from >= 0 && pair.match.inlier_ratio >= options.min_inlier_ratio;
-    graph->SetPose(pose, matched ? graph->WorldFromRobot(pair.from) * pair.match.from_from_to
-                                 : graph->WorldFromRobot(pose - 1) *
-                                       graph->odometry()[step_to_pose[pose]].from_from_to);
+    poses[pose] = matched ? poses[pair.from] * pair.match.from_from_to
+                          : poses[pose - 1] * graph.odometry()[step_to_pose[pose]].from_from_to;
   }
-  graph->ResetPointsFromPoses();
+  state->poses = PoseArray(poses);
+  state->points = graph.MeasuredMap(state->poses);
   *report = Count(options, pairs, scan_of_pose);
   return Status::Ok();
 }

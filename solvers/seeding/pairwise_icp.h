@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -70,16 +71,17 @@ struct PairwiseIcpReport {
   int num_without_scan = 0;  ///< poses that show no surface: the odometry stands
 };
 
-/// Moves every pose of the graph to the chain of its matches, each started from the odometry, and
-/// the points with them; the first pose stays. A pose is matched to the last one before it that
+/// Puts every pose at the chain of its matches, each started from the odometry, and the points with
+/// them; the first pose is at its initial guess. A pose is matched to the last one before it that
 /// shows a surface. Expects poses in order of time, joined by odometry from each to the next. An
 /// odometry that has lost the sign of its translation is not recognised: a step backwards starts
 /// off by twice its length, and keeps the wrong sign where the scans cannot tell, as in a corridor.
 /// The result does not depend on the number of threads. normals: as EstimateReturnNormals gives
-/// them. InvalidArgument on bad options, missing odometry or a wrong number of normals; the graph
+/// them. InvalidArgument on bad options, missing odometry or a wrong number of normals; *state
 /// is then as it was.
 Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Vector2f>& normals,
-                  ThreadPool* pool, SlamGraph* graph, PairwiseIcpReport* report);
+                  ThreadPool* pool, const SlamGraph& graph, MapState* state,
+                  PairwiseIcpReport* report);
 
 }  // namespace plumbline
 

@@ -26,38 +26,41 @@ bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistenc
          loops.IsUnresolved();
 }
 
-void WriteTrajectory(const SequentialTrajectory& trajectory, SlamGraph* graph) {
-  for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    graph->SetPose(pose, trajectory.world_from_robot[pose]);
+std::vector<Pose2> OdometryOf(const SequentialTrajectory& trajectory, const SlamGraph& graph) {
+  std::vector<Pose2> motions;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    const bool corrected = step.to == step.from + 1;
+    motions.push_back(corrected ? trajectory.odometry[step.to] : step.from_from_to);
   }
-  for (std::size_t i = 0; i < graph->odometry().size(); ++i) {
-    const OdometryConstraint& step = graph->odometry()[i];
-    if (step.to == step.from + 1) graph->SetOdometryMotion(i, trajectory.odometry[step.to]);
-  }
-  graph->ResetPointsFromPoses();
+  return motions;
 }
 
 Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
                    const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                   ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+                   ThreadPool* pool, const SlamGraph& graph, MapState* state,
+                   SeedingReport* report) {
   const DefaultFloatEnvironment float_environment;
   std::string error;
   if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
-  if (normals.size() != graph->num_returns()) {
+  if (normals.size() != graph.num_returns()) {
     return Status::InvalidArgument("seeding needs one normal per return, " +
-                                   std::to_string(graph->num_returns()) + ", but got " +
+                                   std::to_string(graph.num_returns()) + ", but got " +
                                    std::to_string(normals.size()));
   }
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(*graph, normals, options.point_spacing_m, pool);
+      ThinnedSurfacePoints(graph, normals, options.point_spacing_m, pool);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, *graph, surfaces, progress,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, graph, surfaces, progress,
                                              pool, &trajectory, &report->sequential));
   report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
   CorrectOdometry(report->odometry_noise, motion, &trajectory);
-  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(options, report->odometry_noise.motion, *graph, surfaces,
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(options, report->odometry_noise.motion, graph, surfaces,
                                           progress, pool, &trajectory, report));
-  WriteTrajectory(trajectory, graph);
+  report->corrections.odometry = OdometryOf(trajectory, graph);
+  MapState seed;
+  seed.poses = PoseArray(trajectory.world_from_robot);
+  seed.points = graph.MeasuredMap(seed.poses);
+  *state = std::move(seed);
   return Status::Ok();
 }
 
@@ -77,21 +80,21 @@ bool SeedingOptions::Check(std::string* error) const {
 
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, SlamGraph* graph, SeedingReport* report) {
+                 ThreadPool* pool, const SlamGraph& graph, MapState* state, SeedingReport* report) {
   return CatchExceptions(
-      [&] { return SeedChecked(options, motion, normals, progress, pool, graph, report); });
+      [&] { return SeedChecked(options, motion, normals, progress, pool, graph, state, report); });
 }
 
 Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_options,
-                 SlamGraph* graph, SeedingReport* report) {
+                 const SlamGraph& graph, MapState* state, SeedingReport* report) {
   return CatchExceptions([&] {
     std::string error;
     if (!solver_options.Check(&error)) return Status::InvalidArgument(error);
     const FactorOptions& factors = solver_options.factors;
     ThreadPool pool(solver_options.num_threads);
     return SeedChecked(options, factors.motion,
-                       EstimateReturnNormals(*graph, NormalOptionsFor(factors.beam), &pool),
-                       nullptr, &pool, graph, report);
+                       EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool), nullptr,
+                       &pool, graph, state, report);
   });
 }
 

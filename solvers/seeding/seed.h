@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -39,6 +40,9 @@ struct SeedingReport {
   std::vector<WeighedHypothesis> hypotheses;  ///< in the order in which they were weighed
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;
+  /// What the odometry should have said of the motion, with a lost sign and significant systematic
+  /// errors corrected. SlamGraph::Corrected applies it, and a joint estimation should get that.
+  MeasurementCorrections corrections;
   /// world_from_robot of every pose before loops were closed.
   std::vector<Pose2> sequential_poses;
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
@@ -50,20 +54,20 @@ struct SeedingReport {
   bool Repaired() const;
 };
 
-/// Moves every pose of the graph to where scan matching, loop closure and a pose graph put it,
-/// starting from the first pose, and the points with them. Expects poses in order of time, joined
-/// by odometry from each pose to the next. Where the odometry is recognised to have lost its sign
-/// or to err systematically, its motions are corrected too. The result does not depend on the
-/// number of threads. normals: as EstimateReturnNormals gives them. progress may be empty.
-/// InvalidArgument on bad options, missing odometry or a wrong number of normals, Unavailable if
-/// progress stopped it or an exception was thrown; the graph is then as it was.
+/// Finds where scan matching, loop closure and a pose graph put every pose of the graph, starting
+/// from the initial guess of the first one: *state has these poses, and the points where the
+/// measurements put them from there. Expects poses in order of time, joined by odometry from each
+/// pose to the next. The result does not depend on the number of threads. normals: as
+/// EstimateReturnNormals gives them. progress may be empty. InvalidArgument on bad options, missing
+/// odometry or a wrong number of normals, Unavailable if progress stopped it or an exception was
+/// thrown; *state is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, SlamGraph* graph, SeedingReport* report);
+                 ThreadPool* pool, const SlamGraph& graph, MapState* state, SeedingReport* report);
 
 /// The same for a host: noise and threads as Solve will have them, normals by itself, no progress.
 Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_options,
-                 SlamGraph* graph, SeedingReport* report);
+                 const SlamGraph& graph, MapState* state, SeedingReport* report);
 
 /// The second half of it: makes a trajectory of the sequential matching globally consistent by
 /// closing its loops. motion: the noise of its odometry. surfaces: per scan, in the frame of the

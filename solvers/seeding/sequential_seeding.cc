@@ -192,7 +192,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   for (int pose = 0; pose < num_poses; ++pose) {
     const int scan = scan_of_pose[pose];
     ScanMatch match;
-    match.world_from_robot = graph.WorldFromRobot(0);
+    match.world_from_robot = graph.InitialPose(0);
     if (pose > 0) {
       odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
       match = matcher.Match(poses[pose - 1], scan >= 0 ? surfaces[scan] : kNoSurface,

@@ -55,9 +55,9 @@ enum class SeedingPhase { kMatchingScans, kClosingLoops };
 /// only asks whether to go on.
 using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
 
-/// Finds the pose of every scan from the ones before it, starting at the graph's first pose.
-/// Expects poses in order of time, joined by odometry from each pose to the next.
-/// surfaces: per scan, in the frame of the robot.
+/// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
+/// one. Expects poses in order of time, joined by odometry from each pose to the next. surfaces:
+/// per scan, in the frame of the robot.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,

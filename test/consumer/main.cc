@@ -43,14 +43,14 @@ plumbline::Status MakeGraph(const std::vector<Keyframe>& keyframes, plumbline::S
   return plumbline::Status::Ok();
 }
 
-// Refines the poses and points of the graph in place.
-bool Refine(plumbline::SlamGraph* graph) {
+// Refines poses and points in place.
+bool Refine(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
   plumbline::SolverOptions options;
   options.factors.beam.sigma_range_m = 0.01;
   options.callback = [](const plumbline::IterationSummary& iteration) {
     return iteration.total_time_s < 60.0;  // false would stop, with the best state so far
   };
-  const plumbline::SolverSummary summary = plumbline::Solve(options, graph);
+  const plumbline::SolverSummary summary = plumbline::Solve(options, graph, state);
   std::puts(summary.BriefReport().c_str());
   if (!summary.IsSolutionUsable()) std::fprintf(stderr, "%s\n", summary.message.c_str());
   return summary.IsSolutionUsable();
@@ -82,12 +82,12 @@ std::vector<Keyframe> Drive(const std::vector<Pose2>& truth) {
   return keyframes;
 }
 
-double MeanError(const plumbline::SlamGraph& graph, const std::vector<Pose2>& truth) {
+double MeanError(const plumbline::MapState& state, const std::vector<Pose2>& truth) {
   double sum_m = 0.0;
-  for (int i = 0; i < graph.num_poses(); ++i) {
-    sum_m += (graph.WorldFromRobot(i).translation() - truth[i].translation()).norm();
+  for (int i = 0; i < state.num_poses(); ++i) {
+    sum_m += (state.WorldFromRobot(i).translation() - truth[i].translation()).norm();
   }
-  return sum_m / graph.num_poses();
+  return sum_m / state.num_poses();
 }
 
 }  // namespace
@@ -105,9 +105,10 @@ int main() {
     std::fprintf(stderr, "%s\n", status.message().c_str());
     return 1;
   }
-  const double before_m = MeanError(graph, truth);
-  if (!Refine(&graph)) return 1;
-  const double after_m = MeanError(graph, truth);
+  plumbline::MapState state = graph.InitialState();
+  const double before_m = MeanError(state, truth);
+  if (!Refine(graph, &state)) return 1;
+  const double after_m = MeanError(state, truth);
   std::printf("mean error of the poses: %.4f m -> %.4f m\n", before_m, after_m);
   return after_m < 0.5 * before_m ? 0 : 1;
 }

@@ -3,10 +3,11 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/io/occupancy_grid.h"
-#include "plumbline/core/graph_poses.h"
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -30,26 +31,28 @@ inline void MapGraph(bool seed, SlamGraph graph) {
   options.reduced.max_rounds = 2;
   const MeasuredSurface surface =
       MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
+  MapState state = graph.InitialState();
   if (seed) {
     SeedingReport report;
-    Require(SeedGraph(SeedingOptions(), options.factors.motion, surface.normals, {}, &pool, &graph,
-                      &report)
+    Require(SeedGraph(SeedingOptions(), options.factors.motion, surface.normals, {}, &pool, graph,
+                      &state, &report)
                 .ok());
+    graph = std::move(graph).Corrected(report.corrections);
   } else {
-    RefinePoseGraph(&graph);
+    RefinePoseGraph(graph, &state);
   }
-  for (const double number : graph.poses()) Require(std::isfinite(number));
-  for (const double number : graph.points()) Require(std::isfinite(number));
+  for (const double number : state.poses) Require(std::isfinite(number));
+  for (const double number : state.points) Require(std::isfinite(number));
   if (graph.num_returns() == 0) return;
-  const SolverSummary summary = Solve(options, surface, &graph);
-  for (const double number : graph.poses()) Require(std::isfinite(number));
-  for (const double number : graph.points()) Require(std::isfinite(number));
-  MeasureMapConsistency(graph, PosesOf(graph), &pool);
+  const SolverSummary summary = Solve(options, surface, graph, &state);
+  for (const double number : state.poses) Require(std::isfinite(number));
+  for (const double number : state.points) Require(std::isfinite(number));
+  MeasureMapConsistency(graph, PosesOf(state.poses), &pool);
   OccupancyGridOptions grid_options;
   grid_options.max_cells = 1e6;
   OccupancyGrid grid;
   // A map that needs more cells is refused.
-  if (!BuildOccupancyGrid(graph, grid_options, &grid).ok()) return;
+  if (!BuildOccupancyGrid(graph, state, grid_options, &grid).ok()) return;
   Require(!grid.cells.empty());
 }
 

@@ -12,16 +12,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   PoseGraphFile pose_graph;
   if (!ReadPoseGraphFile(path, &pose_graph).ok()) return 0;
   // What was read can be written, and read again as the same graph.
-  Require(WritePoseGraphFile(path, pose_graph.format, pose_graph).ok());
+  const std::vector<double>& poses = pose_graph.graph.initial_poses();
+  Require(WritePoseGraphFile(path, pose_graph.format, pose_graph, poses).ok());
   PoseGraphFile again;
   Require(ReadPoseGraphFile(path, &again).ok());
-  Require(again.graph.poses() == pose_graph.graph.poses());
+  Require(again.graph.initial_poses() == poses);
   Require(again.graph.num_returns() == pose_graph.graph.num_returns());
   SolverOptions descent;
   descent.type = SolverType::kSgd;
   descent.sgd.max_iterations = 3;
-  if (pose_graph.graph.num_poses() <= 20) Solve(descent, &again.graph);
-  for (const double number : again.graph.poses()) Require(std::isfinite(number));
+  MapState state = again.graph.InitialState();
+  if (pose_graph.graph.num_poses() <= 20) Solve(descent, again.graph, &state);
+  for (const double number : state.poses) Require(std::isfinite(number));
   MapGraph(/*seed=*/false, std::move(pose_graph.graph));
   return 0;
 }

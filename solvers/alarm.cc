@@ -1,4 +1,4 @@
-#include "plumbline/apps/alarm.h"
+#include "plumbline/solvers/alarm.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,15 +10,17 @@ namespace {
 
 // The alarm of one peak, if that peak by itself is a contradiction.
 void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, const std::string& what,
-               const SlamGraph& graph, std::vector<Alarm>* alarms) {
+               const SlamGraph& graph, const std::vector<double>& poses,
+               std::vector<Alarm>* alarms) {
   if (!consistency.IsContradictory(peak)) return;
   std::ostringstream reason;
   reason << what << std::fixed << std::setprecision(1) << " (" << consistency.Ratio(peak)
          << " times the conflicts that people, doors and noise explain)";
-  alarms->push_back({PlaceOfPose(graph, peak.pose), reason.str()});
+  alarms->push_back({PlaceOfPose(graph, poses, peak.pose), reason.str()});
 }
 
-Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
+Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph,
+                     const std::vector<double>& poses) {
   std::string reason = "the scans before and after disagree, and ";
   if (step.num_alternatives > 0) {
     reason += "all that comes later fits at " + std::to_string(step.num_alternatives) + " other " +
@@ -29,18 +31,19 @@ Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph) {
     reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";
     reason += " them together: all that comes later may be displaced";
   }
-  return {PlaceOfPose(graph, step.first_pose_after), reason};
+  return {PlaceOfPose(graph, poses, step.first_pose_after), reason};
 }
 
 // The seed contradicts itself too little for an alarm of its own, but there is another weak sign.
-Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph) {
+Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph,
+                     const std::vector<double>& poses) {
   const MapConsistency& consistency = seeding.consistency;
   std::ostringstream reason;
   reason << std::fixed << std::setprecision(1) << "scans look through surfaces that others show, "
          << consistency.Ratio() << " times as often as can be explained, and "
          << (seeding.loops.doubts.empty() ? "all loops had to be left open"
                                           : "some steps of the robot are in doubt");
-  return {PlaceOfPose(graph, consistency.WorstPeak().pose), reason.str()};
+  return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str()};
 }
 
 }  // namespace
@@ -53,13 +56,13 @@ std::string ScanPlace::Text() const {
   return text.str();
 }
 
-ScanPlace PlaceOfPose(const SlamGraph& graph, int pose) {
+ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, int pose) {
   ScanPlace place;
   for (int scan = 0; scan < graph.num_scans() && !place.scan; ++scan) {
     if (graph.scan(scan).pose == pose) place.scan = scan;
   }
   place.time_s = graph.timestamp_s(pose);
-  place.world_position = graph.WorldFromRobot(pose).translation();
+  place.world_position = Pose2(&poses[3 * pose]).translation();
   return place;
 }
 
@@ -72,28 +75,29 @@ std::string AlarmText(const std::vector<Alarm>& alarms) {
   }
   if (alarms.size() > kMaxLines) {
     text += "WARNING: and around " + std::to_string(alarms.size() - kMaxLines) +
-            " more places, see summary.json.\n";
+            " more places.\n";
   }
   return text;
 }
 
-std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph) {
+std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph,
+                             const std::vector<double>& poses) {
   std::vector<Alarm> alarms;
   CheckPeak(consistency, consistency.worst_within,
-            "scans before and after look through each other's surfaces", graph, &alarms);
+            "scans before and after look through each other's surfaces", graph, poses, &alarms);
   CheckPeak(consistency, consistency.worst_between,
-            "scans of other visits look through the surfaces seen there", graph, &alarms);
+            "scans of other visits look through the surfaces seen there", graph, poses, &alarms);
   if (alarms.empty() && consistency.IsContradictory()) {
     std::ostringstream reason;
     reason << "many of the places that were seen on several visits contradict each other, "
               "this one most of all";
-    alarms.push_back({PlaceOfPose(graph, consistency.worst_between.pose), reason.str()});
+    alarms.push_back({PlaceOfPose(graph, poses, consistency.worst_between.pose), reason.str()});
   }
   return alarms;
 }
 
 std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
-                                     const SlamGraph& graph) {
+                                     const SlamGraph& graph, const std::vector<double>& poses) {
   std::vector<Alarm> alarms;
   for (const FrozenStretch& stretch : frozen) {
     std::ostringstream reason;
@@ -101,22 +105,23 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
            << stretch.last_scan << ", while the wheels drove " << std::fixed << std::setprecision(1)
            << stretch.moved_m
            << " m: the repetitions are left out, and these poses are the odometry's";
-    alarms.push_back({PlaceOfPose(graph, graph.scan(stretch.first_scan).pose), reason.str()});
+    alarms.push_back(
+        {PlaceOfPose(graph, poses, graph.scan(stretch.first_scan).pose), reason.str()});
   }
   return alarms;
 }
 
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
-                             const SlamGraph& graph) {
-  std::vector<Alarm> alarms = MapAlarms(refined, graph);
+                             const SlamGraph& graph, const std::vector<double>& poses) {
+  std::vector<Alarm> alarms = MapAlarms(refined, graph, poses);
   if (alarms.empty()) {
-    alarms = MapAlarms(seeding.consistency, graph);
+    alarms = MapAlarms(seeding.consistency, graph, poses);
     for (Alarm& alarm : alarms) alarm.reason += " before the refinement, though not after it";
   }
   for (const DoubtfulStep& step : seeding.loops.doubts) {
-    if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph));
+    if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));
   }
-  if (alarms.empty() && seeding.alarm) alarms.push_back(SuspiciousSeed(seeding, graph));
+  if (alarms.empty() && seeding.alarm) alarms.push_back(SuspiciousSeed(seeding, graph, poses));
   return alarms;
 }
 

@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_ALARM_H_
-#define PLUMBLINE_APPS_ALARM_H_
+#ifndef PLUMBLINE_SOLVERS_ALARM_H_
+#define PLUMBLINE_SOLVERS_ALARM_H_
 
 #include <Eigen/Core>
 #include <optional>
@@ -22,8 +22,8 @@ struct ScanPlace {
   std::string Text() const;
 };
 
-/// The first scan taken at a pose.
-ScanPlace PlaceOfPose(const SlamGraph& graph, int pose);
+/// The first scan taken at a pose. poses: (x, y, yaw) each.
+ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, int pose);
 
 /// Why a map is probably wrong, and where.
 struct Alarm {
@@ -34,20 +34,21 @@ struct Alarm {
 /// A warning per line, for people: the first few, and how many more there are.
 std::string AlarmText(const std::vector<Alarm>& alarms);
 
-/// Where a map contradicts itself, as `consistency` says of the graph's poses: at most one alarm
-/// for the scans of one pass and one for those of different passes.
-std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph);
+/// Where a map contradicts itself, as `consistency` says of these poses: at most one alarm for the
+/// scans of one pass and one for those of different passes.
+std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph& graph,
+                             const std::vector<double>& poses);
 
 /// Where the laser was frozen: nothing but the odometry tells of these poses.
 std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
-                                     const SlamGraph& graph);
+                                     const SlamGraph& graph, const std::vector<double>& poses);
 
 /// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
-/// contradictions of the refined map, or else of the seed. Places are those of `graph`. Not empty
+/// contradictions of the refined map, or else of the seed. Places are those of `poses`. Not empty
 /// if the seeding raised its alarm.
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
-                             const SlamGraph& graph);
+                             const SlamGraph& graph, const std::vector<double>& poses);
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_ALARM_H_
+#endif  // PLUMBLINE_SOLVERS_ALARM_H_

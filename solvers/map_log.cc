@@ -1,0 +1,154 @@
+#include "plumbline/solvers/map_log.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/options_check.h"
+#include "plumbline/solvers/seeding/odometry_noise.h"
+#include "plumbline/solvers/solve.h"
+
+namespace plumbline {
+namespace {
+
+// The poses of the calibrated robot that leave its lasers where they were.
+std::vector<double> Carried(const std::vector<double>& poses, const Pose2& before_from_after) {
+  std::vector<Pose2> carried = PosesOf(poses);
+  for (Pose2& pose : carried) pose = pose * before_from_after;
+  return PoseArray(carried);
+}
+
+void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMapping* mapping) {
+  Calibration& calibration = mapping->report.calibration;
+  mapping->surface = MeasuredSurface();  // of the sensors as they were given
+  mapping->report.solver = SolveWithCalibration(solver, options.calibration, mapping->graph,
+                                                &mapping->state, &calibration);
+  if (!mapping->report.solver.IsSolutionUsable()) return;
+  const Pose2 mounting = mapping->graph.laser(0).robot_from_laser;
+  mapping->graph = std::move(mapping->graph).Corrected(calibration.corrections);
+  calibration.corrections = MeasurementCorrections();  // the graph has them, and they are large
+  mapping->before_from_after = mounting * mapping->graph.laser(0).robot_from_laser.Inverse();
+  mapping->start_poses = Carried(mapping->start_poses, mapping->before_from_after);
+}
+
+Status CheckSize(const char* name, std::size_t size, std::size_t expected) {
+  if (size == expected) return Status::Ok();
+  return Status::InvalidArgument("the seed has " + std::to_string(size) + " " + name +
+                                 ", but the log needs " + std::to_string(expected));
+}
+
+}  // namespace
+
+bool MapLogOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_NESTED_OPTIONS(seeding);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(solver);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(calibration);
+  if (!calibration.IsOn() || !MovesPosesOnly(solver.type)) return true;
+  if (error != nullptr) {
+    *error = "calibration does not go with the solver " + std::string(ToString(solver.type)) +
+             ", which looks at no returns";
+  }
+  return false;
+}
+
+Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+                  LogMapping* mapping) {
+  return CatchExceptions([&] {
+    std::string error;
+    if (!options.Check(&error)) return Status::InvalidArgument(error);
+    LogMapping prepared;
+    prepared.graph = std::move(graph);
+    PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser));
+    prepared.surface =
+        MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
+    prepared.state = prepared.graph.InitialState();
+    *mapping = std::move(prepared);
+    return Status::Ok();
+  });
+}
+
+Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
+               LogMapping* mapping) {
+  return CatchExceptions([&] {
+    SeedingReport seeding;
+    MapState seed;
+    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(options.seeding, options.solver.factors.motion,
+                                        mapping->surface.normals, progress, pool, mapping->graph,
+                                        &seed, &seeding));
+    // A solver of pose graphs has the work still to do that the seeding did by its own.
+    std::vector<double> start_poses = MovesPosesOnly(options.solver.type)
+                                          ? PoseArray(seeding.sequential_poses)
+                                          : std::move(seed.poses);
+    seed = MapState();
+    return StartFromSeed(options, std::move(start_poses), std::move(seeding), mapping);
+  });
+}
+
+Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_poses,
+                     SeedingReport seeding, LogMapping* mapping) {
+  return CatchExceptions([&] {
+    PLUMBLINE_RETURN_IF_ERROR(CheckSize("coordinates of poses", start_poses.size(),
+                                        mapping->graph.initial_poses().size()));
+    PLUMBLINE_RETURN_IF_ERROR(CheckSize("odometry constraints", seeding.corrections.odometry.size(),
+                                        mapping->graph.odometry().size()));
+    if (MovesPosesOnly(options.solver.type)) {
+      SlamGraph with_edges = mapping->graph;
+      for (const RelativePoseConstraint& edge : seeding.pose_graph) {
+        PLUMBLINE_RETURN_IF_ERROR(with_edges.AddRelativePose(edge));
+      }
+      mapping->graph = std::move(with_edges);
+    }
+    mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);
+    mapping->state.points = mapping->graph.MeasuredMap(start_poses);
+    mapping->state.poses = start_poses;
+    mapping->start_poses = std::move(start_poses);
+    mapping->report.seeding = std::move(seeding);
+    return Status::Ok();
+  });
+}
+
+SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding) {
+  SolverOptions solver = options.solver;
+  if (!options.calibration.IsOn()) {
+    solver.factors.motion = RefinementMotion(seeding.odometry_noise, solver.factors.motion);
+  }
+  return solver;
+}
+
+Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
+  return CatchExceptions([&] {
+    const SolverOptions solver = RefinementOptions(options, mapping->report.seeding);
+    if (options.calibration.IsOn()) {
+      Calibrate(options, solver, mapping);
+    } else {
+      mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
+    }
+    mapping->surface = MeasuredSurface();  // as large as what comes next
+    if (!mapping->report.solver.IsSolutionUsable()) {
+      return Status::InvalidArgument(mapping->report.solver.message);
+    }
+    mapping->report.consistency =
+        MeasureMapConsistency(mapping->graph, PosesOf(mapping->state.poses), pool);
+    mapping->report.alarms = RunAlarms(mapping->report.seeding, mapping->report.consistency,
+                                       mapping->graph, mapping->state.poses);
+    for (Alarm& alarm :
+         FrozenLaserAlarms(mapping->report.frozen_laser, mapping->graph, mapping->state.poses)) {
+      mapping->report.alarms.push_back(std::move(alarm));
+    }
+    return Status::Ok();
+  });
+}
+
+Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgress& progress,
+              LogMapping* mapping) {
+  return CatchExceptions([&] {
+    std::string error;
+    if (!options.Check(&error)) return Status::InvalidArgument(error);
+    ThreadPool pool(options.solver.num_threads);
+    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, mapping));
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, progress, &pool, mapping));
+    return RefineLog(options, &pool, mapping);
+  });
+}
+
+}  // namespace plumbline

@@ -1,0 +1,99 @@
+#ifndef PLUMBLINE_SOLVERS_MAP_LOG_H_
+#define PLUMBLINE_SOLVERS_MAP_LOG_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/alarm.h"
+#include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/seeding/frozen_laser.h"
+#include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/solver_summary.h"
+
+namespace plumbline {
+
+/// How a log is mapped.
+struct MapLogOptions {
+  SeedingOptions seeding;
+  SolverOptions solver;
+  CalibrationOptions calibration;  ///< nothing to estimate: Solve
+
+  /// False if a field is out of range, or if the fields do not go together; *error, if not null,
+  /// then says which and why.
+  bool Check(std::string* error) const;
+};
+
+/// What was found on the way from a log to a map, and whether to trust it.
+struct MappingReport {
+  std::vector<FrozenStretch> frozen_laser;  ///< whose repetitions were left out
+  SeedingReport seeding;
+  SolverSummary solver;
+  Calibration calibration;     ///< empty if none was asked for
+  MapConsistency consistency;  ///< of the map
+  /// Where the map is probably wrong, and why; empty if nothing speaks against it.
+  std::vector<Alarm> alarms;
+};
+
+/// A log on its way to a map: each step of MapLog fills in what it finds.
+struct LogMapping {
+  /// The measurements that the estimate is made of. First those of the log without the repetitions
+  /// of a frozen laser; with a seed, its corrections of the odometry and, for solvers that look at
+  /// nothing else, its pose graph come in; a calibration corrects mountings, ranges and odometry
+  /// (Calibration::corrections is empty then).
+  SlamGraph graph;
+  MeasuredSurface surface;  ///< what its scans saw; empty after RefineLog
+  /// The estimate: first the initial guesses of the log; then where the solver starts, which is the
+  /// seed, or the sequential matching for solvers that close the loops themselves; then the map.
+  MapState state;
+  /// The start, (x, y, yaw) each. After a calibration of the mounting they are the poses of the
+  /// calibrated robot that leave the lasers where they were.
+  std::vector<double> start_poses;
+  Pose2 before_from_after;  ///< how a calibrated mounting moved the frame of the robot
+  MappingReport report;
+};
+
+/// Maps a log: leaves out what a frozen laser repeated, seeds the poses (SeedGraph), takes the
+/// noise of the odometry from what the scans say of it, estimates poses and points jointly (Solve
+/// or SolveWithCalibration; never worse than the seed by what the returns say), and measures
+/// whether the map contradicts itself. graph: poses in order of time, joined by odometry from each
+/// to the next. progress may be empty. The result does not depend on the number of threads.
+///
+/// It is PrepareLog, SeedLog and RefineLog in turn, for callers that have nothing to do in between.
+/// Fails like these; *mapping then holds what the steps before had found.
+Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgress& progress,
+              LogMapping* mapping);
+
+/// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options;
+/// *mapping is then as it was.
+Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+                  LogMapping* mapping);
+
+/// Finds the seed of a log that PrepareLog took over and that has none yet. Fails like SeedGraph.
+Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
+               LogMapping* mapping);
+
+/// The same with a seed that was kept from an earlier SeedLog of the same log and options. seeding:
+/// MappingReport::seeding as it was then; start_poses: likewise. Fails on sizes that do not go with
+/// the log.
+Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_poses,
+                     SeedingReport seeding, LogMapping* mapping);
+
+/// What the joint estimation of a log with this seed goes by: the options, but with what the scans
+/// say of the noise of the odometry where that is less. A calibration has its own view of that, and
+/// keeps the options'.
+SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding);
+
+/// Refines a log that has a seed. InvalidArgument with the solver's message if it refuses its
+/// input.
+Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_MAP_LOG_H_
