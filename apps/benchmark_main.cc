@@ -81,6 +81,10 @@ DEFINE_int32(seeds, 30,
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
 DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
              "replay: scans that arrive between two solves");
+DEFINE_int32(window_free_poses, plumbline::WindowOptions().num_free_poses,
+             "replay: newest poses that a window moves");
+DEFINE_int32(window_fixed_poses, plumbline::WindowOptions().max_fixed_poses,
+             "replay: older poses that hold the map around them, at most");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
@@ -328,6 +332,8 @@ void PrintStep(const ReplayStep& step) {
 Status ReplayDrive(HtmlReport* page) {
   ReplayOptions options;
   options.batch_poses = FLAGS_batch_scans;
+  options.window.num_free_poses = FLAGS_window_free_poses;
+  options.window.max_fixed_poses = FLAGS_window_fixed_poses;
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   LogMapping seed;

@@ -109,7 +109,9 @@ DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
               "reduced: ends when a round gains less in its last step [fraction of the cost], and");
 DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
               "reduced: moves returns across their surfaces by less [standard deviations]");
-
+DEFINE_double(
+    reduced_cg_tolerance, Defaults().reduced.cg_tolerance,
+    "reduced: conjugate gradients on a linear system end at this fraction of its right-hand side");
 DEFINE_int32(reduced_polish_sweeps, Defaults().reduced.polish_sweeps,
              "reduced: sweeps of alternating_cg afterwards, on the exact energy of all points");
 
@@ -276,6 +278,7 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
   options->reduced.relative_tolerance = FLAGS_reduced_tolerance;
   options->reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
+  options->reduced.cg_tolerance = FLAGS_reduced_cg_tolerance;
   options->reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
   options->sgd.max_iterations = FLAGS_sgd_iterations;
   options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;

@@ -14,6 +14,10 @@
 namespace plumbline {
 namespace {
 
+// Neighbourhoods of fewer points are left out.
+constexpr double kMinPoints = 10.0;
+// Points to measure at, at most, taken evenly from all.
+constexpr std::size_t kMaxSamples = 20000;
 // Variance [m^2] that a perfectly thin neighbourhood counts with: (0.1 mm)^2.
 constexpr double kSmallestVariance = 1e-8;
 
@@ -155,9 +159,9 @@ struct Sample {
   double entropy = 0.0;
 };
 
-Sample MeasureAt(const PointMoments& moments, const MapQualityOptions& options) {
+Sample MeasureAt(const PointMoments& moments) {
   Sample sample;
-  if (moments.weight < static_cast<double>(options.min_points)) return sample;
+  if (moments.weight < kMinPoints) return sample;
   const LineFit fit = FitLine(moments);
   sample.thickness_m = std::sqrt(fit.smaller_eigenvalue);
   const double determinant = std::max(fit.smaller_eigenvalue, kSmallestVariance) *
@@ -170,15 +174,13 @@ Sample MeasureAt(const PointMoments& moments, const MapQualityOptions& options) 
 
 bool MapQualityOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(radius_m, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(min_points, >=, std::size_t{3});
-  PLUMBLINE_CHECK_OPTION(max_samples, >, std::size_t{0});
   return true;
 }
 
 MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
                              ThreadPool* pool) {
   const std::size_t num_points = points.size() / 2;
-  const std::size_t num_samples = std::min(num_points, options.max_samples);
+  const std::size_t num_samples = std::min(num_points, kMaxSamples);
   const CellSortedPoints sorted(points, options.radius_m);
   std::vector<Sample> samples(num_samples);
   constexpr std::size_t kSamplesPerChunk = 256;
@@ -187,7 +189,7 @@ MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQuality
                        for (std::size_t k = begin; k < end; ++k) {
                          const std::size_t i = k * num_points / num_samples;
                          const Eigen::Vector2d center(points[2 * i], points[2 * i + 1]);
-                         samples[k] = MeasureAt(sorted.MomentsAround(center), options);
+                         samples[k] = MeasureAt(sorted.MomentsAround(center));
                        }
                      });
   MapQuality quality;

@@ -13,10 +13,6 @@ struct MapQualityOptions {
   /// Neighbourhood [m]: wide enough to hold both sides of a doubled wall, narrow enough to hold
   /// one wall only.
   double radius_m = 0.15;
-  /// Neighbourhoods of fewer points are left out.
-  std::size_t min_points = 10;
-  /// Points to measure at, taken evenly from all.
-  std::size_t max_samples = 20000;
 
   bool Check(std::string* error) const;
 };

@@ -9,6 +9,10 @@
 namespace plumbline {
 namespace {
 
+// A stretch counts as surface up to this ratio of its smaller to its larger variance, the same as
+// AssociationOptions has it: a return that has a normal may then be part of a line.
+constexpr double kMaxEigenvalueRatio = 0.15;
+
 class ScanNormalEstimator {
  public:
   ScanNormalEstimator(const SlamGraph& graph, const ReturnNormalOptions& options)
@@ -46,7 +50,7 @@ class ScanNormalEstimator {
     }
     if (count < 3) return Eigen::Vector2f::Zero();
     const LineFit fit = FitLine(moments);
-    if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Eigen::Vector2f::Zero();
+    if (fit.EigenvalueRatio() > kMaxEigenvalueRatio) return Eigen::Vector2f::Zero();
     const bool faces_laser = fit.normal.dot(laser_in_robot_ - center) >= 0.0;
     return (faces_laser ? fit.normal : Eigen::Vector2d(-fit.normal)).cast<float>();
   }
@@ -63,8 +67,6 @@ class ScanNormalEstimator {
 
 bool ReturnNormalOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(half_window_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);
   return true;
 }
 

@@ -16,8 +16,6 @@ struct ReturnNormalOptions {
   /// so that close surfaces do not get their normals from range noise: six times the range noise
   /// and more.
   double half_window_m = 0.08;
-  /// A stretch counts as surface up to this ratio of its smaller to its larger variance.
-  double max_eigenvalue_ratio = 0.15;
 
   bool Check(std::string* error) const;
 };

@@ -5,6 +5,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "plumbline/solvers/seeding/loop_acceptance.h"
+
 namespace plumbline {
 namespace {
 
@@ -25,7 +27,7 @@ Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph,
   if (step.num_alternatives > 0) {
     reason += "all that comes later fits at " + std::to_string(step.num_alternatives) + " other " +
               (step.num_alternatives == 1 ? "place" : "places") + " as well";
-  } else if (step.num_closures_across >= DoubtfulStep::kMinClosuresAcross) {
+  } else if (step.num_closures_across >= LoopAcceptance::kMinClosuresAcross) {
     reason += "the repair turned all that comes later, which might fit elsewhere as well";
   } else {
     reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";
@@ -74,8 +76,7 @@ std::string AlarmText(const std::vector<Alarm>& alarms) {
             alarms[i].reason + ".\n";
   }
   if (alarms.size() > kMaxLines) {
-    text += "WARNING: and around " + std::to_string(alarms.size() - kMaxLines) +
-            " more places.\n";
+    text += "WARNING: and around " + std::to_string(alarms.size() - kMaxLines) + " more places.\n";
   }
   return text;
 }

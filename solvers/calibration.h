@@ -14,22 +14,15 @@ namespace plumbline {
 /// What of the sensors is estimated along with poses and points. Each parameter has a prior about
 /// the value that the graph was given with; where the data say nothing, it stays there.
 struct CalibrationOptions {
-  bool laser_mounting = false;         ///< robot_from_laser: x, y, yaw
-  bool range_bias = false;             ///< one length on top of all readings
-  bool range_scale = false;            ///< one factor on all ranges: scale (reading + bias)
-  bool odometry_scale = false;         ///< one factor on all lengths that the odometry reads
-  double sigma_mounting_m = 0.1;       ///< of the prior, x and y [m]
-  double sigma_mounting_rad = 0.1;     ///< of the prior, yaw [rad]
-  double sigma_range_bias_m = 0.05;    ///< of the prior [m]
-  double sigma_range_scale = 0.01;     ///< of the prior of the factor's logarithm
-  double sigma_odometry_scale = 0.05;  ///< of the prior of the factor's logarithm
-  /// Gauss-Newton steps on poses and parameters together, at most; each cuts the surfaces anew.
-  int max_steps = 20;
+  bool laser_mounting = false;  ///< robot_from_laser: x, y, yaw; prior: 0.1 m, 0.1 rad
+  bool range_bias = false;      ///< one length on top of all readings; prior: 0.05 m
+  /// One factor on all ranges: scale (reading + bias); prior: 1 %.
+  bool range_scale = false;
+  /// One factor on all lengths that the odometry reads; prior: 5 %.
+  bool odometry_scale = false;
 
   /// Whether there is anything to estimate.
   bool IsOn() const { return laser_mounting || range_bias || range_scale || odometry_scale; }
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
 };
 
 /// One parameter of the sensors, after the fact. In m or rad, factors without unit.

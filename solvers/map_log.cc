@@ -42,7 +42,6 @@ Status CheckSize(const char* name, std::size_t size, std::size_t expected) {
 bool MapLogOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(seeding);
   PLUMBLINE_CHECK_NESTED_OPTIONS(solver);
-  PLUMBLINE_CHECK_NESTED_OPTIONS(calibration);
   if (!calibration.IsOn() || !MovesPosesOnly(solver.type)) return true;
   if (error != nullptr) {
     *error = "calibration does not go with the solver " + std::string(ToString(solver.type)) +

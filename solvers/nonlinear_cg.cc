@@ -18,6 +18,10 @@ double Larger(double a, double b) { return b > a || std::isnan(b) ? b : a; }
 
 // Consecutive gradients of a quadratic are P^-1-orthogonal; beyond this share they are not.
 constexpr double kPowellShare = 0.2;
+// Ends where no component of the gradient is larger than this [cost per unit].
+constexpr double kGradientTolerance = 1e-10;
+// Largest number of halvings of a step that does not lower the cost.
+constexpr int kMaxHalvings = 20;
 
 class CgMinimizer {
  public:
@@ -38,7 +42,7 @@ class CgMinimizer {
     gradient_max_norm_ = MaxNorm(gradient_);
     Restart();
     for (;;) {
-      if (gradient_max_norm_ <= options_.gradient_tolerance) {
+      if (gradient_max_norm_ <= kGradientTolerance) {
         return CgTermination::kGradientConverged;
       }
       CgIteration iteration;
@@ -112,7 +116,7 @@ class CgMinimizer {
     if (!(slope < 0.0) || !(curvature > 0.0)) return false;
     double step = -slope / curvature;
     trial_.resize(x_->size());
-    for (int halving = 0; halving <= options_.max_halvings; ++halving, step *= 0.5) {
+    for (int halving = 0; halving <= kMaxHalvings; ++halving, step *= 0.5) {
       ForEachRange([this, step](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) trial_[i] = (*x_)[i] + step * direction_[i];
       });
@@ -166,8 +170,6 @@ class CgMinimizer {
 bool NonlinearCgOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
   PLUMBLINE_CHECK_FINITE_OPTION(relative_cost_tolerance, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(gradient_tolerance, >=, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_halvings, >=, 0);
   return true;
 }
 

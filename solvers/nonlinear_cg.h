@@ -28,10 +28,6 @@ struct NonlinearCgOptions {
   int max_iterations = 100;
   /// Stops when the cost falls by no more than this fraction of itself in one iteration.
   double relative_cost_tolerance = 1e-9;
-  /// Stops when no component of the gradient is larger than this [cost per unit].
-  double gradient_tolerance = 1e-10;
-  /// Largest number of halvings of a step that does not lower the cost.
-  int max_halvings = 20;
 
   bool Check(std::string* error) const;
 };

@@ -183,11 +183,6 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
 bool WindowOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(num_free_poses, >, 0);
   PLUMBLINE_CHECK_OPTION(max_fixed_poses, >=, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(fixed_spacing_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(fixed_turn_rad, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_fixed_distance_m, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(min_common_share, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(min_common_share, <=, 1.0);
   return true;
 }
 

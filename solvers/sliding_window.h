@@ -17,17 +17,10 @@ struct WindowOptions {
   /// SolveWindow: the newest poses that may move. Several times as many as arrive between two
   /// calls, so that each is refined again once its surroundings have been seen from further on.
   int num_free_poses = 300;
-  /// Older poses that count, at most, the nearest ones first. The other ends of constraints on free
-  /// poses come on top.
+  /// Older poses that count, at most, the nearest ones first: those that saw the same as free ones,
+  /// up to 20 m from them, one of all that stood and looked the same way. The other ends of
+  /// constraints on free poses come on top.
   int max_fixed_poses = 300;
-  /// Of all poses in a cell of this size [m] that look the same way to within fixed_turn_rad [rad],
-  /// one is enough: they saw the same.
-  double fixed_spacing_m = 0.25;
-  double fixed_turn_rad = 0.35;  ///< see fixed_spacing_m
-  /// Poses farther than this [m] from every free one do not count: it bounds the search.
-  double max_fixed_distance_m = 20.0;
-  /// Nor do those with less than this share of their returns near returns of free poses, in (0, 1].
-  double min_common_share = 0.2;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

@@ -53,7 +53,6 @@ bool ReducedOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(move_tolerance_sigmas, >=, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(cg_tolerance, >, 0.0);
   PLUMBLINE_CHECK_OPTION(cg_tolerance, <, 1.0);
-  PLUMBLINE_CHECK_OPTION(max_cg_iterations, >, 0);
   PLUMBLINE_CHECK_OPTION(polish_sweeps, >=, 0);
   return true;
 }

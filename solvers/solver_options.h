@@ -49,7 +49,6 @@ struct ReducedOptions {
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
   /// in the preconditioner's norm.
   double cg_tolerance = 1e-2;
-  int max_cg_iterations = 200;  ///< per linear system
   /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
   /// and their own lines. 0: none.
   int polish_sweeps = 0;

@@ -21,6 +21,15 @@ namespace {
 
 // Two returns saw the same place if their cells touch: the map may be off by some decimetres.
 constexpr double kPlaceM = 0.5;
+// Of all poses in a cell of this size [m] that look the same way to within this [rad], one is
+// enough: they saw the same. About the distance and turn from one key scan of the seeding to the
+// next.
+constexpr double kSpacingM = 0.25;
+constexpr double kTurnRad = 0.35;
+// Poses farther than this [m] from every free one do not count: it bounds the search.
+constexpr double kMaxDistanceM = 20.0;
+// Nor do those with less than this share of their returns near returns of free poses. Not tuned.
+constexpr double kMinCommonShare = 0.2;
 
 // The scans of every pose, in one list.
 struct ScansByPose {
@@ -122,12 +131,12 @@ class ContextSearch {
       positions.insert(positions.end(), {position.x(), position.y()});
       reach.extend(position);
     }
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(options_.max_fixed_distance_m);
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMaxDistanceM);
     reach = Eigen::AlignedBox2d(reach.min() - margin, reach.max() + margin);
     const PointIndex index(std::move(positions));
     std::vector<std::pair<double, int>> candidates;
     std::vector<PointIndex::Neighbor> nearest;
-    const double limit = options_.max_fixed_distance_m * options_.max_fixed_distance_m;
+    const double limit = kMaxDistanceM * kMaxDistanceM;
     for (int pose = 0; pose < graph_.num_poses(); ++pose) {
       const Pose2 world_from_robot = state_.WorldFromRobot(pose);
       if (is_free_[pose] || !IsFinite(world_from_robot)) continue;
@@ -143,9 +152,8 @@ class ContextSearch {
   // Where a pose stands and looks: one of a kind is enough.
   std::array<double, 3> KindOf(int pose) const {
     const Pose2 at = state_.WorldFromRobot(pose);
-    return {std::floor(at.x / options_.fixed_spacing_m),
-            std::floor(at.y / options_.fixed_spacing_m),
-            std::floor(NormalizeAngle(at.yaw) / options_.fixed_turn_rad)};
+    return {std::floor(at.x / kSpacingM), std::floor(at.y / kSpacingM),
+            std::floor(NormalizeAngle(at.yaw) / kTurnRad)};
   }
 
   bool SawTheSame(int pose) const {
@@ -154,7 +162,7 @@ class ContextSearch {
       ++num_points;
       if (seen_.Contains(point)) ++num_common;
     });
-    return num_common > 0 && num_common >= options_.min_common_share * num_points;
+    return num_common > 0 && num_common >= kMinCommonShare * num_points;
   }
 
   const WindowOptions& options_;

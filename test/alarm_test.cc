@@ -157,7 +157,7 @@ TEST(AlarmTextTest, ShowsTheFirstFew) {
   EXPECT_THAT(text, testing::StartsWith("WARNING: the map is probably wrong around scan 3 (t = "
                                         "1.00 s, x = 2.00 m, y = 0.00 m): reasons.\n"));
   alarms.resize(8);
-  EXPECT_EQ(AlarmText(alarms), text + "WARNING: and around 3 more places, see summary.json.\n");
+  EXPECT_EQ(AlarmText(alarms), text + "WARNING: and around 3 more places.\n");
 }
 
 }  // namespace

@@ -72,6 +72,7 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"reduced_first_gate_factor", [](O o) { return o.solver.reduced.first_gate_factor; }},
       {"reduced_tolerance", [](O o) { return o.solver.reduced.relative_tolerance; }},
       {"reduced_move_tolerance", [](O o) { return o.solver.reduced.move_tolerance_sigmas; }},
+      {"reduced_cg_tolerance", [](O o) { return o.solver.reduced.cg_tolerance; }},
       {"reduced_polish_sweeps", [](O o) { return double(o.solver.reduced.polish_sweeps); }},
       {"cg_max_sweeps", [](O o) { return double(o.solver.alternating_cg.max_sweeps); }},
       {"cg_map_iterations",
@@ -186,6 +187,9 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   const Status status = SolverOptionsFromFlags(&with_patches);
   EXPECT_THAT(status.message(), HasSubstr("--neighborhood=nearest"));
   SetFlag("neighborhood", "radius");
+  EXPECT_THAT(SolverOptionsFromFlags(&with_patches).message(),
+              HasSubstr("reduced.lines_follow = false"));
+  SetFlag("reduced_lines_follow", "true");
   EXPECT_TRUE(FromFlags().solver.ceres.reduced);
 }
 

@@ -26,7 +26,7 @@ KeyGraph Loop(int length) {
 
 std::vector<LoopCandidate> Find(const KeyGraph& keys) {
   ThreadPool pool(2);
-  return FindLoopCandidates(LoopCandidateOptions(), keys, &pool);
+  return FindLoopCandidates(keys, &pool);
 }
 
 double DriftM(double way_m) { return 0.4 + 0.025 * way_m + 1e-4 * way_m * way_m; }
@@ -90,10 +90,10 @@ TEST(LoopCandidates, AnUntrustedEdgeMakesItsTwoSidesCandidates) {
 TEST(LoopCandidates, BridgesLeadOverDoubtfulEdges) {
   KeyGraph keys;
   for (int i = 0; i < 8; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
-  EXPECT_TRUE(FindBridges(LoopCandidateOptions(), keys).empty());
+  EXPECT_TRUE(FindBridges(keys).empty());
   keys.sequential[3].evidence = 0.2;
   keys.sequential[3].in_question = true;
-  const std::vector<LoopCandidate> bridges = FindBridges(LoopCandidateOptions(), keys);
+  const std::vector<LoopCandidate> bridges = FindBridges(keys);
   ASSERT_EQ(bridges.size(), 2u);  // up to 4 m on, at least 1.3 m apart
   EXPECT_EQ(bridges[0].first, 3);
   EXPECT_EQ(bridges[0].second, 4);
@@ -110,7 +110,7 @@ TEST(LoopCandidates, JoinsSpreadOverWhatLiesBeyondAnEdge) {
   keys.sequential[9].in_question = true;
   keys.sequential[29].in_question = true;
   keys.sequential[29].evidence = 1.0;  // what lies beyond it is another part
-  const std::vector<LoopCandidate> joins = FindJoins(LoopCandidateOptions(), keys, 9);
+  const std::vector<LoopCandidate> joins = FindJoins(keys, 9);
   ASSERT_EQ(joins.size(), 5u);  // 4 m apart
   for (std::size_t i = 0; i < joins.size(); ++i) {
     EXPECT_EQ(joins[i].first, 9);

@@ -69,9 +69,8 @@ struct Found {
 Found Search(const SimulatedDrive& drive, int num_threads = 2) {
   ThreadPool pool(num_threads);
   Found found;
-  EXPECT_TRUE(SearchMapHypotheses(LoopClosureOptions(), MotionOptions(), drive.graph,
-                                  drive.surfaces, nullptr, &pool, drive.matched, &found.best,
-                                  &found.weighed)
+  EXPECT_TRUE(SearchMapHypotheses(MotionOptions(), drive.graph, drive.surfaces, nullptr, &pool,
+                                  drive.matched, &found.best, &found.weighed)
                   .ok());
   return found;
 }
@@ -167,8 +166,8 @@ TEST(MapHypotheses, StopWhenTheirCallerSaysSo) {
   MapHypothesis best;
   std::vector<WeighedHypothesis> weighed;
   const Status status = SearchMapHypotheses(
-      LoopClosureOptions(), MotionOptions(), drive.graph, drive.surfaces,
-      [](SeedingPhase, int, int) { return false; }, &pool, drive.matched, &best, &weighed);
+      MotionOptions(), drive.graph, drive.surfaces, [](SeedingPhase, int, int) { return false; },
+      &pool, drive.matched, &best, &weighed);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
 }
 

@@ -254,12 +254,10 @@ TEST(MapLogTest, OptionsThatAreBadOrDoNotGoTogetherAreNamed) {
   EXPECT_THAT(refusal(options), HasSubstr("calibration does not go with the solver sgd"));
   options.calibration.range_bias = false;
   EXPECT_TRUE(options.Check(nullptr));
-  options.calibration.max_steps = 0;
-  EXPECT_THAT(refusal(options), HasSubstr("calibration.max_steps = 0"));
   options.solver.num_threads = 0;
   EXPECT_THAT(refusal(options), HasSubstr("solver.num_threads = 0"));
-  options.seeding.point_spacing_m = 0.0;
-  EXPECT_THAT(refusal(options), HasSubstr("seeding.point_spacing_m = 0"));
+  options.seeding.sequential.key_scan_distance_m = 0.0;
+  EXPECT_THAT(refusal(options), HasSubstr("seeding.sequential.key_scan_distance_m = 0"));
 }
 
 TEST(MapLogTest, StopsWhenTheProgressCallbackSaysSo) {

@@ -51,17 +51,14 @@ std::vector<double> Clutter(int num_points) {
 }
 
 TEST(MapQualityTest, ThicknessOfAWallIsItsSigma) {
-  MapQualityOptions options;
-  options.max_samples = 2000;
   for (const double sigma_m : {0.005, 0.02}) {
-    EXPECT_NEAR(Measure(Wall(sigma_m, 100000), options).wall_thickness_m, sigma_m, 0.02 * sigma_m);
+    EXPECT_NEAR(Measure(Wall(sigma_m, 100000)).wall_thickness_m, sigma_m, 0.02 * sigma_m);
   }
 }
 
 // Within a radius R of a point on a thin line, the others are uniform over 2 R: variance R^2 / 3.
 TEST(MapQualityTest, EntropyOfAThinWallIsThatOfItsStretchAndThickness) {
-  MapQualityOptions options;
-  options.max_samples = 2000;
+  const MapQualityOptions options;
   const double sigma_m = 0.002, along_m2 = options.radius_m * options.radius_m / 3.0;
   EXPECT_NEAR(Measure(Wall(sigma_m, 100000), options).mean_map_entropy,
               Entropy(sigma_m * sigma_m * along_m2), 0.03);
@@ -71,7 +68,6 @@ TEST(MapQualityTest, EntropyOfAThinWallIsThatOfItsStretchAndThickness) {
 TEST(MapQualityTest, EntropyOfAGaussianBlob) {
   MapQualityOptions options;
   options.radius_m = 1.0;
-  options.max_samples = 500;
   const double sigma_m = 0.05;
   const MapQuality quality = Measure(Blob(sigma_m, 20000), options);
   EXPECT_NEAR(quality.mean_map_entropy, Entropy(std::pow(sigma_m, 4)), 0.02);
@@ -87,7 +83,6 @@ TEST(MapQualityTest, ADoubledWallIsThickerByHalfItsGap) {
 TEST(MapQualityTest, AgreesWithBruteForce) {
   MapQualityOptions options;
   options.radius_m = 0.3;
-  options.min_points = 12;
   const std::vector<double> points = Clutter(1200);
   std::vector<double> thicknesses;
   double entropy = 0.0;
@@ -101,7 +96,7 @@ TEST(MapQualityTest, AgreesWithBruteForce) {
       near.emplace_back(points[j], points[j + 1]);
       mean += near.back();
     }
-    if (near.size() < options.min_points) continue;
+    if (near.size() < 10) continue;
     mean /= static_cast<double>(near.size());
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
     for (const Eigen::Vector2d& p : near) covariance += (p - mean) * (p - mean).transpose();
@@ -151,10 +146,9 @@ TEST(MapQualityTest, SamplesAreTakenFromAllPoints) {
   std::vector<double> thick = Wall(0.02, 20000);
   for (double& coordinate : thick) coordinate += 1000.0;
   points.insert(points.end(), thick.begin(), thick.end());
-  MapQualityOptions options;
-  options.max_samples = 101;
-  const MapQuality quality = Measure(points, options);
-  EXPECT_EQ(quality.num_samples, 101u);
+  const MapQuality quality = Measure(points);
+  EXPECT_EQ(quality.num_samples, 20000u);  // of 40000
+
   const double thin = Entropy(0.004 * 0.004 * 0.0075), wide = Entropy(0.02 * 0.02 * 0.0075);
   EXPECT_NEAR(quality.mean_map_entropy, 0.5 * (thin + wide), 0.1);
 }
@@ -166,12 +160,6 @@ TEST(MapQualityTest, ChecksItsOptions) {
   options.radius_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_EQ(error, "radius_m = 0, but it must be > 0.0");
-  options = {};
-  options.min_points = 2;
-  EXPECT_FALSE(options.Check(&error));
-  options = {};
-  options.max_samples = 0;
-  EXPECT_FALSE(options.Check(&error));
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ class Oracle {
     bool several_scans = false;
     for (const std::size_t q : nearest) {
       const double cosine = std::clamp(normals_[q].dot(normals_[r]), -1.0, 1.0);
-      if (std::acos(cosine) > options_.max_normal_angle_rad) continue;
+      if (std::acos(cosine) > kMaxNormalAngleRad) continue;
       const bool enough = static_cast<int>(members.size()) >= options_.min_points;
       if (enough && Distance(q, r) > radius_m) continue;
       members.push_back(q);
@@ -128,7 +128,6 @@ TEST(NearestLinesTest, FollowTheRule) {
   AssociationOptions few;
   few.min_points = 4;
   few.max_points = 12;
-  few.max_normal_angle_rad = 0.3;
   AssociationOptions fixed_number;
   fixed_number.max_points = fixed_number.min_points = 20;
   unsigned seed = 1;

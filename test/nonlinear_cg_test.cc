@@ -111,7 +111,6 @@ NonlinearCgOptions Exhaustive(int max_iterations) {
   NonlinearCgOptions options;
   options.max_iterations = max_iterations;
   options.relative_cost_tolerance = 0.0;
-  options.gradient_tolerance = 0.0;
   return options;
 }
 
@@ -144,11 +143,9 @@ TEST(NonlinearCgTest, SolvesAQuadraticInOneStepWithItsInverse) {
   Quadratic objective(a, a * expected);
   objective.SetPreconditioner(a.inverse());
   NonlinearCgOptions options;
-  options.gradient_tolerance = 1e-8;
+  options.max_iterations = 1;
   Vector x(10, 0.0);
-  const CgResult result = Minimize(options, &objective, &x);
-  EXPECT_EQ(result.iterations, 1);
-  EXPECT_EQ(result.termination, CgTermination::kGradientConverged);
+  Minimize(options, &objective, &x);
   EXPECT_LE((AsEigen(x) - expected).norm(), 1e-9 * expected.norm());
 }
 
@@ -217,8 +214,7 @@ TEST(NonlinearCgTest, StopsWhenTheCostHasConverged) {
 
 TEST(NonlinearCgTest, StopsWhereTheGradientVanishes) {
   Quadratic objective(Eigen::Matrix2d::Identity(), Eigen::Vector2d(3.0, 4.0));
-  NonlinearCgOptions options = Exhaustive(100);
-  options.gradient_tolerance = 1e-9;
+  const NonlinearCgOptions options = Exhaustive(100);
   Vector x = {3.0, 4.0};
   CgResult result = Minimize(options, &objective, &x);
   EXPECT_EQ(result.termination, CgTermination::kGradientConverged);
@@ -342,9 +338,9 @@ TEST(NonlinearCgTest, ChecksItsOptions) {
   std::string error;
   NonlinearCgOptions options;
   EXPECT_TRUE(options.Check(&error)) << error;
-  options.gradient_tolerance = kNaN;
+  options.relative_cost_tolerance = kNaN;
   EXPECT_FALSE(options.Check(&error));
-  EXPECT_NE(error.find("gradient_tolerance"), std::string::npos) << error;
+  EXPECT_NE(error.find("relative_cost_tolerance"), std::string::npos) << error;
   options = NonlinearCgOptions();
   options.max_iterations = 0;
   EXPECT_FALSE(options.Check(&error));

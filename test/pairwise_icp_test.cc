@@ -190,11 +190,8 @@ TEST(PairwiseIcp, NamesWhatIsWrongAndLeavesTheStateAsItWas) {
   options.gate_m = 0.01;
   expect_failure("gate_m = 0.01");
   options = PairwiseIcpOptions();
-  options.max_iterations = 0;
-  expect_failure("max_iterations = 0");
-  options = PairwiseIcpOptions();
-  options.min_inlier_ratio = 1.5;
-  expect_failure("min_inlier_ratio = 1.5");
+  options.sigma_m = 0.0;
+  expect_failure("sigma_m = 0");
 }
 
 TEST(PairwiseIcp, MetricsGoByTheirNames) {

@@ -174,9 +174,6 @@ TEST(ReturnNormals, OptionsAreChecked) {
   ReturnNormalOptions options;
   options.half_window_m = 0.0;
   EXPECT_FALSE(options.Check(nullptr));
-  options = ReturnNormalOptions();
-  options.max_eigenvalue_ratio = 1.1;
-  EXPECT_FALSE(options.Check(nullptr));
 }
 
 }  // namespace

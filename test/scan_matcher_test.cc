@@ -88,15 +88,6 @@ TEST(ScanMatcher, Chi2ComparesPredictions) {
   EXPECT_NEAR(wrong.chi2 - right.chi2, 16.0, 1.0);
 }
 
-TEST(ScanMatcher, ChecksOptions) {
-  ScanMatchOptions options;
-  std::string error;
-  EXPECT_TRUE(options.Check(&error));
-  options.coarse_gate_m = 0.01;
-  EXPECT_FALSE(options.Check(&error));
-  EXPECT_NE(error.find("coarse_gate_m = 0.01"), std::string::npos);
-}
-
 TEST(ScanMatcher, MeasuresAFitAsItFindsIt) {
   SyntheticScene scene = Room();
   scene.poses = {Pose2(), Pose2(0.05, 0.0, 0.0)};

@@ -166,17 +166,17 @@ TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
   expect_failure("one normal per return");
   motion.rotation_floor_rad = 0.0;
   expect_failure("rotation_floor_rad");
-  options.sequential.num_key_scans = 0;
-  expect_failure("sequential.num_key_scans");
+  options.sequential.key_scan_angle_rad = 0.0;
+  expect_failure("sequential.key_scan_angle_rad");
 }
 
 TEST(Seed, ChecksOptionsAllTheWayDown) {
   SeedingOptions options;
   std::string error;
   EXPECT_TRUE(options.Check(&error));
-  options.loops.candidates.drift_floor_m = 0.0;
+  options.sequential.key_scan_distance_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
-  EXPECT_NE(error.find("loops.candidates.drift_floor_m = 0"), std::string::npos) << error;
+  EXPECT_NE(error.find("sequential.key_scan_distance_m = 0"), std::string::npos) << error;
 }
 
 }  // namespace

@@ -177,7 +177,7 @@ TEST(SeedingStudyTest, JudgesWhatCanBeRightOfAFrozenLaserAndOfTwoBuildings) {
 
 TEST(SeedingStudyTest, RefusesBadOptions) {
   SeedingOptions options;
-  options.point_spacing_m = 0.0;
+  options.sequential.key_scan_distance_m = 0.0;
   SeedingOutcome outcome;
   EXPECT_EQ(RunSeedingCase(SeedingCase(), options, FactorOptions(), &outcome).code(),
             StatusCode::kInvalidArgument);

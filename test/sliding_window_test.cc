@@ -62,7 +62,6 @@ SolverOptions Options(SolverType type = SolverType::kReduced, int num_threads = 
 WindowOptions Newest(int num_free_poses) {
   WindowOptions window;
   window.num_free_poses = num_free_poses;
-  window.fixed_spacing_m = 0.1;
   return window;
 }
 
@@ -279,8 +278,8 @@ TEST(SlidingWindowTest, BadInputIsNamedAndChangesNothing) {
   expect_failure({5, 6, 5}, good, Options(), "free pose 5 is named twice");
   expect_failure({8}, good, Options(SolverType::kReduced, 0), "num_threads");
   WindowOptions bad;
-  bad.fixed_turn_rad = 0.0;
-  expect_failure({8}, bad, Options(), "window.fixed_turn_rad");
+  bad.max_fixed_poses = -1;
+  expect_failure({8}, bad, Options(), "window.max_fixed_poses");
 
   state.points[2 * graph.scan(4).first_return] = 1e300;
   expect_failure({4}, good, Options(), "a point of scan 4 is not finite");

@@ -14,7 +14,7 @@ std::vector<RelativePoseConstraint> MatchConsecutive(const SlamGraph& graph,
   for (const OdometryConstraint& step : graph.odometry()) {
     const PairMatch match =
         MatchPair(surfaces[step.from], surfaces[step.to], step.from_from_to, options.icp);
-    if (match.inlier_ratio >= options.icp.min_inlier_ratio) {
+    if (match.inlier_ratio >= kMinPairInlierRatio) {
       edges.push_back({step.from, step.to, match.from_from_to, match.covariance});
     } else {
       edges.push_back(

@@ -111,14 +111,13 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
                             const SlamGraph& graph, std::vector<Pose2>* poses,
                             SeedingReport* report) {
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, normals, seeding.point_spacing_m, pool);
+      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, graph, surfaces, {}, pool,
                                              &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
-  PLUMBLINE_RETURN_IF_ERROR(
-      CloseAllLoops(seeding, noise, graph, surfaces, {}, pool, &trajectory, report));
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(noise, graph, surfaces, {}, pool, &trajectory, report));
   *poses = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }

@@ -89,7 +89,7 @@ class MapMaker {
     MatchGraphOptions options;
     options.icp = IcpFor(noise_, IcpMetric::kPointToLine);
     const std::vector<SurfacePoints> surfaces =
-        ThinnedSurfacePoints(drive_.graph, normals_, options.icp.point_spacing_m, &pool_);
+        ThinnedSurfacePoints(drive_.graph, normals_, kPointSpacingM, &pool_);
     const MatchGraph matches = BuildMatchGraph(drive_.graph, surfaces, factors_.motion, options);
     std::vector<Pose2> poses = matches.chain;
     DescendStochastically(matches.edges, StochasticDescentOptions(), &poses);

@@ -24,8 +24,6 @@ bool AssociationOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_points, >=, min_points);
   PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
   PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_normal_angle_rad, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_normal_angle_rad, <=, 1.5707963267948966);
   PLUMBLINE_CHECK_FINITE_OPTION(min_segment_length_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(shape_margin_rad, >, 0.0);
   PLUMBLINE_CHECK_OPTION(shape_margin_rad, <, 0.7853981633974483);

@@ -23,6 +23,13 @@ enum class NeighborhoodType {
 const char* ToString(NeighborhoodType type);
 bool FromString(const std::string& name, NeighborhoodType* type);
 
+/// Largest angle [rad] between normals of one surface, 60 degrees: kNearest takes no neighbour
+/// beyond it, so that the two faces of a wall and the two sides of a corner stay apart, and the
+/// surface regions of the shape pairs end there. kRadius keeps faces and sides apart by octants of
+/// the normals' directions instead: it takes those of a point's own octant and of the two next to
+/// it.
+constexpr double kMaxNormalAngleRad = 1.0471975511965976;
+
 struct AssociationOptions {
   NeighborhoodType neighborhood = NeighborhoodType::kRadius;
   /// Fewest points that make a tangent line; a radius grows until it holds as many.
@@ -37,11 +44,6 @@ struct AssociationOptions {
   int max_points = 50;
   /// A neighbourhood counts as line-like up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;
-  /// Largest angle [rad] between normals of one surface: kNearest takes no neighbour beyond it, so
-  /// that the two faces of a wall and the two sides of a corner stay apart, and the surface regions
-  /// of the shape pairs end there. kRadius keeps faces and sides apart by octants of the normals'
-  /// directions instead: it takes those of a point's own octant and of the two next to it.
-  double max_normal_angle_rad = 1.0471975511965976;  // 60 degrees
   /// Shape pairs: length [m] of the surface regions along a scan. Normals over less are noise.
   double min_segment_length_m = 0.2;
   /// Shape pairs: regions pair up if they are this close [rad] to parallel or orthogonal.

@@ -59,7 +59,7 @@ class NearestLineFitter {
   NearestLineFitter(const SurfaceMap& map, const AssociationOptions& options, ThreadPool* pool)
       : map_(map),
         options_(options),
-        min_normal_cosine_(std::cos(options.max_normal_angle_rad)),
+        min_normal_cosine_(std::cos(kMaxNormalAngleRad)),
         index_(map.points) {
     EstimateTypicalRadius(pool);
   }

@@ -34,7 +34,7 @@ class ScanShapePairs {
         normals_(normals),
         lines_(lines),
         options_(options),
-        min_normal_cosine_(std::cos(options.max_normal_angle_rad)) {}
+        min_normal_cosine_(std::cos(kMaxNormalAngleRad)) {}
 
   /// Appends the pairs of one scan in order of its beams.
   void Find(int scan_id, std::vector<ShapePair>* pairs) {

@@ -17,6 +17,9 @@
 namespace plumbline {
 namespace {
 
+// Ends when no edge of an iteration moves its end by more than this [m], and [rad].
+constexpr double kStepTolerance = 1e-6;
+
 using Eigen::Array3d;
 
 // Differences of consecutive poses, numbered along the chains: [begin, end).
@@ -235,7 +238,6 @@ class Descent {
 
 bool StochasticDescentOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(step_tolerance, >=, 0.0);
   return true;
 }
 
@@ -257,7 +259,7 @@ PoseGraphResult DescendStochastically(const std::vector<RelativePoseConstraint>&
       result.stop_reason = "stopped by its caller";
       break;
     }
-    if (step <= options.step_tolerance) {
+    if (step <= kStepTolerance) {
       result.converged = true;
       result.stop_reason = "no edge moves its end by more than the tolerance";
       break;

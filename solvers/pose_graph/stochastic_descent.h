@@ -14,8 +14,6 @@ namespace plumbline {
 struct StochasticDescentOptions {
   /// An iteration goes through all edges once.
   int max_iterations = 400;
-  /// Ends when no edge of an iteration moves its end by more than this [m], and [rad].
-  double step_tolerance = 1e-6;
   /// Called with the poses after each iteration, counted from 1; false stops. May be empty.
   std::function<bool(int iteration, const std::vector<Pose2>& world_from_pose)> callback;
 

@@ -24,6 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Of conjugate gradients on one linear system. The tolerance ends them long before.
+constexpr int kMaxCgIterations = 200;
 constexpr char kStopped[] = "stopped by the callback";
 
 // What a step came to.
@@ -177,10 +179,9 @@ class PatchMinimizer {
     IterationSummary iteration;
     iteration.phase = "poses";
     iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
-    iteration.evaluations =
-        SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
-                        options_.cg_tolerance, options_.max_cg_iterations, pool_, &step)
-            .iterations;
+    iteration.evaluations = SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
+                                            options_.cg_tolerance, kMaxCgIterations, pool_, &step)
+                                .iterations;
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;

@@ -16,6 +16,8 @@ namespace {
 // noise, up to 0.8 m.
 constexpr int kNumLevels = 4;
 constexpr double kLargestOverFinest = 8.0;
+// Fewest returns of a patch.
+constexpr int kMinPoints = 5;
 
 // The grid is turned against the walls, by atan(1/2), so that none runs along an edge between
 // cells: noise would decide which side its returns belong to.
@@ -113,7 +115,7 @@ class Quadtree {
 
   Partition Choose(const SurfaceCell& cell, const Partition& quarters) const {
     const PointMoments& moments = cell.moments;
-    if (moments.weight < options_.min_points) return Split(quarters);
+    if (moments.weight < kMinPoints) return Split(quarters);
     const LineFit fit = FitLine(moments);
     if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Split(quarters);
     const Partition whole{fit.smaller_eigenvalue * moments.weight, moments.weight, 1, true};

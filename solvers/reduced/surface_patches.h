@@ -39,7 +39,6 @@ struct SurfacePatches {
 };
 
 struct SurfacePatchOptions {
-  int min_points = 5;      ///< fewest returns of a patch
   double largest_m = 0.8;  ///< side of the largest cell; the smallest is an eighth of it
   /// A patch counts as a line up to this ratio of its smaller to its larger variance.
   double max_eigenvalue_ratio = 0.15;

@@ -32,19 +32,20 @@ bool OnlyRepeatsItsEdge(const RelativePoseConstraint& bridge, const KeyGraph& ke
   for (int edge = bridge.from; edge < bridge.to; ++edge) {
     if (keys.sequential[edge].untrusted()) return false;
   }
-  return EdgeChi2(bridge, keys.world_from_key) <= kMaxEdgeChi2;
+  return EdgeChi2(bridge, keys.world_from_key) <= LoopAcceptance::kMaxEdgeChi2;
 }
 
 // Breaks the doubtful edge that is farthest off the others, if it is too far and there are enough
 // closures to do without it.
 bool BreakWorstEdge(KeyGraph* keys) {
   SequentialEdge* worst = nullptr;
-  double worst_chi2 = kMaxEdgeChi2;
+  double worst_chi2 = LoopAcceptance::kMaxEdgeChi2;
   for (SequentialEdge& edge : keys->sequential) {
     if (!edge.in_question || edge.broken) continue;
     const double chi2 = EdgeChi2(edge.constraint, keys->world_from_key);
     if (chi2 <= worst_chi2) continue;
-    if (NumClosuresAcross(edge.constraint.from, *keys) < DoubtfulStep::kMinClosuresAcross) continue;
+    if (NumClosuresAcross(edge.constraint.from, *keys) < LoopAcceptance::kMinClosuresAcross)
+      continue;
     worst_chi2 = chi2;
     worst = &edge;
   }
@@ -58,7 +59,7 @@ bool DropWorstClosures(KeyGraph* keys) {
   std::vector<double> wrong;
   for (const RelativePoseConstraint& closure : keys->closures) {
     const double chi2 = EdgeChi2(closure, keys->world_from_key);
-    if (chi2 > kMaxEdgeChi2) wrong.push_back(chi2);
+    if (chi2 > LoopAcceptance::kMaxEdgeChi2) wrong.push_back(chi2);
   }
   if (wrong.empty()) return false;
   const auto median = wrong.begin() + static_cast<std::ptrdiff_t>(wrong.size() / 2);
@@ -79,10 +80,9 @@ void OptimizeAndPrune(KeyGraph* keys) {
 }
 
 // Tests the candidates that the memory does not know. One result per candidate, in their order.
-Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
-                     const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
-                     const std::vector<LoopCandidate>& candidates, const SeedingProgress& progress,
-                     ThreadPool* pool, ClosureMemory* memory,
+Status TestInBatches(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                     const KeyGraph& keys, const std::vector<LoopCandidate>& candidates,
+                     const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
                      std::vector<TestedCandidate>* tested) {
   tested->resize(candidates.size());
   std::vector<std::size_t> unknown;
@@ -102,7 +102,7 @@ Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
     std::vector<LoopCandidate> batch;
     for (std::size_t i = begin; i < end; ++i) batch.push_back(candidates[unknown[i]]);
     const std::vector<TestedCandidate> results =
-        TestLoopCandidates(options, graph, surfaces, keys, batch, pool);
+        TestLoopCandidates(graph, surfaces, keys, batch, pool);
     for (std::size_t i = 0; i < results.size(); ++i) {
       (*tested)[unknown[begin + i]] = results[i];
       memory->Add(batch[i], keys, results[i]);
@@ -112,12 +112,12 @@ Status TestInBatches(const LoopClosureOptions& options, const SlamGraph& graph,
 }
 
 // What nearly became a closure.
-void KeepTentative(const LoopClosureOptions& options, std::vector<TestedCandidate> refused,
-                   KeyGraph* keys) {
+void KeepTentative(std::vector<TestedCandidate> refused, KeyGraph* keys) {
   refused.erase(std::remove_if(refused.begin(), refused.end(),
-                               [&](const TestedCandidate& result) {
-                                 return result.inlier_ratio < kTentativeInlierRatio ||
-                                        result.conflict > options.max_free_space_conflict;
+                               [](const TestedCandidate& result) {
+                                 return result.inlier_ratio <
+                                            LoopAcceptance::kTentativeInlierRatio ||
+                                        result.conflict > LoopAcceptance::kMaxFreeSpaceConflict;
                                }),
                 refused.end());
   std::stable_sort(refused.begin(), refused.end(),
@@ -188,10 +188,9 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
   return graph;
 }
 
-Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
-                  const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                  ThreadPool* pool, ClosureMemory* memory, KeyGraph* keys,
-                  LoopClosingReport* report) {
+Status CloseLoops(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
+                  KeyGraph* keys, LoopClosingReport* report) {
   *report = LoopClosingReport();
   if (!keys->closures.empty()) OptimizeAndPrune(keys);
   std::vector<TestedCandidate> refused_bridges, refused_closures;
@@ -199,11 +198,10 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     // What the robot did at a doubtful edge is best told from what lies next to it.
     const bool bridging = round == 0;
     const std::vector<LoopCandidate> candidates =
-        bridging ? FindBridges(options.candidates, *keys)
-                 : FindLoopCandidates(options.candidates, *keys, pool);
+        bridging ? FindBridges(*keys) : FindLoopCandidates(*keys, pool);
     std::vector<TestedCandidate> tested;
-    PLUMBLINE_RETURN_IF_ERROR(TestInBatches(options, graph, surfaces, *keys, candidates, progress,
-                                            pool, memory, &tested));
+    PLUMBLINE_RETURN_IF_ERROR(
+        TestInBatches(graph, surfaces, *keys, candidates, progress, pool, memory, &tested));
     report->num_candidates += static_cast<int>(candidates.size());
     std::vector<TestedCandidate>& refused = bridging ? refused_bridges : refused_closures;
     refused.clear();
@@ -221,7 +219,7 @@ Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
     OptimizeAndPrune(keys);
     if (!found && !bridging) break;
   }
-  KeepTentative(options, refused_closures, keys);
+  KeepTentative(refused_closures, keys);
   WriteReport(*keys, refused_bridges, refused_closures, report);
   return Status::Ok();
 }

@@ -11,6 +11,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/seeding/closure_memory.h"
 #include "plumbline/solvers/seeding/key_graph.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 #include "plumbline/solvers/seeding/loop_closure.h"
 #include "plumbline/solvers/seeding/sequential_seeding.h"
 
@@ -40,11 +41,11 @@ struct DoubtfulStep {
   /// together.
   bool IsUnresolved() const {
     return num_alternatives > 0 || std::abs(turned_rad) > kMaxCertainTurnRad ||
-           ((broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross);
+           ((broken || evidence >= kUntrustedEvidence) &&
+            num_closures_across < LoopAcceptance::kMinClosuresAcross);
   }
+  /// Far from a right angle, and more than a step that is merely off. Not tuned.
   static constexpr double kMaxCertainTurnRad = 0.5;
-  /// One closure across could be a mistake.
-  static constexpr int kMinClosuresAcross = 2;
 };
 
 struct LoopClosingReport {
@@ -72,10 +73,9 @@ KeyGraph MakeKeyGraph(const SequentialTrajectory& trajectory, const MotionOption
 /// contradict are dropped again. Closures that the graph has already are kept, as long as nothing
 /// contradicts them; what it has refused is not found again. memory: of all that was tested for
 /// these key scans so far; grows. Unavailable if progress stopped it.
-Status CloseLoops(const LoopClosureOptions& options, const SlamGraph& graph,
-                  const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                  ThreadPool* pool, ClosureMemory* memory, KeyGraph* keys,
-                  LoopClosingReport* report);
+Status CloseLoops(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
+                  KeyGraph* keys, LoopClosingReport* report);
 
 /// Moves the key scans to the robust optimum of the graph's edges and closures.
 void OptimizeKeyScans(KeyGraph* keys);

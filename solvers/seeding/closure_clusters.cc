@@ -6,20 +6,9 @@
 #include <numeric>
 
 #include "plumbline/core/pose2.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 
 namespace plumbline {
-namespace {
-
-// The later key scans of a cluster lie within this much path [m], ...
-constexpr double kStretchM = 12.0;
-// ... and the earlier ones this near to each other [m].
-constexpr double kPlaceM = 6.0;
-// Closures of one stretch say the same if they put it to within this [m], [rad]: less than from one
-// door, pillar or niche to the next.
-constexpr double kSameM = 1.0;
-constexpr double kSameRad = 0.3;
-
-}  // namespace
 
 std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseConstraint>& closures,
                                                 const KeyGraph& keys) {
@@ -34,14 +23,14 @@ std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseCo
   std::size_t first_open = 0;  // the clusters before this one begin too far back
   for (const int closure : order) {
     while (first_open < clusters.size() &&
-           path_m(closure) - path_m(clusters[first_open].front()) > kStretchM) {
+           path_m(closure) - path_m(clusters[first_open].front()) > LoopAcceptance::kClusterPathM) {
       ++first_open;
     }
-    const auto joined =
-        std::find_if(clusters.begin() + static_cast<std::ptrdiff_t>(first_open), clusters.end(),
-                     [&](const ClosureCluster& cluster) {
-                       return (place(cluster.front()) - place(closure)).norm() < kPlaceM;
-                     });
+    const auto joined = std::find_if(clusters.begin() + static_cast<std::ptrdiff_t>(first_open),
+                                     clusters.end(), [&](const ClosureCluster& cluster) {
+                                       return (place(cluster.front()) - place(closure)).norm() <
+                                              LoopAcceptance::kClusterPlaceM;
+                                     });
     if (joined != clusters.end()) {
       joined->push_back(closure);
     } else {
@@ -57,12 +46,13 @@ bool RepeatsRefused(const RelativePoseConstraint& closure,
   const auto says_the_same = [&](const RelativePoseConstraint& other) {
     const double apart_m =
         std::abs(keys.key_scans[closure.to].path_m - keys.key_scans[other.to].path_m);
-    if (apart_m > kStretchM) return false;
+    if (apart_m > LoopAcceptance::kClusterPathM) return false;
     // Where the other one puts the later key scan of this one.
     const Pose2 by_other =
         pose(other.from) * other.from_from_to * Between(pose(other.to), pose(closure.to));
     const Pose2 off = Between(by_other, pose(closure.from) * closure.from_from_to);
-    return std::hypot(off.x, off.y) < kSameM && std::abs(off.yaw) < kSameRad;
+    return std::hypot(off.x, off.y) < LoopAcceptance::kSameClosureM &&
+           std::abs(off.yaw) < LoopAcceptance::kSameClosureRad;
   };
   return std::any_of(refused.begin(), refused.end(), says_the_same);
 }

@@ -8,6 +8,9 @@
 namespace plumbline {
 namespace {
 
+// How much less than a new search is worth its time was tuned on mit-killian, infinite-corridor,
+// acapulco and fr-clinic.
+
 // A window may reach this much beyond the one that was searched, plus a share of its width: windows
 // are estimates, and a match at their very edge is rare.
 constexpr double kSlackM = 0.25;

@@ -29,8 +29,8 @@ struct CorrelativeMatch {
 
 /// What belongs to the same peak: poses this near to its best one.
 struct PeakSize {
-  double radius_m = 0.7;
-  double angle_rad = 0.3;
+  double radius_m = 0.0;
+  double angle_rad = 0.0;
 };
 
 /// Finds where in a map a scan fits best, anywhere in a window, by branch and bound over a pyramid

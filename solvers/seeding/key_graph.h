@@ -18,10 +18,6 @@ struct KeyScan {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 };
 
-/// An edge or a closure that ends up five standard deviations off (three degrees of freedom,
-/// p = 1e-8) is wrong.
-constexpr double kMaxEdgeChi2 = 40.0;
-
 /// An edge with this much evidence against it ties nothing together on its own. Real drives through
 /// sound places stay below it but for one edge of a thousand.
 constexpr double kUntrustedEvidence = 0.5;

@@ -11,12 +11,47 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
-#include "plumbline/core/options_check.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 
 namespace plumbline {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// What decides only how far is looked for loops was tuned on fr079, intel and simulated buildings,
+// what has to do with doubtful edges on the floors of the seeding study (README.md).
+
+// How far the relative pose of two key scans may be off after a way of w [m] between them, the
+// shortest over sequential edges and closures found so far:
+//   floor + drift_per_path * w + drift_per_path_squared * w^2, at most kMaxDriftM [m].
+// The linear part is slip and scale, the quadratic one a heading that turns steadily.
+constexpr double kDriftFloorM = 0.4;
+constexpr double kDriftPerPath = 0.025;
+constexpr double kDriftPerPathSquared1M = 1e-4;
+constexpr double kMaxDriftM = 50.0;
+// The same for their relative heading [rad], [rad per m].
+constexpr double kDriftFloorRad = 0.15;
+constexpr double kDriftRadPerM = 0.001;
+// How far an untrusted edge may be off on top of that [m], [rad]. Half a turn is left out: many
+// rooms and corridors look alike from behind.
+constexpr double kDoubtDriftM = 7.0;
+constexpr double kDoubtDriftRad = 1.75;
+// Such an edge is bridged by matching what lies up to this much path [m] beyond it with what
+// lies before it, turned by no more than this [rad]: wheels slip farther than they turn.
+constexpr double kBridgePathM = 4.0;
+constexpr double kBridgeTurnRad = 0.5;
+// Key scans this near to each other [m] see enough of the same surfaces.
+constexpr double kReachM = 2.0;
+// Closures are looked for from one key scan per this stretch of path [m], ...
+constexpr double kSpacingM = 0.5;
+// ... with at most this many earlier visits to the place, the nearest ones.
+constexpr int kMaxVisits = 4;
+// Beyond this drift [m] the search is wide: it covers all that was seen earlier within the
+// drift, once per kWideSpacingM of path [m] or this share of the drift, whichever is more. One
+// success brings its neighbours into reach.
+constexpr double kWideDriftM = 1.0;
+constexpr double kWideSpacingM = 3.0;
+constexpr double kWideSpacingPerDrift = 0.25;
 // Key scans within this stretch of path [m] share one node when ways are measured: the error is a
 // few centimetres of drift, and there are many times fewer nodes.
 constexpr double kNodeM = 2.0;
@@ -47,17 +82,16 @@ struct Link {
   Way way;
 };
 
-double DriftM(const LoopCandidateOptions& options, const Way& way) {
+double DriftM(const Way& way) {
   const double length_m = way.LengthM();
-  return std::min(options.max_drift_m,
-                  options.drift_floor_m + options.drift_per_path * length_m +
-                      options.drift_per_path_squared_1_m * length_m * length_m +
-                      options.doubt_drift_m * way.num_doubts);
+  return std::min(kMaxDriftM, kDriftFloorM + kDriftPerPath * length_m +
+                                  kDriftPerPathSquared1M * length_m * length_m +
+                                  kDoubtDriftM * way.num_doubts);
 }
 
-double DriftRad(const LoopCandidateOptions& options, const Way& way) {
-  if (way.num_doubts > 0) return options.doubt_drift_rad;
-  return std::min(kPi, options.drift_floor_rad + options.drift_rad_per_m * way.LengthM());
+double DriftRad(const Way& way) {
+  if (way.num_doubts > 0) return kDoubtDriftRad;
+  return std::min(kPi, kDriftFloorRad + kDriftRadPerM * way.LengthM());
 }
 
 // The cost of the path up to each key scan.
@@ -150,9 +184,8 @@ std::vector<int> Thinned(const std::vector<int>& keys, const KeyGraph& graph) {
 
 class CandidateFinder {
  public:
-  CandidateFinder(const LoopCandidateOptions& options, const KeyGraph& graph)
-      : options_(options),
-        graph_(graph),
+  explicit CandidateFinder(const KeyGraph& graph)
+      : graph_(graph),
         path_cost_m_(PathCost(graph)),
         ways_(graph, path_cost_m_),
         closed_with_(graph.key_scans.size()) {
@@ -170,7 +203,7 @@ class CandidateFinder {
     std::vector<LoopCandidate> candidates;
     const std::vector<Way> ways = ways_.From(node);
     for (int second = ways_.FirstKeyOf(node); second < ways_.FirstKeyOf(node + 1); ++second) {
-      if (BeginsStretch(second, options_.spacing_m)) AddCandidates(second, ways, &candidates);
+      if (BeginsStretch(second, kSpacingM)) AddCandidates(second, ways, &candidates);
     }
     return candidates;
   }
@@ -195,13 +228,12 @@ class CandidateFinder {
   bool IsClosed(int first, int second) const {
     const auto tied = [&](int to) {
       return std::any_of(closed_with_[to].begin(), closed_with_[to].end(),
-                         [&](int from) { return PathBetween(from, first) < options_.spacing_m; });
+                         [&](int from) { return PathBetween(from, first) < kSpacingM; });
     };
-    for (int to = second; to >= 0 && PathBetween(to, second) < options_.spacing_m; --to) {
+    for (int to = second; to >= 0 && PathBetween(to, second) < kSpacingM; --to) {
       if (tied(to)) return true;
     }
-    for (int to = second + 1; to < graph_.size() && PathBetween(to, second) < options_.spacing_m;
-         ++to) {
+    for (int to = second + 1; to < graph_.size() && PathBetween(to, second) < kSpacingM; ++to) {
       if (tied(to)) return true;
     }
     return false;
@@ -218,9 +250,9 @@ class CandidateFinder {
       visit = Nearby();
     };
     for (int first = 0; first < second; ++first) {
-      if (PathBetween(first, second) < options_.min_path_m) break;
+      if (PathBetween(first, second) < LoopAcceptance::kRevisitPathM) break;
       const Nearby pair = Examine(first, second, ways[ways_.NodeOf(first)]);
-      const bool is_wide = pair.candidate.drift_m > options_.wide_drift_m;
+      const bool is_wide = pair.candidate.drift_m > kWideDriftM;
       if (!std::isfinite(pair.cost) || is_wide) finish_visit();
       if (!std::isfinite(pair.cost)) continue;
       if (is_wide) wide_keys.push_back(first);
@@ -230,7 +262,7 @@ class CandidateFinder {
     finish_visit();
     AppendNearestVisits(&visits, candidates);
     const double wide_spacing_m =
-        std::max(options_.wide_spacing_m, options_.wide_spacing_per_drift * wide.candidate.drift_m);
+        std::max(kWideSpacingM, kWideSpacingPerDrift * wide.candidate.drift_m);
     if (std::isfinite(wide.cost) && BeginsStretch(second, wide_spacing_m)) {
       wide.candidate.surroundings = Thinned(wide_keys, graph_);
       candidates->push_back(wide.candidate);
@@ -239,12 +271,12 @@ class CandidateFinder {
 
   // A pair as a candidate, at an infinite cost if it is out of reach.
   Nearby Examine(int first, int second, const Way& way) const {
-    const double drift_m = DriftM(options_, way);
-    Nearby pair{{first, second, drift_m, DriftRad(options_, way), {}}, kInfinity};
+    const double drift_m = DriftM(way);
+    Nearby pair{{first, second, drift_m, DriftRad(way), {}}, kInfinity};
     const Pose2& a = graph_.world_from_key[first];
     const Pose2& b = graph_.world_from_key[second];
     const double distance_m = (a.translation() - b.translation()).norm();
-    if (distance_m <= options_.reach_m + drift_m) {
+    if (distance_m <= kReachM + drift_m) {
       pair.cost = ViewDistanceM(distance_m, b.yaw - a.yaw);
     }
     return pair;
@@ -254,8 +286,8 @@ class CandidateFinder {
                            std::vector<LoopCandidate>* candidates) const {
     std::stable_sort(visits->begin(), visits->end(),
                      [](const Nearby& a, const Nearby& b) { return a.cost < b.cost; });
-    if (static_cast<int>(visits->size()) > options_.max_visits) {
-      visits->resize(options_.max_visits);
+    if (static_cast<int>(visits->size()) > kMaxVisits) {
+      visits->resize(kMaxVisits);
     }
     for (const Nearby& visit : *visits) {
       if (IsClosed(visit.candidate.first, visit.candidate.second)) continue;
@@ -263,7 +295,6 @@ class CandidateFinder {
     }
   }
 
-  const LoopCandidateOptions& options_;
   const KeyGraph& graph_;
   std::vector<double> path_cost_m_;
   Ways ways_;
@@ -272,35 +303,13 @@ class CandidateFinder {
 
 }  // namespace
 
-bool LoopCandidateOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_floor_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_per_path, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_per_path_squared_1_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_drift_m, >=, drift_floor_m);
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_floor_rad, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(drift_rad_per_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(doubt_drift_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(doubt_drift_rad, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(bridge_path_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(bridge_turn_rad, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(reach_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_path_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(spacing_m, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_visits, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(wide_drift_m, >=, drift_floor_m);
-  PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_m, >=, spacing_m);
-  PLUMBLINE_CHECK_FINITE_OPTION(wide_spacing_per_drift, >=, 0.0);
-  return true;
-}
-
 double ViewDistanceM(double distance_m, double turn_rad) {
   constexpr double kMetresPerRad = 1.0;
   return distance_m + kMetresPerRad * std::abs(NormalizeAngle(turn_rad));
 }
 
-std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& options,
-                                              const KeyGraph& graph, ThreadPool* pool) {
-  const CandidateFinder finder(options, graph);
+std::vector<LoopCandidate> FindLoopCandidates(const KeyGraph& graph, ThreadPool* pool) {
+  const CandidateFinder finder(graph);
   std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
   pool->ForEachChunk(of_node.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) of_node[n] = finder.OfNode(static_cast<int>(n));
@@ -313,7 +322,7 @@ std::vector<LoopCandidate> FindLoopCandidates(const LoopCandidateOptions& option
   return candidates;
 }
 
-std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, const KeyGraph& graph) {
+std::vector<LoopCandidate> FindBridges(const KeyGraph& graph) {
   const std::vector<KeyScan>& keys = graph.key_scans;
   std::vector<LoopCandidate> bridges;
   for (int edge = 0; edge + 1 < graph.size(); ++edge) {
@@ -324,19 +333,18 @@ std::vector<LoopCandidate> FindBridges(const LoopCandidateOptions& options, cons
     }
     double next_m = keys[edge + 1].path_m;
     for (int k = edge + 1; k < graph.size(); ++k) {
-      if (keys[k].path_m - keys[edge + 1].path_m > options.bridge_path_m) break;
+      if (keys[k].path_m - keys[edge + 1].path_m > kBridgePathM) break;
       if (k > edge + 1 && graph.sequential[k - 1].in_question) break;
       if (keys[k].path_m < next_m) continue;
       next_m = keys[k].path_m + kBridgeSpacingM;
-      bridges.push_back({edge, k, options.drift_floor_m + options.doubt_drift_m,
-                         options.bridge_turn_rad, Thinned(before, graph)});
+      bridges.push_back(
+          {edge, k, kDriftFloorM + kDoubtDriftM, kBridgeTurnRad, Thinned(before, graph)});
     }
   }
   return bridges;
 }
 
-std::vector<LoopCandidate> FindJoins(const LoopCandidateOptions& options, const KeyGraph& graph,
-                                     int edge) {
+std::vector<LoopCandidate> FindJoins(const KeyGraph& graph, int edge) {
   const std::vector<KeyScan>& keys = graph.key_scans;
   std::vector<int> before;
   for (int k = 0; k <= edge; ++k) before.push_back(k);
@@ -354,7 +362,7 @@ std::vector<LoopCandidate> FindJoins(const LoopCandidateOptions& options, const 
     // Turned about the edge, it may lie on the other side of it.
     const double away_m =
         Between(graph.world_from_key[edge], graph.world_from_key[k]).translation().norm();
-    joins.push_back({edge, k, DriftM(options, way) + 2.0 * away_m, kPi, surroundings});
+    joins.push_back({edge, k, DriftM(way) + 2.0 * away_m, kPi, surroundings});
   }
   return joins;
 }

@@ -6,47 +6,49 @@
 #include <limits>
 
 #include "plumbline/core/angle.h"
-#include "plumbline/core/options_check.h"
 #include "plumbline/solvers/seeding/correlative_matcher.h"
 #include "plumbline/solvers/seeding/free_space.h"
 #include "plumbline/solvers/seeding/local_map.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 #include "plumbline/solvers/seeding/match_covariance.h"
+#include "plumbline/solvers/seeding/scan_matcher.h"
 
 namespace plumbline {
 namespace {
 
+// What is matched: the key scan with its neighbours up to kScanPathM of path [m] away, against the
+// surroundings of the other one up to kMapPathM of path [m] away. In wide searches both are of the
+// latter size: chance has more room there.
+constexpr double kScanPathM = 0.5;
+constexpr double kMapPathM = 5.0;
 constexpr double kScanCellM = 0.05;
+constexpr double kMapCellM = 0.03;
 // The map of a wide search ends here: a return kilometres away must not blow up its grid.
 constexpr double kSearchReachM = 150.0;
-constexpr double kMapCellM = 0.03;
-// Where all places are of interest, matches may be this poor: their maps tell them apart. The
-// overlap may be a small part of what is looked for, and the fine matching does the rest.
-constexpr double kMinPlaceScore = 0.3;
-constexpr double kMinPlaceInlierRatio = 0.35;
+// Cells [m] of the correlative search for the best place, and for all of them: there the fine
+// matching does the rest.
+constexpr double kSearchCellM = 0.1;
 constexpr double kPlaceCellM = 0.2;
 // The correlative search finds a pose to about its cell; the fine matching starts from there.
 constexpr double kFineGateStartM = 0.3;
-// A second peak lies at least this far from the first; nearer ones are its flank.
-constexpr PeakSize kPeak{0.7, 0.3};
-// A second peak is looked for at least this far around: repeated rooms are a few metres apart.
-constexpr double kPeakWindowM = 6.0;
+constexpr PeakSize kPeak{LoopAcceptance::kPeakRadiusM, LoopAcceptance::kPeakAngleRad};
 
 class CandidateTester {
  public:
-  CandidateTester(const LoopClosureOptions& options, const SlamGraph& graph,
-                  const std::vector<SurfacePoints>& surfaces, const KeyGraph& key_graph)
-      : options_(options), graph_(graph), surfaces_(surfaces), keys_(key_graph) {}
+  CandidateTester(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const KeyGraph& key_graph)
+      : graph_(graph), surfaces_(surfaces), keys_(key_graph) {}
 
   TestedCandidate Test(const LoopCandidate& candidate) const {
     const LocalMap scan = ScanOf(candidate);
     LocalMap map(kMapCellM);
-    if (!candidate.wide()) map = SubmapAround(candidate.first, options_.map_path_m, kMapCellM);
+    if (!candidate.wide()) map = SubmapAround(candidate.first, kMapPathM, kMapCellM);
     const CorrelativeMatcher search(
         candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
-        options_.search_cell_m,
-        candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
+        kSearchCellM, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
     const SearchWindow window = WindowOf(candidate);
-    const CorrelativeMatch coarse = search.Search(scan.points(), window, options_.min_search_score);
+    const CorrelativeMatch coarse =
+        search.Search(scan.points(), window, LoopAcceptance::kMinSearchScore);
     if (!coarse.found) return NoMatch(candidate);
 
     TestedCandidate tested =
@@ -66,10 +68,11 @@ class CandidateTester {
     const CorrelativeMatcher search(PointsOf(candidate.surroundings, candidate.first), kPlaceCellM,
                                     candidate.drift_m);
     std::vector<TestedCandidate> places;
-    for (const CorrelativeMatch& peak : search.SearchPeaks(scan.points(), WindowOf(candidate),
-                                                           kMinPlaceScore, max_places, kPeak)) {
+    for (const CorrelativeMatch& peak :
+         search.SearchPeaks(scan.points(), WindowOf(candidate), LoopAcceptance::kMinPlaceScore,
+                            max_places, kPeak)) {
       const TestedCandidate place = TestPlace(candidate, scan, peak.map_from_scan);
-      if (place.inlier_ratio >= kMinPlaceInlierRatio) places.push_back(place);
+      if (place.inlier_ratio >= LoopAcceptance::kMinPlaceInlierRatio) places.push_back(place);
     }
     return places;
   }
@@ -84,8 +87,7 @@ class CandidateTester {
   }
 
   LocalMap ScanOf(const LoopCandidate& candidate) const {
-    return SubmapAround(candidate.second,
-                        candidate.wide() ? options_.map_path_m : options_.scan_path_m, kScanCellM);
+    return SubmapAround(candidate.second, candidate.wide() ? kMapPathM : kScanPathM, kScanCellM);
   }
 
   static TestedCandidate NoMatch(const LoopCandidate& candidate) {
@@ -100,8 +102,7 @@ class CandidateTester {
                             const Pose2& first_from_scan) const {
     TestedCandidate tested = NoMatch(candidate);
     tested.edge.from = NearestKey(candidate.surroundings, candidate.first, first_from_scan);
-    return TestFit(candidate, tested,
-                   SubmapAround(tested.edge.from, options_.map_path_m, kMapCellM), scan,
+    return TestFit(candidate, tested, SubmapAround(tested.edge.from, kMapPathM, kMapCellM), scan,
                    KeyFromKey(tested.edge.from, candidate.first) * first_from_scan);
   }
 
@@ -116,7 +117,7 @@ class CandidateTester {
     tested.edge.from_from_to = fine.world_from_robot;
     tested.edge.covariance = MatchCovariance(fine.information);
     tested.inlier_ratio = fine.inlier_ratio;
-    if (tested.inlier_ratio >= std::min(kTentativeInlierRatio, options_.min_inlier_ratio)) {
+    if (tested.inlier_ratio >= LoopAcceptance::kTentativeInlierRatio) {
       tested.conflict = ConflictShare(tested.edge);
     }
     tested.verdict = Judge(candidate, tested);
@@ -125,9 +126,9 @@ class CandidateTester {
 
   ClosureVerdict Judge(const LoopCandidate& candidate, const TestedCandidate& tested) const {
     const double min_inlier_ratio =
-        candidate.wide() ? options_.min_inlier_ratio_wide : options_.min_inlier_ratio;
+        candidate.wide() ? LoopAcceptance::kMinInlierRatioWide : LoopAcceptance::kMinInlierRatio;
     if (tested.inlier_ratio < min_inlier_ratio) return ClosureVerdict::kLowOverlap;
-    if (tested.conflict > options_.max_free_space_conflict) {
+    if (tested.conflict > LoopAcceptance::kMaxFreeSpaceConflict) {
       return ClosureVerdict::kFreeSpaceConflict;
     }
     return ClosureVerdict::kAccepted;
@@ -211,7 +212,7 @@ class CandidateTester {
 
   // The key scan and the ones right before and after it, as far as they are of the same visit.
   std::vector<int> NextTo(int center) const {
-    std::vector<int> keys = Neighbours(center, options_.map_path_m);
+    std::vector<int> keys = Neighbours(center, kMapPathM);
     keys.erase(
         std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
         keys.end());
@@ -226,12 +227,12 @@ class CandidateTester {
     const double path_m =
         keys_.key_scans[candidate.second].path_m - keys_.key_scans[candidate.first].path_m;
     const Pose2 apart = Between(expected, found);
-    if (path_m > options_.candidates.min_path_m || IsSamePeak(apart)) return false;
+    if (path_m > LoopAcceptance::kRevisitPathM || IsSamePeak(apart)) return false;
     RelativePoseConstraint edge;
     edge.from = candidate.first;
     edge.to = candidate.second;
     edge.from_from_to = expected;
-    return ConflictShare(edge) <= options_.max_free_space_conflict;
+    return ConflictShare(edge) <= LoopAcceptance::kMaxFreeSpaceConflict;
   }
 
   static bool IsSamePeak(const Pose2& apart) {
@@ -239,16 +240,17 @@ class CandidateTester {
            std::abs(NormalizeAngle(apart.yaw)) < kPeak.angle_rad;
   }
 
-  static double PeakWindowM(double half_width_m) { return std::max(half_width_m, kPeakWindowM); }
+  static double PeakWindowM(double half_width_m) {
+    return std::max(half_width_m, LoopAcceptance::kPeakWindowM);
+  }
 
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
                      SearchWindow window, const CorrelativeMatch& best) const {
     window.half_width_m = PeakWindowM(window.half_width_m);
-    return search.FitsElsewhere(scan, window, options_.max_second_peak * best.score,
+    return search.FitsElsewhere(scan, window, LoopAcceptance::kMaxSecondPeak * best.score,
                                 best.map_from_scan, kPeak);
   }
 
-  const LoopClosureOptions& options_;
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
   const KeyGraph& keys_;
@@ -274,26 +276,12 @@ const char* ToString(ClosureVerdict verdict) {
   return "unknown";
 }
 
-bool LoopClosureOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_NESTED_OPTIONS(candidates);
-  PLUMBLINE_CHECK_FINITE_OPTION(scan_path_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(map_path_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(search_cell_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_search_score, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio_wide, >=, min_inlier_ratio);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_free_space_conflict, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_second_peak, >, 0.0);
-  return true;
-}
-
-std::vector<TestedCandidate> TestLoopCandidates(const LoopClosureOptions& options,
-                                                const SlamGraph& graph,
+std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
                                                 const std::vector<SurfacePoints>& surfaces,
                                                 const KeyGraph& key_graph,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool) {
-  const CandidateTester tester(options, graph, surfaces, key_graph);
+  const CandidateTester tester(graph, surfaces, key_graph);
   std::vector<TestedCandidate> tested(candidates.size());
   pool->ForEachChunk(candidates.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) tested[i] = tester.Test(candidates[i]);
@@ -301,12 +289,12 @@ std::vector<TestedCandidate> TestLoopCandidates(const LoopClosureOptions& option
   return tested;
 }
 
-std::vector<TestedCandidate> FindPlaces(const LoopClosureOptions& options, const SlamGraph& graph,
+std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
                                         const std::vector<SurfacePoints>& surfaces,
                                         const KeyGraph& key_graph,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool) {
-  const CandidateTester tester(options, graph, surfaces, key_graph);
+  const CandidateTester tester(graph, surfaces, key_graph);
   std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
   pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     of_candidate[i] = tester.FindPlaces(candidates[i], max_places);

@@ -11,6 +11,7 @@
 #include "plumbline/solvers/seeding/closure_clusters.h"
 #include "plumbline/solvers/seeding/closure_memory.h"
 #include "plumbline/solvers/seeding/doubtful_edges.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 #include "plumbline/solvers/seeding/part_joins.h"
 #include "plumbline/solvers/seeding/rematch_at_breaks.h"
 #include "plumbline/solvers/seeding/rematch_at_leaps.h"
@@ -19,10 +20,10 @@
 namespace plumbline {
 namespace {
 
-// A hypothesis that assumes more must leave this share of the conflicting returns less.
-constexpr double kMinGain = 0.1;
-// ... and this many conflicting returns: what people and chairs that moved bring about.
-constexpr double kMinGainReturns = 100.0;
+// The limits on how much is tried bound the work. The other values were tuned: what has to do with
+// carried robots on the floors of the seeding study (README.md), kSoundOdometry on mit-killian,
+// infinite-corridor, acapulco and fr-clinic.
+
 // Matches that nearly became closures are weighed, at most so many at a time.
 constexpr std::size_t kMostTentative = 8;
 // At most so often a cluster is found wrong, or such a match right.
@@ -54,12 +55,11 @@ FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
 
 class HypothesisSearch {
  public:
-  HypothesisSearch(const LoopClosureOptions& options, const MotionOptions& motion,
-                   const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                   const SeedingProgress& progress, ThreadPool* pool,
-                   const SequentialTrajectory& matched, std::vector<WeighedHypothesis>* weighed)
-      : options_(options),
-        motion_(motion),
+  HypothesisSearch(const MotionOptions& motion, const SlamGraph& graph,
+                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                   ThreadPool* pool, const SequentialTrajectory& matched,
+                   std::vector<WeighedHypothesis>* weighed)
+      : motion_(motion),
         graph_(graph),
         surfaces_(surfaces),
         progress_(progress),
@@ -149,7 +149,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(FindJoinsByMap(step, *best, &joins));
     // If closures tie it to where it is, that is one of the places.
     const bool is_tied =
-        DoubtAt(step, best->loops).num_closures_across >= DoubtfulStep::kMinClosuresAcross;
+        DoubtAt(step, best->loops).num_closures_across >= LoopAcceptance::kMinClosuresAcross;
     std::vector<MapHypothesis> places;
     if (is_tied) places.push_back(*best);
     // Other steps were in question when it was filled.
@@ -178,8 +178,7 @@ class HypothesisSearch {
   Status FindJoinsByMap(int step, const MapHypothesis& hypothesis,
                         std::vector<KeyGraph>* joins) const {
     PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-    std::vector<KeyGraph> all =
-        JoinParts(options_, graph_, surfaces_, hypothesis.keys, step, pool_);
+    std::vector<KeyGraph> all = JoinParts(graph_, surfaces_, hypothesis.keys, step, pool_);
     PLUMBLINE_RETURN_IF_ERROR(CheckStop());
     const std::vector<MapConsistency> maps = MeasureAll(all, hypothesis.start);
     std::vector<std::size_t> order(all.size());
@@ -261,7 +260,8 @@ class HypothesisSearch {
     for (const int step : steps) keys.sequential[step].in_question = true;
     OptimizeKeyScans(&keys);
     return std::any_of(steps.begin(), steps.end(), [&](int step) {
-      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) > kMaxEdgeChi2;
+      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) >
+             LoopAcceptance::kMaxEdgeChi2;
     });
   }
 
@@ -296,8 +296,9 @@ class HypothesisSearch {
 
   // Whether one map is better than another by enough to assume more for it.
   bool IsBetter(const MapConsistency& map, const MapConsistency& other) const {
-    return Score(map) <
-           Score(other) - kMinGain * other.between_passes.num_conflicting - kMinGainReturns;
+    return Score(map) < Score(other) -
+                            LoopAcceptance::kMinMapGain * other.between_passes.num_conflicting -
+                            LoopAcceptance::kMinMapGainReturns;
   }
 
   // Whether one map lets passes be compared about as much as another: where they have nothing in
@@ -363,7 +364,7 @@ class HypothesisSearch {
   }
 
   Status Close(MapHypothesis* hypothesis) {
-    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(options_, graph_, surfaces_, progress_, pool_,
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(graph_, surfaces_, progress_, pool_,
                                          &memories_[hypothesis->kind], &hypothesis->keys,
                                          &hypothesis->loops));
     Place(hypothesis);
@@ -483,7 +484,6 @@ class HypothesisSearch {
     return matches;
   }
 
-  const LoopClosureOptions& options_;
   const MotionOptions& motion_;
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
@@ -523,13 +523,13 @@ const char* ToString(HypothesisKind kind) {
   return "unknown";
 }
 
-Status SearchMapHypotheses(const LoopClosureOptions& options, const MotionOptions& motion,
-                           const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
+                           const std::vector<SurfacePoints>& surfaces,
                            const SeedingProgress& progress, ThreadPool* pool,
                            const SequentialTrajectory& matched, MapHypothesis* best,
                            std::vector<WeighedHypothesis>* weighed) {
   weighed->clear();
-  HypothesisSearch search(options, motion, graph, surfaces, progress, pool, matched, weighed);
+  HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, weighed);
   return search.Run(best);
 }
 

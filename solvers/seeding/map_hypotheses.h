@@ -81,8 +81,8 @@ struct MapHypothesis {
 /// graph: its poses are those of the odometry as given. motion: the noise of the trajectory's
 /// odometry. surfaces: per scan. Unavailable if progress stopped it. The result does not depend on
 /// the number of threads.
-Status SearchMapHypotheses(const LoopClosureOptions& options, const MotionOptions& motion,
-                           const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
+                           const std::vector<SurfacePoints>& surfaces,
                            const SeedingProgress& progress, ThreadPool* pool,
                            const SequentialTrajectory& matched, MapHypothesis* best,
                            std::vector<WeighedHypothesis>* weighed);

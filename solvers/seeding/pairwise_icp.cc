@@ -21,13 +21,17 @@ constexpr double kSettledGateShare = 0.02;
 // Fewer correspondences say nothing certain of a turn.
 constexpr int kMinMatches = 3;
 
+constexpr int kMaxIterations = 100;
+// Iterations end when a step at the fine gate moves the points by less than this [m].
+constexpr double kStepToleranceM = 1e-4;
+
 ScanMatchOptions MatcherOptions(const PairwiseIcpOptions& options) {
   ScanMatchOptions matcher;
   matcher.coarse_gate_m = options.gate_m;
   matcher.fine_gate_m = options.fine_gate_m;
-  matcher.max_iterations = options.max_iterations;
+  matcher.max_iterations = kMaxIterations;
   matcher.sigma_m = options.sigma_m;
-  matcher.step_tolerance_m = options.step_tolerance_m;
+  matcher.step_tolerance_m = kStepToleranceM;
   return matcher;
 }
 
@@ -71,7 +75,7 @@ bool MatchPoints(const LocalMap& map, const SurfacePoints& scan, const PairwiseI
   for (const SurfacePoint& point : scan) reach_m = std::max(reach_m, point.position.norm());
   std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
   double gate_m = options.gate_m;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Alignment alignment;
     const FrameChange map_from_scan(*pose);
     for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -82,7 +86,7 @@ bool MatchPoints(const LocalMap& map, const SurfacePoints& scan, const PairwiseI
     const Pose2 before = *pose;
     *pose = alignment.MapFromScan();
     const double moved_m = LargestMotion(before, *pose, reach_m);
-    if (gate_m <= options.fine_gate_m && moved_m < options.step_tolerance_m) return true;
+    if (gate_m <= options.fine_gate_m && moved_m < kStepToleranceM) return true;
     if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
   }
   return false;
@@ -126,15 +130,14 @@ void MatchPairs(const PairwiseIcpOptions& options, const std::vector<SurfacePoin
                      });
 }
 
-PairwiseIcpReport Count(const PairwiseIcpOptions& options, const std::vector<Pair>& pairs,
-                        const std::vector<int>& scan_of_pose) {
+PairwiseIcpReport Count(const std::vector<Pair>& pairs, const std::vector<int>& scan_of_pose) {
   PairwiseIcpReport report;
   for (std::size_t pose = 0; pose < pairs.size(); ++pose) {
     if (scan_of_pose[pose] < 0) ++report.num_without_scan;
     if (pairs[pose].from < 0) continue;
     ++report.num_pairs;
     const PairMatch& match = pairs[pose].match;
-    if (match.inlier_ratio < options.min_inlier_ratio) {
+    if (match.inlier_ratio < kMinPairInlierRatio) {
       ++report.num_failed;
     } else if (!match.converged) {
       ++report.num_unconverged;
@@ -162,12 +165,7 @@ bool FromString(const std::string& name, IcpMetric* metric) {
 bool PairwiseIcpOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(fine_gate_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(gate_m, >=, fine_gate_m);
-  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(step_tolerance_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_inlier_ratio, <=, 1.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
   return true;
 }
 
@@ -204,20 +202,20 @@ Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Ve
   std::vector<int> step_to_pose;
   PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, normals, options.point_spacing_m, pool);
+      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   std::vector<Pair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
   MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);
   std::vector<Pose2> poses = PosesOf(graph.initial_poses());
   for (int pose = 1; pose < graph.num_poses(); ++pose) {
     const Pair& pair = pairs[pose];
-    const bool matched = pair.from >= 0 && pair.match.inlier_ratio >= options.min_inlier_ratio;
+    const bool matched = pair.from >= 0 && pair.match.inlier_ratio >= kMinPairInlierRatio;
     poses[pose] = matched ? poses[pair.from] * pair.match.from_from_to
                           : poses[pose - 1] * graph.odometry()[step_to_pose[pose]].from_from_to;
   }
   state->poses = PoseArray(poses);
   state->points = graph.MeasuredMap(state->poses);
-  *report = Count(options, pairs, scan_of_pose);
+  *report = Count(pairs, scan_of_pose);
   return Status::Ok();
 }
 

@@ -23,7 +23,8 @@ const char* ToString(IcpMetric metric);
 bool FromString(const std::string& name, IcpMetric* metric);
 
 /// The classic baseline: each scan is matched against the one before it, without a local map and
-/// without weight on the odometry.
+/// without weight on the odometry. Scans are thinned as for the seeding: both metrics then weigh
+/// surfaces by their length, not by how near they are to the laser.
 struct PairwiseIcpOptions {
   IcpMetric metric = IcpMetric::kPointToLine;
   /// Farthest correspondence [m] in the first iterations: what the guess may be off by, a turn's
@@ -32,20 +33,15 @@ struct PairwiseIcpOptions {
   /// Farthest correspondence [m] in the last iterations: noise, and what one scan does not see of
   /// the other.
   double fine_gate_m = 0.12;
-  int max_iterations = 100;
-  /// Iterations end when a step at the fine gate moves the points by less than this [m].
-  double step_tolerance_m = 1e-4;
   /// Standard deviation [m] of a point across its surface, for the covariance and for the weights
   /// of point-to-line.
   double sigma_m = 0.03;
-  /// Below this share of matched points a match has failed, and the odometry stands.
-  double min_inlier_ratio = 0.4;
-  /// Scans are thinned to one point per this length of surface [m]: both metrics then weigh
-  /// surfaces by their length, not by how near they are to the laser.
-  double point_spacing_m = 0.03;
 
   bool Check(std::string* error) const;
 };
+
+/// Below this share of matched points a match of two scans has failed, and the odometry stands.
+constexpr double kMinPairInlierRatio = 0.4;
 
 struct PairMatch {
   Pose2 from_from_to;

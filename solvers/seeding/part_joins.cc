@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/solvers/seeding/loop_acceptance.h"
 #include "plumbline/solvers/seeding/loop_candidates.h"
 
 namespace plumbline {
@@ -16,9 +17,10 @@ namespace {
 constexpr int kMaxPlaces = 8;
 // In all.
 constexpr std::size_t kMaxWays = 16;
-// Ways to put two parts together that differ by less are the same one, measured at other places.
-constexpr double kSameM = 0.7;
-constexpr double kSameRad = 0.3;
+// The size of a peak of the search (loop_acceptance.h): ways to put two parts together that differ
+// by less are the same one, measured at other places.
+constexpr double kSameM = LoopAcceptance::kPeakRadiusM;
+constexpr double kSameRad = LoopAcceptance::kPeakAngleRad;
 
 // Without what spans the edge.
 std::vector<RelativePoseConstraint> NotAcross(int edge,
@@ -53,13 +55,11 @@ KeyGraph Join(int edge, const RelativePoseConstraint& match, const KeyGraph& apa
 
 }  // namespace
 
-std::vector<KeyGraph> JoinParts(const LoopClosureOptions& options, const SlamGraph& graph,
-                                const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
-                                int edge, ThreadPool* pool) {
+std::vector<KeyGraph> JoinParts(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                                const KeyGraph& keys, int edge, ThreadPool* pool) {
   const KeyGraph apart = TakeApart(edge, keys);
   std::vector<TestedCandidate> places =
-      FindPlaces(options, graph, surfaces, apart, FindJoins(options.candidates, apart, edge),
-                 kMaxPlaces, pool);
+      FindPlaces(graph, surfaces, apart, FindJoins(apart, edge), kMaxPlaces, pool);
   std::stable_sort(places.begin(), places.end(),
                    [](const TestedCandidate& a, const TestedCandidate& b) {
                      return a.inlier_ratio > b.inlier_ratio;

@@ -18,9 +18,8 @@ namespace plumbline {
 /// surfaces: per scan. edge: from key scan `edge` to the next one. Returns a graph per way, those
 /// with the better matches first: the edge is broken, what was across it is taken out, the match is
 /// its only closure across the edge, and the key scans beyond are moved rigidly.
-std::vector<KeyGraph> JoinParts(const LoopClosureOptions& options, const SlamGraph& graph,
-                                const std::vector<SurfacePoints>& surfaces, const KeyGraph& keys,
-                                int edge, ThreadPool* pool);
+std::vector<KeyGraph> JoinParts(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                                const KeyGraph& keys, int edge, ThreadPool* pool);
 
 /// How the key scan after an edge lies to the one before it.
 Pose2 StepAt(int edge, const KeyGraph& keys);

@@ -14,6 +14,7 @@
 namespace plumbline {
 namespace {
 
+// All of this was tuned on the floors of the seeding study (README.md).
 constexpr double kMapCellM = 0.03;
 // Past this much path [m] beyond a break the sequential matching had a map of the new place.
 constexpr double kSpoiltM = 2.0;

@@ -13,6 +13,7 @@
 namespace plumbline {
 namespace {
 
+// All of this was tuned on the slips of the seeding study (README.md).
 constexpr double kMapCellM = 0.03;
 // The map is made of the key scans of this much path [m] to either side.
 constexpr double kMapPathM = 6.0;

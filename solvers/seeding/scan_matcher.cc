@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "plumbline/core/options_check.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/robust_loss.h"
 
@@ -96,15 +95,6 @@ double AddPrediction(const PosePrediction& prediction, const Pose2& world_from_r
 }
 
 }  // namespace
-
-bool ScanMatchOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(fine_gate_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(coarse_gate_m, >=, fine_gate_m);
-  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(step_tolerance_m, >, 0.0);
-  return true;
-}
 
 ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
                     const PosePrediction& prediction, const ScanMatchOptions& options) {

@@ -2,7 +2,6 @@
 #define PLUMBLINE_SOLVERS_SEEDING_SCAN_MATCHER_H_
 
 #include <Eigen/Core>
-#include <string>
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/seeding/local_map.h"
@@ -22,8 +21,6 @@ struct ScanMatchOptions {
   double sigma_m = 0.03;
   /// Iterations end when a step at the fine gate moves the points by less than this [m].
   double step_tolerance_m = 5e-4;
-
-  bool Check(std::string* error) const;
 };
 
 /// What is known of a pose before matching: Gaussian about `world_from_robot`, with the

@@ -48,14 +48,14 @@ Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
                                    std::to_string(normals.size()));
   }
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, normals, options.point_spacing_m, pool);
+      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, graph, surfaces, progress,
                                              pool, &trajectory, &report->sequential));
   report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
   CorrectOdometry(report->odometry_noise, motion, &trajectory);
-  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(options, report->odometry_noise.motion, graph, surfaces,
-                                          progress, pool, &trajectory, report));
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
+                                          pool, &trajectory, report));
   report->corrections.odometry = OdometryOf(trajectory, graph);
   MapState seed;
   seed.poses = PoseArray(trajectory.world_from_robot);
@@ -72,9 +72,7 @@ bool SeedingReport::Repaired() const {
 }
 
 bool SeedingOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(point_spacing_m, >, 0.0);
   PLUMBLINE_CHECK_NESTED_OPTIONS(sequential);
-  PLUMBLINE_CHECK_NESTED_OPTIONS(loops);
   return true;
 }
 
@@ -98,13 +96,12 @@ Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_opti
   });
 }
 
-Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
-                     const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                     const SeedingProgress& progress, ThreadPool* pool,
-                     SequentialTrajectory* trajectory, SeedingReport* report) {
+Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
+                     const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, SequentialTrajectory* trajectory, SeedingReport* report) {
   MapHypothesis best;
-  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(options.loops, motion, graph, surfaces, progress,
-                                                pool, *trajectory, &best, &report->hypotheses));
+  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, graph, surfaces, progress, pool,
+                                                *trajectory, &best, &report->hypotheses));
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
   report->alarm = IsAlarming(best.loops, best.consistency);
   report->loops = std::move(best.loops);

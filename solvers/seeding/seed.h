@@ -11,7 +11,6 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/seeding/close_loops.h"
-#include "plumbline/solvers/seeding/loop_closure.h"
 #include "plumbline/solvers/seeding/map_consistency.h"
 #include "plumbline/solvers/seeding/map_hypotheses.h"
 #include "plumbline/solvers/seeding/odometry_noise.h"
@@ -22,10 +21,7 @@ namespace plumbline {
 
 /// The starting point of the joint estimation, from odometry and scans alone.
 struct SeedingOptions {
-  /// Scans are thinned to one point per this length of surface [m].
-  double point_spacing_m = 0.03;
   SequentialSeedingOptions sequential;  ///< scan matching
-  LoopClosureOptions loops;             ///< which places are compared, and what counts as a match
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
@@ -72,10 +68,9 @@ Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_opti
 /// The second half of it: makes a trajectory of the sequential matching globally consistent by
 /// closing its loops. motion: the noise of its odometry. surfaces: per scan, in the frame of the
 /// robot.
-Status CloseAllLoops(const SeedingOptions& options, const MotionOptions& motion,
-                     const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                     const SeedingProgress& progress, ThreadPool* pool,
-                     SequentialTrajectory* trajectory, SeedingReport* report);
+Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
+                     const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, SequentialTrajectory* trajectory, SeedingReport* report);
 
 }  // namespace plumbline
 

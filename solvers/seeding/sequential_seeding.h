@@ -12,21 +12,16 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/seeding/key_graph.h"
 #include "plumbline/solvers/seeding/odometry_sign.h"
-#include "plumbline/solvers/seeding/scan_matcher.h"
+#include "plumbline/solvers/seeding/surface_points.h"
 
 namespace plumbline {
 
 /// Sequential point-to-line ICP: each scan is matched against a local map of key scans.
 struct SequentialSeedingOptions {
-  ScanMatchOptions matching;
   /// A scan becomes a key scan when no key scan of the local map is within this distance [m] and
   /// this turn [rad] of it: a robot that turns on the spot does not flush its map.
   double key_scan_distance_m = 0.25;
   double key_scan_angle_rad = 0.35;
-  /// The local map is made of the nearest key scans, at most this many, ...
-  int num_key_scans = 40;
-  /// ... of the last stretch of this length [m] of the path: what is older may have drifted away.
-  double map_path_m = 12.0;
 
   bool Check(std::string* error) const;
 };

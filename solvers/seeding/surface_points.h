@@ -39,6 +39,10 @@ inline SurfacePoint operator*(const Pose2& a_from_b, const SurfacePoint& in_b) {
   return FrameChange(a_from_b) * in_b;
 }
 
+/// Scan matching takes one point per this length of surface [m], about as dense as the beams of a
+/// laser with a step of half a degree at 3.5 m.
+constexpr double kPointSpacingM = 0.03;
+
 /// The surface points of every scan, each in the frame of its robot, thinned to one per
 /// `spacing_m` of surface: scan matching gains nothing from two beams a millimetre apart.
 /// normals: as EstimateReturnNormals gives them.

@@ -9,6 +9,8 @@
 namespace plumbline {
 namespace {
 
+// Tuned on mit-killian, infinite-corridor, acapulco and fr-clinic.
+
 // Clusters that are suspected at a time: the worst by the conflicts around them, and by how much
 // they strain the graph.
 constexpr std::size_t kMostByConflict = 8;
