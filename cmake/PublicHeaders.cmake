@@ -16,8 +16,7 @@ set(PLUMBLINE_PUBLIC_HEADERS
   solvers/sliding_window.h
   solvers/covariance.h
   solvers/calibration.h
-  solvers/seeding/seed.h
-  solvers/alarm.h)
+  solvers/seeding/seed.h)
 
 # Sets `result` to the public headers and all headers of ours that they include, directly or not, as
 # paths inside the source tree `root`.

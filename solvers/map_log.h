@@ -21,8 +21,8 @@ namespace plumbline {
 
 /// How a log is mapped.
 struct MapLogOptions {
-  SeedingOptions seeding;
-  SolverOptions solver;
+  SeedingOptions seeding;          ///< from odometry and scans to a start
+  SolverOptions solver;            ///< the joint estimation, and the noise of the sensors
   CalibrationOptions calibration;  ///< nothing to estimate: Solve
 
   /// False if a field is out of range, or if the fields do not go together; *error, if not null,
@@ -33,10 +33,10 @@ struct MapLogOptions {
 /// What was found on the way from a log to a map, and whether to trust it.
 struct MappingReport {
   std::vector<FrozenStretch> frozen_laser;  ///< whose repetitions were left out
-  SeedingReport seeding;
-  SolverSummary solver;
-  Calibration calibration;     ///< empty if none was asked for
-  MapConsistency consistency;  ///< of the map
+  SeedingReport seeding;                    ///< how the start was found
+  SolverSummary solver;                     ///< how the joint estimation went
+  Calibration calibration;                  ///< empty if none was asked for
+  MapConsistency consistency;               ///< of the map
   /// Where the map is probably wrong, and why; empty if nothing speaks against it.
   std::vector<Alarm> alarms;
 };
@@ -56,7 +56,7 @@ struct LogMapping {
   /// calibrated robot that leave the lasers where they were.
   std::vector<double> start_poses;
   Pose2 before_from_after;  ///< how a calibrated mounting moved the frame of the robot
-  MappingReport report;
+  MappingReport report;     ///< what was found on the way
 };
 
 /// Maps a log: leaves out what a frozen laser repeated, seeds the poses (SeedGraph), takes the
