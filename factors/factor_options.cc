@@ -32,19 +32,12 @@ bool ShapeOptions::Check(std::string* error) const {
   return true;
 }
 
-bool PosePriorOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(sigma_translation_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(sigma_rotation_rad, >, 0.0);
-  return true;
-}
-
 bool DoubtedStep::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(sigma_factor, >, 0.0);
   return true;
 }
 
 bool FactorOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_NESTED_OPTIONS(prior);
   PLUMBLINE_CHECK_NESTED_OPTIONS(motion);
   PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
   PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);

@@ -55,15 +55,6 @@ struct ShapeOptions {
   bool Check(std::string* error) const;
 };
 
-/// Prior on the fixed poses, which fixes the gauge.
-struct PosePriorOptions {
-  double sigma_translation_m = 1e-4;  ///< [m]
-  double sigma_rotation_rad = 1e-4;   ///< [rad]
-
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
-};
-
 /// A step of the odometry that is known to be worse than the others: the robot was carried, or
 /// slid.
 struct DoubtedStep {
@@ -76,7 +67,6 @@ struct DoubtedStep {
 
 /// All sigmas and gates of the energy.
 struct FactorOptions {
-  PosePriorOptions prior;    ///< fixed poses
   MotionOptions motion;      ///< odometry
   RangeBeamOptions beam;     ///< the laser
   ManifoldOptions manifold;  ///< surfaces are thin

@@ -45,9 +45,8 @@ class PartialObjective final : public CgObjective {
 
   // The terms that depend on what moves.
   static TermSet Moving() {
-    return kPoints
-               ? TermSet{Term::kRangeBeam, Term::kManifold, Term::kShape}
-               : TermSet{Term::kPosePrior, Term::kMotion, Term::kRelativePose, Term::kRangeBeam};
+    return kPoints ? TermSet{Term::kRangeBeam, Term::kManifold, Term::kShape}
+                   : TermSet{Term::kMotion, Term::kRelativePose, Term::kRangeBeam};
   }
   const std::vector<double>& Poses(const std::vector<double>& x) const {
     return kPoints ? fixed_ : x;

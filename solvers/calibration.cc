@@ -283,6 +283,12 @@ Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibr
     return Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
                                    " does not look at the returns, and calibration needs them");
   }
+  if ((calibration.laser_mounting || calibration.range_scale) && graph.fixed_poses().size() > 1) {
+    return Status::InvalidArgument(
+        "laser_mounting and range_scale move the poses with the sensors: they cannot be calibrated "
+        "with more than one fixed pose, and the graph has " +
+        std::to_string(graph.fixed_poses().size()));
+  }
   PLUMBLINE_RETURN_IF_ERROR(CheckScansAreNotMirrored(
       graph, state.poses, StartFromConstraints(graph, state.poses, options.factors.motion)));
   return calibration.laser_mounting || calibration.range_scale ? CheckMountings(graph)
@@ -317,7 +323,9 @@ SolverSummary SolveChecked(const SolverOptions& options,
                            MapState* state, Calibration* calibration) {
   const Status input = CheckInput(options, calibration_options, graph, *state);
   if (!input.ok()) return SolverFailure(options, input);
-  Calibrator calibrator(options, calibration_options, graph, state->poses);
+  MapState seed = *state;
+  PutAtFixedPoses(graph, &seed);
+  Calibrator calibrator(options, calibration_options, graph, seed.poses);
   Calibration result;
   SolverSummary summary;
   const auto start = Clock::now();

@@ -61,8 +61,8 @@ struct Calibration {
 /// step by step independent, and that of the laser from the options.
 ///
 /// kFailure, with the state unchanged: whatever Solve refuses, options out of range, lasers of
-/// different mountings with laser_mounting or range_scale, poses that nothing ties to a fixed one,
-/// a linear system that cannot be solved, and a callback that throws.
+/// different mountings or several fixed poses with laser_mounting or range_scale, poses that
+/// nothing ties to a fixed one, a linear system that cannot be solved, and a callback that throws.
 SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    const CalibrationOptions& calibration_options,
                                    const SlamGraph& graph, MapState* state,

@@ -78,13 +78,15 @@ class PosteriorSystem {
   // The three columns of the inverse that belong to a pose, rows of all poses.
   Status Columns(int pose, Eigen::MatrixX3d* columns) {
     if (!preconditioner_) preconditioner_.emplace(system_, sightings_, frames_, &pool_);
-    columns->resize(system_.gradient.size(), 3);
+    columns->setZero(3 * static_cast<Eigen::Index>(frames_.size()), 3);
+    const int row = system_.row_of_pose[pose];
+    if (row == PoseSystem::kConstant) return Status::Ok();
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(system_.gradient.size()), x;
     for (int axis = 0; axis < 3; ++axis) {
-      unit[3 * pose + axis] = 1.0;
+      unit[3 * row + axis] = 1.0;
       const PoseSystemResult result = SolvePoseSystem(system_, sightings_, *preconditioner_, unit,
                                                       kTolerance, kMaxIterations, &pool_, &x);
-      unit[3 * pose + axis] = 0.0;
+      unit[3 * row + axis] = 0.0;
       if (!result.converged) {
         return Status::Unavailable("the covariance of pose " + std::to_string(pose) +
                                    " did not converge in " + std::to_string(result.iterations) +
@@ -92,12 +94,12 @@ class PosteriorSystem {
       }
       // What the damping explains of a variance x' S x.
       const double by_damping = x.dot(system_.damping.cwiseProduct(x));
-      const double variance = x[3 * pose + axis];
+      const double variance = x[3 * row + axis];
       if (by_damping > kMaxShareOfDamping * variance || variance > kUnheldVariance) {
         return Status::InvalidArgument("nothing holds pose " + std::to_string(pose) +
                                        " in every direction: its covariance is infinite");
       }
-      columns->col(axis) = x;
+      columns->col(axis) = system_.ByPose(x);
     }
     return Status::Ok();
   }

@@ -20,8 +20,8 @@ struct PosePair {
 
 /// How far the poses may be off, and how much of that they share: per pair the covariance
 /// E[e_a e_b^T] (3 x 3, rows of a, columns of b) of their errors e in world_from_robot, in the
-/// order x, y [m], yaw [rad], world axes. (a, a) gives the marginal of a, a fixed pose that of its
-/// prior.
+/// order x, y [m], yaw [rad], world axes. (a, a) gives the marginal of a; a fixed pose is known,
+/// and has none.
 ///
 /// It is the inverse of the reduced solver's Gauss-Newton matrix at the state, with every
 /// point and every tangent line eliminated: they count as unknown. So the state should be the

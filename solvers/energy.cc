@@ -154,8 +154,6 @@ void SetZero(std::vector<double>* values, std::size_t size) {
 
 const char* ToString(Term term) {
   switch (term) {
-    case Term::kPosePrior:
-      return "pose prior";
     case Term::kMotion:
       return "motion";
     case Term::kRelativePose:
@@ -273,12 +271,6 @@ template <typename Visitor>
 bool Energy::VisitPoseTerms(const std::vector<double>& poses, TermSet terms,
                             Visitor* visitor) const {
   double r[3], d_a[9], d_b[9];
-  if (terms.Has(Term::kPosePrior)) {
-    for (const PosePrior& prior : pose_terms_.priors) {
-      if (!prior.residual.Evaluate(&poses[3 * prior.pose], r, d_a)) return false;
-      visitor->Pose(Term::kPosePrior, r, prior.pose, d_a);
-    }
-  }
   const auto visit_edges = [&](Term term, const std::vector<PoseEdge>& edges) {
     if (!terms.Has(term)) return true;
     for (const PoseEdge& edge : edges) {
@@ -335,9 +327,16 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
   }
   if (derivatives.pose_gradient) {
     AddToPoses<3>(graph_, scan_gradients, derivatives.pose_gradient);
+    HoldConstants(derivatives.pose_gradient);
   }
   if (derivatives.pose_blocks) AddToPoses<6>(graph_, scan_blocks, derivatives.pose_blocks);
   return ok && std::isfinite(costs->Total());
+}
+
+void Energy::HoldConstants(std::vector<double>* gradient) const {
+  for (const FixedPose& fixed : graph_.fixed_poses()) {
+    std::fill_n(gradient->begin() + 3 * fixed.pose, 3, 0.0);
+  }
 }
 
 double Energy::Curvature(const std::vector<double>& poses, const std::vector<double>& points,
@@ -362,7 +361,6 @@ double Energy::Curvature(const std::vector<double>& poses, const std::vector<dou
 
 std::array<std::size_t, kNumTerms> Energy::CountTerms() const {
   std::array<std::size_t, kNumTerms> counts{};
-  counts[static_cast<int>(Term::kPosePrior)] = pose_terms_.priors.size();
   counts[static_cast<int>(Term::kMotion)] = pose_terms_.motions.size();
   counts[static_cast<int>(Term::kRelativePose)] = pose_terms_.relative_poses.size();
   counts[static_cast<int>(Term::kRangeBeam)] = graph_.num_returns();

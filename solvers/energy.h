@@ -15,8 +15,8 @@
 namespace plumbline {
 
 /// The terms of the joint energy.
-enum class Term { kPosePrior, kMotion, kRelativePose, kRangeBeam, kManifold, kShape };
-constexpr int kNumTerms = 6;
+enum class Term { kMotion, kRelativePose, kRangeBeam, kManifold, kShape };
+constexpr int kNumTerms = 5;
 const char* ToString(Term term);
 
 /// A choice of terms.
@@ -54,7 +54,7 @@ struct TermCosts {
 /// What Energy::Evaluate is to compute besides the cost; null members are left out. Vectors are
 /// resized as needed.
 struct EnergyDerivatives {
-  std::vector<double>* pose_gradient = nullptr;   ///< 3 per pose
+  std::vector<double>* pose_gradient = nullptr;   ///< 3 per pose, zero for constant ones
   std::vector<double>* point_gradient = nullptr;  ///< 2 per return
   /// Diagonal blocks of the Gauss-Newton Hessian, upper triangles row by row: 6 per pose, 3 per
   /// return.
@@ -87,6 +87,8 @@ class Energy {
                    TermSet terms = TermSet::All()) const;
 
   const SlamGraph& graph() const { return graph_; }
+  /// Sets the entries of fixed poses to zero: they are constants. gradient: 3 per pose.
+  void HoldConstants(std::vector<double>* gradient) const;
   const Associations& associations() const { return associations_; }
   const FactorOptions& options() const { return options_; }
   ThreadPool* pool() const { return pool_; }

@@ -13,6 +13,7 @@
 #include "plumbline/factors/sqrt_information.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
+#include "plumbline/solvers/solver_input.h"
 
 namespace plumbline {
 namespace {
@@ -68,20 +69,16 @@ class PoseOnlySolver {
   }
 
   SolverSummary Run() {
-    for (const FixedPose& fixed : graph_.fixed_poses()) {
-      state_.SetPose(fixed.pose, fixed.world_from_robot);
-    }
-    const std::vector<double> start = state_.poses;
     summary_.seed_chi2 = Chi2();
     last_cost_ = 0.5 * summary_.seed_chi2;
     result_ = options_.type == SolverType::kSgd ? Descend() : Optimize();
     summary_.final_chi2 = Chi2();
     const bool improved = summary_.final_chi2 < summary_.seed_chi2;
+    state_.points = seed_.points;
     if (improved) {
-      CarryPoints();
+      CarryPoints(graph_, seed_.poses, &state_);
     } else {
-      state_.poses = start;
-      state_.points = seed_.points;
+      state_.poses = seed_.poses;
     }
     Conclude(improved);
     return std::move(summary_);
@@ -140,20 +137,6 @@ class PoseOnlySolver {
     summary_.iterations.push_back(row);
     row.poses = &state_.poses;
     return !options_.callback || options_.callback(row);
-  }
-
-  // Every point keeps its place in the frame of its robot.
-  void CarryPoints() {
-    state_.points = seed_.points;
-    for (int s = 0; s < graph_.num_scans(); ++s) {
-      const ScanEntry& scan = graph_.scan(s);
-      const Pose2 now_from_before =
-          state_.WorldFromRobot(scan.pose) * seed_.WorldFromRobot(scan.pose).Inverse();
-      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        Eigen::Map<Eigen::Vector2d> point(&state_.points[2 * r]);
-        point = now_from_before * Eigen::Vector2d(point);
-      }
-    }
   }
 
   void Conclude(bool improved) {

@@ -12,7 +12,7 @@ namespace plumbline {
 /// squared whitened errors; odometry and returns are not looked at. Every map point keeps its place
 /// in the frame of its robot. Fixed poses stay. The given state comes back, bit for bit, if chi2
 /// does not become lower. Expects options that pass Check with a type that MovesPosesOnly(), a
-/// finite state, and relative poses.
+/// finite state at the graph's fixed poses, and relative poses.
 ///
 /// kPoseGraph starts at the given poses or at a chordal start, see refine_pose_graph.h; kSgd starts
 /// at the given poses.

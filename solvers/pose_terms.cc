@@ -5,10 +5,9 @@
 
 namespace plumbline {
 
-PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options) {
-  for (const FixedPose& fixed : graph.fixed_poses()) {
-    priors.push_back({fixed.pose, MakePosePriorResidual(fixed.world_from_robot, options.prior)});
-  }
+PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options)
+    : is_constant(graph.num_poses(), false) {
+  for (const FixedPose& fixed : graph.fixed_poses()) is_constant[fixed.pose] = true;
   for (const OdometryConstraint& c : graph.odometry()) {
     motions.push_back({c.from, c.to, MakeMotionResidual(c.from_from_to, options.motion)});
   }
@@ -28,10 +27,6 @@ PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options) {
 double PoseTerms::Cost(const std::vector<double>& poses) const {
   double sum = 0.0;
   Eigen::Vector3d r;
-  for (const PosePrior& prior : priors) {
-    prior.residual.Evaluate(&poses[3 * prior.pose], r.data(), nullptr);
-    sum += r.squaredNorm();
-  }
   for (const std::vector<PoseEdge>* edges : {&motions, &relative_poses}) {
     for (const PoseEdge& edge : *edges) {
       edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], r.data(), nullptr,

@@ -5,7 +5,6 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 
 namespace plumbline {
@@ -17,20 +16,14 @@ struct PoseEdge {
   RelativePoseResidual residual;
 };
 
-/// A residual that holds one pose of a graph.
-struct PosePrior {
-  int pose = 0;
-  PosePriorResidual residual;
-};
-
-/// The terms of the energy that see poses only, ready to evaluate.
+/// The terms of the energy that see poses only, ready to evaluate, and which poses are constants.
 struct PoseTerms {
   PoseTerms(const SlamGraph& graph, const FactorOptions& options);
 
   /// One half of the sum of squared residuals at `poses`, (x, y, yaw) each.
   double Cost(const std::vector<double>& poses) const;
 
-  std::vector<PosePrior> priors;  ///< on the fixed poses
+  std::vector<char> is_constant;  ///< per pose: fixed, no solver moves it
   std::vector<PoseEdge> motions;
   std::vector<PoseEdge> relative_poses;
 };

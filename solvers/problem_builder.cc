@@ -6,7 +6,6 @@
 #include "plumbline/factors/manifold_factor.h"
 #include "plumbline/factors/patch_shape_factor.h"
 #include "plumbline/factors/patch_sighting_factor.h"
-#include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/range_beam_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/robust_loss.h"
@@ -29,9 +28,6 @@ ceres::Problem::Options ProblemOptions() {
 // Calls add(term, cost, blocks...) for each.
 template <typename Add>
 void AddPoseTerms(const PoseTerms& terms, double* poses, const Add& add) {
-  for (const PosePrior& prior : terms.priors) {
-    add(Term::kPosePrior, new PosePriorFactor(prior.residual), poses + 3 * prior.pose);
-  }
   const auto add_edges = [&](Term term, const std::vector<PoseEdge>& edges) {
     for (const PoseEdge& edge : edges) {
       add(term, new RelativePoseFactor(edge.residual), poses + 3 * edge.from, poses + 3 * edge.to);
@@ -39,6 +35,16 @@ void AddPoseTerms(const PoseTerms& terms, double* poses, const Add& add) {
   };
   add_edges(Term::kMotion, terms.motions);
   add_edges(Term::kRelativePose, terms.relative_poses);
+}
+
+// Holds the fixed poses, those that a term of the problem sees.
+void HoldConstants(const PoseTerms& terms, double* poses, ceres::Problem* problem) {
+  for (std::size_t pose = 0; pose < terms.is_constant.size(); ++pose) {
+    double* block = poses + 3 * pose;
+    if (terms.is_constant[pose] && problem->HasParameterBlock(block)) {
+      problem->SetParameterBlockConstant(block);
+    }
+  }
 }
 
 // Adds blocks that lie one behind the other, those that a term of the problem sees.
@@ -62,8 +68,8 @@ class Builder {
         points_(state->points.data()),
         joint_(joint) {}
 
-  void AddPoseTerms() {
-    plumbline::AddPoseTerms(PoseTerms(graph_, options_), poses_,
+  void AddPoseTerms(const PoseTerms& terms) {
+    plumbline::AddPoseTerms(terms, poses_,
                             [this](Term term, ceres::CostFunction* cost, auto... blocks) {
                               Add(term, cost, nullptr, blocks...);
                             });
@@ -135,9 +141,11 @@ JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& assoc
     return joint.losses.back().get();
   };
   Builder builder(graph, associations, options, state, &joint);
-  builder.AddPoseTerms();
+  const PoseTerms terms(graph, options);
+  builder.AddPoseTerms(terms);
   builder.AddPointTerms(make_loss(options.manifold.robust_gate_sigmas));
   builder.AddShapeTerms(make_loss(options.shape.robust_gate_sigmas));
+  HoldConstants(terms, state->poses.data(), joint.problem.get());
   builder.OrderBlocks();
   return joint;
 }
@@ -174,6 +182,7 @@ PatchProblem BuildPatchProblem(const PatchSightings& sightings,
     result.problem->AddResidualBlock(new PatchShapeFactor({SqrtScatter(terms_of_patch)}), nullptr,
                                      line);
   }
+  HoldConstants(terms, poses->data(), result.problem.get());
   result.lines_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   Order(*result.problem, &result.lines, 2, kEliminated, result.lines_ordering.get());
   result.ordering = std::make_shared<ceres::ParameterBlockOrdering>(*result.lines_ordering);

@@ -83,6 +83,7 @@ bool ScanObjective::Evaluate(const std::vector<double>& x, double* cost,
     }
   };
   AddForEachScan<3>(graph_, energy_.pool(), add_points, gradient);
+  energy_.HoldConstants(gradient);
   return ok;
 }
 
@@ -95,8 +96,7 @@ bool ScanObjective::Start(const std::vector<double>& x, double* cost,
   std::vector<double> blocks;
   EnergyDerivatives derivatives;
   derivatives.pose_blocks = &blocks;
-  if (!energy_.Evaluate(x, points_, &costs, derivatives,
-                        {Term::kPosePrior, Term::kMotion, Term::kRelativePose})) {
+  if (!energy_.Evaluate(x, points_, &costs, derivatives, {Term::kMotion, Term::kRelativePose})) {
     return false;
   }
   AddManifoldBlocks(x, &blocks);

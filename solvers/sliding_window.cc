@@ -15,9 +15,6 @@ namespace plumbline {
 namespace {
 
 constexpr int kOutside = -1;
-// A prior gives way a little. This is stiff enough for what the energy gains by that, and loses
-// again since fixed poses stay, to be no more than rounding.
-constexpr double kFixedSigma = 1e-6;  // [m] and [rad]
 
 Status CheckPose(const MapState& state, int pose) {
   const double* block = state.poses.data() + 3 * pose;
@@ -99,12 +96,12 @@ class Window {
 
   // Free poses that the graph holds somewhere are held there, the others where they are.
   Status FixPoses(const SlamGraph& graph) {
+    for (const int pose : poses_) {
+      if (!is_free_[pose]) PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[pose]));
+    }
     for (const FixedPose& fixed : graph.fixed_poses()) {
       if (!is_free_[fixed.pose]) continue;
       PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[fixed.pose], fixed.world_from_robot));
-    }
-    for (const int pose : poses_) {
-      if (!is_free_[pose]) PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[pose]));
     }
     return Status::Ok();
   }
@@ -167,13 +164,7 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   Window part(graph, free_poses, fixed_poses);
   status = part.Extract(graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
-  SolverOptions part_options = options;
-  if (!fixed_poses.empty()) {
-    PosePriorOptions& prior = part_options.factors.prior;
-    prior.sigma_translation_m = std::min(prior.sigma_translation_m, kFixedSigma);
-    prior.sigma_rotation_rad = std::min(prior.sigma_rotation_rad, kFixedSigma);
-  }
-  SolverSummary summary = Solve(part_options, part.part(), part.state());
+  SolverSummary summary = Solve(options, part.part(), part.state());
   if (summary.IsSolutionUsable()) part.WriteBack(graph, state);
   return summary;
 }

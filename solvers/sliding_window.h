@@ -35,9 +35,8 @@ struct WindowOptions {
 ///
 /// The summary speaks of the window: its free and fixed poses, all their returns, and the
 /// constraints on free poses. That energy is never worse than before. Poses that FixPose named are
-/// held where they were fixed (beside older ones with prior sigmas of 1e-6 at most). Free poses
-/// that nothing ties to fixed ones keep the first of them. Fails, with the state unchanged, like
-/// Solve, and on a graph without poses.
+/// held where they were fixed. Free poses that nothing ties to fixed ones keep the first of them.
+/// Fails, with the state unchanged, like Solve, and on a graph without poses.
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
                           const SlamGraph& graph, MapState* state);
 

@@ -459,7 +459,7 @@ class JointSolver {
 
   // Sizes and units that turn the costs of the terms into errors in metres and radians.
   void DescribeTerms() {
-    constexpr int kResiduals[kNumTerms] = {3, 3, 3, 2, 1, 2};
+    constexpr int kResiduals[kNumTerms] = {3, 3, 2, 1, 2};
     for (int t = 0; t < kNumTerms; ++t) summary_.terms[t].residuals_per_block = kResiduals[t];
     const auto describe = [this](Term term, double sigma, const char* unit) {
       summary_.terms[static_cast<int>(term)].sigma = sigma;
@@ -536,6 +536,13 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       status = CheckScansAreNotMirrored(graph, state->poses, suggested);
     }
     if (!status.ok()) return SolverFailure(options, status);
+    if (!IsAtFixedPoses(graph, *state)) {
+      MapState placed = *state;
+      PutAtFixedPoses(graph, &placed);
+      SolverSummary summary = SolveOn(options, surface, graph, &placed);
+      if (summary.IsSolutionUsable()) *state = std::move(placed);
+      return summary;
+    }
     if (poses_only) return SolvePosesOnly(options, graph, state);
     return JointSolver(options, surface, suggested, graph, *state).Run(state);
   });

@@ -27,6 +27,9 @@ double FineRadius(const SolverOptions& options);
 /// right to a few decimetres (SeedGraph brings it there); where odometry and relative poses flatly
 /// contradict it, from where these put the poses, if that lowers the energy.
 ///
+/// Fixed poses are constants: *state is put where they are, rigidly by the first of them, and no
+/// solver moves them.
+///
 /// On return *state is the best one seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
 /// by energy and by these returns (see Verdict); then one last round takes them in. Where single
@@ -70,10 +73,9 @@ struct Residuals {
 /// Evaluates the terms at a state, under the tangent lines that its poses give (and, for
 /// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
 /// costs of SolverSummary::terms, unless its last round was undone, or it doubted steps which
-/// `options` do not; only those of the manifold term
-/// are robust, and of the lines of that round, which differ a little where poses still moved. Prior
-/// and shape terms are left out. InvalidArgument, with nothing changed, on whatever Solve refuses
-/// and on a point on top of its laser.
+/// `options` do not; only those of the manifold term are robust, and of the lines of that round,
+/// which differ a little where poses still moved. Shape terms are left out. InvalidArgument, with
+/// nothing changed, on whatever Solve refuses and on a point on top of its laser.
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
                          const MapState& state, Residuals* residuals);
 

@@ -25,6 +25,18 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
 /// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown.
 Status CheckStateSize(const SlamGraph& graph, const MapState& state);
 
+/// Whether all fixed poses of the graph are where they were fixed, exactly.
+bool IsAtFixedPoses(const SlamGraph& graph, const MapState& state);
+
+/// Puts a state where the graph's fixed poses are: the whole of it, rigidly, by the first one that
+/// FixPose named, and then the others with their map points. Nothing changes where all are in
+/// place.
+void PutAtFixedPoses(const SlamGraph& graph, MapState* state);
+
+/// Moves every map point along with its pose, from poses_before (x, y, yaw each) to the state's: it
+/// keeps its place in the frame of its robot.
+void CarryPoints(const SlamGraph& graph, const std::vector<double>& poses_before, MapState* state);
+
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);
 

@@ -95,7 +95,6 @@ TEST(CalibratedGraphTest, ScalesDoNotChangeWhatErrorsCost) {
   calibrated_doubled.Set(theta, poses);
   const auto motion_cost = [&](const CalibratedGraph& graph) {
     PoseTerms terms = graph.Terms(factors);
-    terms.priors.clear();
     terms.relative_poses.clear();
     return terms.Cost(graph.poses());
   };

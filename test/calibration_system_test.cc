@@ -61,12 +61,11 @@ class CalibrationSystemTest : public testing::Test {
            calibrated_->Terms(factors_).Cost(calibrated_->poses());
   }
 
+  // moved: of the rows of the system.
   double EnergyAt(const CalibrationVector& theta, const Eigen::VectorXd& moved) {
     const CalibrationVector before = calibrated_->theta();
     const std::vector<double> poses = calibrated_->poses();
-    std::vector<double> tried = poses;
-    for (std::size_t i = 0; i < tried.size(); ++i) tried[i] += moved[static_cast<int>(i)];
-    calibrated_->Set(theta, calibrated_->Carried(theta, tried));
+    calibrated_->Set(theta, calibrated_->Carried(theta, pose_system_.Moved(poses, moved)));
     const double energy = Energy();
     calibrated_->Set(before, poses);
     return energy;
@@ -95,8 +94,7 @@ class CalibrationSystemTest : public testing::Test {
 TEST_F(CalibrationSystemTest, GradientOfEveryParameter) {
   Make(0.01, 0.01);
   const CalibrationSystem system = Linearize();
-  const Eigen::VectorXd still =
-      Eigen::VectorXd::Zero(static_cast<int>(calibrated_->poses().size()));
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(pose_system_.gradient.size());
   for (int p = 0; p < kNumCalibrationParameters; ++p) {
     constexpr double kStep = 1e-4;
     const CalibrationVector step = kStep * CalibrationVector::Unit(p);
@@ -116,13 +114,14 @@ TEST_F(CalibrationSystemTest, CurvatureOfPosesAndParametersTogether) {
   Make(0.0, 0.0);
   calibrated_->Set(CalibrationVector::Zero(), calibrated_->poses());
   const CalibrationSystem system = Linearize();
-  const auto size = static_cast<int>(calibrated_->poses().size());
+  const Eigen::Index size = pose_system_.gradient.size();
+  ASSERT_EQ(system.border.rows(), size);
   RandomStates random(3);
   const double base = Energy();
   for (int p = 0; p < kNumCalibrationParameters; ++p) {
     constexpr double kStep = 1e-3;
     Eigen::VectorXd v(size), product;
-    for (int i = 0; i < size; ++i) v[i] = i < 3 ? 0.0 : random.Gaussian(0.3);
+    for (double& entry : v) entry = random.Gaussian(0.3);
     pose_system_.Apply(sightings_, v, &pool_, &product);
     const double expected =
         v.dot(product) + 2.0 * v.dot(system.border.col(p)) + system.information(p, p);
@@ -148,12 +147,17 @@ TEST_F(CalibrationSystemTest, SolutionFulfilsTheBorderedSystem) {
   ASSERT_TRUE(SolveCalibrationStep(system, pose_system_, sightings_, frames_, active, prior_sigmas,
                                    theta, &pool_, &step)
                   .ok());
+  // The first pose is fixed, the rows are those of the others.
+  EXPECT_TRUE(step.poses.head<3>().isZero(0.0));
+  EXPECT_TRUE(step.response.topRows<3>().isZero(0.0));
+  const Eigen::VectorXd by_row = step.poses.tail(pose_system_.gradient.size());
+  ASSERT_EQ(by_row.size() + 3, step.poses.size());
   Eigen::VectorXd product;
-  pose_system_.Apply(sightings_, step.poses, &pool_, &product);
+  pose_system_.Apply(sightings_, by_row, &pool_, &product);
   const Eigen::VectorXd poses = product + system.border * step.theta + pose_system_.gradient;
   EXPECT_LT(poses.norm(), 1e-2 * pose_system_.gradient.norm());
   for (const int p : active) {
-    const double row = system.border.col(p).dot(step.poses) +
+    const double row = system.border.col(p).dot(by_row) +
                        system.information.row(p).dot(step.theta) + system.gradient[p] +
                        (theta[p] + step.theta[p]) / (prior_sigmas[p] * prior_sigmas[p]);
     EXPECT_NEAR(row * std::sqrt(step.covariance(p, p)), 0.0, 0.05) << "parameter " << p;

@@ -214,6 +214,34 @@ TEST(CalibrationTest, OffIsSolve) {
   EXPECT_EQ(calibration.steps, 0);
 }
 
+TEST(CalibrationTest, FixedPosesStayWhereTheyWereFixed) {
+  const SlamGraph given = Faulty(MakeDrive(false, 40, 2), {kFault.mounting, kFault.range_bias_m});
+  CalibrationOptions options;
+  options.range_bias = true;
+  for (const bool mounting : {false, true}) {
+    SlamGraph graph = given;
+    ASSERT_TRUE(graph.FixPose(7).ok());
+    options.laser_mounting = mounting;
+    if (!mounting) {
+      ASSERT_TRUE(graph.FixPose(20).ok());
+    }
+    // All of it beside where it is to be.
+    const Pose2 motion(0.5, -1.0, 0.3);
+    MapState state = graph.InitialState();
+    for (int pose = 0; pose < graph.num_poses(); ++pose) {
+      state.SetPose(pose, motion * state.WorldFromRobot(pose));
+    }
+    state.points = graph.MeasuredMap(state.poses);
+    Calibration calibration;
+    const SolverSummary summary =
+        SolveWithCalibration(Options(), options, graph, &state, &calibration);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    for (const FixedPose& fixed : graph.fixed_poses()) {
+      EXPECT_EQ(ToBlock(state.WorldFromRobot(fixed.pose)), ToBlock(fixed.world_from_robot));
+    }
+  }
+}
+
 void ExpectRefused(const CalibrationOptions& options, const SlamGraph& graph, const char* reason) {
   MapState state = graph.InitialState();
   Calibration calibration;
@@ -252,6 +280,16 @@ TEST(CalibrationTest, RefusesAndLeavesTheStateAlone) {
   int id = 0;
   ASSERT_TRUE(graph.AddLaser(laser, &id).ok());
   ExpectRefused(options, graph, "laser 1 is mounted differently from laser 0");
+
+  // The map is carried along with the sensors about one fixed pose.
+  graph = MakeDrive(false, 4, 1);
+  for (const int pose : {0, 2}) ASSERT_TRUE(graph.FixPose(pose).ok());
+  ExpectRefused(options, graph,
+                "laser_mounting and range_scale move the poses with the sensors: they cannot be "
+                "calibrated with more than one fixed pose, and the graph has 2");
+  options = CalibrationOptions();
+  options.laser_mounting = true;
+  ExpectRefused(options, graph, "more than one fixed pose, and the graph has 2");
 
   // A pose that sees nothing and that no odometry leads to.
   options = CalibrationOptions();

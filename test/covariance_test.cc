@@ -116,12 +116,37 @@ TEST(CovarianceTest, IsTheInverseOfTheFullMatrixWithAllItsParts) {
     joint.block<3, 3>(3 * pairs[i].a, 3 * pairs[i].b) = blocks[i];
   }
   EXPECT_LT((joint - joint.transpose()).cwiseAbs().maxCoeff(), 1e-7 * joint.maxCoeff());
-  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(joint).info(), Eigen::Success);
-  // The first pose is held by its prior, the others by what they see.
-  const double prior = SolverOptions().factors.prior.sigma_translation_m;
-  EXPECT_NEAR(joint(0, 0), prior * prior, 1e-3 * prior * prior);
-  EXPECT_GT(joint(3 * n - 3, 3 * n - 3), 10.0 * prior * prior);
+  // The first pose is known, the others are held by what they see.
+  EXPECT_TRUE(joint.topRows<3>().isZero(0.0));
+  EXPECT_TRUE(joint.leftCols<3>().isZero(0.0));
+  const Eigen::MatrixXd free = joint.bottomRightCorner(3 * n - 3, 3 * n - 3);
+  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(free).info(), Eigen::Success);
+  EXPECT_GT(joint(3 * n - 3, 3 * n - 3), 1e-7);
   EXPECT_LT(joint(3 * n - 3, 3 * n - 3), kRangeSigmaM * kRangeSigmaM);
+}
+
+TEST(CovarianceTest, FixedPosesAreKnownExactlyAndShareNothing) {
+  NoisyRoom room = SimulatedRun(2);
+  const Eigen::Matrix3d loose = CovariancesOf(room.graph, room.state, {{4, 4}})[0];
+  for (const int pose : {2, 5}) ASSERT_TRUE(room.graph.FixPose(pose).ok());
+  const std::vector<Eigen::Matrix3d> c = CovariancesOf(
+      room.graph, room.state, {{2, 2}, {5, 5}, {2, 5}, {2, 4}, {4, 2}, {5, 0}, {0, 5}, {4, 4}});
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(c[i], Eigen::Matrix3d::Zero()) << "pair " << i;
+  // Between two poses that are known, another is known better than far from one.
+  EXPECT_GT(c[7].diagonal().minCoeff(), 0.0);
+  EXPECT_TRUE((c[7].diagonal().array() < loose.diagonal().array()).all());
+  for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
+    ASSERT_TRUE(room.graph.FixPose(pose).ok());
+  }
+  EXPECT_EQ(CovariancesOf(room.graph, room.state, {{3, 3}})[0], Eigen::Matrix3d::Zero());
+}
+
+TEST(CovarianceTest, TheOnlyPoseIsTheFixedOne) {
+  SyntheticScene scene;
+  scene.faces = {{{2, -1}, {2, 1}}, {{-1, 2}, {1, 2}}};
+  scene.poses = {{0.1, 0.2, 0.3}};
+  const SlamGraph graph = MakeGraph(scene);
+  EXPECT_EQ(CovariancesOf(graph, graph.InitialState(), {{0, 0}})[0], Eigen::Matrix3d::Zero());
 }
 
 TEST(CovarianceTest, OdometryAloneAddsUpAlongTheWay) {

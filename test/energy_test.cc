@@ -56,6 +56,11 @@ struct Oracle {
     }
   }
 
+  // As if no pose were fixed.
+  void SetAllVariable() {
+    for (double* block : all.parameter_blocks) joint.problem->SetParameterBlockVariable(block);
+  }
+
   JointProblem joint;
   ceres::Problem::EvaluateOptions all;
 };
@@ -80,6 +85,9 @@ void ExpectSameAsCeres(const SlamGraph& graph, const FactorOptions& factors, boo
   const std::size_t num_pose_entries = state->poses.size();
   ExpectClose(pose_gradient, AsEigen(gradient).head(num_pose_entries), "poses");
   ExpectClose(point_gradient, AsEigen(gradient).tail(gradient.size() - num_pose_entries), "points");
+  for (const FixedPose& fixed : graph.fixed_poses()) {
+    EXPECT_TRUE(AsEigen(pose_gradient).segment<3>(3 * fixed.pose).isZero(0.0)) << fixed.pose;
+  }
 
   for (int t = 0; t < kNumTerms; ++t) {
     SCOPED_TRACE(ToString(static_cast<Term>(t)));
@@ -100,10 +108,12 @@ void ExpectSameAsCeres(const SlamGraph& graph, const FactorOptions& factors, boo
   }
 }
 
-/// J^T W J of all parameters from Ceres' uncorrected Jacobian; W = rho' of the robust terms.
+/// J^T W J of all parameters, those of fixed poses too, from Ceres' uncorrected Jacobian; W = rho'
+/// of the robust terms.
 SparseMatrix GaussNewtonHessian(const SlamGraph& graph, const Associations& associations,
                                 const FactorOptions& factors, MapState* state) {
   Oracle oracle(graph, associations, factors, state);
+  oracle.SetAllVariable();
   oracle.all.apply_loss_function = false;
   Vector residuals;
   ceres::CRSMatrix crs;
@@ -111,7 +121,7 @@ SparseMatrix GaussNewtonHessian(const SlamGraph& graph, const Associations& asso
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(crs.num_rows);
   int row = 0;
   for (int t = 0; t < kNumTerms; ++t) {
-    const int size = std::array<int, kNumTerms>{3, 3, 3, 2, 1, 2}[t];
+    const int size = std::array<int, kNumTerms>{3, 3, 2, 1, 2}[t];
     for (std::size_t b = 0; b < oracle.joint.residual_blocks[t].size(); ++b, row += size) {
       const double s = AsEigen(residuals).segment(row, size).squaredNorm();
       if (static_cast<Term>(t) == Term::kManifold) {

@@ -19,10 +19,6 @@ struct Field {
 std::vector<Field> Fields() {
   using O = FactorOptions;
   return {
-      {"prior.sigma_translation_m", false,
-       [](O& o) -> double& { return o.prior.sigma_translation_m; }},
-      {"prior.sigma_rotation_rad", false,
-       [](O& o) -> double& { return o.prior.sigma_rotation_rad; }},
       {"motion.rotation_per_rotation", true,
        [](O& o) -> double& { return o.motion.rotation_per_rotation; }},
       {"motion.rotation_per_translation_rad_m", true,

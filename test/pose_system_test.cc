@@ -1,5 +1,6 @@
 #include "plumbline/solvers/reduced/pose_system.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -10,6 +11,8 @@
 
 namespace plumbline {
 namespace {
+
+using testing::ElementsAre;
 
 constexpr double kDamping = 1e-8;  // of the system, relative to its diagonal
 
@@ -36,7 +39,6 @@ struct RandomProblem {
     }
     EXPECT_TRUE(graph.FixPose(2).ok());
     poses = graph.initial_poses();
-    poses[3 * 2] += 1e-4;
     sightings.first_of_patch.push_back(0);
     for (int p = 0; p < num_patches; ++p) {
       AddPatch(num_poses, p, &random);
@@ -81,6 +83,16 @@ struct RandomProblem {
   PoseTerms Terms() const { return PoseTerms(graph, factors); }
   Eigen::Index NumPoseUnknowns() const { return 3 * graph.num_poses(); }
 
+  /// Of the unknowns, those of free poses: which of the full system have rows.
+  std::vector<Eigen::Index> FreeUnknowns() const {
+    const PoseTerms terms = Terms();
+    std::vector<Eigen::Index> unknowns;
+    for (Eigen::Index i = 0; i < NumPoseUnknowns(); ++i) {
+      if (!terms.is_constant[i / 3]) unknowns.push_back(i);
+    }
+    return unknowns;
+  }
+
   PoseSystem System(int num_threads = 2) const {
     ThreadPool pool(num_threads);
     PoseSystem system;
@@ -91,7 +103,8 @@ struct RandomProblem {
   /// The matrix that Apply multiplies by.
   Eigen::MatrixXd AppliedMatrix(const PoseSystem& system) const {
     ThreadPool pool(2);
-    Eigen::MatrixXd matrix(NumPoseUnknowns(), NumPoseUnknowns());
+    const Eigen::Index size = system.gradient.size();
+    Eigen::MatrixXd matrix(size, size);
     Eigen::VectorXd column;
     for (Eigen::Index i = 0; i < matrix.cols(); ++i) {
       system.Apply(sightings, Eigen::VectorXd::Unit(matrix.cols(), i), &pool, &column);
@@ -121,10 +134,6 @@ struct RandomProblem {
     }
     const PoseTerms terms = Terms();
     double r[3];
-    for (const PosePrior& prior : terms.priors) {
-      prior.residual.Evaluate(state.data() + 3 * prior.pose, r, nullptr);
-      residuals.insert(residuals.end(), r, r + 3);
-    }
     for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
       for (const PoseEdge& edge : *edges) {
         edge.residual.Evaluate(state.data() + 3 * edge.from, state.data() + 3 * edge.to, r, nullptr,
@@ -162,8 +171,8 @@ Eigen::MatrixXd NumericJacobian(const RandomProblem& problem) {
   return jacobian;
 }
 
-TEST(PoseSystemTest, IsTheSchurComplementOfTheFullGaussNewtonSystem) {
-  const RandomProblem problem(9, 12);
+// The rows of constant poses are dropped from the full system.
+void ExpectSchurComplementOfTheFullSystem(const RandomProblem& problem) {
   const Eigen::MatrixXd jacobian = NumericJacobian(problem);
   const Eigen::VectorXd residuals = problem.Residuals(problem.State());
   const Eigen::MatrixXd full = jacobian.transpose() * jacobian;
@@ -177,23 +186,71 @@ TEST(PoseSystemTest, IsTheSchurComplementOfTheFullGaussNewtonSystem) {
   }
   const PoseSystem system = problem.System();
   const Eigen::MatrixXd actual = problem.AppliedMatrix(system);
+  const std::vector<Eigen::Index> unknowns = problem.FreeUnknowns();
+  const Eigen::Index num_rows = static_cast<Eigen::Index>(unknowns.size());
+  ASSERT_EQ(system.gradient.size(), num_rows);
   const Eigen::VectorXd scale = full.topLeftCorner(n, n).diagonal().cwiseMax(1.0).cwiseSqrt();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < n; ++k) {
-      EXPECT_NEAR(actual(i, k), expected(i, k), 1e-7 * scale[i] * scale[k]) << i << ", " << k;
-    }
-  }
   const Eigen::VectorXd gradient = jacobian.transpose() * residuals;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    EXPECT_NEAR(system.gradient[i], gradient[i], 1e-7 * scale[i] * residuals.norm()) << i;
+  for (Eigen::Index row = 0; row < num_rows; ++row) {
+    const Eigen::Index i = unknowns[row];
+    for (Eigen::Index column = 0; column < num_rows; ++column) {
+      const Eigen::Index k = unknowns[column];
+      EXPECT_NEAR(actual(row, column), expected(i, k), 1e-7 * scale[i] * scale[k])
+          << i << ", " << k;
+    }
+    EXPECT_NEAR(system.gradient[row], gradient[i], 1e-7 * scale[i] * residuals.norm()) << i;
   }
   // The lines fit best: their own gradient is zero.
   EXPECT_LT(gradient.tail(m).norm(), 1e-6 * gradient.norm());
 }
 
+TEST(PoseSystemTest, IsTheSchurComplementOfTheFullGaussNewtonSystem) {
+  ExpectSchurComplementOfTheFullSystem(RandomProblem(9, 12));
+}
+
+TEST(PoseSystemTest, NeighbouringConstantPosesDropOutToo) {
+  RandomProblem problem(9, 12);
+  for (const int pose : {0, 3, 7}) ASSERT_TRUE(problem.graph.FixPose(pose).ok());
+  ExpectSchurComplementOfTheFullSystem(problem);
+}
+
+// As in a window: its size is that of what moves, however many poses hold it.
+TEST(PoseSystemTest, OnlyFreePosesHaveRows) {
+  RandomProblem problem(9, 12);
+  for (const int pose : {0, 1, 3, 4, 6, 8}) ASSERT_TRUE(problem.graph.FixPose(pose).ok());
+  constexpr int kNone = PoseSystem::kConstant;
+  const PoseSystem system = problem.System();
+  EXPECT_THAT(system.pose_of_row, ElementsAre(5, 7));
+  EXPECT_THAT(system.row_of_pose,
+              ElementsAre(kNone, kNone, kNone, kNone, kNone, 0, kNone, 1, kNone));
+  EXPECT_EQ(system.diagonal.size(), 2u);
+  EXPECT_EQ(system.gradient.size(), 6);
+  const Eigen::VectorXd step = Eigen::VectorXd::LinSpaced(6, 1.0, 6.0);
+  const std::vector<double> moved = system.Moved(problem.poses, step);
+  const Eigen::MatrixXd by_pose = system.ByPose(step);
+  ASSERT_EQ(by_pose.rows(), problem.NumPoseUnknowns());
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const int row = system.row_of_pose[i / 3];
+    const double expected = row == kNone ? 0.0 : step[3 * row + static_cast<int>(i % 3)];
+    EXPECT_EQ(by_pose(static_cast<Eigen::Index>(i), 0), expected) << i;
+    EXPECT_EQ(moved[i], problem.poses[i] + expected) << i;
+  }
+}
+
+TEST(PoseSystemTest, WithoutFreePosesThereAreNoRows) {
+  RandomProblem problem(9, 12);
+  for (int pose = 0; pose < 9; ++pose) ASSERT_TRUE(problem.graph.FixPose(pose).ok());
+  const PoseSystem system = problem.System();
+  EXPECT_EQ(system.gradient.size(), 0);
+  EXPECT_EQ(problem.AppliedMatrix(system).size(), 0);
+  EXPECT_EQ(system.Moved(problem.poses, Eigen::VectorXd()), problem.poses);
+  EXPECT_TRUE(system.ByPose(Eigen::VectorXd()).isZero(0.0));
+}
+
 TEST(PoseSystemTest, TheGradientIsThatOfTheCostWithLinesRefitted) {
   RandomProblem problem(9, 12);
-  const Eigen::VectorXd gradient = problem.System().gradient;
+  const PoseSystem system = problem.System();
+  const Eigen::VectorXd& gradient = system.gradient;
   const PoseTerms terms = problem.Terms();
   ThreadPool pool(1);
   const auto cost = [&] {
@@ -202,7 +259,7 @@ TEST(PoseSystemTest, TheGradientIsThatOfTheCostWithLinesRefitted) {
   };
   for (Eigen::Index i = 0; i < gradient.size(); ++i) {
     constexpr double kStep = 1e-6;
-    double& coordinate = problem.poses[i];
+    double& coordinate = problem.poses[3 * system.pose_of_row[i / 3] + i % 3];
     const double value = coordinate;
     coordinate = value + kStep;
     const double ahead = cost();
@@ -302,11 +359,11 @@ TEST(PoseSystemTest, MovingTheWorldMovesNothingElse) {
 
 TEST(PoseSystemTest, AnyNumberOfThreadsGivesTheSameBits) {
   RandomProblem problem(300, 600);
-  Eigen::VectorXd v(problem.NumPoseUnknowns()), expected, product;
-  RandomStates random(1);
-  for (double& entry : v) entry = random.Uniform(-1, 1);
   ThreadPool one(1);
   const PoseSystem reference = problem.System(1);
+  Eigen::VectorXd v(reference.gradient.size()), expected, product;
+  RandomStates random(1);
+  for (double& entry : v) entry = random.Uniform(-1, 1);
   reference.Apply(problem.sightings, v, &one, &expected);
   std::vector<SurfacePatch> lines = problem.patches, expected_lines = problem.patches;
   const double cost = FitPatchLines(problem.sightings, problem.Frames(), &one, &expected_lines);

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/pose_terms.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -9,6 +10,8 @@
 
 namespace plumbline {
 namespace {
+
+using testing::ElementsAre;
 
 TEST(PoseTermsTest, HoldsEveryConstraintOfTheGraph) {
   SlamGraph graph;
@@ -20,10 +23,7 @@ TEST(PoseTermsTest, HoldsEveryConstraintOfTheGraph) {
   ASSERT_TRUE(graph.AddOdometry({1, 2, {0.5, 0.0, 0.1}}).ok());
   ASSERT_TRUE(graph.AddRelativePose({2, 0, {-1.0, 0.5, 0.0}, CorrelatedCovariance()}).ok());
   const PoseTerms terms(graph, FactorOptions());
-  ASSERT_EQ(terms.priors.size(), 1u);
-  EXPECT_EQ(terms.priors[0].pose, 0);
-  EXPECT_EQ(terms.priors[0].residual.prior.x, 1.0);
-  EXPECT_EQ(terms.priors[0].residual.prior.yaw, 0.5);
+  EXPECT_THAT(terms.is_constant, ElementsAre(true, false, false));
   ASSERT_EQ(terms.motions.size(), 2u);
   EXPECT_EQ(terms.motions[1].from, 1);
   EXPECT_EQ(terms.motions[1].to, 2);
@@ -45,37 +45,33 @@ TEST(PoseTermsTest, CostIsHalfTheSumOfSquaredMahalanobisDistances) {
   const FactorOptions factors;
   const PoseTerms terms(graph, factors);
 
-  // The first pose has strayed by twice the prior's sigma in x; both stand parallel to the axes.
-  const double stray_m = 2.0 * factors.prior.sigma_translation_m;
-  const double distance_m = 1.0 - stray_m;
+  // Both stand parallel to the axes.
+  const double distance_m = 0.7;
   const auto mahalanobis = [](const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
     return error.dot(covariance.inverse() * error);
   };
-  const double expected = 0.5 * (4.0 +
-                                 mahalanobis({distance_m - step.x, -step.y, -step.yaw},
+  const double expected = 0.5 * (mahalanobis({distance_m - step.x, -step.y, -step.yaw},
                                              MotionCovariance(step, factors.motion)) +
                                  mahalanobis({distance_m - measured.x, -measured.y, -measured.yaw},
                                              CorrelatedCovariance()));
-  EXPECT_NEAR(terms.Cost({stray_m, 0.0, 0.0, 1.0, 0.0, 0.0}), expected, 1e-9 * expected);
+  EXPECT_NEAR(terms.Cost({0.3, 0.0, 0.0, 1.0, 0.0, 0.0}), expected, 1e-9 * expected);
 }
 
-TEST(PoseTermsTest, EveryFixedPoseHasAPrior) {
+TEST(PoseTermsTest, FixedPosesAreConstantsAndCostNothing) {
   SlamGraph graph;
   int id = 0;
   for (const double x : {0.0, 1.0, 2.0}) ASSERT_TRUE(graph.AddPose({x, 0.0, 0.0}, 0.0, &id).ok());
   ASSERT_TRUE(graph.FixPose(1).ok());
   ASSERT_TRUE(graph.FixPose(2).ok());
-  const FactorOptions factors;
-  // The first pose is free; the others have strayed by one and three sigmas.
-  const double sigma_m = factors.prior.sigma_translation_m;
-  const double sigma_rad = factors.prior.sigma_rotation_rad;
-  const double cost =
-      PoseTerms(graph, factors).Cost({5.0, 5.0, 5.0, 1.0, sigma_m, 0.0, 2.0, 0.0, 3.0 * sigma_rad});
-  EXPECT_NEAR(cost, 0.5 * (1.0 + 9.0), 1e-9);
+  const PoseTerms terms(graph, FactorOptions());
+  EXPECT_THAT(terms.is_constant, ElementsAre(false, true, true));
+  EXPECT_EQ(terms.Cost({5.0, 5.0, 5.0, 1.0, 0.1, 0.0, 2.0, 0.0, 0.3}), 0.0);
 }
 
 TEST(PoseTermsTest, AnEmptyGraphCostsNothing) {
-  EXPECT_EQ(PoseTerms(SlamGraph(), FactorOptions()).Cost({}), 0.0);
+  const PoseTerms terms{SlamGraph(), FactorOptions()};
+  EXPECT_TRUE(terms.is_constant.empty());
+  EXPECT_EQ(terms.Cost({}), 0.0);
 }
 
 }  // namespace

@@ -117,6 +117,30 @@ TEST(ProblemBuilderTest, OptimisesTheArraysOfTheState) {
   EXPECT_NE(room.state.points, before.points);
 }
 
+TEST(ProblemBuilderTest, FixedPosesAreConstants) {
+  NoisyRoom room = MakeNoisyRoom();
+  int lonely = 0;
+  ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &lonely).ok());
+  for (const int pose : {3, 7, lonely}) ASSERT_TRUE(room.graph.FixPose(pose).ok());
+  room.graph.ExtendState(&room.state);
+  DisturbPoses(0.01, room.graph, &room.state);
+  const MapState before = room.state;
+  const JointProblem joint = BuildJointProblem(room.graph, AssociationsOf(room.graph, room.state),
+                                               EveryTerm(), &room.state);
+  for (int pose = 0; pose < lonely; ++pose) {
+    EXPECT_EQ(joint.problem->IsParameterBlockConstant(&room.state.poses[3 * pose]),
+              pose == 3 || pose == 7)
+        << pose;
+  }
+  EXPECT_FALSE(joint.problem->HasParameterBlock(&room.state.poses[3 * lonely]));
+  ExpectSparseSchurLowersTheCost(joint);
+  for (int pose = 0; pose <= lonely; ++pose) {
+    EXPECT_EQ(ToBlock(room.state.WorldFromRobot(pose)) == ToBlock(before.WorldFromRobot(pose)),
+              pose == 3 || pose == 7 || pose == lonely)
+        << pose;
+  }
+}
+
 // Three poses; the first two see patch 0, the others patch 2. Nothing sees patch 1 and pose 3; a
 // sighting without weight is none.
 struct PatchScene {
@@ -159,6 +183,15 @@ TEST(ProblemBuilderTest, LinesAreEliminatedAndPosesAreKept) {
   EXPECT_FALSE(problem.problem->HasParameterBlock(&scene.poses[3 * 3]));
 }
 
+TEST(ProblemBuilderTest, FixedPosesAreConstantsBesidePatches) {
+  PatchScene scene;
+  scene.terms.is_constant = {false, true, false, true};
+  const PatchProblem problem = scene.Build();
+  for (const int pose : {0, 1, 2}) {
+    EXPECT_EQ(problem.problem->IsParameterBlockConstant(&scene.poses[3 * pose]), pose == 1);
+  }
+}
+
 TEST(ProblemBuilderTest, LinesStartAtThoseOfThePatches) {
   PatchScene scene;
   scene.patches[2].normal = {-0.6, -0.8};
@@ -176,7 +209,7 @@ TEST(ProblemBuilderTest, PosesKeepTheirTermsBesideThePatches) {
   scene.terms = PoseTerms(room.graph, EveryTerm());
   scene.poses = room.state.poses;
   const PatchProblem problem = scene.Build();
-  EXPECT_EQ(problem.problem->NumResidualBlocks(), 1 + 11 + 2);
+  EXPECT_EQ(problem.problem->NumResidualBlocks(), 11 + 2);
   double cost = 0.0;
   ASSERT_TRUE(problem.problem->Evaluate({}, &cost, nullptr, nullptr, nullptr));
   EXPECT_GT(cost, 0.1);

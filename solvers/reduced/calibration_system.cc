@@ -62,24 +62,18 @@ CalibrationSystem::CalibrationSystem(const CalibratedGraph& graph, const PoseTer
                                      const std::vector<SurfacePatch>& patches,
                                      const std::vector<PoseFrame>& frames,
                                      const PoseSystem& poses) {
-  border.setZero(3 * static_cast<Eigen::Index>(frames.size()), kNumCalibrationParameters);
-  AddPoseTerms(graph, terms);
+  border.setZero(poses.gradient.size(), kNumCalibrationParameters);
+  AddPoseTerms(graph, terms, poses);
   AddRangeBias(std::exp(graph.theta()[kLogRangeScale]), sightings, slopes, patches, frames, poses);
 }
 
-void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms) {
+void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms,
+                                     const PoseSystem& poses) {
   const auto add = [&](int pose, const RowMajor3d& by_pose, const CalibrationRows& by_theta) {
-    border.middleRows<3>(3 * pose) += by_pose.transpose() * by_theta;
+    const int row = poses.row_of_pose[pose];
+    if (row == PoseSystem::kConstant) return;
+    border.middleRows<3>(3 * row) += by_pose.transpose() * by_theta;
   };
-  for (const PosePrior& prior : terms.priors) {
-    Eigen::Vector3d residual;
-    RowMajor3d by_pose;
-    prior.residual.Evaluate(&graph.poses()[3 * prior.pose], residual.data(), by_pose.data());
-    const CalibrationRows by_theta = by_pose * graph.CarriedBy(prior.pose);
-    add(prior.pose, by_pose, by_theta);
-    information += by_theta.transpose() * by_theta;
-    gradient += by_theta.transpose() * residual;
-  }
   for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
     for (const PoseEdge& edge : *edges) {
       const LinearEdge linear(graph, edge, edges == &terms.motions);
@@ -111,14 +105,17 @@ void CalibrationSystem::AddRangeBias(double range_scale, const PatchSightings& s
       gradient[kRangeBias] += range_scale * slope.gradient;
       by_line += Eigen::Vector2d(
           tangent.dot(moment + weight * (frame.translation() - patch.origin)), -weight);
-      border.col(kRangeBias).segment<3>(3 * pose) += Eigen::Vector3d(
+      const int row = poses.row_of_pose[pose];
+      if (row == PoseSystem::kConstant) continue;
+      border.col(kRangeBias).segment<3>(3 * row) += Eigen::Vector3d(
           weight * patch.normal.x(), weight * patch.normal.y(), -tangent.dot(moment));
     }
     const Eigen::Vector2d whitened = poses.line_whitening[p].transpose() * by_line;
     information(kRangeBias, kRangeBias) -= whitened.squaredNorm();
     for (std::size_t i = first; i < last; ++i) {
       const LineCoupling& coupling = poses.line_coupling[i];
-      border.col(kRangeBias).segment<3>(3 * coupling.pose) -= coupling.rows * whitened;
+      if (coupling.row == PoseSystem::kConstant) continue;
+      border.col(kRangeBias).segment<3>(3 * coupling.row) -= coupling.rows * whitened;
     }
   }
 }
@@ -150,11 +147,12 @@ Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& p
   const Eigen::VectorXd change = llt.solve(descent);
   const Eigen::MatrixXd covariance = llt.solve(Eigen::MatrixXd::Identity(size, size));
   *step = CalibrationStep();
-  step->response.setZero(border.rows(), kNumCalibrationParameters);
-  step->poses = -solved.col(size) - solved.leftCols(size) * change;
+  const Eigen::MatrixXd by_pose = poses.ByPose(solved);
+  step->response.setZero(by_pose.rows(), kNumCalibrationParameters);
+  step->poses = -by_pose.col(size) - by_pose.leftCols(size) * change;
   for (Eigen::Index i = 0; i < size; ++i) {
     step->theta[active[i]] = change[i];
-    step->response.col(active[i]) = -solved.col(i);
+    step->response.col(active[i]) = -by_pose.col(i);
     for (Eigen::Index j = 0; j < size; ++j) {
       step->covariance(active[i], active[j]) = covariance(i, j);
     }

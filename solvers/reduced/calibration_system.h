@@ -22,7 +22,7 @@ namespace plumbline {
 struct CalibrationSystem {
   CalibrationMatrix information = CalibrationMatrix::Zero();
   CalibrationVector gradient = CalibrationVector::Zero();
-  Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> border;  ///< 3 rows per pose
+  Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> border;  ///< 3 per row
 
   /// At the graph's state and the lines that fit it best, to which `poses` belongs. slopes: of the
   /// sightings.
@@ -32,7 +32,7 @@ struct CalibrationSystem {
                     const PoseSystem& poses);
 
  private:
-  void AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms);
+  void AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms, const PoseSystem& poses);
   void AddRangeBias(double range_scale, const PatchSightings& sightings,
                     const std::vector<RangeSlope>& slopes, const std::vector<SurfacePatch>& patches,
                     const std::vector<PoseFrame>& frames, const PoseSystem& poses);
@@ -40,7 +40,7 @@ struct CalibrationSystem {
 
 struct CalibrationStep {
   CalibrationVector theta = CalibrationVector::Zero();
-  Eigen::VectorXd poses;                                     ///< on top of being carried along
+  Eigen::VectorXd poses;                                     ///< 3 each, on top of being carried
   CalibrationMatrix covariance = CalibrationMatrix::Zero();  ///< of theta, if all sigmas are right
   /// How the poses follow theta, beyond being carried along; 3 rows per pose.
   Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> response;

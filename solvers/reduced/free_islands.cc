@@ -17,7 +17,9 @@ std::vector<int> FindFreeIslands(const PatchSightings& sightings, const PoseTerm
     if (before.patch == here.patch) sets.Join(before.pose, here.pose);
   }
   std::vector<bool> held(num_poses, false);
-  for (const PosePrior& prior : terms.priors) held[sets.Find(prior.pose)] = true;
+  for (std::size_t pose = 0; pose < num_poses; ++pose) {
+    if (terms.is_constant[pose]) held[sets.Find(static_cast<int>(pose))] = true;
+  }
   std::vector<int> islands;
   for (int pose = 0; pose < static_cast<int>(num_poses); ++pose) {
     if (sets.Find(pose) == pose && !held[pose]) islands.push_back(pose);

@@ -9,7 +9,7 @@
 namespace plumbline {
 
 /// Poses hang together if a pose term joins them or they see the same patch. Gives the first pose
-/// of every group that no prior holds in the world: nothing says where such a group is as a whole.
+/// of every group without a constant one: nothing says where such a group is as a whole.
 /// Ascending.
 std::vector<int> FindFreeIslands(const PatchSightings& sightings, const PoseTerms& terms);
 

@@ -21,8 +21,10 @@ struct GroupCoupling {
 }  // namespace
 
 PosePreconditioner::PosePreconditioner(const PoseSystem& system, const PatchSightings& sightings,
-                                       const std::vector<PoseFrame>& frames, ThreadPool* pool)
-    : frames_(frames) {
+                                       const std::vector<PoseFrame>& frames, ThreadPool* pool) {
+  frames_.reserve(system.pose_of_row.size());
+  for (const int pose : system.pose_of_row) frames_.push_back(frames[pose]);
+  if (frames_.empty()) return;
   FactorChain(system);
   FactorGroups(system, sightings, pool);
 }
@@ -44,11 +46,11 @@ void PosePreconditioner::FactorChain(const PoseSystem& system) {
   }
 }
 
-Eigen::Matrix3d PosePreconditioner::RigidMotion(std::size_t pose) const {
-  const Eigen::Vector2d& center = group_center_[GroupOf(pose)];
+Eigen::Matrix3d PosePreconditioner::RigidMotion(std::size_t row) const {
+  const Eigen::Vector2d& center = group_center_[GroupOf(row)];
   Eigen::Matrix3d motion = Eigen::Matrix3d::Identity();
-  motion(0, 2) = -(frames_[pose].y - center.y());
-  motion(1, 2) = frames_[pose].x - center.x();
+  motion(0, 2) = -(frames_[row].y - center.y());
+  motion(1, 2) = frames_[row].x - center.x();
   return motion;
 }
 
@@ -93,11 +95,12 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system, const PatchSight
           groups.clear();
           for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1];
                ++i) {
-            const std::size_t pose = static_cast<std::size_t>(system.line_coupling[i].pose);
-            if (groups.empty() || groups.back().group != GroupOf(pose)) {
-              groups.push_back({GroupOf(pose), Eigen::Matrix<double, 3, 2>::Zero()});
+            if (system.line_coupling[i].row == PoseSystem::kConstant) continue;
+            const std::size_t row = static_cast<std::size_t>(system.line_coupling[i].row);
+            if (groups.empty() || groups.back().group != GroupOf(row)) {
+              groups.push_back({GroupOf(row), Eigen::Matrix<double, 3, 2>::Zero()});
             }
-            groups.back().rows += RigidMotion(pose).transpose() * system.line_coupling[i].rows;
+            groups.back().rows += RigidMotion(row).transpose() * system.line_coupling[i].rows;
           }
           for (std::size_t a = 0; a < groups.size(); ++a) {
             for (std::size_t b = 0; b <= a; ++b) {

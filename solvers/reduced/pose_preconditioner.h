@@ -11,10 +11,10 @@
 
 namespace plumbline {
 
-/// Two levels, added up. Neighbouring poses: the block-tridiagonal part of B, the chain of the
-/// odometry with every pose held by the lines. It knows nothing of the slow modes, in which poses
-/// carry lines along; for these, groups of consecutive poses that move rigidly about their centre,
-/// with the whole of S among them.
+/// Two levels, added up, over the rows of the system. Neighbouring poses: the block-tridiagonal
+/// part of B, the chain of the odometry with every pose held by the lines. It knows nothing of the
+/// slow modes, in which poses carry lines along; for these, groups of consecutive poses that move
+/// rigidly about their centre, with the whole of S among them.
 class PosePreconditioner {
  public:
   PosePreconditioner(const PoseSystem& system, const PatchSightings& sightings,
@@ -26,12 +26,12 @@ class PosePreconditioner {
  private:
   void FactorChain(const PoseSystem& system);
   void FactorGroups(const PoseSystem& system, const PatchSightings& sightings, ThreadPool* pool);
-  Eigen::Matrix3d RigidMotion(std::size_t pose) const;
-  std::size_t GroupOf(std::size_t pose) const { return pose / group_size_; }
+  Eigen::Matrix3d RigidMotion(std::size_t row) const;
+  std::size_t GroupOf(std::size_t row) const { return row / group_size_; }
 
-  const std::vector<PoseFrame>& frames_;
+  std::vector<PoseFrame> frames_;               // per row
   std::vector<Eigen::Matrix3d> chain_inverse_;  // of the pivots
-  std::vector<Eigen::Matrix3d> chain_lower_;    // pose i by pose i - 1
+  std::vector<Eigen::Matrix3d> chain_lower_;    // row i by row i - 1
   std::size_t group_size_ = 1;
   std::vector<Eigen::Vector2d> group_center_;
   Eigen::LLT<Eigen::MatrixXd> groups_;

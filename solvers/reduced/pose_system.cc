@@ -140,22 +140,54 @@ void PoseSystem::Linearize(const PatchSightings& sightings,
                            const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
                            const std::vector<double>& poses, const std::vector<PoseFrame>& frames,
                            ThreadPool* pool) {
-  diagonal.assign(frames.size(), Eigen::Matrix3d::Zero());
-  gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(frames.size()));
+  NumberRows(terms.is_constant);
+  diagonal.assign(pose_of_row.size(), Eigen::Matrix3d::Zero());
+  gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(pose_of_row.size()));
   couplings.clear();
   AddSightings(sightings, patches, frames, pool);
   by_sightings = diagonal;
   AddPoseTerms(terms, poses);
   damping.resize(gradient.size());
-  for (std::size_t pose = 0; pose < diagonal.size(); ++pose) {
+  for (std::size_t row = 0; row < diagonal.size(); ++row) {
     for (int i = 0; i < 3; ++i) {
-      double& entry = diagonal[pose](i, i);
+      double& entry = diagonal[row](i, i);
       // Or a pose that nothing sees.
       const double added = entry > 0.0 ? kDamping * entry : 1.0 - entry;
-      damping[3 * static_cast<Eigen::Index>(pose) + i] = added;
+      damping[3 * static_cast<Eigen::Index>(row) + i] = added;
       entry += added;
     }
   }
+}
+
+void PoseSystem::NumberRows(const std::vector<char>& is_constant) {
+  pose_of_row.clear();
+  row_of_pose.assign(is_constant.size(), kConstant);
+  for (std::size_t pose = 0; pose < is_constant.size(); ++pose) {
+    if (is_constant[pose]) continue;
+    row_of_pose[pose] = static_cast<int>(pose_of_row.size());
+    pose_of_row.push_back(static_cast<int>(pose));
+  }
+}
+
+std::vector<double> PoseSystem::Moved(const std::vector<double>& poses,
+                                      const Eigen::VectorXd& step) const {
+  std::vector<double> moved = poses;
+  for (std::size_t row = 0; row < pose_of_row.size(); ++row) {
+    for (int i = 0; i < 3; ++i) {
+      moved[3 * pose_of_row[row] + i] += step[3 * static_cast<Eigen::Index>(row) + i];
+    }
+  }
+  return moved;
+}
+
+Eigen::MatrixXd PoseSystem::ByPose(const Eigen::MatrixXd& by_row) const {
+  Eigen::MatrixXd by_pose =
+      Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(row_of_pose.size()), by_row.cols());
+  for (std::size_t row = 0; row < pose_of_row.size(); ++row) {
+    by_pose.middleRows<3>(3 * pose_of_row[row]) =
+        by_row.middleRows<3>(3 * static_cast<Eigen::Index>(row));
+  }
+  return by_pose;
 }
 
 void PoseSystem::AddSightings(const PatchSightings& sightings,
@@ -169,7 +201,7 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
   line_whitening.assign(patches.size(), Eigen::Matrix2d::Zero());
   std::vector<std::vector<PoseSum>> sums(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
-    sums[part].resize(frames.size());
+    sums[part].resize(pose_of_row.size());
     const std::size_t end = FirstPatchOfPart(sightings, part + 1);
     for (std::size_t p = FirstPatchOfPart(sightings, part); p < end; ++p) {
       const std::size_t first = sightings.first_of_patch[p];
@@ -181,8 +213,11 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
         const PatchSighting& sighting = sightings.sightings[i];
         const Linearized linear(sighting, patches[p], frames[sighting.pose]);
         line_block += linear.LineBlock();
-        line_coupling[i] = {linear.CrossBlock(), sighting.pose};
-        PoseSum& sum = sums[part][sighting.pose];
+        const int row = row_of_pose[sighting.pose];
+        line_coupling[i].row = row;
+        if (row == kConstant) continue;
+        line_coupling[i].rows = linear.CrossBlock();
+        PoseSum& sum = sums[part][row];
         sum.block += linear.PoseBlock();
         sum.gradient += linear.PoseGradient();
       }
@@ -193,15 +228,17 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
                                 .triangularView<Eigen::Upper>()
                                 .solve(Eigen::Matrix2d::Identity());
       }
-      for (std::size_t i = first; i < last; ++i) line_coupling[i].rows *= line_whitening[p];
+      for (std::size_t i = first; i < last; ++i) {
+        if (line_coupling[i].row != kConstant) line_coupling[i].rows *= line_whitening[p];
+      }
     }
   });
   pool->ForEachChunk(
-      frames.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t pose = begin; pose < end; ++pose) {
+      diagonal.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
           for (const std::vector<PoseSum>& part : sums) {
-            diagonal[pose] += part[pose].block;
-            gradient.segment<3>(3 * static_cast<Eigen::Index>(pose)) += part[pose].gradient;
+            diagonal[row] += part[row].block;
+            gradient.segment<3>(3 * static_cast<Eigen::Index>(row)) += part[row].gradient;
           }
         }
       });
@@ -211,23 +248,24 @@ void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>&
   using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   Eigen::Vector3d residual;
   RowMajor3d d_a, d_b;
-  for (const PosePrior& prior : terms.priors) {
-    prior.residual.Evaluate(&poses[3 * prior.pose], residual.data(), d_a.data());
-    diagonal[prior.pose] += d_a.transpose() * d_a;
-    gradient.segment<3>(3 * prior.pose) += d_a.transpose() * residual;
-  }
   for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
     for (const PoseEdge& edge : *edges) {
       edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], residual.data(),
                              d_a.data(), d_b.data());
-      diagonal[edge.from] += d_a.transpose() * d_a;
-      diagonal[edge.to] += d_b.transpose() * d_b;
-      gradient.segment<3>(3 * edge.from) += d_a.transpose() * residual;
-      gradient.segment<3>(3 * edge.to) += d_b.transpose() * residual;
-      if (edge.from < edge.to) {
-        couplings.push_back({edge.from, edge.to, d_b.transpose() * d_a});
+      const int from = row_of_pose[edge.from], to = row_of_pose[edge.to];
+      if (from != kConstant) {
+        diagonal[from] += d_a.transpose() * d_a;
+        gradient.segment<3>(3 * from) += d_a.transpose() * residual;
+      }
+      if (to != kConstant) {
+        diagonal[to] += d_b.transpose() * d_b;
+        gradient.segment<3>(3 * to) += d_b.transpose() * residual;
+      }
+      if (from == kConstant || to == kConstant) continue;
+      if (from < to) {
+        couplings.push_back({from, to, d_b.transpose() * d_a});
       } else {
-        couplings.push_back({edge.to, edge.from, d_a.transpose() * d_b});
+        couplings.push_back({to, from, d_a.transpose() * d_b});
       }
     }
   }
@@ -254,21 +292,25 @@ void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v
       const std::size_t last = sightings.first_of_patch[p + 1];
       Eigen::Vector2d line = Eigen::Vector2d::Zero();
       for (std::size_t i = first; i < last; ++i) {
-        line += line_coupling[i].rows.transpose() * v.segment<3>(3 * line_coupling[i].pose);
+        const LineCoupling& coupling = line_coupling[i];
+        if (coupling.row == kConstant) continue;
+        line += coupling.rows.transpose() * v.segment<3>(3 * coupling.row);
       }
       for (std::size_t i = first; i < last; ++i) {
-        sums.segment<3>(3 * line_coupling[i].pose) += line_coupling[i].rows * line;
+        const LineCoupling& coupling = line_coupling[i];
+        if (coupling.row == kConstant) continue;
+        sums.segment<3>(3 * coupling.row) += coupling.rows * line;
       }
     }
   });
   result->resize(v.size());
   pool->ForEachChunk(diagonal.size(), kPosesPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t pose = begin; pose < end; ++pose) {
-                         const Eigen::Index row = 3 * static_cast<Eigen::Index>(pose);
-                         Eigen::Vector3d sum = diagonal[pose] * v.segment<3>(row);
-                         for (const Eigen::VectorXd& part : part_sums_) sum -= part.segment<3>(row);
-                         result->segment<3>(row) = sum;
+                       for (std::size_t row = begin; row < end; ++row) {
+                         const Eigen::Index at = 3 * static_cast<Eigen::Index>(row);
+                         Eigen::Vector3d sum = diagonal[row] * v.segment<3>(at);
+                         for (const Eigen::VectorXd& part : part_sums_) sum -= part.segment<3>(at);
+                         result->segment<3>(at) = sum;
                        }
                      });
   for (const PoseCoupling& coupling : couplings) {

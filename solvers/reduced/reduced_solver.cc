@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "plumbline/core/seconds_since.h"
-#include "plumbline/factors/pose_prior_factor.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/ceres_solver.h"
 #include "plumbline/solvers/held_out_returns.h"
@@ -49,7 +48,7 @@ class PatchMinimizer {
         pool_(pool),
         poses_(*poses),
         terms_(graph, factors),
-        num_priors_(terms_.priors.size()),
+        fixed_(terms_.is_constant),
         compressor_(graph, surface, NoiseOf(factors), pool),
         move_([this, ceres] { ceres ? MoveByCeres(*ceres) : MoveByGaussNewton(); }) {}
 
@@ -126,11 +125,8 @@ class PatchMinimizer {
 
   // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
   void HoldIslands() {
-    terms_.priors.resize(num_priors_);
-    for (const int pose : FindFreeIslands(sightings_, terms_)) {
-      terms_.priors.push_back(
-          {pose, MakePosePriorResidual(Pose2(&poses_[3 * pose]), factors_.prior)});
-    }
+    terms_.is_constant = fixed_;
+    for (const int pose : FindFreeIslands(sightings_, terms_)) terms_.is_constant[pose] = true;
   }
 
   // Need not lie beside what is about to take their place.
@@ -178,19 +174,15 @@ class PatchMinimizer {
     Eigen::VectorXd step;
     IterationSummary iteration;
     iteration.phase = "poses";
-    iteration.gradient_max_norm = system_.gradient.cwiseAbs().maxCoeff();
+    iteration.gradient_max_norm = system_.gradient.lpNorm<Eigen::Infinity>();
     iteration.evaluations = SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
                                             options_.cg_tolerance, kMaxCgIterations, pool_, &step)
                                 .iterations;
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;
-    std::vector<double> poses(poses_.size());
     for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
-      for (std::size_t i = 0; i < poses.size(); ++i) {
-        poses[i] = poses_[i] + length * step[static_cast<Eigen::Index>(i)];
-      }
-      if (!MoveIfBetter(poses)) continue;
+      if (!MoveIfBetter(system_.Moved(poses_, length * step))) continue;
       iteration.step_norm = length * step.norm();
       iteration.step_size = length;
       break;
@@ -229,7 +221,7 @@ class PatchMinimizer {
   double MovedSquared(const std::vector<double>& from) const {
     double sum = 0.0;
     Eigen::Vector3d moved_before = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < system_.by_sightings.size(); ++i) {
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
       const Eigen::Vector3d moved = Eigen::Map<const Eigen::Vector3d>(&poses_[3 * i]) -
                                     Eigen::Map<const Eigen::Vector3d>(&from[3 * i]);
       Eigen::Vector3d relative = moved - moved_before;
@@ -237,7 +229,8 @@ class PatchMinimizer {
         relative.x() += moved_before.z() * (frames_[i].y - frames_[i - 1].y);
         relative.y() -= moved_before.z() * (frames_[i].x - frames_[i - 1].x);
       }
-      sum += relative.dot(system_.by_sightings[i] * relative);
+      const int row = system_.row_of_pose[i];
+      if (row >= 0) sum += relative.dot(system_.by_sightings[row] * relative);
       moved_before = moved;
     }
     return sum;
@@ -277,7 +270,7 @@ class PatchMinimizer {
   ThreadPool* pool_;
   std::vector<double>& poses_;  // the result so far
   PoseTerms terms_;
-  const std::size_t num_priors_;  // the graph's own; those of islands follow
+  const std::vector<char> fixed_;  // the graph's own constants; those of islands come on top
   ReturnCompressor compressor_;
   // Lowers the cost for the weights at hand, if it can: changes poses_ and cost_.
   const std::function<void()> move_;
