@@ -358,16 +358,17 @@ struct Experiment {
   Status (*run)(HtmlReport* page);
   bool needs_log;
   bool needs_output_dir;
+  bool runs_other_solvers;  // whichever --solver names
 };
-constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy, false, false},
-                                       {"solver_comparison", CompareAllSolvers, false, true},
-                                       {"scaling", Scaling, false, false},
-                                       {"log", MapLogByAll, true, true},
-                                       {"synthetic", Synthetic, false, true},
-                                       {"ablation", Ablation, false, true},
-                                       {"replay", ReplayDrive, false, true},
-                                       {"adversarial", Adversarial, false, false},
-                                       {"sensors", Sensors, false, true}};
+constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy, false, false, false},
+                                       {"solver_comparison", CompareAllSolvers, false, true, true},
+                                       {"scaling", Scaling, false, false, false},
+                                       {"log", MapLogByAll, true, true, false},
+                                       {"synthetic", Synthetic, false, true, false},
+                                       {"ablation", Ablation, false, true, true},
+                                       {"replay", ReplayDrive, false, true, false},
+                                       {"adversarial", Adversarial, false, false, false},
+                                       {"sensors", Sensors, false, true, false}};
 
 Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
@@ -415,6 +416,10 @@ Status CheckFlags() {
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison));
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  const bool one_solver = std::none_of(wanted.begin(), wanted.end(), [](const Experiment* wants) {
+    return wants->runs_other_solvers;
+  });
+  if (one_solver) PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(solver));
   return SeedingOptionsFromFlags(&seeding);
 }
 

@@ -2,10 +2,13 @@
 
 #include <gflags/gflags.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include "plumbline/core/angle.h"
-#include "plumbline/solvers/ceres_solver.h"
+#include "plumbline/solvers/ceres_options.h"
 
 namespace {
 
@@ -64,18 +67,17 @@ DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_
 // Associations and rounds.
 DEFINE_string(
     neighborhood, ToString(Defaults().association.neighborhood),
-    "Neighbourhood of a tangent line: radius, or nearest (the published form; not with the "
-    "reduced solver)");
+    "Neighbourhood of a tangent line: radius, or nearest (the published form; not over patches)");
 DEFINE_int32(min_neighbors, Defaults().association.min_points,
              "Fewest points of a tangent line's neighbourhood");
 DEFINE_int32(max_neighbors, Defaults().association.max_points,
-             "Most points of a neighbourhood with --neighborhood=nearest");
+             "In rounds: most points of a neighbourhood with --neighborhood=nearest");
 DEFINE_bool(several_poses, Defaults().association.several_poses,
             "A tangent line of single points needs those of more than one pose");
 DEFINE_double(
     patch_size_m, Defaults().association.patch_size_m,
-    "reduced: side of the largest patch, or 32 standard deviations of a return if that is "
-    "more; patches are split down to an eighth of it [m]");
+    "Side of the largest patch, also of those by which results are judged, or 32 standard "
+    "deviations of a return if that is more; patches are split down to an eighth of it [m]");
 DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
               "Neighbourhoods rounder than this are no surface [smaller over larger variance]");
 DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
@@ -83,28 +85,29 @@ DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
 DEFINE_double(shape_margin_deg, plumbline::RadToDeg(Defaults().association.shape_margin_rad),
               "Regions this close to parallel or orthogonal get a shape term [deg]");
 DEFINE_int32(coarse_rounds, Defaults().rounds.max_coarse_rounds,
-             "Not reduced: most rounds with wide neighbourhoods, which pull double walls together");
+             "In rounds: most rounds with wide neighbourhoods, which pull double walls together");
 DEFINE_int32(fine_rounds, Defaults().rounds.max_fine_rounds,
-             "Not reduced: most rounds with narrow neighbourhoods; each rebuilds the associations");
+             "In rounds: most rounds with narrow neighbourhoods; each rebuilds the associations");
 DEFINE_double(coarse_radius_m, Defaults().rounds.coarse_radius_m,
-              "Not reduced: smallest neighbourhood radius in the first coarse round [m]");
+              "Smallest neighbourhood radius in the first coarse round, and where the start of a "
+              "pose graph file is compared with its edges [m]");
 DEFINE_double(
     fine_radius_m, Defaults().rounds.fine_radius_m,
     "Smallest neighbourhood radius of the final tangent lines and of the fine rounds [m]");
 DEFINE_double(coarse_gate_factor, Defaults().rounds.coarse_gate_factor,
-              "Not reduced: factor on the robust gates in the first coarse round");
+              "In rounds: factor on the robust gates in the first coarse round");
 DEFINE_double(round_tolerance, Defaults().rounds.relative_tolerance,
-              "Not reduced: fine rounds end when one gains less [fraction of the marginal energy]");
+              "In rounds: fine rounds end when one gains less [fraction of the marginal energy]");
 
-// --solver=reduced
+// Over patches: --solver=reduced, or ceres with --reduced.
 DEFINE_int32(reduced_max_rounds, Defaults().reduced.max_rounds,
              "reduced: most rounds; each cuts the surfaces into patches anew");
 DEFINE_int32(reduced_steps, Defaults().reduced.steps_per_round,
-             "reduced: Gauss-Newton steps per round, at most");
+             "reduced: steps per round, at most");
 DEFINE_bool(reduced_lines_follow, Defaults().reduced.lines_follow,
             "reduced: tangent lines follow the poses; otherwise they are fixed within a round");
 DEFINE_double(reduced_first_gate_factor, Defaults().reduced.first_gate_factor,
-              "reduced: factor on the robust gate in the first round");
+              "reduced, and --calibrate: factor on the robust gate in the first round");
 DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
               "reduced: ends when a round gains less in its last step [fraction of the cost], and");
 DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
@@ -115,7 +118,7 @@ DEFINE_double(
 DEFINE_int32(reduced_polish_sweeps, Defaults().reduced.polish_sweeps,
              "reduced: sweeps of alternating_cg afterwards, on the exact energy of all points");
 
-// --solver=alternating_cg
+// --solver=alternating_cg; all but the first also for --reduced_polish_sweeps.
 DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
              "alternating_cg: most sweeps over map, poses and scans per round");
 DEFINE_int32(cg_map_iterations, Defaults().alternating_cg.map_iterations_per_sweep,
@@ -125,38 +128,40 @@ DEFINE_int32(cg_pose_iterations, Defaults().alternating_cg.pose_iterations_per_s
 DEFINE_int32(cg_scan_iterations, Defaults().alternating_cg.scan_iterations_per_sweep,
              "alternating_cg: iterations on poses that carry their points; 0: as published");
 DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
-              "alternating_cg: ends a round when a sweep gains less [fraction of the cost]");
+              "alternating_cg: ends a round when a sweep gains less [fraction of the cost]; for "
+              "the others see --reduced_cg_tolerance and --ceres_function_tolerance");
 
 // --solver=ceres
-DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres.minimizer),
-              "trust_region or line_search");
+DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres->minimizer),
+              "ceres: trust_region or line_search");
 DEFINE_string(ceres_trust_region_strategy,
-              ceres::TrustRegionStrategyTypeToString(Defaults().ceres.trust_region_strategy),
-              "levenberg_marquardt or dogleg");
-DEFINE_string(ceres_dogleg, ceres::DoglegTypeToString(Defaults().ceres.dogleg),
-              "traditional_dogleg or subspace_dogleg");
+              ceres::TrustRegionStrategyTypeToString(Defaults().ceres->trust_region_strategy),
+              "ceres: levenberg_marquardt or dogleg");
+DEFINE_string(ceres_dogleg, ceres::DoglegTypeToString(Defaults().ceres->dogleg),
+              "ceres: traditional_dogleg or subspace_dogleg");
 DEFINE_string(ceres_line_search_direction,
-              ceres::LineSearchDirectionTypeToString(Defaults().ceres.line_search_direction),
-              "steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs");
-DEFINE_string(ceres_line_search, ceres::LineSearchTypeToString(Defaults().ceres.line_search),
-              "armijo or wolfe");
+              ceres::LineSearchDirectionTypeToString(Defaults().ceres->line_search_direction),
+              "ceres: steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs");
+DEFINE_string(ceres_line_search, ceres::LineSearchTypeToString(Defaults().ceres->line_search),
+              "ceres: armijo or wolfe");
 DEFINE_string(
     ceres_nonlinear_conjugate_gradient,
-    ceres::NonlinearConjugateGradientTypeToString(Defaults().ceres.nonlinear_conjugate_gradient),
-    "fletcher_reeves, polak_ribiere or hestenes_stiefel");
-DEFINE_string(ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ceres.linear_solver),
-              "sparse_schur, iterative_schur, dense_schur, sparse_normal_cholesky, cgnr, dense_qr "
-              "or dense_normal_cholesky");
-DEFINE_string(ceres_preconditioner,
-              ceres::PreconditionerTypeToString(Defaults().ceres.preconditioner),
-              "identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
-DEFINE_bool(reduced, Defaults().ceres.reduced,
+    ceres::NonlinearConjugateGradientTypeToString(Defaults().ceres->nonlinear_conjugate_gradient),
+    "ceres: fletcher_reeves, polak_ribiere or hestenes_stiefel");
+DEFINE_string(
+    ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ceres->linear_solver),
+    "ceres: sparse_schur, iterative_schur, dense_schur, sparse_normal_cholesky, cgnr, dense_qr "
+    "or dense_normal_cholesky");
+DEFINE_string(
+    ceres_preconditioner, ceres::PreconditionerTypeToString(Defaults().ceres->preconditioner),
+    "ceres: identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
+DEFINE_bool(reduced, Defaults().ceres->reduced,
             "ceres: minimise over poses and the lines of patches, in the rounds of the reduced "
             "solver");
-DEFINE_int32(ceres_max_iterations, Defaults().ceres.max_iterations,
-             "Most iterations of Ceres per round; with --reduced, per step");
-DEFINE_double(ceres_function_tolerance, Defaults().ceres.function_tolerance,
-              "Ends a round when an iteration gains less [fraction of the cost]");
+DEFINE_int32(ceres_max_iterations, Defaults().ceres->max_iterations,
+             "ceres: most iterations per round; with --reduced, per step");
+DEFINE_double(ceres_function_tolerance, Defaults().ceres->function_tolerance,
+              "ceres: ends a round when an iteration gains less [fraction of the cost]");
 
 // --solver=sgd
 DEFINE_int32(sgd_iterations, Defaults().sgd.max_iterations,
@@ -188,6 +193,65 @@ Status CheckValues(const Options& options) {
   return Status::InvalidArgument("the flags set " + error);
 }
 
+bool UsesReturns(const SolverOptions& options) { return !options.MovesPosesOnly(); }
+bool IsInRounds(const SolverOptions& options) {
+  return UsesReturns(options) && !options.IsOverPatches();
+}
+bool IsReduced(const SolverOptions& options) { return options.type == SolverType::kReduced; }
+bool IsCeres(const SolverOptions& options) { return options.type == SolverType::kCeres; }
+bool IsSgd(const SolverOptions& options) { return options.type == SolverType::kSgd; }
+bool IsAlternatingCg(const SolverOptions& options) {
+  return options.type == SolverType::kAlternatingCg;
+}
+bool SweepsByCg(const SolverOptions& options) {
+  return IsAlternatingCg(options) || (options.IsOverPatches() && options.reduced.polish_sweeps > 0);
+}
+
+// Flags that not every solver reads. A name that ends in _ stands for all that begin with it; the
+// first row that fits counts.
+struct FlagReaders {
+  const char* name;
+  bool (*read_it)(const SolverOptions&);
+};
+constexpr FlagReaders kFlagReaders[] = {
+    {"sigma_bearing_rad", UsesReturns},
+    {"sigma_manifold_m", UsesReturns},
+    {"manifold_gate", UsesReturns},
+    {"shape", UsesReturns},
+    {"sigma_shape_rad", UsesReturns},
+    {"shape_", UsesReturns},
+    {"neighborhood", UsesReturns},
+    {"min_neighbors", UsesReturns},
+    {"max_neighbors", IsInRounds},
+    {"several_poses", UsesReturns},
+    {"patch_size_m", UsesReturns},
+    {"max_eigenvalue_ratio", UsesReturns},
+    {"min_segment_length_m", UsesReturns},
+    {"coarse_radius_m", UsesReturns},
+    {"fine_radius_m", UsesReturns},
+    {"coarse_", IsInRounds},
+    {"fine_rounds", IsInRounds},
+    {"round_tolerance", IsInRounds},
+    {"reduced_cg_tolerance", IsReduced},
+    {"reduced_lines_follow", IsReduced},
+    {"reduced_first_gate_factor", UsesReturns},  // the calibration does, with any solver
+    {"reduced_", [](const SolverOptions& options) { return options.IsOverPatches(); }},
+    {"reduced", IsCeres},
+    {"ceres_", IsCeres},
+    {"cg_max_sweeps", IsAlternatingCg},
+    {"cg_", SweepsByCg},
+    {"sgd_", IsSgd},
+};
+
+bool IsIgnored(const std::string& flag, const SolverOptions& options) {
+  const auto* readers =
+      std::find_if(std::begin(kFlagReaders), std::end(kFlagReaders), [&](const FlagReaders& row) {
+        const std::string name = row.name;
+        return flag == name || (name.back() == '_' && flag.compare(0, name.size(), name) == 0);
+      });
+  return readers != std::end(kFlagReaders) && !readers->read_it(options);
+}
+
 FactorOptions FactorOptionsFromFlags() {
   FactorOptions factors;
   factors.beam.sigma_range_m = FLAGS_sigma_range_m;
@@ -204,6 +268,56 @@ FactorOptions FactorOptionsFromFlags() {
   factors.motion.translation_floor_m = FLAGS_odom_translation_floor_m;
   factors.motion.rotation_floor_rad = FLAGS_odom_rotation_floor_rad;
   return factors;
+}
+
+Status AssociationOptionsFromFlags(AssociationOptions* options) {
+  const auto from_string = [](const std::string& name, NeighborhoodType* type) {
+    return FromString(name, type);
+  };
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("neighborhood", FLAGS_neighborhood, from_string, &options->neighborhood));
+  options->min_points = FLAGS_min_neighbors;
+  options->several_poses = FLAGS_several_poses;
+  options->patch_size_m = FLAGS_patch_size_m;
+  options->max_points = FLAGS_max_neighbors;
+  options->max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
+  options->min_segment_length_m = FLAGS_min_segment_length_m;
+  options->shape_margin_rad = DegToRad(FLAGS_shape_margin_deg);
+  return Status::Ok();
+}
+
+RoundOptions RoundOptionsFromFlags() {
+  RoundOptions rounds;
+  rounds.max_coarse_rounds = FLAGS_coarse_rounds;
+  rounds.max_fine_rounds = FLAGS_fine_rounds;
+  rounds.coarse_radius_m = FLAGS_coarse_radius_m;
+  rounds.fine_radius_m = FLAGS_fine_radius_m;
+  rounds.coarse_gate_factor = FLAGS_coarse_gate_factor;
+  rounds.relative_tolerance = FLAGS_round_tolerance;
+  return rounds;
+}
+
+ReducedOptions ReducedOptionsFromFlags() {
+  ReducedOptions reduced;
+  reduced.max_rounds = FLAGS_reduced_max_rounds;
+  reduced.steps_per_round = FLAGS_reduced_steps;
+  reduced.lines_follow = FLAGS_reduced_lines_follow;
+  reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
+  reduced.relative_tolerance = FLAGS_reduced_tolerance;
+  reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
+  reduced.cg_tolerance = FLAGS_reduced_cg_tolerance;
+  reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
+  return reduced;
+}
+
+AlternatingCgOptions AlternatingCgOptionsFromFlags() {
+  AlternatingCgOptions cg;
+  cg.max_sweeps = FLAGS_cg_max_sweeps;
+  cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
+  cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;
+  cg.scan_iterations_per_sweep = FLAGS_cg_scan_iterations;
+  cg.relative_cost_tolerance = FLAGS_cg_tolerance;
+  return cg;
 }
 
 Status CeresOptionsFromFlags(CeresOptions* options) {
@@ -238,56 +352,29 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   const auto solver_from_string = [](const std::string& name, SolverType* type) {
     return FromString(name, type);
   };
-  const auto neighborhood_from_string = [](const std::string& name, NeighborhoodType* type) {
-    return FromString(name, type);
-  };
   *options = SolverOptions();
   PLUMBLINE_RETURN_IF_ERROR(ParseName("solver", FLAGS_solver, solver_from_string, &options->type));
-  PLUMBLINE_RETURN_IF_ERROR(ParseName("neighborhood", FLAGS_neighborhood, neighborhood_from_string,
-                                      &options->association.neighborhood));
-  PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&options->ceres));
-  if (options->ceres.reduced && options->type != SolverType::kCeres) {
-    return Status::InvalidArgument("--reduced is a form of --solver=ceres, not of --solver=" +
-                                   FLAGS_solver);
-  }
-  if (options->association.neighborhood == NeighborhoodType::kNearest &&
-      (options->type == SolverType::kReduced || options->ceres.reduced)) {
-    return Status::InvalidArgument(
-        "--neighborhood=nearest goes with --solver=alternating_cg or ceres, which take each "
-        "point's "
-        "neighbours; the reduced solver cuts surfaces into patches");
-  }
+  PLUMBLINE_RETURN_IF_ERROR(AssociationOptionsFromFlags(&options->association));
+  PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&*options->ceres));
   options->num_threads = FLAGS_threads;
   options->factors = FactorOptionsFromFlags();
-  options->association.min_points = FLAGS_min_neighbors;
-  options->association.several_poses = FLAGS_several_poses;
-  options->association.patch_size_m = FLAGS_patch_size_m;
-  options->association.max_points = FLAGS_max_neighbors;
-  options->association.max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
-  options->association.min_segment_length_m = FLAGS_min_segment_length_m;
-  options->association.shape_margin_rad = DegToRad(FLAGS_shape_margin_deg);
-  options->rounds.max_coarse_rounds = FLAGS_coarse_rounds;
-  options->rounds.max_fine_rounds = FLAGS_fine_rounds;
-  options->rounds.coarse_radius_m = FLAGS_coarse_radius_m;
-  options->rounds.fine_radius_m = FLAGS_fine_radius_m;
-  options->rounds.coarse_gate_factor = FLAGS_coarse_gate_factor;
-  options->rounds.relative_tolerance = FLAGS_round_tolerance;
-  options->reduced.max_rounds = FLAGS_reduced_max_rounds;
-  options->reduced.steps_per_round = FLAGS_reduced_steps;
-  options->reduced.lines_follow = FLAGS_reduced_lines_follow;
-  options->reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
-  options->reduced.relative_tolerance = FLAGS_reduced_tolerance;
-  options->reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
-  options->reduced.cg_tolerance = FLAGS_reduced_cg_tolerance;
-  options->reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
+  options->rounds = RoundOptionsFromFlags();
+  options->reduced = ReducedOptionsFromFlags();
+  options->alternating_cg = AlternatingCgOptionsFromFlags();
   options->sgd.max_iterations = FLAGS_sgd_iterations;
-  options->alternating_cg.max_sweeps = FLAGS_cg_max_sweeps;
-  options->alternating_cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
-  options->alternating_cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;
-  options->alternating_cg.scan_iterations_per_sweep = FLAGS_cg_scan_iterations;
-  options->alternating_cg.relative_cost_tolerance = FLAGS_cg_tolerance;
-  PLUMBLINE_RETURN_IF_ERROR(CheckValues(*options));
-  return options->type == SolverType::kCeres ? CheckCeresOptions(options->ceres) : Status::Ok();
+  return CheckValues(*options);
+}
+
+Status CheckNoFlagIsIgnored(const SolverOptions& options) {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  for (const gflags::CommandLineFlagInfo& flag : flags) {
+    if (flag.is_default || !IsIgnored(flag.name, options)) continue;
+    const bool ceres_reduced = IsCeres(options) && options.IsOverPatches();
+    return Status::InvalidArgument("--" + flag.name + " is ignored by --solver=" +
+                                   ToString(options.type) + (ceres_reduced ? " --reduced" : ""));
+  }
+  return Status::Ok();
 }
 
 Status SeedingOptionsFromFlags(SeedingOptions* options) {

@@ -7,6 +7,7 @@
 #include "plumbline/apps/io/map_picture.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/number_text.h"
+#include "plumbline/solvers/ceres_options.h"
 
 namespace plumbline {
 namespace {
@@ -24,20 +25,13 @@ constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;
 
 Rates JointRates(const SolverOptions& solver) {
-  switch (solver.type) {
-    case SolverType::kReduced:
-      return {140.0, kJointBytesPerScan};
-    case SolverType::kAlternatingCg:
-      return {300.0, kJointBytesPerScan};
-    case SolverType::kCeres:
-      if (!solver.ceres.reduced) return {1600.0, kJointBytesPerScan};
-      return {solver.ceres.linear_solver == ceres::ITERATIVE_SCHUR ? 280.0 : 1300.0,
-              kJointBytesPerScan};
-    case SolverType::kPoseGraph:
-    case SolverType::kSgd:
-      break;
+  if (solver.MovesPosesOnly()) return kSeeding;
+  double bytes_per_return = solver.IsOverPatches() ? 140.0 : 300.0;
+  if (solver.type == SolverType::kCeres) {
+    const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
+    bytes_per_return = !solver.ceres->reduced ? 1600.0 : iterates ? 280.0 : 1300.0;
   }
-  return kSeeding;
+  return {bytes_per_return, kJointBytesPerScan};
 }
 
 // Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.

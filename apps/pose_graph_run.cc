@@ -56,7 +56,7 @@ class PoseGraphRun {
 
  private:
   bool has_scans() const { return file_.graph.num_returns() > 0; }
-  bool by_edges_only() const { return MovesPosesOnly(options_.solver.type); }
+  bool by_edges_only() const { return options_.solver.MovesPosesOnly(); }
 
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_));

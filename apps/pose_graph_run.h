@@ -18,7 +18,7 @@ struct PoseGraphRunOptions {
 };
 
 /// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
-/// attached to its vertices, by edges and scans together; or, with a solver that MovesPosesOnly(),
+/// attached to its vertices, by edges and scans together; or, with options that MovesPosesOnly(),
 /// by nothing but the edges. Prints what happens; leaves in the output
 /// folder
 ///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index

@@ -80,6 +80,7 @@ class SlamRun {
       return Status::InvalidArgument("--hits needs --truth");
     }
     PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options_.solver));
+    PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(options_.solver));
     PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options_.seeding));
     outputs_.picture_side_px = FLAGS_picture_side_px;
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
@@ -90,7 +91,7 @@ class SlamRun {
     if (!outputs_.Check(&error)) return Status::InvalidArgument("results: " + error);
     const Status parsed = ParseCalibration(FLAGS_calibrate, &options_.calibration);
     if (!parsed.ok()) return Status::InvalidArgument("--calibrate: " + parsed.message());
-    if (options_.calibration.IsOn() && MovesPosesOnly(options_.solver.type)) {
+    if (options_.calibration.IsOn() && options_.solver.MovesPosesOnly()) {
       return Status::InvalidArgument(
           "--calibrate does not go with --solver=" + std::string(ToString(options_.solver.type)) +
           ", which looks at no returns");
@@ -213,7 +214,7 @@ class SlamRun {
         output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
     PLUMBLINE_RETURN_IF_ERROR(
         RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
-    const bool by_pose_graph = MovesPosesOnly(options_.solver.type);
+    const bool by_pose_graph = options_.solver.MovesPosesOnly();
     PLUMBLINE_RETURN_IF_ERROR(
         RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png", mapping_.state));
     if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());

@@ -17,12 +17,16 @@ set(PLUMBLINE_PUBLIC_HEADERS
   solvers/covariance.h
   solvers/calibration.h
   solvers/seeding/seed.h)
+# Those for a host with a solver of its own, and for Ceres' switches. solvers/README.md has them.
+set(PLUMBLINE_EXTRA_HEADERS
+  solvers/rounds_solver.h
+  solvers/ceres_options.h)
 
-# Sets `result` to the public headers and all headers of ours that they include, directly or not, as
+# Sets `result` to these headers and all headers of ours that they include, directly or not, as
 # paths inside the source tree `root`.
 function(plumbline_reached_headers root result)
   set(reached)
-  set(queue ${PLUMBLINE_PUBLIC_HEADERS})
+  set(queue ${PLUMBLINE_PUBLIC_HEADERS} ${PLUMBLINE_EXTRA_HEADERS})
   while(queue)
     list(POP_FRONT queue header)
     if(header IN_LIST reached)

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "plumbline/factors/analytic_factor.h"
+#include "plumbline/factors/analytic_factor_forward.h"
 
 namespace plumbline {
 

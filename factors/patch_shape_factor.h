@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "plumbline/factors/analytic_factor.h"
+#include "plumbline/factors/analytic_factor_forward.h"
 
 namespace plumbline {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "plumbline/factors/analytic_factor.h"
+#include "plumbline/factors/analytic_factor_forward.h"
 
 namespace plumbline {
 

@@ -6,7 +6,7 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/pose2.h"
-#include "plumbline/factors/analytic_factor.h"
+#include "plumbline/factors/analytic_factor_forward.h"
 
 namespace plumbline {
 

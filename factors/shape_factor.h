@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "plumbline/factors/analytic_factor.h"
+#include "plumbline/factors/analytic_factor_forward.h"
 
 namespace plumbline {
 

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "plumbline/solvers/block_jacobi.h"
+#include "plumbline/solvers/built_in_solvers.h"
 #include "plumbline/solvers/nonlinear_cg.h"
+#include "plumbline/solvers/rounds_solver.h"
 #include "plumbline/solvers/scan_objective.h"
 
 namespace plumbline {
@@ -157,7 +159,21 @@ class Alternation {
   InnerResult result_;
 };
 
+class AlternatingCg final : public RoundsSolver {
+ public:
+  const char* name() const override { return "alternating_cg"; }
+  InnerResult Minimize(const RoundProblem& problem, const ProgressCallback& report,
+                       MapState* state) const override {
+    return SolveByAlternatingCg(problem.energy, problem.options.alternating_cg, report, state);
+  }
+};
+
 }  // namespace
+
+const Solver& AlternatingCgSolver() {
+  static const AlternatingCg solver;
+  return solver;
+}
 
 InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOptions& options,
                                  const ProgressCallback& report, MapState* state) {

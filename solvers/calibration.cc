@@ -24,6 +24,7 @@
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/surface_patches.h"
 #include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/solver.h"
 #include "plumbline/solvers/solver_input.h"
 
 namespace plumbline {
@@ -279,8 +280,8 @@ class Calibrator {
 Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibration,
                   const SlamGraph& graph, const MapState& state) {
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
-  if (MovesPosesOnly(options.type)) {
-    return Status::InvalidArgument("the solver " + std::string(ToString(options.type)) +
+  if (options.MovesPosesOnly()) {
+    return Status::InvalidArgument("the solver " + std::string(SolverOf(options).name()) +
                                    " does not look at the returns, and calibration needs them");
   }
   if ((calibration.laser_mounting || calibration.range_scale) && graph.fixed_poses().size() > 1) {

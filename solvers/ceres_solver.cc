@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "plumbline/solvers/built_in_solvers.h"
 #include "plumbline/solvers/problem_builder.h"
+#include "plumbline/solvers/rounds_solver.h"
 
 namespace plumbline {
 namespace {
@@ -116,7 +118,22 @@ InnerResult BuildAndMinimize(const Build& build, const CeresOptions& options, in
   return result;
 }
 
+class JointCeresSolver final : public RoundsSolver {
+ public:
+  const char* name() const override { return "ceres"; }
+  InnerResult Minimize(const RoundProblem& problem, const ProgressCallback& report,
+                       MapState* state) const override {
+    return SolveWithCeres(problem.graph, problem.associations, problem.factors,
+                          *problem.options.ceres, problem.options.num_threads, report, state);
+  }
+};
+
 }  // namespace
+
+const Solver& CeresSolver() {
+  static const JointCeresSolver solver;
+  return solver;
+}
 
 Status CheckCeresOptions(const CeresOptions& options) {
   if (AbortsInCeres(options)) {

@@ -5,8 +5,8 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/core/status.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/solvers/inner_solve.h"
 #include "plumbline/solvers/pose_terms.h"
 #include "plumbline/solvers/reduced/patch_sightings.h"
@@ -14,10 +14,6 @@
 #include "plumbline/solvers/solver_options.h"
 
 namespace plumbline {
-
-/// Fails on a combination of switches that the installed Ceres refuses, with its own words, or that
-/// would abort in it.
-Status CheckCeresOptions(const CeresOptions& options);
 
 /// Minimises the joint energy over all poses and points with Ceres. *state is the best one on
 /// return.

@@ -7,6 +7,7 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/seeding/odometry_noise.h"
 #include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/solver.h"
 
 namespace plumbline {
 namespace {
@@ -42,9 +43,9 @@ Status CheckSize(const char* name, std::size_t size, std::size_t expected) {
 bool MapLogOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(seeding);
   PLUMBLINE_CHECK_NESTED_OPTIONS(solver);
-  if (!calibration.IsOn() || !MovesPosesOnly(solver.type)) return true;
+  if (!calibration.IsOn() || !solver.MovesPosesOnly()) return true;
   if (error != nullptr) {
-    *error = "calibration does not go with the solver " + std::string(ToString(solver.type)) +
+    *error = "calibration does not go with the solver " + std::string(SolverOf(solver).name()) +
              ", which looks at no returns";
   }
   return false;
@@ -75,7 +76,7 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
                                         mapping->surface.normals, progress, pool, mapping->graph,
                                         &seed, &seeding));
     // A solver of pose graphs has the work still to do that the seeding did by its own.
-    std::vector<double> start_poses = MovesPosesOnly(options.solver.type)
+    std::vector<double> start_poses = options.solver.MovesPosesOnly()
                                           ? PoseArray(seeding.sequential_poses)
                                           : std::move(seed.poses);
     seed = MapState();
@@ -90,7 +91,7 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
                                         mapping->graph.initial_poses().size()));
     PLUMBLINE_RETURN_IF_ERROR(CheckSize("odometry constraints", seeding.corrections.odometry.size(),
                                         mapping->graph.odometry().size()));
-    if (MovesPosesOnly(options.solver.type)) {
+    if (options.solver.MovesPosesOnly()) {
       SlamGraph with_edges = mapping->graph;
       for (const RelativePoseConstraint& edge : seeding.pose_graph) {
         PLUMBLINE_RETURN_IF_ERROR(with_edges.AddRelativePose(edge));

@@ -1,5 +1,3 @@
-#include "plumbline/solvers/pose_only_solve.h"
-
 #include <Eigen/Core>
 #include <chrono>
 #include <cmath>
@@ -8,11 +6,15 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
+#include "plumbline/solvers/built_in_solvers.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
+#include "plumbline/solvers/solver.h"
 #include "plumbline/solvers/solver_input.h"
 
 namespace plumbline {
@@ -54,24 +56,26 @@ class EdgeErrors {
   std::vector<Edge> edges_;
 };
 
-class PoseOnlySolver {
+class PoseOnlyRun {
  public:
-  PoseOnlySolver(const SolverOptions& options, const SlamGraph& graph, const MapState& seed)
-      : options_(options),
-        graph_(graph),
-        errors_(graph.relative_poses()),
+  PoseOnlyRun(const char* solver_name, bool by_sgd, const SolverProblem& problem,
+              const MapState& seed)
+      : by_sgd_(by_sgd),
+        options_(problem.options),
+        graph_(problem.graph),
+        errors_(graph_.relative_poses()),
         seed_(seed),
         state_(seed) {
-    summary_.solver = ToString(options.type);
-    summary_.num_poses = graph.num_poses();
-    summary_.num_points = graph.num_returns();
-    summary_.num_relative_poses = graph.relative_poses().size();
+    summary_.solver = solver_name;
+    summary_.num_poses = graph_.num_poses();
+    summary_.num_points = graph_.num_returns();
+    summary_.num_relative_poses = graph_.relative_poses().size();
   }
 
   SolverSummary Run() {
     summary_.seed_chi2 = Chi2();
     last_cost_ = 0.5 * summary_.seed_chi2;
-    result_ = options_.type == SolverType::kSgd ? Descend() : Optimize();
+    result_ = by_sgd_ ? Descend() : Optimize();
     summary_.final_chi2 = Chi2();
     const bool improved = summary_.final_chi2 < summary_.seed_chi2;
     state_.points = seed_.points;
@@ -153,6 +157,7 @@ class PoseOnlySolver {
     summary_.solve_time_s = summary_.total_time_s = SecondsSince(start_);
   }
 
+  const bool by_sgd_;
   const SolverOptions& options_;
   const SlamGraph& graph_;
   const EdgeErrors errors_;
@@ -165,14 +170,34 @@ class PoseOnlySolver {
   bool stopped_ = false;
 };
 
+class PoseOnlySolver final : public Solver {
+ public:
+  PoseOnlySolver(const char* name, bool by_sgd) : name_(name), by_sgd_(by_sgd) {}
+
+  const char* name() const override { return name_; }
+  bool MovesPosesOnly() const override { return true; }
+  SolverSummary Solve(const SolverProblem& problem, MapState* state) const override {
+    PoseOnlyRun run(name_, by_sgd_, problem, *state);
+    SolverSummary summary = run.Run();
+    *state = run.TakeState();
+    return summary;
+  }
+
+ private:
+  const char* name_;
+  bool by_sgd_;
+};
+
 }  // namespace
 
-SolverSummary SolvePosesOnly(const SolverOptions& options, const SlamGraph& graph,
-                             MapState* state) {
-  PoseOnlySolver solver(options, graph, *state);
-  SolverSummary summary = solver.Run();
-  *state = solver.TakeState();
-  return summary;
+const Solver& PoseGraphSolver() {
+  static const PoseOnlySolver solver("pose_graph", false);
+  return solver;
+}
+
+const Solver& SgdSolver() {
+  static const PoseOnlySolver solver("sgd", true);
+  return solver;
 }
 
 }  // namespace plumbline

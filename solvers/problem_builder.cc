@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/factors/analytic_factor.h"
 #include "plumbline/factors/manifold_factor.h"
 #include "plumbline/factors/patch_shape_factor.h"
 #include "plumbline/factors/patch_sighting_factor.h"

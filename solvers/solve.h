@@ -45,8 +45,9 @@ double FineRadius(const SolverOptions& options);
 ///
 /// Nothing is shared between calls: several threads may solve at a time, also the same graph.
 ///
-/// kPoseGraph and kSgd move the poses by the relative poses alone, see pose_only_solve.h: they need
-/// no returns, but fail likewise without relative poses.
+/// kPoseGraph and kSgd move the poses by the relative poses alone, see built_in_solvers.h: they
+/// need no returns, but fail likewise without relative poses. SolverOptions::own_solver puts a
+/// solver of the host in the place of those of the library.
 SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state);
 
 /// The same for a caller that has measured the surfaces already, with the normals that

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/solvers/solver.h"
 
 namespace plumbline {
 namespace {
@@ -36,10 +37,11 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
   PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));
-  if (MovesPosesOnly(options.type)) {
+  if (options.MovesPosesOnly()) {
     if (!graph.relative_poses().empty()) return Status::Ok();
     return Status::InvalidArgument("the graph has no relative poses, and the solver " +
-                                   std::string(ToString(options.type)) + " looks at nothing else");
+                                   std::string(SolverOf(options).name()) +
+                                   " looks at nothing else");
   }
   if (graph.num_returns() > 0) return Status::Ok();
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
@@ -95,7 +97,7 @@ void CarryPoints(const SlamGraph& graph, const std::vector<double>& poses_before
 
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status) {
   SolverSummary failure;
-  failure.solver = ToString(options.type);
+  failure.solver = SolverOf(options).name();
   failure.message = status.message();
   return failure;
 }

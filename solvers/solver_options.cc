@@ -1,7 +1,8 @@
 #include "plumbline/solvers/solver_options.h"
 
 #include "plumbline/core/options_check.h"
-#include "plumbline/solvers/ceres_solver.h"
+#include "plumbline/solvers/ceres_options.h"
+#include "plumbline/solvers/solver.h"
 
 namespace plumbline {
 namespace {
@@ -12,38 +13,6 @@ bool Refuse(const std::string& reason, std::string* error) {
 }
 
 }  // namespace
-
-const char* ToString(SolverType type) {
-  switch (type) {
-    case SolverType::kReduced:
-      return "reduced";
-    case SolverType::kAlternatingCg:
-      return "alternating_cg";
-    case SolverType::kCeres:
-      return "ceres";
-    case SolverType::kPoseGraph:
-      return "pose_graph";
-    case SolverType::kSgd:
-      return "sgd";
-  }
-  return "";
-}
-
-bool FromString(const std::string& name, SolverType* type) {
-  for (const SolverType candidate :
-       {SolverType::kReduced, SolverType::kAlternatingCg, SolverType::kCeres,
-        SolverType::kPoseGraph, SolverType::kSgd}) {
-    if (name == ToString(candidate)) {
-      *type = candidate;
-      return true;
-    }
-  }
-  return false;
-}
-
-bool MovesPosesOnly(SolverType type) {
-  return type == SolverType::kPoseGraph || type == SolverType::kSgd;
-}
 
 bool ReducedOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_rounds, >, 0);
@@ -66,6 +35,20 @@ bool AlternatingCgOptions::Check(std::string* error) const {
   return true;
 }
 
+CeresOptionsValue::CeresOptionsValue() : options_(std::make_unique<CeresOptions>()) {}
+
+CeresOptionsValue::CeresOptionsValue(const CeresOptionsValue& other)
+    : options_(std::make_unique<CeresOptions>(*other)) {}
+
+CeresOptionsValue& CeresOptionsValue::operator=(const CeresOptionsValue& other) {
+  *options_ = *other;
+  return *this;
+}
+
+CeresOptionsValue::~CeresOptionsValue() = default;
+
+bool CeresOptionsValue::Check(std::string* error) const { return options_->Check(error); }
+
 bool CeresOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
   PLUMBLINE_CHECK_FINITE_OPTION(function_tolerance, >=, 0.0);
@@ -82,9 +65,9 @@ bool RoundOptions::Check(std::string* error) const {
   return true;
 }
 
-bool SolverOptions::IsOverPatches() const {
-  return type == SolverType::kReduced || (type == SolverType::kCeres && ceres.reduced);
-}
+bool SolverOptions::IsOverPatches() const { return SolverOf(*this).IsOverPatches(); }
+
+bool SolverOptions::MovesPosesOnly() const { return SolverOf(*this).MovesPosesOnly(); }
 
 bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(num_threads, >, 0);
@@ -95,8 +78,9 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
   PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
-  if (type == SolverType::kCeres) {
-    const Status status = CheckCeresOptions(ceres);
+  const Solver& solver = SolverOf(*this);
+  if (&solver == &CeresSolver() || &solver == &CeresReducedSolver()) {
+    const Status status = CheckCeresOptions(*ceres);
     if (!status.ok()) return Refuse(status.message(), error);
   }
   if (IsOverPatches() && association.neighborhood != NeighborhoodType::kRadius) {
@@ -105,7 +89,7 @@ bool SolverOptions::Check(std::string* error) const {
                       "surfaces into patches",
                   error);
   }
-  if (type == SolverType::kCeres && ceres.reduced && !reduced.lines_follow) {
+  if (&solver == &CeresReducedSolver() && !reduced.lines_follow) {
     return Refuse(
         "reduced.lines_follow = false goes with the built-in steps; lines are parameters "
         "of Ceres' reduced problem",

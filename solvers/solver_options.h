@@ -1,32 +1,17 @@
 #ifndef PLUMBLINE_SOLVERS_SOLVER_OPTIONS_H_
 #define PLUMBLINE_SOLVERS_SOLVER_OPTIONS_H_
 
-#include <ceres/types.h>
-
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/built_in_solvers.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
 #include "plumbline/solvers/solver_summary.h"
 
 namespace plumbline {
-
-/// The minimisers.
-enum class SolverType {
-  kReduced,        ///< points and lines eliminated exactly; poses by Gauss-Newton
-  kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
-  kCeres,          ///< one ceres::Problem over all poses and points
-  kPoseGraph,      ///< poses by relative poses alone: Gauss-Newton
-  kSgd,            ///< the same by stochastic gradient descent
-};
-/// "reduced", "alternating_cg", "ceres", "pose_graph" or "sgd".
-const char* ToString(SolverType type);
-/// The inverse; false, with *type unchanged, for another name.
-bool FromString(const std::string& name, SolverType* type);
-/// Whether a solver looks at relative poses only, so that points just ride along.
-bool MovesPosesOnly(SolverType type);
 
 /// The reduced solver.
 struct ReducedOptions {
@@ -74,30 +59,27 @@ struct AlternatingCgOptions {
   bool Check(std::string* error) const;
 };
 
-/// Ceres' own switches, under Ceres' own names. Its documentation says what combines with what; a
-/// combination that it refuses is reported as an error.
-struct CeresOptions {
-  /// @{
-  /// See ceres::Solver::Options.
-  ceres::MinimizerType minimizer = ceres::TRUST_REGION;
-  ceres::TrustRegionStrategyType trust_region_strategy = ceres::LEVENBERG_MARQUARDT;
-  ceres::DoglegType dogleg = ceres::TRADITIONAL_DOGLEG;
-  ceres::LineSearchDirectionType line_search_direction = ceres::LBFGS;
-  ceres::LineSearchType line_search = ceres::WOLFE;
-  ceres::NonlinearConjugateGradientType nonlinear_conjugate_gradient = ceres::FLETCHER_REEVES;
-  ceres::LinearSolverType linear_solver = ceres::SPARSE_SCHUR;
-  ceres::PreconditionerType preconditioner = ceres::JACOBI;
-  /// @}
-  /// Ceres minimises over the poses and the lines of patches, points eliminated, between the
-  /// re-weightings of the reduced solver's rounds (ReducedOptions); else over the poses and points
-  /// in rounds of associations (RoundOptions).
-  bool reduced = false;
-  int max_iterations = 5;  ///< per round
-  /// Ends when an iteration lowers the cost by less than this fraction.
-  double function_tolerance = 1e-4;
+struct CeresOptions;
 
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+/// Holds a CeresOptions by value, so that only those who look into it, by `->` or `*`, have to
+/// include ceres_options.h, and with it headers of Ceres.
+class CeresOptionsValue {
+ public:
+  CeresOptionsValue();                                           ///< the defaults
+  CeresOptionsValue(const CeresOptionsValue& other);             ///< with options of its own
+  CeresOptionsValue& operator=(const CeresOptionsValue& other);  ///< likewise
+  ~CeresOptionsValue();
+
+  CeresOptions& operator*() { return *options_; }                    ///< the options
+  const CeresOptions& operator*() const { return *options_; }        ///< the options
+  CeresOptions* operator->() { return options_.get(); }              ///< the options
+  const CeresOptions* operator->() const { return options_.get(); }  ///< the options
+
+  /// CeresOptions::Check.
   bool Check(std::string* error) const;
+
+ private:
+  std::unique_ptr<CeresOptions> options_;  // never null
 };
 
 /// The outer loop. Each round rebuilds the associations and minimises the energy; a round that does
@@ -131,13 +113,15 @@ using ProgressCallback = std::function<bool(const IterationSummary&)>;
 /// your own in factors.beam.
 struct SolverOptions {
   SolverType type = SolverType::kReduced;  ///< the minimiser
-  FactorOptions factors;                   ///< noise and gates of every term
-  AssociationOptions association;          ///< which returns share a surface
-  RoundOptions rounds;                     ///< kAlternatingCg, and kCeres over points
-  ReducedOptions reduced;                  ///< kReduced, and kCeres over patches
-  AlternatingCgOptions alternating_cg;     ///< kAlternatingCg
-  CeresOptions ceres;                      ///< kCeres
-  StochasticDescentOptions sgd;            ///< kSgd
+  /// A minimiser of the host instead of `type`, see rounds_solver.h; null: none.
+  std::shared_ptr<const Solver> own_solver;
+  FactorOptions factors;                ///< noise and gates of every term
+  AssociationOptions association;       ///< which returns share a surface
+  RoundOptions rounds;                  ///< kAlternatingCg, and kCeres over points
+  ReducedOptions reduced;               ///< kReduced, and kCeres over patches
+  AlternatingCgOptions alternating_cg;  ///< kAlternatingCg
+  CeresOptionsValue ceres;              ///< kCeres; see ceres_options.h
+  StochasticDescentOptions sgd;         ///< kSgd
   /// Threads, the calling one included. Results do not depend on it, but for the last digits of
   /// kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;
@@ -145,6 +129,8 @@ struct SolverOptions {
 
   /// Whether surfaces are cut into patches and points eliminated, by whichever solver.
   bool IsOverPatches() const;
+  /// Whether the solver looks at relative poses only, so that points just ride along.
+  bool MovesPosesOnly() const;
 
   /// False if a field is out of range, or if the fields do not go together; *error, if not null,
   /// then names them, and the bound or the reason.

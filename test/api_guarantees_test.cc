@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/reduced/surface_patches.h"
@@ -50,7 +51,7 @@ std::ostream& operator<<(std::ostream& out, const Way& way) { return out << way.
 SolverOptions OptionsFor(const Way& way) {
   SolverOptions options;
   options.type = way.type;
-  options.ceres.reduced = way.ceres_reduced;
+  options.ceres->reduced = way.ceres_reduced;
   // Two threads of Ceres add up in any order.
   options.num_threads = way.type == SolverType::kCeres ? 1 : 2;
   options.rounds.max_coarse_rounds = 1;
@@ -96,7 +97,8 @@ void ExpectSame(const Outcome& a, const Outcome& b) {
 // that places them.
 double EnergyOf(const Way& way, const NoisyRoom& given, const SlamGraph& graph,
                 const std::vector<double>& poses) {
-  if (MovesPosesOnly(way.type)) return GraphChi2(given.graph.relative_poses(), PosesOf(poses));
+  if (OptionsFor(way).MovesPosesOnly())
+    return GraphChi2(given.graph.relative_poses(), PosesOf(poses));
   const FactorOptions factors;
   ThreadPool pool(1);
   const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);

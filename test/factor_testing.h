@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "plumbline/core/pose2.h"
+#include "plumbline/factors/analytic_factor.h"
 
 namespace plumbline {
 

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
 #include "plumbline/test/noisy_room.h"
@@ -16,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-struct Solver {
+struct SolverChoice {
   SolverType type;
   bool reduced_ceres = false;
 
@@ -24,13 +26,15 @@ struct Solver {
   SolverOptions Options() const {
     SolverOptions options;
     options.type = type;
-    options.ceres.reduced = reduced_ceres;
+    options.ceres->reduced = reduced_ceres;
     options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
     return options;
   }
 };
 
-std::string NameOf(const testing::TestParamInfo<Solver>& info) { return info.param.Name(); }
+void PrintTo(const SolverChoice& solver, std::ostream* out) { *out << solver.Name(); }
+
+std::string NameOf(const testing::TestParamInfo<SolverChoice>& info) { return info.param.Name(); }
 
 // The room with edges for the solvers that look at nothing else.
 NoisyRoom RoomWithEdges() {
@@ -58,21 +62,20 @@ void ExpectAtFixedPoses(const NoisyRoom& room) {
   }
 }
 
-class FixedPosesTest : public testing::TestWithParam<Solver> {};
-INSTANTIATE_TEST_SUITE_P(EverySolver, FixedPosesTest,
-                         testing::Values(Solver{SolverType::kReduced},
-                                         Solver{SolverType::kAlternatingCg},
-                                         Solver{SolverType::kCeres},
-                                         Solver{SolverType::kCeres, true},
-                                         Solver{SolverType::kPoseGraph}, Solver{SolverType::kSgd}),
-                         NameOf);
+class FixedPosesTest : public testing::TestWithParam<SolverChoice> {};
+INSTANTIATE_TEST_SUITE_P(
+    EverySolver, FixedPosesTest,
+    testing::Values(SolverChoice{SolverType::kReduced}, SolverChoice{SolverType::kAlternatingCg},
+                    SolverChoice{SolverType::kCeres}, SolverChoice{SolverType::kCeres, true},
+                    SolverChoice{SolverType::kPoseGraph}, SolverChoice{SolverType::kSgd}),
+    NameOf);
 
-class FixedPosesOfScansTest : public testing::TestWithParam<Solver> {};
+class FixedPosesOfScansTest : public testing::TestWithParam<SolverChoice> {};
 INSTANTIATE_TEST_SUITE_P(JointSolvers, FixedPosesOfScansTest,
-                         testing::Values(Solver{SolverType::kReduced},
-                                         Solver{SolverType::kAlternatingCg},
-                                         Solver{SolverType::kCeres},
-                                         Solver{SolverType::kCeres, true}),
+                         testing::Values(SolverChoice{SolverType::kReduced},
+                                         SolverChoice{SolverType::kAlternatingCg},
+                                         SolverChoice{SolverType::kCeres},
+                                         SolverChoice{SolverType::kCeres, true}),
                          NameOf);
 
 TEST_P(FixedPosesTest, StayBitForBitWhereTheyWereFixed) {

@@ -11,6 +11,7 @@
 
 #include "plumbline/apps/command_line.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/solvers/ceres_options.h"
 
 namespace plumbline {
 namespace {
@@ -83,8 +84,8 @@ const std::vector<NumberFlag>& NumberFlags() {
        [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
       {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
       {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
-      {"ceres_max_iterations", [](O o) { return double(o.solver.ceres.max_iterations); }},
-      {"ceres_function_tolerance", [](O o) { return o.solver.ceres.function_tolerance; }},
+      {"ceres_max_iterations", [](O o) { return double(o.solver.ceres->max_iterations); }},
+      {"ceres_function_tolerance", [](O o) { return o.solver.ceres->function_tolerance; }},
       {"key_scan_distance_m", [](O o) { return o.seeding.sequential.key_scan_distance_m; }},
       {"key_scan_angle_deg", [](O o) { return RadToDeg(o.seeding.sequential.key_scan_angle_rad); }},
   };
@@ -104,20 +105,21 @@ const std::vector<NameFlag>& CeresNameFlags() {
   using O = const SolverOptions&;
   static const std::vector<NameFlag> flags = {
       {"ceres_minimizer", "Line_Search", ceres::LINE_SEARCH,
-       [](O o) { return int(o.ceres.minimizer); }},
+       [](O o) { return int(o.ceres->minimizer); }},
       {"ceres_trust_region_strategy", "dogleg", ceres::DOGLEG,
-       [](O o) { return int(o.ceres.trust_region_strategy); }},
+       [](O o) { return int(o.ceres->trust_region_strategy); }},
       {"ceres_dogleg", "SUBSPACE_dogleg", ceres::SUBSPACE_DOGLEG,
-       [](O o) { return int(o.ceres.dogleg); }},
+       [](O o) { return int(o.ceres->dogleg); }},
       {"ceres_line_search_direction", "nonlinear_Conjugate_gradient",
-       ceres::NONLINEAR_CONJUGATE_GRADIENT, [](O o) { return int(o.ceres.line_search_direction); }},
-      {"ceres_line_search", "armijo", ceres::ARMIJO, [](O o) { return int(o.ceres.line_search); }},
+       ceres::NONLINEAR_CONJUGATE_GRADIENT,
+       [](O o) { return int(o.ceres->line_search_direction); }},
+      {"ceres_line_search", "armijo", ceres::ARMIJO, [](O o) { return int(o.ceres->line_search); }},
       {"ceres_nonlinear_conjugate_gradient", "Polak_Ribiere", ceres::POLAK_RIBIERE,
-       [](O o) { return int(o.ceres.nonlinear_conjugate_gradient); }},
+       [](O o) { return int(o.ceres->nonlinear_conjugate_gradient); }},
       {"ceres_linear_solver", "iterative_schur", ceres::ITERATIVE_SCHUR,
-       [](O o) { return int(o.ceres.linear_solver); }},
+       [](O o) { return int(o.ceres->linear_solver); }},
       {"ceres_preconditioner", "SCHUR_jacobi", ceres::SCHUR_JACOBI,
-       [](O o) { return int(o.ceres.preconditioner); }},
+       [](O o) { return int(o.ceres->preconditioner); }},
   };
   return flags;
 }
@@ -140,7 +142,7 @@ TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
     EXPECT_EQ(flag.read(flags.solver), flag.read(library.solver)) << flag.name;
   }
   EXPECT_EQ(flags.solver.type, library.solver.type);
-  EXPECT_EQ(flags.solver.ceres.reduced, library.solver.ceres.reduced);
+  EXPECT_EQ(flags.solver.ceres->reduced, library.solver.ceres->reduced);
   EXPECT_EQ(flags.solver.association.neighborhood, library.solver.association.neighborhood);
   EXPECT_EQ(flags.solver.factors.shape.enabled, library.solver.factors.shape.enabled);
 }
@@ -185,12 +187,12 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SolverOptions with_patches;
   SetFlag("reduced", "true");
   const Status status = SolverOptionsFromFlags(&with_patches);
-  EXPECT_THAT(status.message(), HasSubstr("--neighborhood=nearest"));
+  EXPECT_THAT(status.message(), HasSubstr("association.neighborhood = nearest"));
   SetFlag("neighborhood", "radius");
   EXPECT_THAT(SolverOptionsFromFlags(&with_patches).message(),
               HasSubstr("reduced.lines_follow = false"));
   SetFlag("reduced_lines_follow", "true");
-  EXPECT_TRUE(FromFlags().solver.ceres.reduced);
+  EXPECT_TRUE(FromFlags().solver.ceres->reduced);
 }
 
 // Those of flags.cc, among others that other sources share between programs.
@@ -251,18 +253,68 @@ TEST_F(FlagsTest, SwitchesThatCeresRefusesTogetherAreReported) {
   EXPECT_THAT(status.message(), HasSubstr("WOLFE"));
 }
 
+std::string Refusal() { return CheckNoFlagIsIgnored(FromFlags().solver).message(); }
+
+TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
+  EXPECT_EQ(Refusal(), "");
+  struct Case {
+    const char* flag;
+    std::vector<std::string> readers;
+  };
+  const std::vector<std::string> all = {"reduced",         "alternating_cg", "ceres",
+                                        "ceres --reduced", "pose_graph",     "sgd"};
+  const std::vector<std::string> of_returns(all.begin(), all.begin() + 4);
+  const std::vector<std::string> in_rounds = {"alternating_cg", "ceres"};
+  const std::vector<std::string> over_patches = {"reduced", "ceres --reduced"};
+  const std::vector<std::string> by_ceres = {"ceres", "ceres --reduced"};
+  const Case cases[] = {{"threads", all},
+                        {"sigma_range_m", all},
+                        {"odom_rotation_floor_rad", all},
+                        {"sigma_manifold_m", of_returns},
+                        {"shape_gate", of_returns},
+                        {"fine_radius_m", of_returns},
+                        {"coarse_rounds", in_rounds},
+                        {"coarse_gate_factor", in_rounds},
+                        {"round_tolerance", in_rounds},
+                        {"reduced_steps", over_patches},
+                        {"reduced_cg_tolerance", {"reduced"}},
+                        {"ceres_max_iterations", by_ceres},
+                        {"ceres_linear_solver", by_ceres},
+                        {"cg_max_sweeps", {"alternating_cg"}},
+                        {"cg_tolerance", {"alternating_cg"}},
+                        {"sgd_iterations", {"sgd"}}};
+  for (const Case& it : cases) {
+    for (const std::string& solver : all) {
+      const gflags::FlagSaver saver;
+      SetFlag("solver", solver.substr(0, solver.find(' ')));
+      if (solver == "ceres --reduced") SetFlag("reduced", "true");
+      // The default said aloud asks for something, too.
+      SetFlag(it.flag, gflags::GetCommandLineFlagInfoOrDie(it.flag).default_value);
+      const bool is_read =
+          std::find(it.readers.begin(), it.readers.end(), solver) != it.readers.end();
+      EXPECT_EQ(Refusal(),
+                is_read ? "" : "--" + std::string(it.flag) + " is ignored by --solver=" + solver);
+    }
+  }
+}
+
+TEST_F(FlagsTest, SweepsAfterTheReducedSolverReadTheFlagsOfSweeps) {
+  SetFlag("cg_scan_iterations", "2");
+  EXPECT_EQ(Refusal(), "--cg_scan_iterations is ignored by --solver=reduced");
+  SetFlag("reduced_polish_sweeps", "3");
+  EXPECT_EQ(Refusal(), "");
+  SetFlag("cg_max_sweeps", "3");  // there are as many as --reduced_polish_sweeps says
+  EXPECT_EQ(Refusal(), "--cg_max_sweeps is ignored by --solver=reduced");
+}
+
 TEST_F(FlagsTest, TheReducedFormBelongsToCeres) {
-  SolverOptions options;
   SetFlag("reduced", "true");
   for (const char* other : {"reduced", "alternating_cg"}) {
     SetFlag("solver", other);
-    const Status status = SolverOptionsFromFlags(&options);
-    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-    EXPECT_THAT(status.message(), HasSubstr("--reduced "));
-    EXPECT_THAT(status.message(), HasSubstr(std::string("--solver=") + other));
+    EXPECT_EQ(Refusal(), std::string("--reduced is ignored by --solver=") + other);
   }
   SetFlag("solver", "ceres");
-  EXPECT_TRUE(SolverOptionsFromFlags(&options).ok());
+  EXPECT_EQ(Refusal(), "");
 }
 
 TEST_F(FlagsTest, HelpListsOurFlagsOnly) {

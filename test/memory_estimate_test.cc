@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/test/noisy_room.h"
 
 namespace plumbline {
@@ -36,9 +37,9 @@ TEST_F(MemoryEstimateTest, SolversDiffer) {
   solver_.type = SolverType::kCeres;
   const double explicit_points = joint(false);
   EXPECT_GT(explicit_points - 20e6, 9.0 * (reduced - 20e6));
-  solver_.ceres.reduced = true;
+  solver_.ceres->reduced = true;
   EXPECT_LT(joint(false), explicit_points);
-  solver_.ceres.linear_solver = ceres::ITERATIVE_SCHUR;
+  solver_.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
   EXPECT_LT(joint(false) - 20e6, 0.5 * (explicit_points - 20e6));
 }
 

@@ -1,5 +1,3 @@
-#include "plumbline/solvers/pose_only_solve.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

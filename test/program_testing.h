@@ -25,9 +25,6 @@ inline const std::vector<std::string> kResults = {
     "map_seed.png",     "points.pcd",     "points.ply",         "report.html",
     "summary.json",     "trajectory.tum", "trajectory_seed.tum"};
 
-/// For runs whose map need not be sharp.
-inline const char kQuick[] = "--coarse_rounds=0 --fine_rounds=1 --cg_max_sweeps=2";
-
 struct Outcome {
   int exit_code = -1;
   std::string out, err;

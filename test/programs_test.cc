@@ -182,6 +182,10 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
   ExpectUsageError(Slam("a.clf", "--threads=0"), "num_threads = 0");
   ExpectUsageError(Slam("a.clf", "--threads=many"), "'many' specified for int32 flag 'threads'");
   ExpectUsageError(Slam("a.clf", "--solver=magic"), "--solver=magic");
+  ExpectUsageError(Slam("a.clf", "--cg_max_sweeps=5"),
+                   "--cg_max_sweeps is ignored by --solver=reduced");
+  ExpectUsageError(Run("benchmark", "--experiment=adversarial --coarse_rounds=2"),
+                   "--coarse_rounds is ignored by --solver=reduced");
   ExpectUsageError(Slam("a.clf", "--max_scans=-1"), "--max_scans");
   ExpectUsageError(Slam("a.clf", "--hits=a.hits"), "--hits needs --truth");
   ExpectUsageError(Slam("a.clf", "--no_such_flag=1"), "no_such_flag");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/apps/simulation/world.h"
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/solvers/reduced/patch_energy.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/noisy_room.h"
@@ -127,7 +128,7 @@ TEST(ReducedSolveTest, LinesThatStayHoldThePosesBack) {
   EXPECT_LT(staying.verdict.final_energy, staying.verdict.seed_energy);
   EXPECT_LT(following.verdict.final_energy, staying.verdict.final_energy);
   options.type = SolverType::kCeres;
-  options.ceres.reduced = true;
+  options.ceres->reduced = true;
   EXPECT_THAT(Solve(options, stay.graph, &stay.state).message, HasSubstr("lines_follow"));
 }
 

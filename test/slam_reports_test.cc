@@ -43,7 +43,7 @@ TEST_F(SlamReportsTest, ARobotThatNeverMoves) {
 
 TEST_F(SlamReportsTest, ADriveThatVisitsNoPlaceTwice) {
   SimulateLog(60);
-  const Outcome run = Slam("a.clf", kQuick);
+  const Outcome run = Slam("a.clf");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("No place was visited twice: the drift cannot be checked.\n"));
   EXPECT_THAT(run.out, HasSubstr("The refined map is consistent: "));
@@ -63,7 +63,7 @@ TEST_F(SlamReportsTest, ScansThatMatchNothing) {
     log_lines_.push_back(scan + x + " 0 0" + x + " 0 0 " + std::to_string(i) + " host 0");
   }
   WriteLog();
-  const Outcome run = Slam("a.clf", kQuick);
+  const Outcome run = Slam("a.clf");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("No scan matches another: every pose is the odometry's"));
   EXPECT_THAT(run.out, Not(HasSubstr("nan")));
@@ -76,7 +76,7 @@ TEST_F(SlamReportsTest, ACarriedRobotIsPutRightOrReported) {
           "--carry_at_path_m=40 --carry_distance_m=3 --log=" +
               folder_ + "a.clf");
   ASSERT_EQ(simulation.exit_code, 0) << simulation.err;
-  const Outcome run = Slam("a.clf", kQuick);
+  const Outcome run = Slam("a.clf");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const nlohmann::json summary = Summary();
   bool repaired = false;
@@ -115,7 +115,7 @@ TEST_F(SlamReportsTest, MapsALogByItsPoseGraphAlone) {
 
 TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
   WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
-  const Outcome run = Slam("a.g2o", kQuick);
+  const Outcome run = Slam("a.g2o", "--reduced_max_rounds=9");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, IsEmpty());
   EXPECT_THAT(run.out, AllOf(HasSubstr("(g2o): 12 poses, 12 edges, 12 scans"),
@@ -128,12 +128,12 @@ TEST_F(SlamReportsTest, RefinesAPoseGraphWithItsScans) {
                            "points.ply", "report.html", "summary.json", "trajectory.tum"));
   EXPECT_EQ(Summary()["alarm"], false);
   EXPECT_EQ(Summary()["joint"]["solver"], "reduced");
-  EXPECT_EQ(Summary()["flags"]["fine_rounds"], 1);
+  EXPECT_EQ(Summary()["flags"]["reduced_max_rounds"], 9);
 }
 
 TEST_F(SlamReportsTest, CalibrationIsReported) {
   SimulateLog(60);
-  Outcome run = Slam("a.clf", std::string(kQuick) + " --calibrate=mounting,range_bias");
+  Outcome run = Slam("a.clf", "--calibrate=mounting,range_bias");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr("Calibration"), HasSubstr("  mounting_yaw_rad  ")));
   const nlohmann::json parameters = Summary()["calibration"]["parameters"];

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/test/noisy_room.h"
 
 namespace plumbline {
@@ -275,8 +276,8 @@ TEST(SolveTest, NamesTheOptionThatIsWrong) {
 TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kCeres);
-  options.ceres.trust_region_strategy = ceres::DOGLEG;
-  options.ceres.linear_solver = ceres::CGNR;
+  options.ceres->trust_region_strategy = ceres::DOGLEG;
+  options.ceres->linear_solver = ceres::CGNR;
   ExpectFailure(options, room.graph, &room.state, "DOGLEG");
 }
 
@@ -292,7 +293,7 @@ TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   const SolverSummary expected = Solve(OptionsFor(SolverType::kReduced), own.graph, &own.state);
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kCeres);
-  options.ceres.reduced = true;
+  options.ceres->reduced = true;
   const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_EQ(summary.solver, "ceres, reduced");
   EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;

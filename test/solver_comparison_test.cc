@@ -60,7 +60,7 @@ TEST(SolverComparisonTest, EverySolverIsThereOnceAndAcceptsItsOptions) {
   for (const ComparedSolver& solver : solvers) {
     std::string error;
     EXPECT_TRUE(solver.options.Check(&error)) << error;
-    EXPECT_TRUE(CheckCeresOptions(solver.options.ceres).ok());
+    EXPECT_TRUE(CheckCeresOptions(*solver.options.ceres).ok());
     EXPECT_EQ(solver.options.num_threads, 1);
     names.insert(solver.name);
   }

@@ -5,7 +5,9 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
+#include "plumbline/solvers/ceres_options.h"
 #include "plumbline/test/factor_testing.h"
 
 namespace plumbline {
@@ -52,8 +54,8 @@ TEST(SolverOptionsTest, NamesTheFieldThatIsWrong) {
                  [](Options* o) { o->alternating_cg.scan_iterations_per_sweep = -1; });
   expect_refused("alternating_cg.relative_cost_tolerance",
                  [](Options* o) { o->alternating_cg.relative_cost_tolerance = kNaN; });
-  expect_refused("ceres.max_iterations", [](Options* o) { o->ceres.max_iterations = 0; });
-  expect_refused("ceres.function_tolerance", [](Options* o) { o->ceres.function_tolerance = -1; });
+  expect_refused("ceres.max_iterations", [](Options* o) { o->ceres->max_iterations = 0; });
+  expect_refused("ceres.function_tolerance", [](Options* o) { o->ceres->function_tolerance = -1; });
 }
 
 TEST(SolverOptionsTest, TheLimitsThemselvesAreAllowed) {
@@ -61,10 +63,23 @@ TEST(SolverOptionsTest, TheLimitsThemselvesAreAllowed) {
   options.num_threads = 1;
   options.rounds = {0, 1, 0.1, 0.1, 1.0, 0.0};
   options.alternating_cg = {1, 1, 1, 0, 0.0};
-  options.ceres.max_iterations = 1;
-  options.ceres.function_tolerance = 0.0;
+  options.ceres->max_iterations = 1;
+  options.ceres->function_tolerance = 0.0;
   std::string error;
   EXPECT_TRUE(options.Check(&error)) << error;
+}
+
+TEST(SolverOptionsTest, ACopyHasCeresOptionsOfItsOwn) {
+  SolverOptions options;
+  options.ceres->max_iterations = 7;
+  SolverOptions copy = options, assigned;
+  assigned = options;
+  options.ceres->max_iterations = 8;
+  EXPECT_EQ(copy.ceres->max_iterations, 7);
+  EXPECT_EQ(assigned.ceres->max_iterations, 7);
+  const SolverOptions moved = std::move(copy);
+  EXPECT_EQ(moved.ceres->max_iterations, 7);
+  EXPECT_TRUE(copy.Check(nullptr));  // NOLINT: still options
 }
 
 TEST(SolverOptionsTest, SolverTypesGoToNamesAndBack) {

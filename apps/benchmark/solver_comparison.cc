@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/solvers/ceres_options.h"
 
 namespace plumbline {
 namespace {
@@ -83,7 +84,7 @@ std::vector<ComparedSolver> ComparedSolvers(const SolverOptions& options) {
       ->alternating_cg.scan_iterations_per_sweep = 0;
   const auto add_ceres = [&](const char* name, ceres::LinearSolverType linear_solver,
                              bool reduced) {
-    CeresOptions* ceres = &add(name, SolverType::kCeres)->ceres;
+    CeresOptions* ceres = &*add(name, SolverType::kCeres)->ceres;
     ceres->linear_solver = linear_solver;
     ceres->preconditioner =
         linear_solver == ceres::ITERATIVE_SCHUR ? ceres::SCHUR_JACOBI : ceres::JACOBI;

@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "plumbline/core/float_environment.h"
+#include "plumbline/factors/analytic_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
 
