@@ -38,6 +38,13 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     const Solver& solver = SolverOf(options);
     const bool poses_only = solver.MovesPosesOnly();
     Status status = CheckSolverInput(options, graph, *state);
+    if (status.ok() && !IsAtFixedPoses(graph, *state)) {
+      MapState placed = *state;
+      PutAtFixedPoses(graph, &placed);
+      SolverSummary summary = SolveOn(options, surface, graph, &placed);
+      if (summary.IsSolutionUsable()) *state = std::move(placed);
+      return summary;
+    }
     if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, graph);
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {
@@ -45,13 +52,6 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       status = CheckScansAreNotMirrored(graph, state->poses, suggested);
     }
     if (!status.ok()) return SolverFailure(options, status);
-    if (!IsAtFixedPoses(graph, *state)) {
-      MapState placed = *state;
-      PutAtFixedPoses(graph, &placed);
-      SolverSummary summary = SolveOn(options, surface, graph, &placed);
-      if (summary.IsSolutionUsable()) *state = std::move(placed);
-      return summary;
-    }
     return solver.Solve({options, graph, surface, suggested}, state);
   });
 }

@@ -36,19 +36,6 @@ void PrintTo(const SolverChoice& solver, std::ostream* out) { *out << solver.Nam
 
 std::string NameOf(const testing::TestParamInfo<SolverChoice>& info) { return info.param.Name(); }
 
-// The room with edges for the solvers that look at nothing else.
-NoisyRoom RoomWithEdges() {
-  NoisyRoom room = MakeNoisyRoom();
-  const std::vector<OdometryConstraint> steps = room.graph.odometry();
-  for (const OdometryConstraint& step : steps) {
-    EXPECT_TRUE(room.graph
-                    .AddRelativePose(
-                        {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()})
-                    .ok());
-  }
-  return room;
-}
-
 NoisyRoom DisturbedRoom() {
   NoisyRoom room = RoomWithEdges();
   DisturbPoses(0.03, room.graph, &room.state);

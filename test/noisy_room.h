@@ -76,6 +76,18 @@ inline void DisturbPoints(double sigma, MapState* state) {
   for (double& coordinate : state->points) coordinate += random.Gaussian(sigma);
 }
 
+/// The room with a relative pose from every pose to the next, beside the two that it comes with.
+inline NoisyRoom RoomWithEdges() {
+  NoisyRoom room = MakeNoisyRoom();
+  const std::vector<OdometryConstraint> steps = room.graph.odometry();
+  const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  for (const OdometryConstraint& step : steps) {
+    EXPECT_TRUE(
+        room.graph.AddRelativePose({step.from, step.to, step.from_from_to, covariance}).ok());
+  }
+  return room;
+}
+
 /// The defaults, with the shape terms that they leave out.
 inline FactorOptions EveryTerm() {
   FactorOptions factors;
