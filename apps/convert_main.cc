@@ -5,8 +5,8 @@
 #include <iostream>
 #include <string>
 
-#include "plumbline/apps/command_line.h"
 #include "plumbline/apps/convert/convert.h"
+#include "plumbline/apps/program/command_line.h"
 
 DEFINE_string(input, "", "CARMEN log (.clf, .log) or pose graph (g2o, TORO); plain or .gz");
 DEFINE_string(output, "",

@@ -5,9 +5,9 @@
 #include <iostream>
 #include <string>
 
-#include "plumbline/apps/command_line.h"
 #include "plumbline/apps/evaluation/evaluation.h"
-#include "plumbline/apps/evaluation/report.h"
+#include "plumbline/apps/program/command_line.h"
+#include "plumbline/apps/report/evaluation_report.h"
 
 namespace {
 

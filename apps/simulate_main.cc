@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/apps/command_line.h"
+#include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"

@@ -1,16 +1,44 @@
 # Usage: cmake -D ROOT=<source tree> -P CheckIncludeDirection.cmake
-# Fails if an #include runs against core <- factors <- solvers <- apps <- test, if a library folder
-# includes what only programs may, if x.cc does not include its own x.h first (which proves that x.h
-# compiles alone), or if a file is too long.
+# Fails if an #include runs against core <- factors <- solvers <- apps <- test or against the order of
+# the folders inside solvers and apps, if a library folder includes what only programs may, if x.cc
+# does not include its own x.h first (which proves that x.h compiles alone), or if a file is too long.
 cmake_minimum_required(VERSION 3.18)
 
 set(FOLDERS core factors solvers apps test)  # Each may include itself and those before it.
 set(LIBRARY_FOLDERS core factors solvers)
+# The folders inside these two, likewise in order. Their own files come last: the doors of the
+# library, and the main files of the programs.
+set(ROOMS_solvers interface pose_graph front_end loop_closure association terms landmarks acceptance
+    full reduced .)
+set(ROOMS_apps io simulation program evaluation pictures figures report run convert benchmark .)
 set(MAX_LINES_h 250)
 set(MAX_LINES_cc 600)
 
 function(complain message)
   message(SEND_ERROR "${message}")
+endfunction()
+
+# Sets `rank` to where the room of a path inside `folder` stands; -1 if nobody knows the room.
+function(find_room folder path rank)
+  get_filename_component(room ${path} DIRECTORY)
+  string(REGEX REPLACE "^${folder}/?" "" room "${room}")
+  if(room STREQUAL "")
+    set(room .)
+  endif()
+  list(FIND ROOMS_${folder} ${room} found)
+  set(${rank} ${found} PARENT_SCOPE)
+endfunction()
+
+# An example includes the library only, and nothing includes it.
+function(check_rooms file folder include)
+  string(REGEX REPLACE "^\"plumbline/([^\"]+)\"" "\\1" target ${include})
+  find_room(${folder} ${file} rank)
+  find_room(${folder} ${target} target_rank)
+  if(rank LESS 0 OR target_rank LESS 0)
+    complain("${file}: the folder of ${file} or of ${include} is not in ROOMS_${folder}")
+  elseif(target_rank GREATER rank)
+    complain("${file}: its folder may not include ${include}")
+  endif()
 endfunction()
 
 function(check_include file folder include)
@@ -20,6 +48,8 @@ function(check_include file folder include)
     list(FIND FOLDERS ${target} target_rank)
     if(target_rank LESS 0 OR target_rank GREATER rank)
       complain("${file}: ${folder} may not include ${include}")
+    elseif(DEFINED ROOMS_${folder} AND target STREQUAL folder)
+      check_rooms(${file} ${folder} ${include})
     endif()
   elseif(include MATCHES "^\"")
     complain("${file}: write ${include} as \"plumbline/<folder>/<file>\"")

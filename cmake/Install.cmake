@@ -21,15 +21,12 @@ file(RELATIVE_PATH PLUMBLINE_PC_TO_PREFIX /prefix/${PLUMBLINE_PC_DIR} /prefix)
 configure_file(cmake/plumbline.pc.in ${PROJECT_BINARY_DIR}/plumbline.pc @ONLY)
 
 install(TARGETS plumbline EXPORT plumblineTargets COMPONENT library)
-# Found when installing, since an #include may have changed after configuring.
-install(CODE "
-  include(\"${PROJECT_SOURCE_DIR}/cmake/PublicHeaders.cmake\")
-  plumbline_reached_headers(\"${PROJECT_SOURCE_DIR}\" headers)
-  foreach(header IN LISTS headers)
-    get_filename_component(folder \${header} DIRECTORY)
-    file(INSTALL \"${PROJECT_SOURCE_DIR}/\${header}\" DESTINATION
-         \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/plumbline/\${folder}\")
-  endforeach()" COMPONENT library)
+include(cmake/PublicHeaders.cmake)
+foreach(header IN LISTS PLUMBLINE_PUBLIC_HEADERS PLUMBLINE_EXTENSION_HEADERS)
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/plumbline/${folder}
+          COMPONENT library)
+endforeach()
 install(EXPORT plumblineTargets NAMESPACE plumbline:: DESTINATION ${PLUMBLINE_PACKAGE_DIR}
         COMPONENT library)
 install(FILES ${PROJECT_BINARY_DIR}/plumblineConfig.cmake

@@ -1,42 +1,46 @@
 cmake_policy(VERSION 3.18)  # Scripts that install have none of their own.
 
-# The headers that a user of the library may need to know: README.md and the API reference list the
-# same ones, and what they include is installed with them.
-set(PLUMBLINE_PUBLIC_HEADERS
+# The headers to begin with, as README.md lists them.
+set(PLUMBLINE_DOORS
   core/status.h
   core/pose2.h
   core/laser_scan.h
-  core/map_state.h
   core/slam_graph.h
+  core/map_state.h
   factors/factor_options.h
   solvers/map_log.h
-  solvers/solver_options.h
-  solvers/solver_summary.h
+  solvers/seed.h
   solvers/solve.h
   solvers/sliding_window.h
   solvers/covariance.h
   solvers/calibration.h
-  solvers/seeding/seed.h)
-# Those for a host with a solver of its own, and for Ceres' switches. solvers/README.md has them.
-set(PLUMBLINE_EXTRA_HEADERS
-  solvers/rounds_solver.h
-  solvers/ceres_options.h)
-
-# Sets `result` to these headers and all headers of ours that they include, directly or not, as
-# paths inside the source tree `root`.
-function(plumbline_reached_headers root result)
-  set(reached)
-  set(queue ${PLUMBLINE_PUBLIC_HEADERS} ${PLUMBLINE_EXTRA_HEADERS})
-  while(queue)
-    list(POP_FRONT queue header)
-    if(header IN_LIST reached)
-      continue()
-    endif()
-    list(APPEND reached ${header})
-    file(STRINGS ${root}/${header} includes REGEX "^#include \"plumbline/")
-    list(TRANSFORM includes REPLACE "^#include \"plumbline/([^\"]+)\".*" "\\1")
-    list(APPEND queue ${includes})
-  endwhile()
-  list(SORT reached)
-  set(${result} ${reached} PARENT_SCOPE)
-endfunction()
+  solvers/interface/solver_options.h
+  solvers/interface/solver_summary.h)
+# All public headers: these, and the data that they take and give. The API reference lists them.
+set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
+  core/angle.h
+  core/measured_surface.h
+  solvers/alarm.h
+  solvers/interface/acceptance.h
+  solvers/interface/association_options.h
+  solvers/interface/built_in_solvers.h
+  solvers/interface/map_consistency.h
+  solvers/interface/odometry_report.h
+  solvers/interface/seeding_options.h
+  solvers/interface/seeding_report.h)
+# Those for a host with a solver or a residual of its own, and for Ceres' switches. Also listed in
+# the API reference; solvers/README.md says how to use them.
+set(PLUMBLINE_EXTENSION_HEADERS
+  core/thread_pool.h
+  factors/analytic_factor_forward.h
+  factors/manifold_factor.h
+  factors/own_term.h
+  factors/shape_factor.h
+  solvers/association/associations.h
+  solvers/full/energy.h
+  solvers/full/rounds_solver.h
+  solvers/interface/ceres_options.h
+  solvers/interface/inner_solve.h
+  solvers/interface/solver.h
+  solvers/pose_graph/pose_graph.h
+  solvers/terms/term.h)

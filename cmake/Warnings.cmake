@@ -1,4 +1,4 @@
-# Warnings and sanitizers for our own targets, never for those who link to us.
+# Warnings, sanitizers and what makes gcc faster, for our own targets, never for those who link to us.
 option(PLUMBLINE_WERROR "Treat warnings as errors" OFF)
 set(PLUMBLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
 if(PLUMBLINE_BUILD_FUZZERS)
@@ -9,6 +9,10 @@ if(PLUMBLINE_BUILD_FUZZERS)
 endif()
 
 function(plumbline_private_options target)
+  # gcc would spend a tenth of its time or more on getting memory back that it needs no more. For
+  # 10 % more memory it yields the same objects.
+  target_compile_options(${target} PRIVATE
+                         $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>)
   target_compile_options(${target} PRIVATE -Wall -Wextra $<$<BOOL:${PLUMBLINE_WERROR}>:-Werror>)
   if(PLUMBLINE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${PLUMBLINE_SANITIZE}

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Usage: cmake/bootstrap.sh [--tests]
 # Installs what the build needs and the system lacks; with --tests also what tests can do without:
-# doxygen for the API reference, clang-format, the browser that report.html is tested in (300 MB),
-# and the library for ROS bags (200 MB). Debian and its kin only: elsewhere it says what is wanted
-# and leaves the rest to CMake.
+# doxygen for the API reference, clang-format, clang-tidy, the browser that report.html is tested in
+# (300 MB), and the library for ROS bags (200 MB). Debian and its kin only: elsewhere it says what
+# is wanted and leaves the rest to CMake.
 set -euo pipefail
 
 packages=(
@@ -48,6 +48,7 @@ install_missing() {
 install_missing "${packages[@]}"
 if [[ ${1:-} == --tests ]]; then
   install_missing doxygen || echo "bootstrap: no doxygen; the API reference is not tested" >&2
+  install_missing git clang-tidy-14 || echo "bootstrap: no clang-tidy-14; the test tidy is skipped" >&2
   install_missing clang-format-14 || echo "bootstrap: no clang-format-14; formatting is not tested" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
   install_missing "${rosbag[@]}" || echo "bootstrap: no library for ROS bags; the build goes without" >&2

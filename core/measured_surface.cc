@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "plumbline/core/joined_returns.h"
+#include "plumbline/core/return_normals.h"
+#include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
 

@@ -4,11 +4,12 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "plumbline/core/return_normals.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
+
+class ThreadPool;
+struct ReturnNormalOptions;
 
 /// What the scans saw of the surfaces, per return and in the frame of its robot: fixed while poses
 /// move. Single precision is exact to 4 micrometres at 80 m, and halves the memory that every pass
@@ -18,6 +19,7 @@ struct MeasuredSurface {
   std::vector<Eigen::Vector2f> normals;  ///< as EstimateReturnNormals gives them
 };
 
+/// Estimates the normals and places both in the frames of their robots.
 MeasuredSurface MeasureSurface(const SlamGraph& graph, const ReturnNormalOptions& options,
                                ThreadPool* pool);
 

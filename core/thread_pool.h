@@ -20,6 +20,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
+  /// The calling thread included.
   int num_threads() const;
 
   /// Number of chunks that ForEachChunk makes of `size` indices.

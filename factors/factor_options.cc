@@ -1,6 +1,7 @@
 #include "plumbline/factors/factor_options.h"
 
 #include "plumbline/core/options_check.h"
+#include "plumbline/factors/own_term.h"
 
 namespace plumbline {
 
@@ -32,7 +33,7 @@ bool ShapeOptions::Check(std::string* error) const {
   return true;
 }
 
-bool DoubtedStep::Check(std::string* error) const {
+bool DownweightedStep::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(sigma_factor, >, 0.0);
   return true;
 }
@@ -42,8 +43,12 @@ bool FactorOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
   PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
   PLUMBLINE_CHECK_NESTED_OPTIONS(shape);
-  for (const DoubtedStep& doubted : doubted_steps) {
-    if (!doubted.Check(error)) return false;
+  for (const DownweightedStep& downweighted : downweighted_steps) {
+    if (!downweighted.Check(error)) return false;
+  }
+  for (const std::shared_ptr<const OwnTerm>& term : own_terms) {
+    PLUMBLINE_CHECK_OPTION(term, !=, nullptr);
+    if (!term->Check(error)) return false;
   }
   return true;
 }

@@ -2,6 +2,7 @@
 #define PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,7 @@ struct ShapeOptions {
 
 /// A step of the odometry that is known to be worse than the others: the robot was carried, or
 /// slid.
-struct DoubtedStep {
+struct DownweightedStep {
   std::size_t step = 0;       ///< index into SlamGraph::odometry(); beyond it: no step
   double sigma_factor = 1.0;  ///< all its standard deviations are this times the model's
 
@@ -65,7 +66,9 @@ struct DoubtedStep {
   bool Check(std::string* error) const;
 };
 
-/// All sigmas and gates of the energy.
+struct OwnTerm;
+
+/// All sigmas and gates of the energy, and the terms that a host adds.
 struct FactorOptions {
   MotionOptions motion;      ///< odometry
   RangeBeamOptions beam;     ///< the laser
@@ -73,7 +76,9 @@ struct FactorOptions {
   ShapeOptions shape;        ///< surfaces are parallel or orthogonal
   /// Where the motion model does not hold. Solve adds such steps by itself, see
   /// contradicted_steps.h.
-  std::vector<DoubtedStep> doubted_steps;
+  std::vector<DownweightedStep> downweighted_steps;
+  /// Terms of the host, see own_term.h. They are not copied with the options, and must not change.
+  std::vector<std::shared_ptr<const OwnTerm>> own_terms;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

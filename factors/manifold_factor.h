@@ -9,8 +9,9 @@ namespace plumbline {
 
 /// All points m of the world with n . m = offset, n a unit normal. [m]
 struct TangentLine {
-  double normal_x = 1.0, normal_y = 0.0;
-  double offset = 0.0;
+  double normal_x = 1.0;  ///< world frame
+  double normal_y = 0.0;  ///< world frame
+  double offset = 0.0;    ///< [m]
 };
 
 /// Manifold potential: a map point m lies on the tangent line of its neighbourhood,
@@ -31,9 +32,10 @@ inline bool EvaluateManifold(const TangentLine& line, const double* point_in_wor
 
 /// EvaluateManifold for one point. Block: point_in_world (2).
 struct ManifoldResidual {
-  TangentLine line;
+  TangentLine line;        ///< of the neighbourhood
   double inv_sigma = 1.0;  ///< [1/m]
 
+  /// EvaluateManifold with these.
   bool Evaluate(const double* point_in_world, double* residual, double* d_point) const {
     return EvaluateManifold(line, point_in_world, inv_sigma, residual, d_point);
   }

@@ -18,8 +18,8 @@ namespace plumbline {
 /// where the yaw error crosses +-pi; the derivatives are exact everywhere else, also far from zero
 /// error. Source: Lu, Milios: Globally consistent range scan alignment (1997).
 struct RelativePoseResidual {
-  Pose2 a_from_b;
-  Eigen::Matrix3d sqrt_information = Eigen::Matrix3d::Identity();
+  Pose2 a_from_b;                                                  ///< as measured
+  Eigen::Matrix3d sqrt_information = Eigen::Matrix3d::Identity();  ///< U
 
   /// d_a, d_b: 3x3 row-major or null. Returns false on poses that are not finite.
   bool Evaluate(const double* world_from_a, const double* world_from_b, double* residuals,

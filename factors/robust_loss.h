@@ -1,8 +1,6 @@
 #ifndef PLUMBLINE_FACTORS_ROBUST_LOSS_H_
 #define PLUMBLINE_FACTORS_ROBUST_LOSS_H_
 
-#include <ceres/loss_function.h>
-
 namespace plumbline {
 
 /// What a robust loss makes of one residual.
@@ -36,20 +34,6 @@ struct GemanMcClure {
   }
   /// rho''(s), negative throughout.
   double Curvature(double s) const { return -2.0 * Weight(s) / (scale_squared + s); }
-};
-
-class GemanMcClureLoss final : public ceres::LossFunction {
- public:
-  explicit GemanMcClureLoss(const GemanMcClure& loss) : loss_(loss) {}
-
-  void Evaluate(double s, double rho[3]) const override {
-    rho[0] = loss_.Rho(s);
-    rho[1] = loss_.Weight(s);
-    rho[2] = loss_.Curvature(s);
-  }
-
- private:
-  GemanMcClure loss_;
 };
 
 }  // namespace plumbline

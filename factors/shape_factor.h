@@ -86,12 +86,14 @@ inline bool EvaluateShape(const double* previous_point, const double* current_po
 
 /// EvaluateShape for one segment. Blocks: previous_point (2), current_point (2).
 struct ShapeResidual {
-  Eigen::Vector2d target_normal = Eigen::Vector2d::UnitX();
-  double inv_sigma = 1.0;  ///< [1/rad]
+  Eigen::Vector2d target_normal = Eigen::Vector2d::UnitX();  ///< of the segment: unit, world frame
+  double inv_sigma = 1.0;                                    ///< [1/rad]
 
+  /// adjacent_normal: unit, world frame.
   ShapeResidual(const Eigen::Vector2d& adjacent_normal, ShapeCategory category, double sigma_rad)
       : target_normal(TurnBack(category, adjacent_normal)), inv_sigma(1.0 / sigma_rad) {}
 
+  /// EvaluateShape with these.
   bool Evaluate(const double* previous_point, const double* current_point, double* residuals,
                 double* d_previous, double* d_current) const {
     return EvaluateShape(previous_point, current_point, target_normal, inv_sigma, residuals,

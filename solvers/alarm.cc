@@ -5,8 +5,6 @@
 #include <iomanip>
 #include <sstream>
 
-#include "plumbline/solvers/seeding/loop_acceptance.h"
-
 namespace plumbline {
 namespace {
 
@@ -21,13 +19,13 @@ void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, cons
   alarms->push_back({PlaceOfPose(graph, poses, peak.pose), reason.str()});
 }
 
-Alarm UnresolvedStep(const DoubtfulStep& step, const SlamGraph& graph,
+Alarm UnresolvedStep(const SuspectStep& step, const SlamGraph& graph,
                      const std::vector<double>& poses) {
   std::string reason = "the scans before and after disagree, and ";
   if (step.num_alternatives > 0) {
     reason += "all that comes later fits at " + std::to_string(step.num_alternatives) + " other " +
               (step.num_alternatives == 1 ? "place" : "places") + " as well";
-  } else if (step.num_closures_across >= LoopAcceptance::kMinClosuresAcross) {
+  } else if (step.num_closures_across >= SuspectStep::kMinClosuresAcross) {
     reason += "the repair turned all that comes later, which might fit elsewhere as well";
   } else {
     reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";
@@ -43,8 +41,8 @@ Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph,
   std::ostringstream reason;
   reason << std::fixed << std::setprecision(1) << "scans look through surfaces that others show, "
          << consistency.Ratio() << " times as often as can be explained, and "
-         << (seeding.loops.doubts.empty() ? "all loops had to be left open"
-                                          : "some steps of the robot are in doubt");
+         << (seeding.loops.suspect_steps.empty() ? "all loops had to be left open"
+                                                 : "some odometry steps are suspect");
   return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str()};
 }
 
@@ -119,7 +117,7 @@ std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency&
     alarms = MapAlarms(seeding.consistency, graph, poses);
     for (Alarm& alarm : alarms) alarm.reason += " before the refinement, though not after it";
   }
-  for (const DoubtfulStep& step : seeding.loops.doubts) {
+  for (const SuspectStep& step : seeding.loops.suspect_steps) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));
   }
   if (alarms.empty() && seeding.alarm) alarms.push_back(SuspiciousSeed(seeding, graph, poses));

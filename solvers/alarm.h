@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/solvers/seeding/frozen_laser.h"
-#include "plumbline/solvers/seeding/map_consistency.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/interface/map_consistency.h"
+#include "plumbline/solvers/interface/seeding_report.h"
 
 namespace plumbline {
 
 /// A scan of a graph, as people look for it.
 struct ScanPlace {
   std::optional<int> scan;  ///< none if none was taken there
-  double time_s = 0.0;
+  double time_s = 0.0;      ///< of the scan, or of the pose if there is none
   Eigen::Vector2d world_position = Eigen::Vector2d::Zero();  ///< of the robot [m]
 
+  /// For people, with time and position.
   std::string Text() const;
 };
 
@@ -27,8 +27,8 @@ ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, 
 
 /// Why a map is probably wrong, and where.
 struct Alarm {
-  ScanPlace place;
-  std::string reason;
+  ScanPlace place;     ///< where
+  std::string reason;  ///< why, for people
 };
 
 /// A warning per line, for people: the first few, and how many more there are.

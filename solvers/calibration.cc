@@ -8,24 +8,27 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
-#include "plumbline/core/return_normals.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/own_term.h"
 #include "plumbline/factors/robust_loss.h"
-#include "plumbline/solvers/constraint_start.h"
-#include "plumbline/solvers/mirrored_scans.h"
-#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/acceptance/constraint_start.h"
+#include "plumbline/solvers/acceptance/mirrored_scans.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/interface/solver.h"
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
+#include "plumbline/solvers/landmarks/landmark_energy.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/calibrated_graph.h"
 #include "plumbline/solvers/reduced/calibration_system.h"
-#include "plumbline/solvers/reduced/free_islands.h"
-#include "plumbline/solvers/reduced/patch_energy.h"
-#include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/pose_system.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/solve.h"
-#include "plumbline/solvers/solver.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 namespace {
@@ -69,49 +72,53 @@ Status CheckMountings(const SlamGraph& graph) {
   return Status::Ok();
 }
 
-// A calibrated graph on given patches: everything that its energy and its linear system consist of.
-class PatchedState {
+// A calibrated graph on given landmarks: everything that its energy and its linear system consist
+// of.
+class LandmarkedState {
  public:
-  PatchedState(const CalibratedGraph& graph, const std::vector<Eigen::Vector2f>& normals,
-               const SurfacePatches& cut, const FactorOptions& factors, double gate_sigmas,
-               ThreadPool* pool)
+  LandmarkedState(const CalibratedGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+                  const LineLandmarks& cut, const FactorOptions& factors, double gate_sigmas,
+                  ThreadPool* pool)
       : graph_(graph),
         pool_(pool),
         loss_(GemanMcClure::FromGate(gate_sigmas)),
         surface_(MeasureSurface(graph.graph(), normals, pool)),
         compressor_(graph.graph(), surface_, graph.Noise(factors), pool),
-        sightings_(compressor_.LayOut(cut.patches.size(), cut.patch_of_return)),
-        patches_(cut.patches),
+        observations_(compressor_.LayOut(cut.landmarks.size(), cut.landmark_of_return)),
+        landmarks_(cut.landmarks),
         frames_(FramesOf(graph.poses())),
+        edges_(graph.Edges(factors)),
         terms_(graph.Terms(factors)) {
-    SettleLines(compressor_, frames_, gate_sigmas, pool, &sightings_, &patches_);
-    energy_ = compressor_.Weigh(patches_, frames_, loss_, &sightings_) + terms_.Cost(graph.poses());
+    SettleLines(compressor_, frames_, gate_sigmas, pool, &observations_, &landmarks_);
+    energy_ =
+        compressor_.Weigh(landmarks_, frames_, loss_, &observations_) + terms_.Cost(graph.poses());
   }
-  PatchedState(const PatchedState&) = delete;
-  PatchedState& operator=(const PatchedState&) = delete;
+  LandmarkedState(const LandmarkedState&) = delete;
+  LandmarkedState& operator=(const LandmarkedState&) = delete;
 
   double energy() const { return energy_; }
 
   Status FindStep(const std::vector<int>& active, const CalibrationVector& prior_sigmas,
                   CalibrationStep* step) {
-    const std::vector<int> islands = FindFreeIslands(sightings_, terms_);
-    if (!islands.empty()) {
-      return Status::InvalidArgument("nothing ties pose " + std::to_string(islands.front()) +
+    const std::vector<int> components = FindUnanchoredComponents(observations_, terms_);
+    if (!components.empty()) {
+      return Status::InvalidArgument("nothing ties pose " + std::to_string(components.front()) +
                                      " to a fixed pose: there is no calibrating with it");
     }
     // The lines that are best for the weights at hand have no gradient.
-    FitPatchLines(sightings_, frames_, pool_, &patches_);
+    FitLandmarkLines(observations_, frames_, pool_, &landmarks_);
     PoseSystem poses;
-    poses.Linearize(sightings_, patches_, terms_, graph_.poses(), frames_, pool_);
-    const CalibrationSystem system(graph_, terms_, sightings_,
-                                   compressor_.RangeSlopes(patches_, frames_, loss_, sightings_),
-                                   patches_, frames_, poses);
-    return SolveCalibrationStep(system, poses, sightings_, frames_, active, prior_sigmas,
+    poses.Linearize(observations_, landmarks_, terms_, graph_.poses(), frames_, pool_);
+    const CalibrationSystem system(
+        graph_, edges_, observations_,
+        compressor_.RangeSlopes(landmarks_, frames_, loss_, observations_), landmarks_, frames_,
+        poses);
+    return SolveCalibrationStep(system, poses, observations_, frames_, active, prior_sigmas,
                                 graph_.theta(), pool_, step);
   }
 
   CalibrationMatrix Covariance(const CalibrationStep& step) const {
-    return ObservedCovariance(graph_, terms_, step);
+    return ObservedCovariance(graph_, edges_, step);
   }
 
  private:
@@ -120,9 +127,10 @@ class PatchedState {
   const GemanMcClure loss_;
   const MeasuredSurface surface_;
   ReturnCompressor compressor_;
-  PatchSightings sightings_;
-  std::vector<SurfacePatch> patches_;
+  LineObservations observations_;
+  std::vector<LineLandmark> landmarks_;
   const std::vector<PoseFrame> frames_;
+  const PoseEdges edges_;
   const PoseTerms terms_;
   double energy_ = 0.0;
 };
@@ -161,7 +169,8 @@ class Calibrator {
     graph_.WeighMotions();
     CalibrationStep step;
     const Cut cut = CutSurfaces();
-    PatchedState state(graph_, cut.normals, cut.patches, options_.factors, FinalGate(), &pool_);
+    LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, FinalGate(),
+                          &pool_);
     PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
     const CalibrationMatrix covariance = state.Covariance(step);
     for (const int p : active_) {
@@ -185,7 +194,7 @@ class Calibrator {
  private:
   struct Cut {
     std::vector<Eigen::Vector2f> normals;
-    SurfacePatches patches;
+    LineLandmarks landmarks;
   };
 
   double FinalGate() const { return options_.factors.manifold.robust_gate_sigmas; }
@@ -194,10 +203,10 @@ class Calibrator {
     const SlamGraph& graph = graph_.graph();
     MeasuredSurface surface =
         MeasureSurface(graph, NormalOptionsFor(options_.factors.beam), &pool_);
-    SurfacePatches patches =
-        CutIntoPatches(graph, graph_.poses(), surface,
-                       PatchOptionsFor(options_.factors, options_.association), &pool_);
-    return {std::move(surface.normals), std::move(patches)};
+    LineLandmarks landmarks =
+        CutIntoLandmarks(graph, graph_.poses(), surface,
+                         LandmarkOptionsFor(options_.factors, options_.association), &pool_);
+    return {std::move(surface.normals), std::move(landmarks)};
   }
 
   // False if the callback wants to stop.
@@ -212,7 +221,7 @@ class Calibrator {
     return 0.5 * graph_.theta().cwiseQuotient(prior_sigmas_).squaredNorm();
   }
 
-  // One Gauss-Newton step, shortened until it lowers the energy under the same patches.
+  // One Gauss-Newton step, shortened until it lowers the energy under the same landmarks.
   Status MoveOnce(bool first, bool* moved, Calibration* result) {
     graph_.WeighMotions();
     const double gate = FinalGate() * (first ? options_.reduced.first_gate_factor : 1.0);
@@ -220,7 +229,7 @@ class Calibrator {
     CalibrationStep step;
     double energy = 0.0;
     {
-      PatchedState state(graph_, cut.normals, cut.patches, options_.factors, gate, &pool_);
+      LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, gate, &pool_);
       energy = state.energy() + PriorEnergy();
       PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
     }
@@ -235,7 +244,8 @@ class Calibrator {
       }
       const CalibrationVector to = theta + length * step.theta;
       graph_.Set(to, graph_.Carried(to, tried));
-      const PatchedState state(graph_, cut.normals, cut.patches, options_.factors, gate, &pool_);
+      const LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, gate,
+                                  &pool_);
       *moved = state.energy() + PriorEnergy() < energy;
       if (!*moved) graph_.Set(theta, poses);
     }
@@ -283,6 +293,11 @@ Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibr
   if (options.MovesPosesOnly()) {
     return Status::InvalidArgument("the solver " + std::string(SolverOf(options).name()) +
                                    " does not look at the returns, and calibration needs them");
+  }
+  if (!options.factors.own_terms.empty()) {
+    return Status::InvalidArgument("own term \"" + options.factors.own_terms.front()->name +
+                                   "\": calibration moves the poses with the sensors and takes no "
+                                   "own terms; Solve does");
   }
   if ((calibration.laser_mounting || calibration.range_scale) && graph.fixed_poses().size() > 1) {
     return Status::InvalidArgument(

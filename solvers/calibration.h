@@ -6,8 +6,8 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/solvers/solver_options.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/interface/solver_options.h"
+#include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
 
@@ -61,8 +61,9 @@ struct Calibration {
 /// step by step independent, and that of the laser from the options.
 ///
 /// kFailure, with the state unchanged: whatever Solve refuses, options out of range, lasers of
-/// different mountings or several fixed poses with laser_mounting or range_scale, poses that
-/// nothing ties to a fixed one, a linear system that cannot be solved, and a callback that throws.
+/// different mountings or several fixed poses with laser_mounting or range_scale, own terms, poses
+/// that nothing ties to a fixed one, a linear system that cannot be solved, and a callback that
+/// throws.
 SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    const CalibrationOptions& calibration_options,
                                    const SlamGraph& graph, MapState* state,

@@ -11,16 +11,19 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/own_term.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
-#include "plumbline/solvers/pose_terms.h"
-#include "plumbline/solvers/reduced/free_islands.h"
-#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 #include "plumbline/solvers/reduced/pose_system.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 namespace {
@@ -54,38 +57,39 @@ class PosteriorSystem {
       : pool_(options.num_threads), frames_(FramesOf(poses)) {
     const FactorOptions& factors = options.factors;
     const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
-    SurfacePatches cut = CutIntoPatches(graph, poses, surface,
-                                        PatchOptionsFor(factors, options.association), &pool_);
+    LineLandmarks cut = CutIntoLandmarks(graph, poses, surface,
+                                         LandmarkOptionsFor(factors, options.association), &pool_);
     ReturnCompressor compressor(graph, surface, NoiseOf(factors), &pool_);
-    sightings_ = compressor.LayOut(cut.patches.size(), std::move(cut.patch_of_return));
+    observations_ = compressor.LayOut(cut.landmarks.size(), std::move(cut.landmark_of_return));
     const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
     // Weights and lines depend on each other; the second time they are settled.
     for (int i = 0; i < 2; ++i) {
-      compressor.Weigh(cut.patches, frames_, loss, &sightings_);
-      FitPatchLines(sightings_, frames_, &pool_, &cut.patches);
+      compressor.Weigh(cut.landmarks, frames_, loss, &observations_);
+      FitLandmarkLines(observations_, frames_, &pool_, &cut.landmarks);
     }
     const PoseTerms terms(graph, factors);
-    free_islands_ = FindFreeIslands(sightings_, terms);
-    system_.Linearize(sightings_, cut.patches, terms, poses, frames_, &pool_);
+    unanchored_components_ = FindUnanchoredComponents(observations_, terms);
+    system_.Linearize(observations_, cut.landmarks, terms, poses, frames_, &pool_);
   }
 
   Status CheckHeld() const {
-    if (free_islands_.empty()) return Status::Ok();
-    return Status::InvalidArgument("nothing ties pose " + std::to_string(free_islands_.front()) +
+    if (unanchored_components_.empty()) return Status::Ok();
+    return Status::InvalidArgument("nothing ties pose " +
+                                   std::to_string(unanchored_components_.front()) +
                                    " to a fixed pose: its covariance is infinite");
   }
 
   // The three columns of the inverse that belong to a pose, rows of all poses.
   Status Columns(int pose, Eigen::MatrixX3d* columns) {
-    if (!preconditioner_) preconditioner_.emplace(system_, sightings_, frames_, &pool_);
+    if (!preconditioner_) preconditioner_.emplace(system_, observations_, frames_, &pool_);
     columns->setZero(3 * static_cast<Eigen::Index>(frames_.size()), 3);
     const int row = system_.row_of_pose[pose];
     if (row == PoseSystem::kConstant) return Status::Ok();
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(system_.gradient.size()), x;
     for (int axis = 0; axis < 3; ++axis) {
       unit[3 * row + axis] = 1.0;
-      const PoseSystemResult result = SolvePoseSystem(system_, sightings_, *preconditioner_, unit,
-                                                      kTolerance, kMaxIterations, &pool_, &x);
+      const PoseSystemResult result = SolvePoseSystem(system_, observations_, *preconditioner_,
+                                                      unit, kTolerance, kMaxIterations, &pool_, &x);
       unit[3 * row + axis] = 0.0;
       if (!result.converged) {
         return Status::Unavailable("the covariance of pose " + std::to_string(pose) +
@@ -107,9 +111,9 @@ class PosteriorSystem {
  private:
   ThreadPool pool_;
   const std::vector<PoseFrame> frames_;
-  PatchSightings sightings_;
+  LineObservations observations_;
   PoseSystem system_;
-  std::vector<int> free_islands_;
+  std::vector<int> unanchored_components_;
   std::optional<PosePreconditioner> preconditioner_;
 };
 
@@ -119,6 +123,11 @@ Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
   const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
+  for (const auto& term : options.factors.own_terms) {
+    if (!term->SeesPoints()) continue;
+    return Status::InvalidArgument("own term \"" + term->name +
+                                   "\" sees points, which covariances of poses leave out");
+  }
   PosteriorSystem system(options, graph, state.poses);
   PLUMBLINE_RETURN_IF_ERROR(system.CheckHeld());
   std::map<int, std::vector<std::size_t>> pairs_of_pose;

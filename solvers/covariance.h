@@ -8,7 +8,7 @@
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 
@@ -27,7 +27,7 @@ struct PosePair {
 /// point and every tangent line eliminated: they count as unknown. So the state should be the
 /// optimum (Solve), and the sigmas of `options` should be those of the data; errors that these do
 /// not speak of, a wrong loop or a bent mounting, are not in it. Costs three solutions of the
-/// linear system per distinct a, each some tens of passes over what the poses saw of the patches.
+/// linear system per distinct a, each some tens of passes over what the poses saw of the landmarks.
 ///
 /// InvalidArgument, with nothing changed, on bad options, an unknown pose, and on poses that
 /// nothing ties to a fixed one, or not in every direction: their covariance is infinite.

@@ -5,9 +5,14 @@
 
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
-#include "plumbline/solvers/seeding/odometry_noise.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/front_end/frozen_laser.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/interface/solver.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
+#include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/solve.h"
-#include "plumbline/solvers/solver.h"
 
 namespace plumbline {
 namespace {

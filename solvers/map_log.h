@@ -8,16 +8,17 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/calibration.h"
-#include "plumbline/solvers/seeding/frozen_laser.h"
-#include "plumbline/solvers/seeding/map_consistency.h"
-#include "plumbline/solvers/seeding/seed.h"
-#include "plumbline/solvers/solver_options.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/interface/map_consistency.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+#include "plumbline/solvers/interface/solver_options.h"
+#include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
+
+class ThreadPool;
 
 /// How a log is mapped.
 struct MapLogOptions {

@@ -9,13 +9,13 @@
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/range_beam_factor.h"
 #include "plumbline/factors/surface_noise.h"
-#include "plumbline/solvers/pose_terms.h"
-#include "plumbline/solvers/reduced/patch_energy.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/landmarks/landmark_energy.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
 namespace {
@@ -33,66 +33,65 @@ std::vector<TangentLine> LinesOf(const SolverOptions& options, const SlamGraph& 
   }
   std::vector<TangentLine> lines =
       LinesFromRadius(graph, state.poses, surface, options.association, FineRadius(options), pool);
-  if (!options.IsOverPatches()) return lines;
-  SurfacePatches cut = CutIntoPatches(graph, state.poses, surface,
-                                      PatchOptionsFor(factors, options.association), pool);
+  if (!options.IsOverLandmarks()) return lines;
+  LineLandmarks cut = CutIntoLandmarks(graph, state.poses, surface,
+                                       LandmarkOptionsFor(factors, options.association), pool);
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
-  PatchSightings sightings = compressor.LayOut(cut.patches.size(), cut.patch_of_return);
+  LineObservations observations = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
   SettleLines(compressor, FramesOf(state.poses), factors.manifold.robust_gate_sigmas, pool,
-              &sightings, &cut.patches);
-  AddPatchLines(cut, &lines);
+              &observations, &cut.landmarks);
+  AddLandmarkLines(cut, &lines);
   return lines;
 }
 
-std::vector<Eigen::Vector3d> EdgeResiduals(const std::vector<PoseEdge>& edges,
-                                           const std::vector<double>& poses) {
-  std::vector<Eigen::Vector3d> residuals(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    edges[i].residual.Evaluate(&poses[3 * edges[i].from], &poses[3 * edges[i].to],
-                               residuals[i].data(), nullptr, nullptr);
+// The residuals of a term; NaN where there is none.
+std::vector<double> ResidualsOf(const Term& term, const SlamGraph& graph, const MapState& state,
+                                ThreadPool* pool) {
+  std::vector<double> residuals(term.num_measurements() * term.residuals_per_block(), kUndefined);
+  const StateView at{state.poses.data(), state.points.data()};
+  if (!term.GoesByScan()) {
+    term.Evaluate(Term::kNoScan, at, residuals.data());
+    return residuals;
   }
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         term.Evaluate(static_cast<int>(s), at, residuals.data());
+                       }
+                     });
   return residuals;
 }
 
-void EvaluateScan(const FactorOptions& factors, const SlamGraph& graph, const MapState& state,
-                  const std::vector<TangentLine>& lines, const ScanEntry& scan,
-                  Residuals* residuals) {
-  const LaserReturns& returns = graph.returns();
-  const BeamFrame frame =
-      MakeBeamFrame(&state.poses[3 * scan.pose], graph.laser(scan.laser).robot_from_laser);
-  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const double* point = &state.points[2 * r];
-    Eigen::Vector2d& beam = residuals->beams[r];
-    if (!EvaluateRangeBeam(frame, point, returns.range_m[r], returns.bearing_rad[r],
-                           1.0 / factors.beam.sigma_range_m, 1.0 / factors.beam.sigma_bearing_rad,
-                           beam.data(), nullptr, nullptr)) {
-      beam.setConstant(kUndefined);
-    }
-    if (Associations::HasLine(lines[r])) {
-      EvaluateManifold(lines[r], point, 1.0 / factors.manifold.sigma_m, &residuals->surfaces[r],
-                       nullptr);
-    }
-  }
+template <int N>
+std::vector<Eigen::Matrix<double, N, 1>> AsVectors(const std::vector<double>& values) {
+  std::vector<Eigen::Matrix<double, N, 1>> vectors;
+  vectors.reserve(values.size() / N);
+  for (std::size_t i = 0; i < values.size(); i += N) vectors.emplace_back(&values[i]);
+  return vectors;
 }
 
 Status EvaluateChecked(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
                        Residuals* residuals) {
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   ThreadPool pool(options.num_threads);
-  const PoseTerms terms(graph, options.factors);
+  Associations associations;
+  associations.lines = LinesOf(options, graph, state, &pool);
   Residuals result;
-  result.odometry = EdgeResiduals(terms.motions, state.poses);
-  result.relative_poses = EdgeResiduals(terms.relative_poses, state.poses);
-  result.beams.resize(graph.num_returns());
-  result.surfaces.assign(graph.num_returns(), kUndefined);
-  const std::vector<TangentLine> lines = LinesOf(options, graph, state, &pool);
-  pool.ForEachChunk(graph.num_scans(), kScansPerChunk,
-                    [&](std::size_t, std::size_t begin, std::size_t end) {
-                      for (std::size_t s = begin; s < end; ++s) {
-                        EvaluateScan(options.factors, graph, state, lines,
-                                     graph.scan(static_cast<int>(s)), &result);
-                      }
-                    });
+  for (const auto& term : MakeTerms(graph, associations, options.factors)) {
+    std::vector<double> residuals = ResidualsOf(*term, graph, state, &pool);
+    const std::string name = term->name();
+    if (name == kMotionTerm) {
+      result.odometry = AsVectors<3>(residuals);
+    } else if (name == kRelativePoseTerm) {
+      result.relative_poses = AsVectors<3>(residuals);
+    } else if (name == kRangeBeamTerm) {
+      result.beams = AsVectors<2>(residuals);
+    } else if (name == kManifoldTerm) {
+      result.surfaces = std::move(residuals);
+    } else if (!residuals.empty()) {
+      result.others.push_back({name, term->residuals_per_block(), std::move(residuals)});
+    }
+  }
   const auto bad = std::find_if(result.beams.begin(), result.beams.end(),
                                 [](const Eigen::Vector2d& beam) { return beam.hasNaN(); });
   if (bad != result.beams.end()) {

@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/status.h"
+#include "plumbline/factors/own_term.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/window_context.h"
 
 namespace plumbline {
@@ -75,6 +80,21 @@ class Window {
 
   const SlamGraph& part() const { return part_; }
   MapState* state() { return &state_; }
+
+  // The options with the host's own terms as they are in the part: what they say of free poses and
+  // their points, by what else is in it.
+  SolverOptions OptionsOfPart(const SolverOptions& options, const SlamGraph& graph) const {
+    SolverOptions of_part = options;
+    for (std::shared_ptr<const OwnTerm>& term : of_part.factors.own_terms) {
+      auto mapped = std::make_shared<OwnTerm>(*term);
+      mapped->residuals.clear();
+      for (OwnResidual residual : term->residuals) {
+        if (MoveIntoPart(graph, &residual)) mapped->residuals.push_back(std::move(residual));
+      }
+      term = std::move(mapped);
+    }
+    return of_part;
+  }
 
   // Takes over what has become of the free poses and of their points.
   void WriteBack(const SlamGraph& graph, MapState* state) const {
@@ -143,6 +163,25 @@ class Window {
     return Status::Ok();
   }
 
+  // Gives a residual the ids of the part; false if it sees what is not in it, or nothing free.
+  bool MoveIntoPart(const SlamGraph& graph, OwnResidual* residual) const {
+    bool sees_free = false;
+    for (int& pose : residual->poses) {
+      sees_free = sees_free || is_free_[pose];
+      pose = part_of_pose_[pose];
+      if (pose == kOutside) return false;
+    }
+    for (std::size_t& point : residual->points) {
+      const int s = graph.returns().scan[point];
+      const auto in_part = std::lower_bound(scans_.begin(), scans_.end(), s);
+      if (in_part == scans_.end() || *in_part != s) return false;
+      sees_free = sees_free || is_free_[graph.scan(s).pose];
+      const int scan = static_cast<int>(in_part - scans_.begin());
+      point = part_.scan(scan).first_return + (point - graph.scan(s).first_return);
+    }
+    return sees_free;
+  }
+
   std::vector<char> is_free_;      // per pose of the graph
   std::vector<int> part_of_pose_;  // likewise: its id in the part
   std::vector<int> poses_;         // per pose of the part: its id in the graph
@@ -158,13 +197,15 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   if (!window.Check(&error))
     return SolverFailure(options, Status::InvalidArgument("window." + error));
   Status status = CheckStateSize(graph, *state);
+  if (status.ok() && !options.Check(&error)) status = Status::InvalidArgument(error);
+  if (status.ok()) status = CheckOwnTermIds(options.factors, graph);
   if (status.ok()) status = CheckFreePoses(free_poses, graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
   const std::vector<int> fixed_poses = ChooseFixedPoses(window, graph, *state, free_poses);
   Window part(graph, free_poses, fixed_poses);
   status = part.Extract(graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
-  SolverSummary summary = Solve(options, part.part(), part.state());
+  SolverSummary summary = Solve(part.OptionsOfPart(options, graph), part.part(), part.state());
   if (summary.IsSolutionUsable()) part.WriteBack(graph, state);
   return summary;
 }

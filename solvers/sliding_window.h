@@ -6,8 +6,8 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/solvers/solver_options.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/interface/solver_options.h"
+#include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
 

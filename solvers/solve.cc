@@ -1,14 +1,14 @@
 #include "plumbline/solvers/solve.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
+#include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/float_environment.h"
-#include "plumbline/solvers/constraint_start.h"
-#include "plumbline/solvers/mirrored_scans.h"
-#include "plumbline/solvers/solver.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/solvers/acceptance/constraint_start.h"
+#include "plumbline/solvers/acceptance/mirrored_scans.h"
+#include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/solver_input.h"
 
 namespace plumbline {
@@ -23,12 +23,6 @@ Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
                                  " returns, but the surface " +
                                  std::to_string(surface.points.size()) + " points and " +
                                  std::to_string(surface.normals.size()) + " normals");
-}
-
-// A stretch of surface of half length r, seen with standard deviation s across it, has variances
-// r^2 / 3 and s^2: below 4.5 s even a perfect wall fails the default eigenvalue ratio of 0.15.
-double SmallestUsefulRadius(const FactorOptions& factors) {
-  return 5.0 * std::hypot(factors.beam.sigma_range_m, factors.manifold.sigma_m);
 }
 
 // A null surface has not been measured yet.
@@ -57,16 +51,6 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
 }
 
 }  // namespace
-
-ReturnNormalOptions NormalOptionsFor(const RangeBeamOptions& beam) {
-  ReturnNormalOptions options;
-  options.half_window_m = std::max(0.06, 6.0 * beam.sigma_range_m);
-  return options;
-}
-
-double FineRadius(const SolverOptions& options) {
-  return std::max(options.rounds.fine_radius_m, SmallestUsefulRadius(options.factors));
-}
 
 SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
   const DefaultFloatEnvironment float_environment;

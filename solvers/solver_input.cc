@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
-#include "plumbline/solvers/solver.h"
+#include "plumbline/solvers/interface/solver.h"
+#include "plumbline/solvers/terms/own_terms.h"
 
 namespace plumbline {
 namespace {
@@ -22,12 +23,6 @@ Status CheckReach(const char* name, const std::vector<double>& values, std::size
       " of the state is " + (std::isfinite(*bad) ? "beyond 1e8 m or rad" : "not finite"));
 }
 
-bool IsInPlace(const FixedPose& fixed, const MapState& state) {
-  const Pose2 pose = state.WorldFromRobot(fixed.pose);
-  const Pose2& held = fixed.world_from_robot;
-  return pose.x == held.x && pose.y == held.y && pose.yaw == held.yaw;
-}
-
 }  // namespace
 
 Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
@@ -37,6 +32,7 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
   PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));
+  PLUMBLINE_RETURN_IF_ERROR(CheckOwnTerms(options.factors, graph, state));
   if (options.MovesPosesOnly()) {
     if (!graph.relative_poses().empty()) return Status::Ok();
     return Status::InvalidArgument("the graph has no relative poses, and the solver " +
@@ -59,40 +55,6 @@ Status CheckStateSize(const SlamGraph& graph, const MapState& state) {
       std::to_string(num_pose_coordinates) + " and " + std::to_string(num_point_coordinates) +
       " coordinates, but the state has " + std::to_string(state.poses.size()) + " and " +
       std::to_string(state.points.size()) + "; see SlamGraph::ExtendState");
-}
-
-bool IsAtFixedPoses(const SlamGraph& graph, const MapState& state) {
-  return std::all_of(graph.fixed_poses().begin(), graph.fixed_poses().end(),
-                     [&](const FixedPose& fixed) { return IsInPlace(fixed, state); });
-}
-
-void PutAtFixedPoses(const SlamGraph& graph, MapState* state) {
-  if (graph.fixed_poses().empty()) return;
-  const std::vector<double> before = state->poses;
-  const FixedPose& first = graph.fixed_poses().front();
-  if (!IsInPlace(first, *state)) {
-    const Pose2 motion = first.world_from_robot * state->WorldFromRobot(first.pose).Inverse();
-    for (int pose = 0; pose < state->num_poses(); ++pose) {
-      state->SetPose(pose, motion * state->WorldFromRobot(pose));
-    }
-  }
-  for (const FixedPose& fixed : graph.fixed_poses()) {
-    state->SetPose(fixed.pose, fixed.world_from_robot);
-  }
-  CarryPoints(graph, before, state);
-}
-
-void CarryPoints(const SlamGraph& graph, const std::vector<double>& poses_before, MapState* state) {
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    const ScanEntry& scan = graph.scan(s);
-    const auto before = poses_before.begin() + 3 * scan.pose;
-    if (std::equal(before, before + 3, state->poses.begin() + 3 * scan.pose)) continue;
-    const Pose2 now_from_before = state->WorldFromRobot(scan.pose) * Pose2(&*before).Inverse();
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      Eigen::Map<Eigen::Vector2d> point(&state->points[2 * r]);
-      point = now_from_before * Eigen::Vector2d(point);
-    }
-  }
 }
 
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status) {

@@ -7,7 +7,7 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 
@@ -17,25 +17,13 @@ inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e
 
 /// Whether a graph can be solved from this state: InvalidArgument names an option out of range or
 /// that does not go with the others, a state of another size than the graph, a pose or point that
-/// is not finite or beyond 1e8, or the lack of any return (of any relative pose, for solvers that
-/// look at nothing else).
+/// is not finite or beyond 1e8, an own term that sees what is not there or is not finite, or the
+/// lack of any return (of any relative pose, for solvers that look at nothing else).
 Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
                         const MapState& state);
 
 /// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown.
 Status CheckStateSize(const SlamGraph& graph, const MapState& state);
-
-/// Whether all fixed poses of the graph are where they were fixed, exactly.
-bool IsAtFixedPoses(const SlamGraph& graph, const MapState& state);
-
-/// Puts a state where the graph's fixed poses are: the whole of it, rigidly, by the first one that
-/// FixPose named, and then the others with their map points. Nothing changes where all are in
-/// place.
-void PutAtFixedPoses(const SlamGraph& graph, MapState* state);
-
-/// Moves every map point along with its pose, from poses_before (x, y, yaw each) to the state's: it
-/// keeps its place in the frame of its robot.
-void CarryPoints(const SlamGraph& graph, const std::vector<double>& poses_before, MapState* state);
 
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);

@@ -22,7 +22,7 @@ namespace {
 // Two returns saw the same place if their cells touch: the map may be off by some decimetres.
 constexpr double kPlaceM = 0.5;
 // Of all poses in a cell of this size [m] that look the same way to within this [rad], one is
-// enough: they saw the same. About the distance and turn from one key scan of the seeding to the
+// enough: they saw the same. About the distance and turn from one keyframe of the seeding to the
 // next.
 constexpr double kSpacingM = 0.25;
 constexpr double kTurnRad = 0.35;

@@ -91,7 +91,8 @@ compilers() {
 }
 
 tidy() {
-  configure "$root/build-tidy" clang++ "${debug[@]}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON
+  # Nothing is built here, so there is no precompiled header to read.
+  configure "$root/build-tidy" clang++ "${debug[@]}" -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
   run-clang-tidy -quiet -j "$jobs" -p "$root/build-tidy" "^$root/(core|factors|solvers|apps|test)/"
 }
 

@@ -16,9 +16,11 @@ function(make_good_tree)
   file(WRITE ${TREE}/core/a.cc
        "#include \"plumbline/core/a.h\"\n\n#include <nanoflann.hpp>\n#include <vector>\n")
   file(WRITE ${TREE}/factors/b.h "#include <ceres/ceres.h>\n#include \"plumbline/core/a.h\"\n")
-  file(WRITE ${TREE}/solvers/sub/c.h "#include \"plumbline/factors/b.h\"\n")
+  file(WRITE ${TREE}/solvers/interface/c.h "#include \"plumbline/factors/b.h\"\n")
+  file(WRITE ${TREE}/solvers/reduced/d.h "#include \"plumbline/solvers/interface/c.h\"\n")
+  file(WRITE ${TREE}/solvers/door.h "#include \"plumbline/solvers/reduced/d.h\"\n")
   file(WRITE ${TREE}/apps/d_main.cc
-       "#include <gflags/gflags.h>\n#include <iostream>\n#include \"plumbline/solvers/sub/c.h\"\n")
+       "#include <gflags/gflags.h>\n#include <iostream>\n#include \"plumbline/solvers/door.h\"\n")
   file(WRITE ${TREE}/test/a_test.cc
        "#include \"plumbline/core/a.h\"\n#include \"plumbline/test/e.h\"\n")
 endfunction()
@@ -41,8 +43,13 @@ endif()
 
 expect_complaint(core/x.h "#include \"plumbline/factors/b.h\"\n" "core may not include")
 expect_complaint(factors/x.cc "  #  include \"plumbline/solvers/c.h\"\n" "factors may not include")
-expect_complaint(solvers/sub/x.h "#include \"plumbline/apps/d.h\"\n" "solvers may not include")
+expect_complaint(solvers/full/x.h "#include \"plumbline/apps/d.h\"\n" "solvers may not include")
 expect_complaint(apps/io/x.h "#include \"plumbline/test/e.h\"\n" "apps may not include")
+expect_complaint(solvers/full/x.h "#include \"plumbline/solvers/reduced/d.h\"\n"
+                 "its folder may not include")
+expect_complaint(solvers/reduced/x.h "#include \"plumbline/solvers/door.h\"\n"
+                 "its folder may not include")
+expect_complaint(apps/attic/x.h "#include \"plumbline/apps/io/y.h\"\n" "the folder of")
 expect_complaint(core/x.cc "int y;\n#include \"a.h\"\n" "write \"a.h\" as")
 expect_complaint(core/x.h "#include <ceres/jet.h>\n" "core may not include <ceres/jet.h>")
 expect_complaint(solvers/x.h "#include <nanoflann.hpp>\n" "a public header may not include")

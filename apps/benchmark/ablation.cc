@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
@@ -10,10 +11,11 @@
 #include "plumbline/apps/benchmark/synthetic_drive.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/core/map_quality.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
@@ -25,7 +27,7 @@ constexpr double kOff = 1e4;
 
 AblationVariant Scaled(const std::string& name, const SolverOptions& full, double factor) {
   AblationVariant variant{name, full};
-  variant.options.association.patch_size_m *= factor;
+  variant.options.association.landmark_size_m *= factor;
   variant.options.rounds.coarse_radius_m *= factor;
   variant.options.rounds.fine_radius_m *= factor;
   return variant;

@@ -11,7 +11,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 

@@ -13,8 +13,8 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/mirrored_scans.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -249,15 +249,16 @@ Status WriteAdversarialCsv(const std::string& path,
          "held_out_after,held_out_noise,termination\n"
       << std::setprecision(8);
   for (const AdversarialOutcome& o : outcomes) {
-    const Verdict& verdict = o.summary.verdict;
+    const AcceptanceTest& acceptance = o.summary.acceptance;
     out << ToString(o.run.attack) << ',' << o.run.level << ',' << o.run.seed << ',' << o.run.seeded
         << ',' << o.floor_m << ',' << o.before.pose_error_m << ',' << o.after.pose_error_m << ','
         << o.before.pose_error_rad << ',' << o.after.pose_error_rad << ','
         << o.before.wall_thickness_m << ',' << o.after.wall_thickness_m << ','
         << o.before.mean_map_entropy << ',' << o.after.mean_map_entropy << ',' << o.alarm << ','
-        << verdict.seed_energy << ',' << verdict.final_energy << ',' << verdict.num_held_out << ','
-        << verdict.seed_held_out_error << ',' << verdict.final_held_out_error << ','
-        << verdict.held_out_noise << ',' << ToString(o.summary.termination) << '\n';
+        << acceptance.seed_energy << ',' << acceptance.final_energy << ','
+        << acceptance.num_held_out << ',' << acceptance.seed_held_out_error << ','
+        << acceptance.final_held_out_error << ',' << acceptance.held_out_noise << ','
+        << ToString(o.summary.termination) << '\n';
   }
   return file.Commit();
 }

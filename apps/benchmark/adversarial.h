@@ -7,7 +7,7 @@
 
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 

@@ -3,13 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
 #include "plumbline/apps/benchmark/convergence_plot.h"
 #include "plumbline/apps/io/atomic_file.h"
-#include "plumbline/apps/number_text.h"
-#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/report/report_json.h"
 
 namespace plumbline {
 namespace {

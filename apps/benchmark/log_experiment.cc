@@ -14,6 +14,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/map_log.h"
+#include "plumbline/solvers/pose_graph/stochastic_descent.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {

@@ -12,10 +12,9 @@
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/apps/figures/map_figure.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/pose_graph/stochastic_descent.h"
-#include "plumbline/solvers/seeding/pairwise_icp.h"
-#include "plumbline/solvers/seeding/seed.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/front_end/pairwise_icp.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "plumbline/apps/io/atomic_file.h"
-#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/report/report_json.h"
 
 namespace plumbline {
 namespace {

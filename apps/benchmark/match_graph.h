@@ -6,8 +6,8 @@
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/solvers/seeding/pairwise_icp.h"
-#include "plumbline/solvers/seeding/surface_points.h"
+#include "plumbline/solvers/front_end/pairwise_icp.h"
+#include "plumbline/solvers/front_end/surface_points.h"
 
 namespace plumbline {
 

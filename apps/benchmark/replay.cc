@@ -8,6 +8,9 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+#include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/solve.h"
 
@@ -99,8 +102,8 @@ class Host {
              static_cast<int>(arrived_closures_.size()),
              num_news_,
              SecondsSince(start),
-             summary.verdict.seed_energy,
-             summary.verdict.final_energy};
+             summary.acceptance.seed_energy,
+             summary.acceptance.final_energy};
     if (summary.IsSolutionUsable()) return Status::Ok();
     return Status::InvalidArgument("batch " + std::to_string(batch_) + ": " + summary.message);
   }

@@ -7,9 +7,9 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+#include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/sliding_window.h"
-#include "plumbline/solvers/solver_options.h"
 
 namespace plumbline {
 
@@ -39,7 +39,7 @@ struct ReplayStep {
   int num_closures = 0;  ///< that have arrived
   int num_news = 0;      ///< of these, with this batch and not as the poses had it
   double time_s = 0.0;   ///< pose graph included
-  /// Of what was solved, before and after: comparable with each other alone, see Verdict.
+  /// Of what was solved, before and after: comparable with each other alone, see AcceptanceTest.
   double initial_energy = 0.0;
   double final_energy = 0.0;
 };

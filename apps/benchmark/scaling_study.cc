@@ -16,7 +16,7 @@
 #include "plumbline/apps/evaluation/trajectory_metrics.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/report/run_summary.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
@@ -119,14 +119,14 @@ void Describe(const SolverSummary& summary, ScalingOutcome* outcome) {
   outcome->time_s = summary.total_time_s;
   outcome->association_time_s = summary.association_time_s;
   outcome->minimization_time_s = summary.solve_time_s;
-  outcome->num_rounds = static_cast<int>(summary.patch_rounds.size());
+  outcome->num_rounds = static_cast<int>(summary.landmark_rounds.size());
   outcome->num_steps = static_cast<int>(summary.iterations.size());
   for (const IterationSummary& step : summary.iterations) {
     outcome->num_linear_iterations += step.evaluations;
   }
-  if (summary.patch_rounds.empty()) return;
-  outcome->num_patches = summary.patch_rounds.back().num_patches;
-  outcome->num_sightings = summary.patch_rounds.back().num_sightings;
+  if (summary.landmark_rounds.empty()) return;
+  outcome->num_landmarks = summary.landmark_rounds.back().num_landmarks;
+  outcome->num_observations = summary.landmark_rounds.back().num_observations;
 }
 
 // Calls visit(name, field) on every figure, in the order of the table's columns.
@@ -142,8 +142,8 @@ void VisitFigures(Outcome* outcome, const Visit& visit) {
   visit("rounds", &outcome->num_rounds);
   visit("steps", &outcome->num_steps);
   visit("cg_iterations", &outcome->num_linear_iterations);
-  visit("patches", &outcome->num_patches);
-  visit("sightings", &outcome->num_sightings);
+  visit("landmarks", &outcome->num_landmarks);
+  visit("observations", &outcome->num_observations);
   visit("graph_memory_bytes", &outcome->graph_memory_bytes);
   visit("peak_memory_bytes", &outcome->peak_memory_bytes);
   visit("pose_error_before_m", &outcome->pose_error_before_m);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 
@@ -23,8 +23,8 @@ struct ScalingOutcome {
   int num_rounds = 0;
   int num_steps = 0;
   int num_linear_iterations = 0;       ///< of conjugate gradients, over all steps
-  std::size_t num_patches = 0;         ///< pieces of surface in the last round
-  std::size_t num_sightings = 0;       ///< pairs of a pose and a patch likewise
+  std::size_t num_landmarks = 0;       ///< pieces of surface in the last round
+  std::size_t num_observations = 0;    ///< pairs of a pose and a landmark likewise
   std::size_t graph_memory_bytes = 0;  ///< resident with the graph, before the solve
   std::size_t peak_memory_bytes = 0;   ///< resident in the solve, at most
   /// Mean over the poses, after the rigid motion that fits best. A drive of kilometres bends more

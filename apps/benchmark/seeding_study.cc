@@ -13,10 +13,10 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/loop_closure/close_all_loops.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/seeding/frozen_laser.h"
-#include "plumbline/solvers/seeding/surface_points.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -88,12 +88,12 @@ Status SimulateCase(const SeedingCase& run, SimulatedLog* log, std::size_t* firs
   return SimulateWithFault(world, second ? &*second : nullptr, options, run.fault, log, first_scan);
 }
 
-// Moves everything after one key scan ahead, as if matching and odometry had measured it.
+// Moves everything after one keyframe ahead, as if matching and odometry had measured it.
 void InjectJump(const SeedingCase& run, SequentialTrajectory* trajectory) {
-  std::vector<KeyScan>& keys = trajectory->key_scans;
+  std::vector<Keyframe>& keys = trajectory->keyframes;
   const double path_m = run.fault.at_share * keys.back().path_m;
   auto first = std::find_if(keys.begin(), keys.end() - 1,
-                            [&](const KeyScan& key) { return key.path_m > path_m; });
+                            [&](const Keyframe& key) { return key.path_m > path_m; });
   const Pose2 at = trajectory->world_from_robot[first->pose];
   const Eigen::Vector2d shift = BeamEnd(run.fault.distance_m, at.yaw);
   Pose2& step = trajectory->odometry[first->pose];

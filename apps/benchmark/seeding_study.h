@@ -10,7 +10,7 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/interface/seeding_options.h"
 
 namespace plumbline {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/simulation/simulator.h"
-#include "plumbline/apps/stage.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/seeding/seed.h"
-#include "plumbline/solvers/solver_options.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "plumbline/apps/benchmark/map_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
-#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/report/report_json.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "plumbline/core/options_check.h"
-#include "plumbline/solvers/ceres_options.h"
+#include "plumbline/solvers/interface/ceres_options.h"
 
 namespace plumbline {
 namespace {

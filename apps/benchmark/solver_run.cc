@@ -12,9 +12,10 @@
 
 #include "plumbline/apps/benchmark/child_process.h"
 #include "plumbline/apps/benchmark/memory_use.h"
-#include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/report/run_summary.h"
 #include "plumbline/solvers/association/associations.h"
-#include "plumbline/solvers/marginal_energy.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
@@ -105,7 +106,7 @@ class TracedRun {
     alarm(0);
     run_.peak_memory_bytes = PeakMemoryBytes();
     run_.num_iterations = static_cast<int>(summary.iterations.size());
-    run_.num_rounds = static_cast<int>(summary.rounds.size() + summary.patch_rounds.size());
+    run_.num_rounds = static_cast<int>(summary.rounds.size() + summary.landmark_rounds.size());
     run_.termination = ToString(summary.termination);
     if (!summary.IsSolutionUsable()) run_.failure = summary.message;
     Record(time, state_.poses);

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "plumbline/apps/simulation/floor.h"
-#include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 
 namespace plumbline {
@@ -68,20 +67,6 @@ Status MakeSyntheticDrive(std::uint64_t seed, const SyntheticNoise& noise, Synth
   result.truth = TruthOf(result.log, result.graph);
   *drive = std::move(result);
   return Status::Ok();
-}
-
-MapEstimate TruthOf(const SimulatedLog& log, const SlamGraph& graph) {
-  MapEstimate truth;
-  const Pose2 map_from_world = log.scans.front().world_from_robot.Inverse();
-  for (const SimulatedScan& scan : log.scans) {
-    truth.poses.push_back(Between(log.scans.front().world_from_robot, scan.world_from_robot));
-  }
-  const LaserReturns& returns = graph.returns();
-  for (std::size_t r = 0; r < returns.size(); ++r) {
-    const Eigen::Vector2d point = map_from_world * log.scans[returns.scan[r]].hits[returns.beam[r]];
-    truth.points.insert(truth.points.end(), {point.x(), point.y()});
-  }
-  return truth;
 }
 
 std::vector<double> PlacedReturns(const SlamGraph& graph, const std::vector<Pose2>& poses) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/apps/simulation/world.h"
 #include "plumbline/core/pose2.h"
@@ -24,12 +25,6 @@ struct SyntheticNoise {
   OdometryNoise Odometry() const;
 };
 
-/// Poses and map points in one frame, that of the first pose.
-struct MapEstimate {
-  std::vector<Pose2> poses;    ///< one per scan
-  std::vector<double> points;  ///< x, y [m] per return; NaN where there is none
-};
-
 /// A short drive with few scans far apart, where every scan has to count: once around a block of a
 /// small office floor at right angles, about 36 m, 16 scans of 720 beams all around.
 struct SyntheticDrive {
@@ -42,9 +37,6 @@ struct SyntheticDrive {
 /// The same seed and noise give the same drive; drives of one seed and different noise are through
 /// the same building. InvalidArgument on noise out of range.
 Status MakeSyntheticDrive(std::uint64_t seed, const SyntheticNoise& noise, SyntheticDrive* drive);
-
-/// True poses and points of a simulated log and the graph that MakeGraph makes of it.
-MapEstimate TruthOf(const SimulatedLog& log, const SlamGraph& graph);
 
 /// The ends of the beams as measured, placed by these poses. x, y [m] per return.
 std::vector<double> PlacedReturns(const SlamGraph& graph, const std::vector<Pose2>& poses);

@@ -10,6 +10,7 @@
 #include "plumbline/apps/benchmark/match_graph.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/return_normals.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"

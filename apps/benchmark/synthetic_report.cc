@@ -1,6 +1,7 @@
 #include "plumbline/apps/benchmark/synthetic_report.h"
 
 #include <iomanip>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
@@ -8,7 +9,7 @@
 #include "plumbline/apps/figures/line_chart.h"
 #include "plumbline/apps/figures/map_figure.h"
 #include "plumbline/apps/io/atomic_file.h"
-#include "plumbline/apps/report_json.h"
+#include "plumbline/apps/report/report_json.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "plumbline/apps/convert/conversion_target.h"
-#include "plumbline/apps/read_log.h"
-#include "plumbline/apps/run_outputs.h"
+#include "plumbline/apps/program/read_log.h"
+#include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {

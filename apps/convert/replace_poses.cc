@@ -3,10 +3,10 @@
 #include <limits>
 #include <vector>
 
-#include "plumbline/apps/evaluation/pose_timeline.h"
 #include "plumbline/apps/io/clock.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/apps/number_text.h"
 
 namespace plumbline {
 namespace {

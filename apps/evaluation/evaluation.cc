@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/log_map.h"
-#include "plumbline/apps/evaluation/pose_timeline.h"
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/ply_reader.h"
+#include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/apps/evaluation/trajectory_metrics.h"
 #include "plumbline/core/status.h"
-#include "plumbline/solvers/seeding/map_consistency.h"
+#include "plumbline/solvers/interface/map_consistency.h"
 
 namespace plumbline {
 

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "plumbline/apps/evaluation/pose_timeline.h"
 #include "plumbline/apps/io/clock.h"
-#include "plumbline/apps/read_log.h"
+#include "plumbline/apps/io/pose_timeline.h"
+#include "plumbline/apps/program/read_log.h"
 
 namespace plumbline {
 

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <utility>
 
-#include "plumbline/apps/evaluation/pose_timeline.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/options_check.h"
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "plumbline/apps/evaluation/alignment.h"
-#include "plumbline/apps/evaluation/pose_timeline.h"
+#include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {

@@ -1,4 +1,4 @@
-// A robot that maps while it drives. Every few key frames the newest poses are refined in a sliding
+// A robot that maps while it drives. Every few keyframes the newest poses are refined in a sliding
 // window; when the host recognises a place, the loop is closed and everything is solved once. The
 // drive, around a block in a hall, is simulated here; all else is what a host would write.
 #include <plumbline/core/slam_graph.h>
@@ -192,7 +192,7 @@ Status Run(bool* better) {
   }
   const double odometry_m = MeanError(by_odometry, truth);
   const double windows_m = MeanError(plumbline::PosesOf(mapper.state().poses), truth);
-  std::printf("%d key frames, %d windows: mean error of the poses %.3f m -> %.3f m\n",
+  std::printf("%d keyframes, %d windows: mean error of the poses %.3f m -> %.3f m\n",
               mapper.state().num_poses(), mapper.num_windows(), odometry_m, windows_m);
 
   // The place recogniser, good to 1 cm and 3 mrad.

@@ -230,8 +230,8 @@ Status Refine(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
   if (joint.termination == plumbline::TerminationType::kNoImprovement) {
     std::printf("edges and scans: no better than the start, which stays\n");
   } else {
-    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.verdict.seed_energy,
-                joint.verdict.final_energy);
+    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.acceptance.seed_energy,
+                joint.acceptance.final_energy);
   }
   return Status::Ok();
 }

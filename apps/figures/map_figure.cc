@@ -12,9 +12,9 @@
 #include "plumbline/apps/figures/plot_axes.h"
 #include "plumbline/apps/figures/series_marks.h"
 #include "plumbline/apps/io/atomic_file.h"
-#include "plumbline/apps/io/cairo_canvas.h"
 #include "plumbline/apps/io/map_raster.h"
-#include "plumbline/apps/io/scale_bar.h"
+#include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {

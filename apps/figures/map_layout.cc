@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumbline/apps/io/cairo_canvas.h"
+#include "plumbline/apps/pictures/cairo_canvas.h"
 
 namespace plumbline {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdio>
 
-#include "plumbline/apps/io/cairo_canvas.h"
+#include "plumbline/apps/pictures/cairo_canvas.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "plumbline/apps/figures/plot_axes.h"
-#include "plumbline/apps/io/cairo_canvas.h"
+#include "plumbline/apps/pictures/cairo_canvas.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {

@@ -157,7 +157,7 @@ Status LayGrid(const MapState& state, const OccupancyGridOptions& options, Occup
   return Status::Ok();
 }
 
-void Judge(const OccupancyScores& scores, OccupancyGrid* grid) {
+void Classify(const OccupancyScores& scores, OccupancyGrid* grid) {
   grid->cells.resize(static_cast<std::size_t>(grid->width) * grid->height);
   std::vector<std::int32_t> row;
   for (int y = 0; y < grid->height; ++y) {
@@ -223,7 +223,7 @@ Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
   OccupancyScores scores(result.width, result.height);
   ScanScorer scorer(graph, state, result, &scores);
   for (int scan = 0; scan < graph.num_scans(); ++scan) scorer.Add(scan);
-  Judge(scores, &result);
+  Classify(scores, &result);
   DropStrayReturns(scores, &result);
   *grid = std::move(result);
   return Status::Ok();

@@ -50,10 +50,10 @@ Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options)
 /// which graze a wall do not wear it off, and nothing where the beams are more than 0.3 m apart or
 /// one of them goes more than 0.3 m farther than the other. A beam without a return tells nothing:
 /// glass and black cloth look like open space.
-/// *Verdict*: occupied if more than a quarter of the scans that tell about a cell touch it, so that
-/// people who pass disappear, and a surface at the border of two cells stays in one of them; free
-/// otherwise; unknown if no scan tells anything, or exactly as much for either. An occupied cell
-/// that rests on one scan and has no occupied neighbour is a stray return: unknown.
+/// *Classification*: occupied if more than a quarter of the scans that tell about a cell touch it,
+/// so that people who pass disappear, and a surface at the border of two cells stays in one of
+/// them; free otherwise; unknown if no scan tells anything, or exactly as much for either. An
+/// occupied cell that rests on one scan and has no occupied neighbour is a stray return: unknown.
 ///
 /// The grid holds the whole trajectory and all but the farthest 0.01 % of the points at each side.
 /// Time grows with the length of what the scans outline, not with the area they see.

@@ -9,9 +9,9 @@
 
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/robot_laser_record.h"
-#include "plumbline/apps/number_text.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/factors/sqrt_information.h"

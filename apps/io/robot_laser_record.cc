@@ -1,6 +1,6 @@
 #include "plumbline/apps/io/robot_laser_record.h"
 
-#include "plumbline/apps/number_text.h"
+#include "plumbline/apps/io/number_text.h"
 
 namespace plumbline {
 

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <utility>
 
-#include "plumbline/apps/evaluation/pose_timeline.h"
 #include "plumbline/apps/io/clock.h"
+#include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/apps/io/map_picture.h"
+#include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {

@@ -2,7 +2,7 @@
 #define PLUMBLINE_APPS_REPORT_HTML_TEXT_H_
 
 #include <map>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <ostream>
 #include <string>
 #include <string_view>

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "plumbline/apps/command_line.h"
-#include "plumbline/apps/number_text.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/program/command_line.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -78,34 +78,33 @@ ReportTable TermsTable(const SolverSummary& solver) {
                     {"Term", "Residuals", "Before", "After", "RMS [sigma]", "RMS"},
                     {},
                     "Half the sum of squared whitened residuals, under the last associations."};
-  for (int t = 0; t < kNumTerms; ++t) {
-    const TermSummary& term = solver.terms[t];
+  for (const TermSummary& term : solver.terms) {
     if (term.count == 0) continue;
     const double rms = term.WhitenedRms();
     table.rows.push_back(
-        {ToString(static_cast<Term>(t)), WithThousands(term.count), ShortText(term.initial_cost),
+        {term.name, WithThousands(term.count), ShortText(term.initial_cost),
          ShortText(term.final_cost), FixedText(rms, 3),
          term.sigma > 0.0 ? FixedText(rms * term.sigma, 5) + " " + term.unit : ""});
   }
   return table;
 }
 
-ReportTable VerdictTable(const Verdict& verdict) {
-  const std::string chance = "+- " + ShortText(verdict.held_out_noise) + " by chance";
+ReportTable AcceptanceTable(const AcceptanceTest& acceptance) {
+  const std::string chance = "+- " + ShortText(acceptance.held_out_noise) + " by chance";
   return {
-      "Verdict: is the result better than the seed?",
-      {"Under the patches of both", "Seed", "Refined", "Speaks for it?"},
-      {{"Energy", ShortText(verdict.seed_energy), ShortText(verdict.final_energy),
-        verdict.LowersEnergy() ? "yes" : "no"},
+      "Acceptance test: is the result better than the seed?",
+      {"Over the landmarks of both states", "Seed", "Refined", "Passed"},
+      {{"Energy", ShortText(acceptance.seed_energy), ShortText(acceptance.final_energy),
+        acceptance.LowersEnergy() ? "yes" : "no"},
        {"Squared distance of held-out returns [sigma^2], " + chance,
-        FixedText(verdict.seed_held_out_error, 4), FixedText(verdict.final_held_out_error, 4),
-        verdict.KeepsHeldOutError() ? "yes" : "no"}},
-      WithThousands(verdict.num_held_out) +
+        FixedText(acceptance.seed_held_out_error, 4), FixedText(acceptance.final_held_out_error, 4),
+        acceptance.KeepsHeldOutError() ? "yes" : "no"}},
+      WithThousands(acceptance.num_held_out) +
           " returns took no part in finding these poses and lines. If either yardstick speaks "
           "against the result it is refused, and the seed comes back. The energy has to fall; the "
           "held-out figure may rise to " +
-          FixedText(verdict.LargestHeldOutError(), 4) +
-          (verdict.with_relative_poses
+          FixedText(acceptance.LargestHeldOutError(), 4) +
+          (acceptance.with_relative_poses
                ? ": relative poses are knowledge of their own, which may cost the scans a little."
                : ", twice what chance does.")};
 }
@@ -118,10 +117,10 @@ ReportTable LocalTable(const SolverSummary& solver) {
       {},
       "Stretches: squared distance of held-out returns [sigma^2]. Odometry steps: how "
       "far they are off the seed, in standard deviations."};
-  for (const DoubtedStep& doubted : solver.doubted_steps) {
-    table.rows.push_back({"odometry step " + std::to_string(doubted.step),
-                          ShortText(doubted.sigma_factor), "",
-                          "doubted: it tore poses off the map"});
+  for (const DownweightedStep& downweighted : solver.downweighted_steps) {
+    table.rows.push_back({"odometry step " + std::to_string(downweighted.step),
+                          ShortText(downweighted.sigma_factor), "",
+                          "downweighted: it tore poses off the map"});
   }
   for (const WorseStretch& stretch : solver.put_back) {
     table.rows.push_back(
@@ -139,8 +138,7 @@ std::string ConflictText(const FreeSpaceConflict& conflict) {
 
 }  // namespace
 
-void AddVerdict(const std::vector<Alarm>& alarms, const std::string& all_clear,
-                HtmlReport* report) {
+void AddAlarms(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report) {
   for (const Alarm& alarm : alarms) {
     report->alarms.push_back("Around " + alarm.place.Text() + ": " + alarm.reason + ".");
   }
@@ -199,8 +197,8 @@ void AddSolver(const SolverSummary& solver, HtmlReport* report) {
          ""});
     return;
   }
-  report->tables.push_back(VerdictTable(solver.verdict));
-  if (!solver.doubted_steps.empty() || !solver.put_back.empty()) {
+  report->tables.push_back(AcceptanceTable(solver.acceptance));
+  if (!solver.downweighted_steps.empty() || !solver.put_back.empty()) {
     report->tables.push_back(LocalTable(solver));
   }
   report->tables.push_back(TermsTable(solver));

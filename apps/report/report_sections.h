@@ -6,17 +6,16 @@
 #include <vector>
 
 #include "plumbline/apps/report/html_report.h"
-#include "plumbline/apps/stage.h"
+#include "plumbline/apps/report/stage.h"
 #include "plumbline/solvers/alarm.h"
-#include "plumbline/solvers/seeding/map_consistency.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
 
 // What the reports of different programs have in common. Each adds its part to the report.
 
 /// The alarms, or else `all_clear`.
-void AddVerdict(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report);
+void AddAlarms(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report);
 
 /// Says that a signal of this name has ended the estimation early; nothing if it is empty.
 void AddStop(const std::string& signal_name, HtmlReport* report);

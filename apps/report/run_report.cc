@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/apps/calibration_report.h"
-#include "plumbline/apps/number_text.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/report/calibration_report.h"
 #include "plumbline/apps/report/report_sections.h"
-#include "plumbline/apps/seeding_report.h"
+#include "plumbline/apps/report/seeding_text.h"
 
 namespace plumbline {
 namespace {
@@ -17,16 +17,16 @@ namespace {
 void AddLoops(const LoopClosingReport& loops, HtmlReport* report) {
   report->figures.push_back({"Loops closed", WithThousands(loops.num_closures),
                              WithThousands(loops.num_candidates) + " places tried"});
-  ReportTable table{"Loop closures", {"Verdict", "Matches"}, {}, ""};
-  for (const auto& [verdict, count] : CountVerdicts(loops)) {
-    std::string name = ToString(verdict);
+  ReportTable table{"Loop closures", {"Outcome", "Matches"}, {}, ""};
+  for (const auto& [outcome, count] : CountOutcomes(loops)) {
+    std::string name = ToString(outcome);
     std::replace(name.begin(), name.end(), '_', ' ');
     table.rows.push_back({name, WithThousands(count)});
   }
   if (table.rows.empty()) table.rows.push_back({"no place matched another", "0"});
-  const auto num_unresolved = std::count_if(loops.doubts.begin(), loops.doubts.end(),
+  const auto num_unresolved = std::count_if(loops.suspect_steps.begin(), loops.suspect_steps.end(),
                                             [](const auto& step) { return step.IsUnresolved(); });
-  table.note = WithThousands(loops.doubts.size()) + " doubtful steps, " +
+  table.note = WithThousands(loops.suspect_steps.size()) + " suspect steps, " +
                WithThousands(num_unresolved) + " of them unresolved.";
   report->tables.push_back(std::move(table));
 }
@@ -58,7 +58,7 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
                     WithThousands(summary.num_returns) + " returns, " +
                     WithThousands(summary.num_skipped_records) + " records skipped";
   AddStop(summary.stopped_by, &report);
-  AddVerdict(summary.mapping.alarms, "No sign that the map contradicts itself.", &report);
+  AddAlarms(summary.mapping.alarms, "No sign that the map contradicts itself.", &report);
   AddStages(summary.stages, &report);
   AddLoops(summary.mapping.seeding.loops, &report);
   AddHypotheses(summary.mapping.seeding.hypotheses, &report);

@@ -2,7 +2,7 @@
 #define PLUMBLINE_APPS_REPORT_RUN_REPORT_H_
 
 #include "plumbline/apps/report/html_report.h"
-#include "plumbline/apps/run_summary.h"
+#include "plumbline/apps/report/run_summary.h"
 
 namespace plumbline {
 

@@ -22,4 +22,18 @@ Status MakeGraph(const SimulatedLog& log, SlamGraph* graph) {
   return Status::Ok();
 }
 
+MapEstimate TruthOf(const SimulatedLog& log, const SlamGraph& graph) {
+  MapEstimate truth;
+  const Pose2 map_from_world = log.scans.front().world_from_robot.Inverse();
+  for (const SimulatedScan& scan : log.scans) {
+    truth.poses.push_back(Between(log.scans.front().world_from_robot, scan.world_from_robot));
+  }
+  const LaserReturns& returns = graph.returns();
+  for (std::size_t r = 0; r < returns.size(); ++r) {
+    const Eigen::Vector2d point = map_from_world * log.scans[returns.scan[r]].hits[returns.beam[r]];
+    truth.points.insert(truth.points.end(), {point.x(), point.y()});
+  }
+  return truth;
+}
+
 }  // namespace plumbline

@@ -18,10 +18,10 @@ namespace {
 
 constexpr int kNumLevels = 3;
 
-enum class Verdict { kLine, kNotALine, kTooSparse };
+enum class CellFit { kLine, kNotALine, kTooSparse };
 
 // Fits the line of one entry to the disc of cells around it.
-Verdict FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
+CellFit FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
                 const AssociationOptions& options, TangentLine* line) {
   PointMoments sum;
   bool enough_poses = cell.several_poses || !options.several_poses;
@@ -38,12 +38,12 @@ Verdict FitCell(const SurfaceCells& cells, const SurfaceCell& cell,
       }
     }
   }
-  if (sum.weight < options.min_points || !enough_poses) return Verdict::kTooSparse;
+  if (sum.weight < options.min_points || !enough_poses) return CellFit::kTooSparse;
   const LineFit fit = FitLine(sum);
-  if (fit.EigenvalueRatio() > options.max_eigenvalue_ratio) return Verdict::kNotALine;
+  if (fit.EigenvalueRatio() > options.max_eigenvalue_ratio) return CellFit::kNotALine;
   const Eigen::Vector2d centroid = cells.Center(cell.key) + fit.centroid;
   *line = {fit.normal.x(), fit.normal.y(), fit.normal.dot(centroid)};
-  return Verdict::kLine;
+  return CellFit::kLine;
 }
 
 // The line of a cell of the finest table, at the first radius that is not too sparse.
@@ -52,7 +52,7 @@ TangentLine LineOfCell(const std::vector<SurfaceCells>& tables, std::size_t id,
   TangentLine line{0.0, 0.0, 0.0};
   for (const SurfaceCells& cells : tables) {
     const SurfaceCell& cell = cells[id];
-    if (FitCell(cells, cell, options, &line) != Verdict::kTooSparse) break;
+    if (FitCell(cells, cell, options, &line) != CellFit::kTooSparse) break;
     id = static_cast<std::size_t>(cell.parent);
   }
   return line;

@@ -4,7 +4,7 @@
 #include <complex>
 #include <utility>
 
-#include "plumbline/solvers/held_out_returns.h"
+#include "plumbline/solvers/association/held_out_returns.h"
 
 namespace plumbline {
 namespace {

@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-// Doubtful edges bend away from three standard deviations on, ...
+// Uncertain edges bend away from three standard deviations on, ...
 constexpr double kCauchyScale = 3.0;
 // ... but not from the start, where a right one may be hundreds of them off: the loss begins wide
 // enough for all and narrows by this factor (graduated non-convexity, Blake & Zisserman 1987).
@@ -69,7 +69,7 @@ class CostCallback final : public ceres::IterationCallback {
 }  // namespace
 
 PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
-                                  const std::vector<RelativePoseConstraint>& doubtful_edges,
+                                  const std::vector<RelativePoseConstraint>& uncertain_edges,
                                   std::vector<Pose2>* world_from_pose,
                                   const std::vector<int>& fixed,
                                   const PoseGraphCallback& callback) {
@@ -81,14 +81,14 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(ownership);
   AddEdges(edges, nullptr, &blocks, &problem);
-  AddEdges(doubtful_edges, &loss, &blocks, &problem);
+  AddEdges(uncertain_edges, &loss, &blocks, &problem);
   for (const int pose : fixed) {
     if (pose < static_cast<int>(blocks.size()) && problem.HasParameterBlock(blocks[pose].data())) {
       problem.SetParameterBlockConstant(blocks[pose].data());
     }
   }
   double worst_chi2 = 0.0;
-  for (const RelativePoseConstraint& edge : doubtful_edges) {
+  for (const RelativePoseConstraint& edge : uncertain_edges) {
     worst_chi2 = std::max(worst_chi2, EdgeChi2(edge, *world_from_pose));
   }
   double scale = kCauchyScale;

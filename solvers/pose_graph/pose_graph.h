@@ -12,10 +12,10 @@ namespace plumbline {
 
 /// How the optimisation of a pose graph ended.
 struct PoseGraphResult {
-  int iterations = 0;
-  bool converged = false;
-  bool stopped = false;  ///< by the callback
-  std::string stop_reason;
+  int iterations = 0;       ///< done
+  bool converged = false;   ///< by its tolerance, not by the limit on iterations
+  bool stopped = false;     ///< by the callback
+  std::string stop_reason;  ///< for reports
   /// Of the Gauss-Newton optimisation: half the squared error (under the loss) at the start and
   /// after each iteration.
   std::vector<double> costs;
@@ -25,11 +25,11 @@ struct PoseGraphResult {
 /// with the best poses so far.
 using PoseGraphCallback = std::function<bool(double cost)>;
 
-/// Moves the poses to the optimum of the edges: `edges` as they are, `doubtful_edges` under a
+/// Moves the poses to the optimum of the edges: `edges` as they are, `uncertain_edges` under a
 /// Cauchy loss. Edges name poses by their index; the `fixed` ones stay. Poses without edges stay,
 /// and so do all if the error cannot be evaluated.
 PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edges,
-                                  const std::vector<RelativePoseConstraint>& doubtful_edges,
+                                  const std::vector<RelativePoseConstraint>& uncertain_edges,
                                   std::vector<Pose2>* world_from_pose,
                                   const std::vector<int>& fixed = {0},
                                   const PoseGraphCallback& callback = nullptr);

@@ -18,7 +18,7 @@ namespace {
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Doubtful edges bend away from three standard deviations on.
+// Uncertain edges bend away from three standard deviations on.
 constexpr double kCauchyScale = 3.0;
 // The loss narrows by this factor from step to step.
 constexpr double kNarrowing = 2.0;
@@ -30,7 +30,7 @@ constexpr double kTolerance = 3e-4;
 
 struct Edge {
   int from = 0, to = 0;
-  bool doubtful = false;
+  bool uncertain = false;
   RelativePoseResidual residual;
 };
 
@@ -38,18 +38,18 @@ struct Edge {
 class System {
  public:
   System(const std::vector<RelativePoseConstraint>& certain,
-         const std::vector<RelativePoseConstraint>& doubtful, std::size_t num_poses)
+         const std::vector<RelativePoseConstraint>& uncertain, std::size_t num_poses)
       : size_(3 * (static_cast<int>(num_poses) - 1)) {
     Append(certain, false);
-    Append(doubtful, true);
+    Append(uncertain, true);
     LayPattern();
   }
 
-  // Largest whitened error of a doubtful edge.
+  // Largest whitened error of an uncertain edge.
   double WorstError(const std::vector<Pose2>& poses) const {
     double worst = 0.0;
     for (const Edge& edge : edges_) {
-      if (edge.doubtful) worst = std::max(worst, Error(edge, poses).norm());
+      if (edge.uncertain) worst = std::max(worst, Error(edge, poses).norm());
     }
     return worst;
   }
@@ -60,7 +60,7 @@ class System {
     double cost = 0.0;
     for (const Edge& edge : edges_) {
       const double chi2 = Error(edge, poses).squaredNorm();
-      cost += edge.doubtful ? scale_squared * std::log1p(chi2 / scale_squared) : chi2;
+      cost += edge.uncertain ? scale_squared * std::log1p(chi2 / scale_squared) : chi2;
     }
     return cost;
   }
@@ -83,9 +83,9 @@ class System {
   }
 
  private:
-  void Append(const std::vector<RelativePoseConstraint>& constraints, bool doubtful) {
+  void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain) {
     for (const RelativePoseConstraint& constraint : constraints) {
-      Edge edge{constraint.from, constraint.to, doubtful, {}};
+      Edge edge{constraint.from, constraint.to, uncertain, {}};
       edge.residual.a_from_b = constraint.from_from_to;
       if (SqrtInformation(constraint.covariance, &edge.residual.sqrt_information)) {
         edges_.push_back(edge);
@@ -133,7 +133,7 @@ class System {
       RowMajor3d d_from, d_to;
       edge.residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
       const double weight =
-          edge.doubtful ? 1.0 / (1.0 + error.squaredNorm() / (cauchy_scale * cauchy_scale)) : 1.0;
+          edge.uncertain ? 1.0 / (1.0 + error.squaredNorm() / (cauchy_scale * cauchy_scale)) : 1.0;
       AddBlock(edge.from, edge.from, weight * d_from.transpose() * d_from);
       AddBlock(edge.to, edge.to, weight * d_to.transpose() * d_to);
       if (edge.from > edge.to) {
@@ -171,11 +171,11 @@ class System {
 }  // namespace
 
 void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
-                      const std::vector<RelativePoseConstraint>& doubtful,
+                      const std::vector<RelativePoseConstraint>& uncertain,
                       std::vector<Pose2>* world_from_pose) {
   if (world_from_pose->size() < 2) return;
   const DefaultFloatEnvironment float_environment;
-  System system(certain, doubtful, world_from_pose->size());
+  System system(certain, uncertain, world_from_pose->size());
   std::vector<Pose2> poses = *world_from_pose;
   double scale = kCauchyScale;
   const double worst = system.WorstError(poses);

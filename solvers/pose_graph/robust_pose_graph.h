@@ -9,7 +9,7 @@
 namespace plumbline {
 
 /// Moves the poses to the optimum of a pose graph with outliers: `certain` edges count as they are,
-/// `doubtful` ones under a Cauchy loss of three standard deviations. The loss begins wide enough
+/// `uncertain` ones under a Cauchy loss of three standard deviations. The loss begins wide enough
 /// for every edge and narrows step by step (graduated non-convexity: Blake & Zisserman, Visual
 /// Reconstruction, 1987; Yang et al., Graduated non-convexity for robust spatial perception, 2020).
 /// Each step is one of Gauss-Newton with iteratively re-weighted edges, solved by a sparse Cholesky
@@ -20,7 +20,7 @@ namespace plumbline {
 /// positive definite do not count. Of the steps at the final width the best poses are kept; they
 /// stay as they were if a system cannot be solved. Deterministic; one thread.
 void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
-                      const std::vector<RelativePoseConstraint>& doubtful,
+                      const std::vector<RelativePoseConstraint>& uncertain,
                       std::vector<Pose2>* world_from_pose);
 
 }  // namespace plumbline

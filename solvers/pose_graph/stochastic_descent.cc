@@ -12,7 +12,7 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/sqrt_information.h"
-#include "plumbline/solvers/pose_sets.h"
+#include "plumbline/solvers/pose_graph/pose_sets.h"
 
 namespace plumbline {
 namespace {
@@ -235,11 +235,6 @@ class Descent {
 };
 
 }  // namespace
-
-bool StochasticDescentOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
-  return true;
-}
 
 PoseGraphResult DescendStochastically(const std::vector<RelativePoseConstraint>& edges,
                                       const StochasticDescentOptions& options,

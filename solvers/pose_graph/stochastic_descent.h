@@ -1,24 +1,14 @@
 #ifndef PLUMBLINE_SOLVERS_POSE_GRAPH_STOCHASTIC_DESCENT_H_
 #define PLUMBLINE_SOLVERS_POSE_GRAPH_STOCHASTIC_DESCENT_H_
 
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 
 namespace plumbline {
-
-struct StochasticDescentOptions {
-  /// An iteration goes through all edges once.
-  int max_iterations = 400;
-  /// Called with the poses after each iteration, counted from 1; false stops. May be empty.
-  std::function<bool(int iteration, const std::vector<Pose2>& world_from_pose)> callback;
-
-  bool Check(std::string* error) const;
-};
 
 /// Moves the poses down the error of the edges, one edge at a time. Robust against poor starts,
 /// quick to find the shape; chi2 may rise for a while, and the end is near the optimum, not at it:

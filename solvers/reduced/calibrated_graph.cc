@@ -6,6 +6,7 @@
 
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
 
@@ -89,15 +90,21 @@ CalibrationRows CalibratedGraph::CarriedBy(int pose) const {
   return rows;
 }
 
-PoseTerms CalibratedGraph::Terms(const FactorOptions& factors) const {
-  PoseTerms terms(graph_, factors);
+PoseEdges CalibratedGraph::Edges(const FactorOptions& factors) const {
+  PoseEdges edges(graph_, factors);
   const double scale = std::exp(theta_[kLogOdometryScale]);
   for (std::size_t i = 0; i < weighed_motions_.size(); ++i) {
-    MotionResidual& residual = terms.motions[i].residual;
+    MotionResidual& residual = edges.motions[i].residual;
     residual.sqrt_information =
         MakeMotionResidual(weighed_motions_[i], factors.motion).sqrt_information;
     residual.sqrt_information.leftCols<2>() /= scale;
   }
+  return edges;
+}
+
+PoseTerms CalibratedGraph::Terms(const FactorOptions& factors) const {
+  PoseTerms terms(graph_, factors);
+  terms.terms.front() = MakeMotionTerm(Edges(factors).motions);
   return terms;
 }
 

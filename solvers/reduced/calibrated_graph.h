@@ -8,7 +8,8 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/factors/surface_noise.h"
-#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/terms/pose_edges.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 
@@ -60,8 +61,10 @@ class CalibratedGraph {
   /// The derivative of Carried for one of the graph's poses, at theta().
   CalibrationRows CarriedBy(int pose) const;
 
-  /// The terms of the energy that see poses only. Errors of the odometry count in units of what it
-  /// read: else a smaller scale would always be a better one.
+  /// The residuals between poses. Errors of the odometry count in units of what it read: else a
+  /// smaller scale would always be a better one.
+  PoseEdges Edges(const FactorOptions& factors) const;
+  /// The terms of the energy that see poses only, with these residuals.
   PoseTerms Terms(const FactorOptions& factors) const;
 
   /// The noise of returns, in units of what the laser read, for the same reason.

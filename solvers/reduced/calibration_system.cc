@@ -36,15 +36,15 @@ struct LinearEdge {
 };
 
 // S^-1 times the columns.
-Status SolveColumns(const PoseSystem& poses, const PatchSightings& sightings,
+Status SolveColumns(const PoseSystem& poses, const LineObservations& observations,
                     const std::vector<PoseFrame>& frames, const Eigen::MatrixXd& columns,
                     ThreadPool* pool, Eigen::MatrixXd* solved) {
-  const PosePreconditioner preconditioner(poses, sightings, frames, pool);
+  const PosePreconditioner preconditioner(poses, observations, frames, pool);
   solved->resize(columns.rows(), columns.cols());
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     Eigen::VectorXd x;
     const PoseSystemResult result = SolvePoseSystem(
-        poses, sightings, preconditioner, columns.col(i), kTolerance, kMaxIterations, pool, &x);
+        poses, observations, preconditioner, columns.col(i), kTolerance, kMaxIterations, pool, &x);
     if (!result.converged) {
       return Status::Unavailable("the calibration's linear system did not converge in " +
                                  std::to_string(result.iterations) + " iterations");
@@ -56,27 +56,28 @@ Status SolveColumns(const PoseSystem& poses, const PatchSightings& sightings,
 
 }  // namespace
 
-CalibrationSystem::CalibrationSystem(const CalibratedGraph& graph, const PoseTerms& terms,
-                                     const PatchSightings& sightings,
+CalibrationSystem::CalibrationSystem(const CalibratedGraph& graph, const PoseEdges& edges,
+                                     const LineObservations& observations,
                                      const std::vector<RangeSlope>& slopes,
-                                     const std::vector<SurfacePatch>& patches,
+                                     const std::vector<LineLandmark>& landmarks,
                                      const std::vector<PoseFrame>& frames,
                                      const PoseSystem& poses) {
   border.setZero(poses.gradient.size(), kNumCalibrationParameters);
-  AddPoseTerms(graph, terms, poses);
-  AddRangeBias(std::exp(graph.theta()[kLogRangeScale]), sightings, slopes, patches, frames, poses);
+  AddPoseEdges(graph, edges, poses);
+  AddRangeBias(std::exp(graph.theta()[kLogRangeScale]), observations, slopes, landmarks, frames,
+               poses);
 }
 
-void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms,
+void CalibrationSystem::AddPoseEdges(const CalibratedGraph& graph, const PoseEdges& edges,
                                      const PoseSystem& poses) {
   const auto add = [&](int pose, const RowMajor3d& by_pose, const CalibrationRows& by_theta) {
     const int row = poses.row_of_pose[pose];
     if (row == PoseSystem::kConstant) return;
     border.middleRows<3>(3 * row) += by_pose.transpose() * by_theta;
   };
-  for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
-    for (const PoseEdge& edge : *edges) {
-      const LinearEdge linear(graph, edge, edges == &terms.motions);
+  for (const std::vector<PoseEdge>* kind : {&edges.motions, &edges.relative_poses}) {
+    for (const PoseEdge& edge : *kind) {
+      const LinearEdge linear(graph, edge, kind == &edges.motions);
       add(edge.from, linear.by_from, linear.by_theta);
       add(edge.to, linear.by_to, linear.by_theta);
       information += linear.by_theta.transpose() * linear.by_theta;
@@ -85,18 +86,19 @@ void CalibrationSystem::AddPoseTerms(const CalibratedGraph& graph, const PoseTer
   }
 }
 
-void CalibrationSystem::AddRangeBias(double range_scale, const PatchSightings& sightings,
+void CalibrationSystem::AddRangeBias(double range_scale, const LineObservations& observations,
                                      const std::vector<RangeSlope>& slopes,
-                                     const std::vector<SurfacePatch>& patches,
+                                     const std::vector<LineLandmark>& landmarks,
                                      const std::vector<PoseFrame>& frames,
                                      const PoseSystem& poses) {
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    const SurfacePatch& patch = patches[p];
-    const std::size_t first = sightings.first_of_patch[p], last = sightings.first_of_patch[p + 1];
-    const Eigen::Vector2d tangent(-patch.normal.y(), patch.normal.x());
+  for (std::size_t p = 0; p < landmarks.size(); ++p) {
+    const LineLandmark& landmark = landmarks[p];
+    const std::size_t first = observations.first_of_landmark[p],
+                      last = observations.first_of_landmark[p + 1];
+    const Eigen::Vector2d tangent(-landmark.normal.y(), landmark.normal.x());
     Eigen::Vector2d by_line = Eigen::Vector2d::Zero();
     for (std::size_t i = first; i < last; ++i) {
-      const int pose = sightings.sightings[i].pose;
+      const int pose = observations.observations[i].pose;
       const RangeSlope& slope = slopes[i];
       const PoseFrame& frame = frames[pose];
       const double weight = range_scale * slope.weight;
@@ -104,11 +106,11 @@ void CalibrationSystem::AddRangeBias(double range_scale, const PatchSightings& s
       information(kRangeBias, kRangeBias) += range_scale * range_scale * slope.curvature;
       gradient[kRangeBias] += range_scale * slope.gradient;
       by_line += Eigen::Vector2d(
-          tangent.dot(moment + weight * (frame.translation() - patch.origin)), -weight);
+          tangent.dot(moment + weight * (frame.translation() - landmark.origin)), -weight);
       const int row = poses.row_of_pose[pose];
       if (row == PoseSystem::kConstant) continue;
       border.col(kRangeBias).segment<3>(3 * row) += Eigen::Vector3d(
-          weight * patch.normal.x(), weight * patch.normal.y(), -tangent.dot(moment));
+          weight * landmark.normal.x(), weight * landmark.normal.y(), -tangent.dot(moment));
     }
     const Eigen::Vector2d whitened = poses.line_whitening[p].transpose() * by_line;
     information(kRangeBias, kRangeBias) -= whitened.squaredNorm();
@@ -121,16 +123,16 @@ void CalibrationSystem::AddRangeBias(double range_scale, const PatchSightings& s
 }
 
 Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
-                            const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
-                            const std::vector<int>& active, const CalibrationVector& prior_sigmas,
-                            const CalibrationVector& theta, ThreadPool* pool,
-                            CalibrationStep* step) {
+                            const LineObservations& observations,
+                            const std::vector<PoseFrame>& frames, const std::vector<int>& active,
+                            const CalibrationVector& prior_sigmas, const CalibrationVector& theta,
+                            ThreadPool* pool, CalibrationStep* step) {
   const auto size = static_cast<Eigen::Index>(active.size());
   // Of each active parameter and, last, of the poses' gradient.
   Eigen::MatrixXd border(poses.gradient.size(), size + 1), solved;
   for (Eigen::Index i = 0; i < size; ++i) border.col(i) = system.border.col(active[i]);
   border.col(size) = poses.gradient;
-  PLUMBLINE_RETURN_IF_ERROR(SolveColumns(poses, sightings, frames, border, pool, &solved));
+  PLUMBLINE_RETURN_IF_ERROR(SolveColumns(poses, observations, frames, border, pool, &solved));
   Eigen::MatrixXd schur = -border.leftCols(size).transpose() * solved.leftCols(size);
   Eigen::VectorXd descent = border.leftCols(size).transpose() * solved.col(size);
   for (Eigen::Index i = 0; i < size; ++i) {
@@ -160,10 +162,10 @@ Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& p
   return Status::Ok();
 }
 
-CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseTerms& terms,
+CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseEdges& edges,
                                      const CalibrationStep& step) {
   CalibrationMatrix excess = CalibrationMatrix::Zero();
-  for (const PoseEdge& edge : terms.motions) {
+  for (const PoseEdge& edge : edges.motions) {
     const LinearEdge linear(graph, edge, true);
     const CalibrationRows by_theta = linear.by_theta +
                                      linear.by_from * step.response.middleRows<3>(3 * edge.from) +

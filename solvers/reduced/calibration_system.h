@@ -6,11 +6,11 @@
 
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/pose_terms.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/calibrated_graph.h"
-#include "plumbline/solvers/reduced/patch_sightings.h"
 #include "plumbline/solvers/reduced/pose_system.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 
@@ -25,16 +25,17 @@ struct CalibrationSystem {
   Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> border;  ///< 3 per row
 
   /// At the graph's state and the lines that fit it best, to which `poses` belongs. slopes: of the
-  /// sightings.
-  CalibrationSystem(const CalibratedGraph& graph, const PoseTerms& terms,
-                    const PatchSightings& sightings, const std::vector<RangeSlope>& slopes,
-                    const std::vector<SurfacePatch>& patches, const std::vector<PoseFrame>& frames,
-                    const PoseSystem& poses);
+  /// observations.
+  CalibrationSystem(const CalibratedGraph& graph, const PoseEdges& edges,
+                    const LineObservations& observations, const std::vector<RangeSlope>& slopes,
+                    const std::vector<LineLandmark>& landmarks,
+                    const std::vector<PoseFrame>& frames, const PoseSystem& poses);
 
  private:
-  void AddPoseTerms(const CalibratedGraph& graph, const PoseTerms& terms, const PoseSystem& poses);
-  void AddRangeBias(double range_scale, const PatchSightings& sightings,
-                    const std::vector<RangeSlope>& slopes, const std::vector<SurfacePatch>& patches,
+  void AddPoseEdges(const CalibratedGraph& graph, const PoseEdges& edges, const PoseSystem& poses);
+  void AddRangeBias(double range_scale, const LineObservations& observations,
+                    const std::vector<RangeSlope>& slopes,
+                    const std::vector<LineLandmark>& landmarks,
                     const std::vector<PoseFrame>& frames, const PoseSystem& poses);
 };
 
@@ -50,15 +51,15 @@ struct CalibrationStep {
 /// the step is zero and the covariance, too. prior_sigmas: of the active ones, about theta = 0.
 /// Unavailable if conjugate gradients do not get there.
 Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
-                            const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
-                            const std::vector<int>& active, const CalibrationVector& prior_sigmas,
-                            const CalibrationVector& theta, ThreadPool* pool,
-                            CalibrationStep* step);
+                            const LineObservations& observations,
+                            const std::vector<PoseFrame>& frames, const std::vector<int>& active,
+                            const CalibrationVector& prior_sigmas, const CalibrationVector& theta,
+                            ThreadPool* pool, CalibrationStep* step);
 
 /// The covariance of theta if the odometry errs as its residuals show and not as its sigmas say:
 /// the sum of squares of what each motion contributes to the gradient of theta takes the place of
 /// what the sigmas expect of it. Motions count as independent.
-CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseTerms& terms,
+CalibrationMatrix ObservedCovariance(const CalibratedGraph& graph, const PoseEdges& edges,
                                      const CalibrationStep& step);
 
 }  // namespace plumbline

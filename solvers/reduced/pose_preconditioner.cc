@@ -20,13 +20,14 @@ struct GroupCoupling {
 
 }  // namespace
 
-PosePreconditioner::PosePreconditioner(const PoseSystem& system, const PatchSightings& sightings,
+PosePreconditioner::PosePreconditioner(const PoseSystem& system,
+                                       const LineObservations& observations,
                                        const std::vector<PoseFrame>& frames, ThreadPool* pool) {
   frames_.reserve(system.pose_of_row.size());
   for (const int pose : system.pose_of_row) frames_.push_back(frames[pose]);
   if (frames_.empty()) return;
   FactorChain(system);
-  FactorGroups(system, sightings, pool);
+  FactorGroups(system, observations, pool);
 }
 
 void PosePreconditioner::FactorChain(const PoseSystem& system) {
@@ -54,8 +55,8 @@ Eigen::Matrix3d PosePreconditioner::RigidMotion(std::size_t row) const {
   return motion;
 }
 
-void PosePreconditioner::FactorGroups(const PoseSystem& system, const PatchSightings& sightings,
-                                      ThreadPool* pool) {
+void PosePreconditioner::FactorGroups(const PoseSystem& system,
+                                      const LineObservations& observations, ThreadPool* pool) {
   const std::size_t n = system.diagonal.size();
   group_size_ = std::max(kMinGroupSize, (n + kMaxGroups - 1) / kMaxGroups);
   const std::size_t num_groups = (n + group_size_ - 1) / group_size_;
@@ -84,17 +85,18 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system, const PatchSight
   }
   // Few chunks, as each brings a matrix of its own.
   constexpr std::size_t kNumChunks = 8;
-  const std::size_t num_patches = sightings.num_patches();
-  const std::size_t patches_per_chunk = num_patches / kNumChunks + 1;
-  std::vector<Eigen::MatrixXd> parts(ThreadPool::NumChunks(num_patches, patches_per_chunk));
+  const std::size_t num_landmarks = observations.num_landmarks();
+  const std::size_t landmarks_per_chunk = num_landmarks / kNumChunks + 1;
+  std::vector<Eigen::MatrixXd> parts(ThreadPool::NumChunks(num_landmarks, landmarks_per_chunk));
   pool->ForEachChunk(
-      num_patches, patches_per_chunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      num_landmarks, landmarks_per_chunk,
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         parts[chunk] = Eigen::MatrixXd::Zero(size, size);
         std::vector<GroupCoupling> groups;
         for (std::size_t p = begin; p < end; ++p) {
           groups.clear();
-          for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1];
-               ++i) {
+          for (std::size_t i = observations.first_of_landmark[p];
+               i < observations.first_of_landmark[p + 1]; ++i) {
             if (system.line_coupling[i].row == PoseSystem::kConstant) continue;
             const std::size_t row = static_cast<std::size_t>(system.line_coupling[i].row);
             if (groups.empty() || groups.back().group != GroupOf(row)) {
@@ -111,7 +113,7 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system, const PatchSight
         }
       });
   for (const Eigen::MatrixXd& part : parts) matrix += part;
-  // Rounding must not make a free mode (an island's gauge) indefinite.
+  // Rounding must not make a free mode (a component's gauge) indefinite.
   matrix.diagonal() *= 1.0 + 1e-9;
   groups_.compute(matrix);
   has_groups_ = groups_.info() == Eigen::Success;
@@ -143,7 +145,7 @@ void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result
   }
 }
 
-PoseSystemResult SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
+PoseSystemResult SolvePoseSystem(const PoseSystem& system, const LineObservations& observations,
                                  const PosePreconditioner& preconditioner,
                                  const Eigen::VectorXd& right_hand_side, double relative_tolerance,
                                  int max_iterations, ThreadPool* pool, Eigen::VectorXd* x) {
@@ -155,7 +157,7 @@ PoseSystemResult SolvePoseSystem(const PoseSystem& system, const PatchSightings&
   const double target = relative_tolerance * relative_tolerance * product_of_residual;
   PoseSystemResult result;
   while (result.iterations < max_iterations && product_of_residual > target) {
-    system.Apply(sightings, direction, pool, &product);
+    system.Apply(observations, direction, pool, &product);
     const double curvature = direction.dot(product);
     if (!(curvature > 0.0)) break;
     const double step = product_of_residual / curvature;

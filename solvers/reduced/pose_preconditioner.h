@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/pose_system.h"
 
 namespace plumbline {
@@ -17,7 +17,7 @@ namespace plumbline {
 /// rigidly about their centre, with the whole of S among them.
 class PosePreconditioner {
  public:
-  PosePreconditioner(const PoseSystem& system, const PatchSightings& sightings,
+  PosePreconditioner(const PoseSystem& system, const LineObservations& observations,
                      const std::vector<PoseFrame>& frames, ThreadPool* pool);
 
   /// result = P^-1 v, P symmetric positive definite.
@@ -25,7 +25,8 @@ class PosePreconditioner {
 
  private:
   void FactorChain(const PoseSystem& system);
-  void FactorGroups(const PoseSystem& system, const PatchSightings& sightings, ThreadPool* pool);
+  void FactorGroups(const PoseSystem& system, const LineObservations& observations,
+                    ThreadPool* pool);
   Eigen::Matrix3d RigidMotion(std::size_t row) const;
   std::size_t GroupOf(std::size_t row) const { return row / group_size_; }
 
@@ -45,7 +46,7 @@ struct PoseSystemResult {
 
 /// Solves S x = right_hand_side to a residual of relative_tolerance times that, measured in the
 /// preconditioner's norm.
-PoseSystemResult SolvePoseSystem(const PoseSystem& system, const PatchSightings& sightings,
+PoseSystemResult SolvePoseSystem(const PoseSystem& system, const LineObservations& observations,
                                  const PosePreconditioner& preconditioner,
                                  const Eigen::VectorXd& right_hand_side, double relative_tolerance,
                                  int max_iterations, ThreadPool* pool, Eigen::VectorXd* x);

@@ -3,27 +3,24 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
-#include "plumbline/core/line_fit.h"
 #include "plumbline/core/pose_frame.h"
 
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kPatchesPerChunk = 256;
 constexpr std::size_t kPosesPerChunk = 128;
 
-// Patches share poses: each part of them has sums of its own over the poses, which are added up in
-// the end. So whatever belongs to a sighting is read once, in the order in which it lies.
+// Landmarks share poses: each part of them has sums of its own over the poses, which are added up
+// in the end. So whatever belongs to an observation is read once, in the order in which it lies.
 constexpr std::size_t kNumParts = 16;
 
 // Relative to the diagonal: enough to keep what no term sees where it is, and far softer than the
 // bending modes of a long corridor.
 constexpr double kDamping = 1e-8;
 
-// One sighting's residuals about a line, by the unknowns they depend on. The cost is
+// One observation's residuals about a line, by the unknowns they depend on. The cost is
 //   1/2 [ weight distance^2 + n_r^T scatter n_r ],  n_r the normal in the frame of the robot.
 struct Linearized {
   double weight;
@@ -33,18 +30,19 @@ struct Linearized {
   double turn_curvature;    // of the scatter's part, by the angle between surface and robot
   double turn_gradient;
 
-  Linearized(const PatchSighting& sighting, const SurfacePatch& patch, const PoseFrame& frame) {
-    const Eigen::Vector2d& normal = patch.normal;
-    const Eigen::Vector2d from_robot = frame.Rotate(sighting.centroid);
-    const Eigen::Vector2d point = from_robot + frame.translation() - patch.origin;
-    weight = sighting.weight;
-    distance = normal.dot(point) - patch.offset_m;
+  Linearized(const LineObservation& observation, const LineLandmark& landmark,
+             const PoseFrame& frame) {
+    const Eigen::Vector2d& normal = landmark.normal;
+    const Eigen::Vector2d from_robot = frame.Rotate(observation.centroid);
+    const Eigen::Vector2d point = from_robot + frame.translation() - landmark.origin;
+    weight = observation.weight;
+    distance = normal.dot(point) - landmark.offset_m;
     by_pose << normal, normal.dot(TurnedLeft(from_robot));
     by_line << TurnedLeft(normal).dot(point), -1.0;
     const Eigen::Vector2d normal_in_robot = frame.RotateBack(normal);
     const Eigen::Vector2d tangent = TurnedLeft(normal_in_robot);
-    turn_curvature = tangent.dot(sighting.ScatterTimes(tangent));
-    turn_gradient = tangent.dot(sighting.ScatterTimes(normal_in_robot));
+    turn_curvature = tangent.dot(observation.ScatterTimes(tangent));
+    turn_gradient = tangent.dot(observation.ScatterTimes(normal_in_robot));
   }
 
   Eigen::Matrix3d PoseBlock() const {
@@ -69,83 +67,49 @@ struct Linearized {
   }
 };
 
-// The parts have about as many sightings each.
-std::size_t FirstPatchOfPart(const PatchSightings& sightings, std::size_t part) {
-  const std::size_t first_sighting = sightings.sightings.size() * part / kNumParts;
-  const auto patch = std::lower_bound(sightings.first_of_patch.begin(),
-                                      sightings.first_of_patch.end() - 1, first_sighting);
-  return static_cast<std::size_t>(patch - sightings.first_of_patch.begin());
+// The parts have about as many observations each.
+std::size_t FirstLandmarkOfPart(const LineObservations& observations, std::size_t part) {
+  const std::size_t first_observation = observations.observations.size() * part / kNumParts;
+  const auto landmark =
+      std::lower_bound(observations.first_of_landmark.begin(),
+                       observations.first_of_landmark.end() - 1, first_observation);
+  return static_cast<std::size_t>(landmark - observations.first_of_landmark.begin());
 }
 
-// Moments of the sightings of patch `p` in the world, about the patch's origin, and what its shape
-// terms add to them.
-PointMoments WorldMoments(const PatchSightings& sightings, std::size_t p, const SurfacePatch& patch,
-                          const std::vector<PoseFrame>& frames) {
-  PointMoments moments;
-  for (std::size_t i = sightings.first_of_patch[p]; i < sightings.first_of_patch[p + 1]; ++i) {
-    const PatchSighting& s = sightings.sightings[i];
-    const PoseFrame& f = frames[s.pose];
-    const Eigen::Vector2d point = f.Rotate(s.centroid) + f.translation() - patch.origin;
-    moments.Add(point.x(), point.y(), s.weight);
-    const double cc = f.c * f.c, ss = f.s * f.s, cs = f.c * f.s;
-    moments.xx += cc * s.xx - 2.0 * cs * s.xy + ss * s.yy;
-    moments.xy += cs * (s.xx - s.yy) + (cc - ss) * s.xy;
-    moments.yy += ss * s.xx + 2.0 * cs * s.xy + cc * s.yy;
+// What terms say of poses, by rows of a system.
+class RowEquations final : public PoseEquations {
+ public:
+  explicit RowEquations(PoseSystem* system) : system_(*system) {}
+
+  void Add(int pose, const Eigen::Matrix3d& block, const Eigen::Vector3d& gradient) override {
+    const int row = system_.row_of_pose[pose];
+    if (row == PoseSystem::kConstant) return;
+    system_.diagonal[row] += block;
+    system_.gradient.segment<3>(3 * row) += gradient;
   }
-  // The shape terms are quadratic in the normal, as the scatter is.
-  moments.xx += patch.shape_xx;
-  moments.xy += patch.shape_xy;
-  moments.yy += patch.shape_yy;
-  return moments;
-}
+  // Rows have the order of their poses.
+  void AddCoupling(int a, int b, const Eigen::Matrix3d& block) override {
+    const int from = system_.row_of_pose[a], to = system_.row_of_pose[b];
+    if (from == PoseSystem::kConstant || to == PoseSystem::kConstant) return;
+    system_.couplings.push_back({from, to, block});
+  }
+
+ private:
+  PoseSystem& system_;
+};
 
 }  // namespace
 
-double FitPatchLines(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
-                     ThreadPool* pool, std::vector<SurfacePatch>* patches) {
-  std::vector<double> costs(ThreadPool::NumChunks(patches->size(), kPatchesPerChunk), 0.0);
-  pool->ForEachChunk(patches->size(), kPatchesPerChunk,
-                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       for (std::size_t p = begin; p < end; ++p) {
-                         SurfacePatch& patch = (*patches)[p];
-                         const PointMoments moments = WorldMoments(sightings, p, patch, frames);
-                         if (moments.weight <= 0.0) continue;
-                         const LineFit fit = FitLine(moments);
-                         patch.normal = fit.normal;
-                         patch.offset_m = fit.normal.dot(fit.centroid);
-                         costs[chunk] += 0.5 * moments.weight * fit.smaller_eigenvalue;
-                       }
-                     });
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
-}
-
-double PatchLineCost(const PatchSightings& sightings, const std::vector<PoseFrame>& frames,
-                     const std::vector<SurfacePatch>& patches, ThreadPool* pool) {
-  std::vector<double> costs(ThreadPool::NumChunks(patches.size(), kPatchesPerChunk), 0.0);
-  pool->ForEachChunk(
-      patches.size(), kPatchesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-          const Eigen::Vector2d& n = patches[p].normal;
-          const double c = patches[p].offset_m;
-          const PointMoments m = WorldMoments(sightings, p, patches[p], frames);
-          costs[chunk] +=
-              0.5 * (n.x() * n.x() * m.xx + 2.0 * n.x() * n.y() * m.xy + n.y() * n.y() * m.yy -
-                     2.0 * c * (n.x() * m.x + n.y() * m.y) + c * c * m.weight);
-        }
-      });
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
-}
-
-void PoseSystem::Linearize(const PatchSightings& sightings,
-                           const std::vector<SurfacePatch>& patches, const PoseTerms& terms,
+void PoseSystem::Linearize(const LineObservations& observations,
+                           const std::vector<LineLandmark>& landmarks, const PoseTerms& terms,
                            const std::vector<double>& poses, const std::vector<PoseFrame>& frames,
                            ThreadPool* pool) {
   NumberRows(terms.is_constant);
   diagonal.assign(pose_of_row.size(), Eigen::Matrix3d::Zero());
   gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(pose_of_row.size()));
   couplings.clear();
-  AddSightings(sightings, patches, frames, pool);
-  by_sightings = diagonal;
+  AddObservations(observations, landmarks, frames, pool);
+  by_observations = diagonal;
   AddPoseTerms(terms, poses);
   damping.resize(gradient.size());
   for (std::size_t row = 0; row < diagonal.size(); ++row) {
@@ -190,30 +154,30 @@ Eigen::MatrixXd PoseSystem::ByPose(const Eigen::MatrixXd& by_row) const {
   return by_pose;
 }
 
-void PoseSystem::AddSightings(const PatchSightings& sightings,
-                              const std::vector<SurfacePatch>& patches,
-                              const std::vector<PoseFrame>& frames, ThreadPool* pool) {
+void PoseSystem::AddObservations(const LineObservations& observations,
+                                 const std::vector<LineLandmark>& landmarks,
+                                 const std::vector<PoseFrame>& frames, ThreadPool* pool) {
   struct PoseSum {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   };
-  line_coupling.resize(sightings.sightings.size());
-  line_whitening.assign(patches.size(), Eigen::Matrix2d::Zero());
+  line_coupling.resize(observations.observations.size());
+  line_whitening.assign(landmarks.size(), Eigen::Matrix2d::Zero());
   std::vector<std::vector<PoseSum>> sums(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
     sums[part].resize(pose_of_row.size());
-    const std::size_t end = FirstPatchOfPart(sightings, part + 1);
-    for (std::size_t p = FirstPatchOfPart(sightings, part); p < end; ++p) {
-      const std::size_t first = sightings.first_of_patch[p];
-      const std::size_t last = sightings.first_of_patch[p + 1];
-      const Eigen::Vector2d tangent = TurnedLeft(patches[p].normal);
+    const std::size_t end = FirstLandmarkOfPart(observations, part + 1);
+    for (std::size_t p = FirstLandmarkOfPart(observations, part); p < end; ++p) {
+      const std::size_t first = observations.first_of_landmark[p];
+      const std::size_t last = observations.first_of_landmark[p + 1];
+      const Eigen::Vector2d tangent = TurnedLeft(landmarks[p].normal);
       Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
-      line_block(0, 0) = tangent.dot(patches[p].ShapeTimes(tangent));
+      line_block(0, 0) = tangent.dot(landmarks[p].ShapeTimes(tangent));
       for (std::size_t i = first; i < last; ++i) {
-        const PatchSighting& sighting = sightings.sightings[i];
-        const Linearized linear(sighting, patches[p], frames[sighting.pose]);
+        const LineObservation& observation = observations.observations[i];
+        const Linearized linear(observation, landmarks[p], frames[observation.pose]);
         line_block += linear.LineBlock();
-        const int row = row_of_pose[sighting.pose];
+        const int row = row_of_pose[observation.pose];
         line_coupling[i].row = row;
         if (row == kConstant) continue;
         line_coupling[i].rows = linear.CrossBlock();
@@ -245,30 +209,8 @@ void PoseSystem::AddSightings(const PatchSightings& sightings,
 }
 
 void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses) {
-  using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  Eigen::Vector3d residual;
-  RowMajor3d d_a, d_b;
-  for (const std::vector<PoseEdge>* edges : {&terms.motions, &terms.relative_poses}) {
-    for (const PoseEdge& edge : *edges) {
-      edge.residual.Evaluate(&poses[3 * edge.from], &poses[3 * edge.to], residual.data(),
-                             d_a.data(), d_b.data());
-      const int from = row_of_pose[edge.from], to = row_of_pose[edge.to];
-      if (from != kConstant) {
-        diagonal[from] += d_a.transpose() * d_a;
-        gradient.segment<3>(3 * from) += d_a.transpose() * residual;
-      }
-      if (to != kConstant) {
-        diagonal[to] += d_b.transpose() * d_b;
-        gradient.segment<3>(3 * to) += d_b.transpose() * residual;
-      }
-      if (from == kConstant || to == kConstant) continue;
-      if (from < to) {
-        couplings.push_back({from, to, d_b.transpose() * d_a});
-      } else {
-        couplings.push_back({to, from, d_a.transpose() * d_b});
-      }
-    }
-  }
+  RowEquations equations(this);
+  for (const auto& term : terms.terms) term->AddEquations(poses.data(), &equations);
   std::stable_sort(couplings.begin(), couplings.end(),
                    [](const PoseCoupling& a, const PoseCoupling& b) {
                      return std::tie(a.from, a.to) < std::tie(b.from, b.to);
@@ -279,17 +221,17 @@ void PoseSystem::HoldLines() {
   for (LineCoupling& coupling : line_coupling) coupling.rows.setZero();
 }
 
-void PoseSystem::Apply(const PatchSightings& sightings, const Eigen::VectorXd& v, ThreadPool* pool,
-                       Eigen::VectorXd* result) const {
-  // The couplings of a patch are at hand still when its K_p is applied to K_p^T v.
+void PoseSystem::Apply(const LineObservations& observations, const Eigen::VectorXd& v,
+                       ThreadPool* pool, Eigen::VectorXd* result) const {
+  // The couplings of a landmark are at hand still when its K_p is applied to K_p^T v.
   part_sums_.resize(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
     Eigen::VectorXd& sums = part_sums_[part];
     sums.setZero(v.size());
-    const std::size_t end = FirstPatchOfPart(sightings, part + 1);
-    for (std::size_t p = FirstPatchOfPart(sightings, part); p < end; ++p) {
-      const std::size_t first = sightings.first_of_patch[p];
-      const std::size_t last = sightings.first_of_patch[p + 1];
+    const std::size_t end = FirstLandmarkOfPart(observations, part + 1);
+    for (std::size_t p = FirstLandmarkOfPart(observations, part); p < end; ++p) {
+      const std::size_t first = observations.first_of_landmark[p];
+      const std::size_t last = observations.first_of_landmark[p + 1];
       Eigen::Vector2d line = Eigen::Vector2d::Zero();
       for (std::size_t i = first; i < last; ++i) {
         const LineCoupling& coupling = line_coupling[i];

@@ -9,14 +9,15 @@
 
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/surface_noise.h"
-#include "plumbline/solvers/ceres_solver.h"
-#include "plumbline/solvers/held_out_returns.h"
-#include "plumbline/solvers/pose_terms.h"
-#include "plumbline/solvers/reduced/free_islands.h"
-#include "plumbline/solvers/reduced/patch_shape.h"
-#include "plumbline/solvers/reduced/patch_sightings.h"
+#include "plumbline/solvers/association/held_out_returns.h"
+#include "plumbline/solvers/full/ceres_solver.h"
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
+#include "plumbline/solvers/landmarks/landmark_shape.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 #include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/unanchored_components.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 namespace {
@@ -33,12 +34,12 @@ struct StepOutcome {
   double moved_squared = 0.0;  // sum of squares of how far returns moved, in sigmas
 };
 
-class PatchMinimizer {
+class LandmarkMinimizer {
  public:
-  PatchMinimizer(const SlamGraph& graph, const MeasuredSurface& surface,
-                 const FactorOptions& factors, const ReducedOptions& options,
-                 const AssociationOptions& association, const ProgressCallback& report,
-                 ThreadPool* pool, std::vector<double>* poses, const CeresOptions* ceres)
+  LandmarkMinimizer(const SlamGraph& graph, const MeasuredSurface& surface,
+                    const FactorOptions& factors, const ReducedOptions& options,
+                    const AssociationOptions& association, const ProgressCallback& report,
+                    ThreadPool* pool, std::vector<double>* poses, const CeresOptions* ceres)
       : graph_(graph),
         surface_(surface),
         factors_(factors),
@@ -58,11 +59,11 @@ class PatchMinimizer {
       const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
-    result_.judged_poses = poses_;
-    result_.judged_cut = {patches_, patch_of_return_};
+    result_.fitted_poses = poses_;
+    result_.fitted_cut = {landmarks_, landmark_of_return_};
     if (!Ended()) RunLastRound();
-    result_.last_cut.patch_of_return = compressor_.PatchOfReturn();
-    result_.last_cut.patches = std::move(patches_);
+    result_.last_cut.landmark_of_return = compressor_.LandmarkOfReturn();
+    result_.last_cut.landmarks = std::move(landmarks_);
     return std::move(result_);
   }
 
@@ -72,18 +73,18 @@ class PatchMinimizer {
   void RunRound(double gate_sigmas, bool first) {
     // Where returns hardly moved, another cut would be the same one.
     if (first || result_.rounds.back().moved_sigmas > options_.move_tolerance_sigmas) {
-      CutPatches();
-      HoldIslands();
+      CutLandmarks();
+      HoldUnanchored();
     }
     const double last_gain = TakeSteps(gate_sigmas, options_.steps_per_round);
-    Judge(last_gain, first, result_.rounds.back());
+    CheckConvergence(last_gain, first, result_.rounds.back());
   }
 
-  // All returns, those held out so far included, on the patches at hand.
+  // All returns, those held out so far included, on the landmarks at hand.
   void RunLastRound() {
-    ForgetSightings();
-    sightings_ = compressor_.LayOut(patches_.size(), std::move(patch_of_return_));
-    HoldIslands();
+    ForgetObservations();
+    observations_ = compressor_.LayOut(landmarks_.size(), std::move(landmark_of_return_));
+    HoldUnanchored();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
     if (result_.stopped) result_.stop_reason = kStopped;
   }
@@ -92,22 +93,22 @@ class PatchMinimizer {
   double TakeSteps(double gate_sigmas, int max_steps) {
     const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
-    PatchRoundSummary row;
+    LandmarkRoundSummary row;
     row.gate_sigmas = gate_sigmas;
-    row.num_patches = patches_.size();
-    row.num_sightings = sightings_.sightings.size();
+    row.num_landmarks = landmarks_.size();
+    row.num_observations = observations_.observations.size();
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
     StepOutcome outcome;
     double moved_squared = 0.0;
     while (row.steps < max_steps && !Ended()) {
       step_start_ = Clock::now();
       frames_ = FramesOf(poses_);
-      compressor_.Weigh(patches_, frames_, loss, &sightings_);
+      compressor_.Weigh(landmarks_, frames_, loss, &observations_);
       if (factors_.shape.enabled) {
-        SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &patches_);
+        SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &landmarks_);
       }
       if (row.steps == 0 && !options_.lines_follow) {
-        FitPatchLines(sightings_, frames_, pool_, &patches_);
+        FitLandmarkLines(observations_, frames_, pool_, &landmarks_);
       }
       cost_ = Cost(poses_, frames_);
       if (row.steps == 0) row.initial_cost = cost_;
@@ -124,44 +125,46 @@ class PatchMinimizer {
   }
 
   // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
-  void HoldIslands() {
+  void HoldUnanchored() {
     terms_.is_constant = fixed_;
-    for (const int pose : FindFreeIslands(sightings_, terms_)) terms_.is_constant[pose] = true;
+    for (const int pose : FindUnanchoredComponents(observations_, terms_))
+      terms_.is_constant[pose] = true;
   }
 
   // Need not lie beside what is about to take their place.
-  void ForgetSightings() {
-    sightings_ = PatchSightings();
+  void ForgetObservations() {
+    observations_ = LineObservations();
     system_ = PoseSystem();
   }
 
-  void CutPatches() {
+  void CutLandmarks() {
     const auto start = Clock::now();
-    ForgetSightings();
-    SurfacePatchOptions options = PatchOptionsFor(factors_, association_);
+    ForgetObservations();
+    LineLandmarkOptions options = LandmarkOptionsFor(factors_, association_);
     options.hold_out = true;
-    SurfacePatches cut = CutIntoPatches(graph_, poses_, surface_, options, pool_);
+    LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
     if (factors_.shape.enabled) {
       adjacent_ =
-          FindAdjacentPatches(graph_, surface_, cut, association_.min_segment_length_m, pool_);
+          FindAdjacentLandmarks(graph_, surface_, cut, association_.min_segment_length_m, pool_);
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
-    patches_ = std::move(cut.patches);
-    patch_of_return_ = std::move(cut.patch_of_return);
-    sightings_ = compressor_.LayOut(
-        patches_.size(), WithoutHeldOut(graph_, patch_of_return_, int{SurfacePatches::kNone}));
+    landmarks_ = std::move(cut.landmarks);
+    landmark_of_return_ = std::move(cut.landmark_of_return);
+    observations_ = compressor_.LayOut(
+        landmarks_.size(), WithoutHeldOut(graph_, landmark_of_return_, int{LineLandmarks::kNone}));
     result_.cutting_time_s += SecondsSince(start);
   }
 
   // Refits the lines, if they follow.
   double Cost(const std::vector<double>& poses, const std::vector<PoseFrame>& frames) {
-    const double cost = options_.lines_follow ? FitPatchLines(sightings_, frames, pool_, &patches_)
-                                              : PatchLineCost(sightings_, frames, patches_, pool_);
+    const double cost = options_.lines_follow
+                            ? FitLandmarkLines(observations_, frames, pool_, &landmarks_)
+                            : LandmarkLineCost(observations_, frames, landmarks_, pool_);
     return cost + terms_.Cost(poses);
   }
 
   StepOutcome Step() {
-    system_.Linearize(sightings_, patches_, terms_, poses_, frames_, pool_);
+    system_.Linearize(observations_, landmarks_, terms_, poses_, frames_, pool_);
     if (!options_.lines_follow) system_.HoldLines();
     const std::vector<double> poses = poses_;
     const double cost = cost_;
@@ -170,14 +173,15 @@ class PatchMinimizer {
   }
 
   void MoveByGaussNewton() {
-    const PosePreconditioner preconditioner(system_, sightings_, frames_, pool_);
+    const PosePreconditioner preconditioner(system_, observations_, frames_, pool_);
     Eigen::VectorXd step;
     IterationSummary iteration;
     iteration.phase = "poses";
     iteration.gradient_max_norm = system_.gradient.lpNorm<Eigen::Infinity>();
-    iteration.evaluations = SolvePoseSystem(system_, sightings_, preconditioner, -system_.gradient,
-                                            options_.cg_tolerance, kMaxCgIterations, pool_, &step)
-                                .iterations;
+    iteration.evaluations =
+        SolvePoseSystem(system_, observations_, preconditioner, -system_.gradient,
+                        options_.cg_tolerance, kMaxCgIterations, pool_, &step)
+            .iterations;
     const double cost = cost_;
     constexpr int kMaxHalvings = 4;
     double length = 1.0;
@@ -195,8 +199,8 @@ class PatchMinimizer {
 
   void MoveByCeres(const CeresOptions& options) {
     std::vector<double> poses = poses_;
-    const InnerResult inner = SolvePatchesWithCeres(
-        sightings_, patches_, terms_, options, pool_->num_threads(),
+    const InnerResult inner = SolveLandmarksWithCeres(
+        observations_, landmarks_, terms_, options, pool_->num_threads(),
         [this](const IterationSummary& iteration) { return Report(iteration); }, &poses_);
     poses_.swap(poses);
     MoveIfBetter(poses);
@@ -230,7 +234,7 @@ class PatchMinimizer {
         relative.y() -= moved_before.z() * (frames_[i].x - frames_[i - 1].x);
       }
       const int row = system_.row_of_pose[i];
-      if (row >= 0) sum += relative.dot(system_.by_sightings[row] * relative);
+      if (row >= 0) sum += relative.dot(system_.by_observations[row] * relative);
       moved_before = moved;
     }
     return sum;
@@ -244,12 +248,13 @@ class PatchMinimizer {
 
   double MovedSigmas(double moved_squared) const {
     double total_weight = 0.0;
-    for (const PatchSighting& sighting : sightings_.sightings) total_weight += sighting.weight;
+    for (const LineObservation& observation : observations_.observations)
+      total_weight += observation.weight;
     const double noise_m = NoiseOf(factors_).StandardDeviation();
     return std::sqrt(moved_squared / std::max(total_weight * noise_m * noise_m, 1.0));
   }
 
-  void Judge(double last_gain, bool first, const PatchRoundSummary& round) {
+  void CheckConvergence(double last_gain, bool first, const LandmarkRoundSummary& round) {
     if (!result_.usable) return;
     std::ostringstream reason;
     reason << "a round brought the cost down to " << round.final_cost << ", by " << last_gain
@@ -270,14 +275,15 @@ class PatchMinimizer {
   ThreadPool* pool_;
   std::vector<double>& poses_;  // the result so far
   PoseTerms terms_;
-  const std::vector<char> fixed_;  // the graph's own constants; those of islands come on top
+  const std::vector<char>
+      fixed_;  // the graph's own constants; those of unanchored components come on top
   ReturnCompressor compressor_;
   // Lowers the cost for the weights at hand, if it can: changes poses_ and cost_.
   const std::function<void()> move_;
-  std::vector<SurfacePatch> patches_;
-  std::vector<int> patch_of_return_;  // with those held out; until the last round
-  std::vector<AdjacentPatches> adjacent_;
-  PatchSightings sightings_;
+  std::vector<LineLandmark> landmarks_;
+  std::vector<int> landmark_of_return_;  // with those held out; until the last round
+  std::vector<AdjacentLandmarks> adjacent_;
+  LineObservations observations_;
   std::vector<PoseFrame> frames_;
   PoseSystem system_;
   double cost_ = 0.0;
@@ -287,12 +293,13 @@ class PatchMinimizer {
 
 }  // namespace
 
-ReducedResult MinimizeOverPatches(const SlamGraph& graph, const MeasuredSurface& surface,
-                                  const FactorOptions& factors, const ReducedOptions& options,
-                                  const AssociationOptions& association,
-                                  const ProgressCallback& report, ThreadPool* pool,
-                                  std::vector<double>* poses, const CeresOptions* ceres) {
-  return PatchMinimizer(graph, surface, factors, options, association, report, pool, poses, ceres)
+ReducedResult MinimizeOverLandmarks(const SlamGraph& graph, const MeasuredSurface& surface,
+                                    const FactorOptions& factors, const ReducedOptions& options,
+                                    const AssociationOptions& association,
+                                    const ProgressCallback& report, ThreadPool* pool,
+                                    std::vector<double>* poses, const CeresOptions* ceres) {
+  return LandmarkMinimizer(graph, surface, factors, options, association, report, pool, poses,
+                           ceres)
       .Run();
 }
 

@@ -7,21 +7,21 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/reduced/surface_patches.h"
-#include "plumbline/solvers/solver_options.h"
-#include "plumbline/solvers/solver_summary.h"
+#include "plumbline/solvers/interface/solver_options.h"
+#include "plumbline/solvers/interface/solver_summary.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
 
 namespace plumbline {
 
-/// How a minimisation by rounds of patches went.
+/// How a minimisation by rounds of landmarks went.
 struct ReducedResult {
-  std::vector<PatchRoundSummary> rounds;
-  SurfacePatches first_cut;  ///< of the first round: the surfaces as the given poses place them
-  SurfacePatches last_cut;   ///< of the last round, with the lines that suit the final poses
+  std::vector<LandmarkRoundSummary> rounds;
+  LineLandmarks first_cut;  ///< of the first round: the surfaces as the given poses place them
+  LineLandmarks last_cut;   ///< of the last round, with the lines that suit the final poses
   /// The poses (x, y, yaw) before the last round, what came of them without the held-out returns,
   /// and the surfaces of that round.
-  std::vector<double> judged_poses;
-  SurfacePatches judged_cut;
+  std::vector<double> fitted_poses;
+  LineLandmarks fitted_cut;
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that
@@ -32,10 +32,10 @@ struct ReducedResult {
 };
 
 /// Minimises the joint energy over the poses, with every point and every tangent line at its
-/// optimum. In rounds: the surfaces, as the poses place them, are cut into patches; all that a pose
-/// saw of a patch becomes a handful of moments, weighted by a robust loss; Gauss-Newton steps move
-/// the poses, with the lines eliminated from the linear system and refitted exactly after each.
-/// A step that does not lower the cost is shortened, or not taken.
+/// optimum. In rounds: the surfaces, as the poses place them, are cut into landmarks; all that a
+/// pose saw of a landmark becomes a handful of moments, weighted by a robust loss; Gauss-Newton
+/// steps move the poses, with the lines eliminated from the linear system and refitted exactly
+/// after each. A step that does not lower the cost is shortened, or not taken.
 ///
 /// The rounds do without the held-out returns, see held_out_returns.h, and end when the last step
 /// of one lowers the cost, and the round moves the returns, by less than the tolerances. A last
@@ -49,11 +49,12 @@ struct ReducedResult {
 /// With `ceres`, which must pass CheckCeresOptions, Ceres minimises over poses and lines instead of
 /// each Gauss-Newton step; weights, rounds and their end are the same. The last digits may then
 /// depend on the number of threads.
-ReducedResult MinimizeOverPatches(const SlamGraph& graph, const MeasuredSurface& surface,
-                                  const FactorOptions& factors, const ReducedOptions& options,
-                                  const AssociationOptions& association,
-                                  const ProgressCallback& report, ThreadPool* pool,
-                                  std::vector<double>* poses, const CeresOptions* ceres = nullptr);
+ReducedResult MinimizeOverLandmarks(const SlamGraph& graph, const MeasuredSurface& surface,
+                                    const FactorOptions& factors, const ReducedOptions& options,
+                                    const AssociationOptions& association,
+                                    const ProgressCallback& report, ThreadPool* pool,
+                                    std::vector<double>* poses,
+                                    const CeresOptions* ceres = nullptr);
 
 }  // namespace plumbline
 

@@ -11,9 +11,10 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
-#include "plumbline/solvers/seeding/map_consistency.h"
-#include "plumbline/solvers/seeding/seed.h"
+#include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/fuzz/input_file.h"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "plumbline/apps/truth.h"
+#include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/test/fuzz/input_file.h"
 
 namespace {

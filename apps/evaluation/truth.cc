@@ -1,0 +1,124 @@
+#include "plumbline/apps/evaluation/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "plumbline/apps/evaluation/alignment.h"
+#include "plumbline/apps/io/clock.h"
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/pose_timeline.h"
+#include "plumbline/apps/io/text_reader.h"
+
+namespace plumbline {
+namespace {
+
+// Logs keep six decimals of a second, and no scanner is faster than one scan per millisecond.
+long long Milliseconds(double timestamp_s) { return std::llround(1e3 * timestamp_s); }
+
+Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* truth) {
+  std::vector<TimedPose> read;
+  PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(path, &read));
+  Pairing pairing;
+  PLUMBLINE_RETURN_IF_ERROR(
+      ChoosePairing({path, TimesOf(read)}, {"the log", TimesOf(graph)}, kSameTime_s, &pairing));
+  if (pairing.by_order) {
+    for (int p = 0; p < graph.num_poses(); ++p) {
+      truth->trajectory.push_back({graph.timestamp_s(p), read[p].world_from_robot});
+    }
+    return Status::Ok();
+  }
+  std::map<long long, Pose2> by_time;
+  for (const TimedPose& pose : read) {
+    by_time[Milliseconds(pose.timestamp_s)] = pose.world_from_robot;
+  }
+  for (int p = 0; p < graph.num_poses(); ++p) {
+    const auto found = by_time.find(Milliseconds(graph.timestamp_s(p)));
+    if (found == by_time.end()) {
+      return Status::InvalidArgument(path + ": no pose for the scan at time " +
+                                     std::to_string(graph.timestamp_s(p)));
+    }
+    truth->trajectory.push_back({graph.timestamp_s(p), found->second});
+  }
+  return Status::Ok();
+}
+
+Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
+  const std::string fault = ClockFault(TimesOf(graph));
+  if (!fault.empty()) {
+    return Status::InvalidArgument(path + ": hits find their scans by time, but of the log " +
+                                   fault);
+  }
+  TextReader reader;
+  PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
+  std::map<std::pair<long long, int>, std::pair<double, double>> hits;
+  std::string_view line;
+  while (reader.NextLine(&line)) {
+    if (line.empty() || line.front() == '#') continue;
+    FieldReader fields(line);
+    const double t = fields.Time("t");
+    const int beam = fields.Count("beam");
+    const double x = fields.Coordinate("x"), y = fields.Coordinate("y");
+    fields.ExpectEnd();
+    if (!fields.ok()) {
+      return Status::InvalidArgument(path + ":" + std::to_string(reader.line_number()) + ": " +
+                                     fields.error());
+    }
+    hits[{Milliseconds(t), beam}] = {x, y};
+  }
+  PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
+  const LaserReturns& returns = graph.returns();
+  truth->points.assign(2 * returns.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t r = 0; r < returns.size(); ++r) {
+    const double t = graph.timestamp_s(graph.scan(returns.scan[r]).pose);
+    const auto found = hits.find({Milliseconds(t), returns.beam[r]});
+    if (found == hits.end()) continue;
+    truth->points[2 * r] = found->second.first;
+    truth->points[2 * r + 1] = found->second.second;
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
+                 const SlamGraph& graph, Truth* truth) {
+  Truth result;
+  PLUMBLINE_RETURN_IF_ERROR(JoinTrajectory(trajectory_path, graph, &result));
+  if (!hits_path.empty()) PLUMBLINE_RETURN_IF_ERROR(JoinHits(hits_path, graph, &result));
+  *truth = std::move(result);
+  return Status::Ok();
+}
+
+TruthError CompareWithTruth(const MapState& state, const Truth& truth) {
+  TruthError error;
+  const int n = state.num_poses();
+  if (n == 0) return error;
+  const std::vector<Pose2> estimated = PosesOf(state.poses);
+  std::vector<Pose2> exact;
+  exact.reserve(n);
+  for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
+  const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
+  for (int p = 0; p < n; ++p) {
+    const Pose2 pose = truth_from_estimate * estimated[p];
+    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
+    error.mean_pose_error_m += distance / n;
+    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
+    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
+  }
+  std::size_t num_points = 0;
+  for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
+    const Eigen::Vector2d true_point(truth.points[2 * r], truth.points[2 * r + 1]);
+    if (!true_point.allFinite()) continue;
+    const Eigen::Vector2d point(state.points[2 * r], state.points[2 * r + 1]);
+    error.mean_point_error_m += (truth_from_estimate * point - true_point).norm();
+    ++num_points;
+  }
+  error.mean_point_error_m /= static_cast<double>(num_points);  // 0 / 0 is NaN, as documented.
+  return error;
+}
+
+}  // namespace plumbline

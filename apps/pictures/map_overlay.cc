@@ -1,0 +1,81 @@
+#include "plumbline/apps/pictures/map_overlay.h"
+
+#include <cairo.h>
+
+#include <cstddef>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kLinePx = 1.6;
+constexpr double kDotRadiusPx = 3.0;
+constexpr double kRingPx = 2.0;
+constexpr double kRingRadiusPx = 9.0;
+constexpr double kDashPx[] = {7.0, 5.0};
+
+void DrawLinks(const std::vector<Eigen::Vector2d>& ends, cairo_t* context) {
+  cairo_set_line_width(context, kLinePx);
+  for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+    cairo_move_to(context, ends[i].x(), ends[i].y());
+    cairo_line_to(context, ends[i + 1].x(), ends[i + 1].y());
+  }
+  cairo_stroke(context);
+}
+
+void DrawDots(const std::vector<Eigen::Vector2d>& centers, cairo_t* context) {
+  for (const Eigen::Vector2d& center : centers) {
+    cairo_arc(context, center.x(), center.y(), kDotRadiusPx, 0.0, 2.0 * kPi);
+    cairo_fill(context);
+  }
+}
+
+void DrawRings(const std::vector<Eigen::Vector2d>& centers, cairo_t* context) {
+  cairo_set_line_width(context, kRingPx);
+  for (const Eigen::Vector2d& center : centers) {
+    cairo_new_sub_path(context);
+    cairo_arc(context, center.x(), center.y(), kRingRadiusPx, 0.0, 2.0 * kPi);
+  }
+  cairo_stroke(context);
+}
+
+// points: in pixels.
+void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& points,
+               cairo_t* context) {
+  cairo_set_source_rgb(context, overlay.color.x(), overlay.color.y(), overlay.color.z());
+  switch (overlay.style) {
+    case OverlayStyle::kLinks:
+      DrawLinks(points, context);
+      DrawDots(points, context);
+      break;
+    case OverlayStyle::kDashedLinks:
+      cairo_set_dash(context, kDashPx, 2, 0.0);
+      DrawLinks(points, context);
+      cairo_set_dash(context, nullptr, 0, 0.0);
+      break;
+    case OverlayStyle::kRings:
+      DrawRings(points, context);
+      break;
+  }
+}
+
+}  // namespace
+
+void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context) {
+  std::vector<Eigen::Vector2d> points;
+  for (const Eigen::Vector2d& point : overlay.points) {
+    points.emplace_back(raster.Column(point.x()), raster.Row(point.y()));
+  }
+  DrawMarks(overlay, points, context);
+}
+
+void DrawOverlaySample(const MapOverlay& overlay, double x, double y, cairo_t* context) {
+  if (overlay.style == OverlayStyle::kRings) {
+    DrawMarks(overlay, {{x, y}}, context);
+  } else {
+    DrawMarks(overlay, {{x - 18.0, y}, {x + 18.0, y}}, context);
+  }
+}
+
+}  // namespace plumbline

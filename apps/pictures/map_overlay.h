@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_APPS_PICTURES_MAP_OVERLAY_H_
+#define PLUMBLINE_APPS_PICTURES_MAP_OVERLAY_H_
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/io/map_raster.h"
+
+typedef struct _cairo cairo_t;
+
+namespace plumbline {
+
+enum class OverlayStyle {
+  kLinks,        ///< solid lines with a dot at both ends
+  kDashedLinks,  ///< dashed lines
+  kRings,        ///< circles of a fixed size on the picture
+};
+
+/// One kind of marks on a map, with a line of the legend.
+struct MapOverlay {
+  OverlayStyle style = OverlayStyle::kLinks;
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();  ///< red, green, blue in [0, 1]
+  std::string label;
+  /// World frame [m]. Links: the two ends of each in turn; rings: their centres.
+  std::vector<Eigen::Vector2d> points;
+};
+
+/// Draws the marks on a map whose upper left corner is the origin of the context.
+void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context);
+
+/// Draws a sample of the marks, some 40 pixels wide and centred at (x, y) [px].
+void DrawOverlaySample(const MapOverlay& overlay, double x, double y, cairo_t* context);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_PICTURES_MAP_OVERLAY_H_

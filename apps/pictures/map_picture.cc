@@ -1,0 +1,158 @@
+#include "plumbline/apps/pictures/map_picture.h"
+
+#include <cairo.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/io/map_raster.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/scale_bar.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kHeaderPx = 44;     // strip of the title
+constexpr int kFooterPx = 56;     // strip of the scale bar
+constexpr int kBorderPx = 20;     // left and right of the map
+constexpr int kMinWidthPx = 640;  // room for title and scale bar
+constexpr int kLegendRowPx = 30;
+constexpr double kFontPx = 18.0;
+constexpr double kFadedStrength = 0.75;  // of a map that is the background of overlays
+
+/// Fills the canvas white and puts the density image with its upper left corner at (left, top), its
+/// darkness multiplied by `strength`.
+void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const MapRaster& raster,
+                 int left, int top, cairo_surface_t* surface) {
+  cairo_surface_flush(surface);
+  unsigned char* data = cairo_image_surface_get_data(surface);
+  const int stride = cairo_image_surface_get_stride(surface);
+  std::fill(data, data + static_cast<std::size_t>(stride) * cairo_image_surface_get_height(surface),
+            255);
+  for (int row = 0; row < raster.height; ++row) {
+    auto* pixels =
+        reinterpret_cast<std::uint32_t*>(data + static_cast<std::size_t>(stride) * (top + row)) +
+        left;
+    for (int column = 0; column < raster.width; ++column) {
+      const int darkness = 255 - gray[static_cast<std::size_t>(row) * raster.width + column];
+      pixels[column] = 0x010101u * (255u - static_cast<std::uint32_t>(strength * darkness));
+    }
+  }
+  cairo_surface_mark_dirty(surface);
+}
+
+/// The path in the current colour, its start as a green dot.
+void DrawTrajectory(const MapState& state, const MapRaster& raster, cairo_t* context) {
+  cairo_set_line_width(context, 1.5);
+  cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    const Pose2 robot = state.WorldFromRobot(pose);
+    cairo_line_to(context, raster.Column(robot.x), raster.Row(robot.y));
+  }
+  cairo_stroke(context);
+  const Pose2 start = state.WorldFromRobot(0);
+  cairo_arc(context, raster.Column(start.x), raster.Row(start.y), 6.0, 0.0, 2.0 * kPi);
+  cairo_set_source_rgb(context, 0.1, 0.6, 0.2);
+  cairo_fill(context);
+}
+
+void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* context) {
+  const std::string numbers = WithThousands(graph.num_scans()) + " scans, " +
+                              WithThousands(graph.num_returns()) + " returns";
+  cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
+  DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kHeaderPx,
+           TextAnchor::kLeft, context);
+}
+
+/// The lines and marks on the map area, which cuts them off.
+void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
+             const MapRaster& raster, int left, cairo_t* context) {
+  cairo_translate(context, left, kHeaderPx);
+  cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
+  cairo_clip(context);
+  if (overlays.empty()) {
+    cairo_set_source_rgb(context, 0.85, 0.15, 0.1);
+  } else {
+    cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
+  }
+  DrawTrajectory(state, raster, context);
+  for (const MapOverlay& overlay : overlays) DrawOverlay(overlay, raster, context);
+}
+
+/// One row per overlay, the first one at the top.
+void DrawLegend(const std::vector<MapOverlay>& overlays, double left, double top,
+                cairo_t* context) {
+  constexpr double kSampleWidthPx = 40.0;
+  for (std::size_t row = 0; row < overlays.size(); ++row) {
+    const double y = top + (row + 0.5) * kLegendRowPx;
+    DrawOverlaySample(overlays[row], left + 0.5 * kSampleWidthPx, y, context);
+    cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
+    DrawText(overlays[row].label, left + kSampleWidthPx + 12.0, y + 0.35 * kFontPx,
+             TextAnchor::kLeft, context);
+  }
+}
+
+Status CheckInput(const MapState& state, const MapPictureOptions& options) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument("map picture options: " + error);
+  if (state.poses.empty()) return Status::InvalidArgument("map picture: the graph has no poses");
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    if (IsFinite(state.WorldFromRobot(pose))) continue;
+    return Status::InvalidArgument("map picture: pose " + std::to_string(pose) + " is not finite");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+bool MapPictureOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_side_px, >=, 100);
+  PLUMBLINE_CHECK_OPTION(max_side_px, <=, 30000);  // Cairo's images end at 32767 pixels.
+  PLUMBLINE_CHECK_OPTION(crop_share, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION(crop_share, <, 0.5);
+  return true;
+}
+
+Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
+                       const MapPictureOptions& options, MapArea* area) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, options));
+  MapRaster raster;
+  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(state.points, PosesOf(state.poses), options.crop_share,
+                                         options.max_side_px, &raster));
+  AtomicFile file;
+  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
+
+  const bool has_overlays = !options.overlays.empty();
+  const int width = std::max(raster.width + 2 * kBorderPx, kMinWidthPx);
+  const int legend_height = kLegendRowPx * static_cast<int>(options.overlays.size());
+  const int height = kHeaderPx + raster.height + kFooterPx + legend_height;
+  const int map_left = (width - raster.width) / 2;
+  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
+    return Status::Unavailable("no memory for the picture '" + path + "'");
+  }
+  const std::vector<std::uint32_t> hits = CountHits(state.points, raster);
+  DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
+              map_left, kHeaderPx, surface.get());
+
+  const CairoContext context(cairo_create(surface.get()));
+  SelectFont(kFontPx, context.get());
+  DrawTitle(graph, options.title, context.get());
+  const int footer_top = kHeaderPx + raster.height;
+  const double bar_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
+  DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
+               context.get());
+  DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
+  DrawMap(state, options.overlays, raster, map_left, context.get());
+
+  PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
+  if (area != nullptr) *area = {raster, map_left, kHeaderPx};
+  return Status::Ok();
+}
+
+}  // namespace plumbline

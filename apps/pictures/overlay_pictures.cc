@@ -1,0 +1,87 @@
+#include "plumbline/apps/pictures/overlay_pictures.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "plumbline/apps/pictures/map_picture.h"
+
+namespace plumbline {
+namespace {
+
+// Colours that a colour-blind eye tells apart (Okabe and Ito 2008).
+const Eigen::Vector3d kBlue(0.0, 0.447, 0.698);
+const Eigen::Vector3d kOrange(0.902, 0.624, 0.0);
+const Eigen::Vector3d kMagenta(0.8, 0.0, 0.55);
+
+constexpr double kRingSpacingM = 0.5;
+
+// "6 refused: free space conflict".
+std::string RefusedLabel(std::size_t count, ClosureOutcome outcome) {
+  std::string reason = ToString(outcome);
+  std::replace(reason.begin(), reason.end(), '_', ' ');
+  return std::to_string(count) + " refused: " + reason;
+}
+
+// One point of each square of kRingSpacingM.
+std::vector<Eigen::Vector2d> ThinnedPlaces(const std::vector<SpaceConflict>& places) {
+  std::vector<Eigen::Vector2d> thinned;
+  std::set<std::pair<double, double>> squares;
+  for (const SpaceConflict& place : places) {
+    const Eigen::Vector2d square = (place.world_point / kRingSpacingM).array().floor();
+    if (squares.emplace(square.x(), square.y()).second) thinned.push_back(place.world_point);
+  }
+  return thinned;
+}
+
+}  // namespace
+
+Status WriteClosurePicture(const std::string& path, const SlamGraph& graph, const MapState& state,
+                           const std::vector<LoopClosureRecord>& records, int max_side_px) {
+  std::map<ClosureOutcome, MapOverlay> by_outcome;
+  by_outcome[ClosureOutcome::kAccepted];  // has its line in the legend also if there is none
+  for (const LoopClosureRecord& record : records) {
+    for (const int pose : {record.from_pose, record.to_pose}) {
+      if (pose < 0 || pose >= state.num_poses()) {
+        return Status::InvalidArgument("closure picture: no pose " + std::to_string(pose));
+      }
+      by_outcome[record.outcome].points.push_back(state.WorldFromRobot(pose).translation());
+    }
+  }
+  MapPictureOptions options;
+  options.title = "Loop closures";
+  options.max_side_px = max_side_px;
+  for (auto& [outcome, overlay] : by_outcome) {
+    const bool accepted = outcome == ClosureOutcome::kAccepted;
+    const std::size_t count = overlay.points.size() / 2;
+    overlay.style = accepted ? OverlayStyle::kLinks : OverlayStyle::kDashedLinks;
+    overlay.color = accepted ? kBlue : kOrange;
+    overlay.label =
+        accepted ? std::to_string(count) + " loop closures" : RefusedLabel(count, outcome);
+    options.overlays.push_back(overlay);
+  }
+  return WriteMapPicture(path, graph, state, options);
+}
+
+Status WriteConflictPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
+                            const MapConsistency& consistency, int max_side_px) {
+  MapOverlay places;
+  places.style = OverlayStyle::kRings;
+  places.color = kMagenta;
+  places.points = ThinnedPlaces(consistency.places);
+  places.label = std::to_string(places.points.size()) + " places that another scan looked through";
+  const bool wrong = consistency.IsContradictory();
+  char title[80];
+  std::snprintf(title, sizeof(title), "%s (ratio %.1f)",
+                wrong ? "The map contradicts itself" : "Free-space conflicts", consistency.Ratio());
+  MapPictureOptions options;
+  options.title = title;
+  options.max_side_px = max_side_px;
+  options.overlays = {places};
+  return WriteMapPicture(path, graph, state, options);
+}
+
+}  // namespace plumbline

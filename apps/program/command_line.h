@@ -1,0 +1,39 @@
+#ifndef PLUMBLINE_APPS_PROGRAM_COMMAND_LINE_H_
+#define PLUMBLINE_APPS_PROGRAM_COMMAND_LINE_H_
+
+#include <gflags/gflags.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// What a program tells its caller when it ends.
+enum ExitCode {
+  kExitDone = 0,
+  kExitBadInput = 1,     ///< a file that cannot be read or used
+  kExitWrongUsage = 2,   ///< flags that are missing, unknown or make no sense
+  kExitCannotWrite = 3,  ///< no folder, no permission, disk full
+};
+
+/// The flags that this program defines, those of its main file first: not the libraries' own.
+std::vector<gflags::CommandLineFlagInfo> ProgramFlags();
+
+/// `usage`, the program's flags with their defaults, and the exit codes, as --help prints them.
+std::string HelpText(const std::string& usage);
+
+/// Sets the flags from the command line. Ends the program where it asks for help (kExitDone) or
+/// holds what is no flag (kExitWrongUsage, the culprit on standard error).
+void ParseCommandLine(const std::string& usage, int argc, char** argv);
+
+/// Runs a program whose flags are set: `check_flags` looks at nothing but them, `run` does the
+/// rest. Gives the exit code, with a line on standard error unless all went well; running out of
+/// memory is bad input. Unavailable, of `run`, is an output that cannot be written.
+int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_PROGRAM_COMMAND_LINE_H_

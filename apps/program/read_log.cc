@@ -1,0 +1,77 @@
+#include "plumbline/apps/program/read_log.h"
+
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/program/log_flags.h"
+#include "plumbline/solvers/acceptance/mirrored_scans.h"
+
+namespace plumbline {
+namespace {
+
+// The graph mounts all scans alike, which makes nonsense of a second laser on the robot.
+void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting) {
+  const std::string disagreement = mounting.Disagreement();
+  if (disagreement.empty()) return;
+  std::cerr << "warning: " << path << ": " << disagreement
+            << "; all are mounted at the median. Are there two lasers, or the poses of another "
+               "mapper?\n";
+}
+
+Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+  CarmenLog log;
+  PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+  for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
+  WarnOfOtherMountings(path, EstimateLaserMounting(log));
+  *counts = {log.num_issues, log.num_out_of_order};
+  const Status built = BuildGraph(log, max_scans, graph);
+  return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
+}
+
+bool IsRosbag(const std::string& path) {
+  constexpr std::string_view kMagic = "#ROSBAG V";
+  std::string start(kMagic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  return start == kMagic;
+}
+
+Status ReadBag(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+  RosRecording recording;
+  PLUMBLINE_RETURN_IF_ERROR(ReadRosbag(path, RosbagReadOptionsFromFlags(), &recording));
+  RosGraphNotes notes;
+  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, RosGraphOptions(), max_scans, &notes, graph));
+  for (const std::string& scan : notes.skipped_scans) std::cerr << "skipped " << scan << '\n';
+  for (const std::string& warning : notes.warnings) std::cerr << "warning: " << warning << '\n';
+  *counts = {notes.num_skipped_scans, notes.num_out_of_order};
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
+                        SlamGraph* graph) {
+  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
+  SlamGraph result;
+  LogCounts result_counts;
+  PLUMBLINE_RETURN_IF_ERROR(IsRosbag(path) ? ReadBag(path, max_scans, &result_counts, &result)
+                                           : ReadCarmen(path, max_scans, &result_counts, &result));
+  if (result.num_returns() == 0) {
+    return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
+  }
+  // No error: it may be the odometry that is mirrored.
+  const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
+  if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
+  *counts = result_counts;
+  *graph = std::move(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

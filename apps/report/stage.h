@@ -1,0 +1,31 @@
+#ifndef PLUMBLINE_APPS_REPORT_STAGE_H_
+#define PLUMBLINE_APPS_REPORT_STAGE_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/core/map_quality.h"
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+/// How good the map is at one stage of a run.
+struct Stage {
+  std::string name;
+  MapQuality quality;
+  std::optional<TruthError> error;  ///< where the truth is known
+};
+
+/// Measures a map as it stands. truth: of the graph that the state belongs to; may be null.
+Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
+                   ThreadPool* pool);
+
+/// A table for people, one row per stage.
+std::string StageTable(const std::vector<Stage>& stages);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_REPORT_STAGE_H_

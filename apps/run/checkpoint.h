@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_APPS_RUN_CHECKPOINT_H_
+#define PLUMBLINE_APPS_RUN_CHECKPOINT_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+
+namespace plumbline {
+
+/// All that a seed depends on, as pairs of a name for people and a value.
+using RunFingerprint = std::vector<std::pair<std::string, std::string>>;
+
+/// Size and checksum of the log, and every flag of this program but those that change neither poses
+/// nor points (folders, pictures, threads, truth). Fails like a reader of the log if it cannot be
+/// read.
+Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint);
+
+/// Keeps the poses that the seeding left, (x, y, yaw) each, and what it reported, so that another
+/// run can go on from there to the same results, bit for bit. The file is whole or not there.
+/// NotFound or Unavailable if it cannot be written.
+Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
+                       const std::vector<double>& poses, const SeedingReport& seeding);
+
+/// Reads the poses and the report of a seed of this graph, which is fresh from the log. NotFound or
+/// Unavailable if the file cannot be read, DataLoss if it is damaged or cut off, InvalidArgument if
+/// it is no checkpoint, one of another version, or one of another log or of other flags; the
+/// message names what differs. The poses and the report are then as they were.
+Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
+                      const SlamGraph& graph, std::vector<double>* poses, SeedingReport* seeding);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_CHECKPOINT_H_

@@ -1,0 +1,388 @@
+#include "plumbline/apps/run/flags.h"
+
+#include <gflags/gflags.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/interface/ceres_options.h"
+
+namespace {
+
+// The library's defaults are those of the flags.
+const plumbline::SolverOptions& Defaults() {
+  static const plumbline::SolverOptions options;
+  return options;
+}
+const plumbline::SeedingOptions& SeedingDefaults() {
+  static const plumbline::SeedingOptions options;
+  return options;
+}
+
+}  // namespace
+
+DEFINE_string(
+    solver, ToString(Defaults().type),
+    "Minimiser of the joint energy: reduced, alternating_cg or ceres; or of the pose graph "
+    "alone, points riding along: pose_graph (Gauss-Newton) or sgd");
+DEFINE_int32(threads, Defaults().num_threads,
+             "Threads; the result does not depend on it, but for the last digits of ceres");
+
+// Sensor and surfaces.
+DEFINE_double(sigma_range_m, Defaults().factors.beam.sigma_range_m,
+              "Standard deviation of a range reading [m]");
+DEFINE_double(sigma_bearing_rad, Defaults().factors.beam.sigma_bearing_rad,
+              "Standard deviation of a beam's direction, its divergence included [rad]");
+DEFINE_double(sigma_manifold_m, Defaults().factors.manifold.sigma_m,
+              "Thickness of a surface: standard deviation of a point off its tangent line [m]");
+DEFINE_double(manifold_gate, Defaults().factors.manifold.robust_gate_sigmas,
+              "Robust gate of the manifold terms [standard deviations]");
+DEFINE_bool(shape, Defaults().factors.shape.enabled,
+            "Draw adjacent surfaces to parallel or orthogonal");
+DEFINE_double(sigma_shape_rad, Defaults().factors.shape.sigma_rad,
+              "Standard deviation of a surface's direction from its neighbour's [rad]");
+DEFINE_double(shape_gate, Defaults().factors.shape.robust_gate_sigmas,
+              "Robust gate of the shape terms [standard deviations]");
+
+// Odometry.
+DEFINE_double(odom_rotation_per_rotation, Defaults().factors.motion.rotation_per_rotation,
+              "Odometry noise alpha_1 [rad per rad]");
+DEFINE_double(odom_rotation_per_translation_rad_m,
+              Defaults().factors.motion.rotation_per_translation_rad_m,
+              "Odometry noise alpha_2 [rad per m]");
+DEFINE_double(odom_translation_per_translation,
+              Defaults().factors.motion.translation_per_translation,
+              "Odometry noise alpha_3 [m per m]");
+DEFINE_double(odom_translation_per_rotation_m_rad,
+              Defaults().factors.motion.translation_per_rotation_m_rad,
+              "Odometry noise alpha_4 [m per rad]");
+DEFINE_double(odom_translation_floor_m, Defaults().factors.motion.translation_floor_m,
+              "Odometry noise of a step of no length [m]");
+DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_rad,
+              "Odometry noise of a step without turning [rad]");
+
+// Associations and rounds.
+DEFINE_string(
+    neighborhood, ToString(Defaults().association.neighborhood),
+    "Neighbourhood of a tangent line: radius, or nearest (the published form; not over landmarks)");
+DEFINE_int32(min_neighbors, Defaults().association.min_points,
+             "Fewest points of a tangent line's neighbourhood");
+DEFINE_int32(max_neighbors, Defaults().association.max_points,
+             "In rounds: most points of a neighbourhood with --neighborhood=nearest");
+DEFINE_bool(several_poses, Defaults().association.several_poses,
+            "A tangent line of single points needs those of more than one pose");
+DEFINE_double(
+    landmark_size_m, Defaults().association.landmark_size_m,
+    "Side of the largest landmark, also of those by which results are judged, or 32 standard "
+    "deviations of a return if that is more; landmarks are split down to an eighth of it [m]");
+DEFINE_double(max_eigenvalue_ratio, Defaults().association.max_eigenvalue_ratio,
+              "Neighbourhoods rounder than this are no surface [smaller over larger variance]");
+DEFINE_double(min_segment_length_m, Defaults().association.min_segment_length_m,
+              "Length of the surface regions of the shape terms [m]");
+DEFINE_double(shape_margin_deg, plumbline::RadToDeg(Defaults().association.shape_margin_rad),
+              "Regions this close to parallel or orthogonal get a shape term [deg]");
+DEFINE_int32(coarse_rounds, Defaults().rounds.max_coarse_rounds,
+             "In rounds: most rounds with wide neighbourhoods, which pull double walls together");
+DEFINE_int32(fine_rounds, Defaults().rounds.max_fine_rounds,
+             "In rounds: most rounds with narrow neighbourhoods; each rebuilds the associations");
+DEFINE_double(coarse_radius_m, Defaults().rounds.coarse_radius_m,
+              "Smallest neighbourhood radius in the first coarse round, and where the start of a "
+              "pose graph file is compared with its edges [m]");
+DEFINE_double(
+    fine_radius_m, Defaults().rounds.fine_radius_m,
+    "Smallest neighbourhood radius of the final tangent lines and of the fine rounds [m]");
+DEFINE_double(coarse_gate_factor, Defaults().rounds.coarse_gate_factor,
+              "In rounds: factor on the robust gates in the first coarse round");
+DEFINE_double(round_tolerance, Defaults().rounds.relative_tolerance,
+              "In rounds: fine rounds end when one gains less [fraction of the marginal energy]");
+
+// Over landmarks: --solver=reduced, or ceres with --reduced.
+DEFINE_int32(reduced_max_rounds, Defaults().reduced.max_rounds,
+             "reduced: most rounds; each cuts the surfaces into landmarks anew");
+DEFINE_int32(reduced_steps, Defaults().reduced.steps_per_round,
+             "reduced: steps per round, at most");
+DEFINE_bool(reduced_lines_follow, Defaults().reduced.lines_follow,
+            "reduced: tangent lines follow the poses; otherwise they are fixed within a round");
+DEFINE_double(reduced_first_gate_factor, Defaults().reduced.first_gate_factor,
+              "reduced, and --calibrate: factor on the robust gate in the first round");
+DEFINE_double(reduced_tolerance, Defaults().reduced.relative_tolerance,
+              "reduced: ends when a round gains less in its last step [fraction of the cost], and");
+DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
+              "reduced: moves returns across their surfaces by less [standard deviations]");
+DEFINE_double(
+    reduced_cg_tolerance, Defaults().reduced.cg_tolerance,
+    "reduced: conjugate gradients on a linear system end at this fraction of its right-hand side");
+DEFINE_int32(reduced_polish_sweeps, Defaults().reduced.polish_sweeps,
+             "reduced: sweeps of alternating_cg afterwards, on the exact energy of all points");
+
+// --solver=alternating_cg; all but the first also for --reduced_polish_sweeps.
+DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
+             "alternating_cg: most sweeps over map, poses and scans per round");
+DEFINE_int32(cg_map_iterations, Defaults().alternating_cg.map_iterations_per_sweep,
+             "alternating_cg: iterations on the map per sweep");
+DEFINE_int32(cg_pose_iterations, Defaults().alternating_cg.pose_iterations_per_sweep,
+             "alternating_cg: iterations on the poses per sweep");
+DEFINE_int32(cg_scan_iterations, Defaults().alternating_cg.scan_iterations_per_sweep,
+             "alternating_cg: iterations on poses that carry their points; 0: as published");
+DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
+              "alternating_cg: ends a round when a sweep gains less [fraction of the cost]; for "
+              "the others see --reduced_cg_tolerance and --ceres_function_tolerance");
+
+// --solver=ceres
+DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres->minimizer),
+              "ceres: trust_region or line_search");
+DEFINE_string(ceres_trust_region_strategy,
+              ceres::TrustRegionStrategyTypeToString(Defaults().ceres->trust_region_strategy),
+              "ceres: levenberg_marquardt or dogleg");
+DEFINE_string(ceres_dogleg, ceres::DoglegTypeToString(Defaults().ceres->dogleg),
+              "ceres: traditional_dogleg or subspace_dogleg");
+DEFINE_string(ceres_line_search_direction,
+              ceres::LineSearchDirectionTypeToString(Defaults().ceres->line_search_direction),
+              "ceres: steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs");
+DEFINE_string(ceres_line_search, ceres::LineSearchTypeToString(Defaults().ceres->line_search),
+              "ceres: armijo or wolfe");
+DEFINE_string(
+    ceres_nonlinear_conjugate_gradient,
+    ceres::NonlinearConjugateGradientTypeToString(Defaults().ceres->nonlinear_conjugate_gradient),
+    "ceres: fletcher_reeves, polak_ribiere or hestenes_stiefel");
+DEFINE_string(
+    ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ceres->linear_solver),
+    "ceres: sparse_schur, iterative_schur, dense_schur, sparse_normal_cholesky, cgnr, dense_qr "
+    "or dense_normal_cholesky");
+DEFINE_string(
+    ceres_preconditioner, ceres::PreconditionerTypeToString(Defaults().ceres->preconditioner),
+    "ceres: identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
+DEFINE_bool(reduced, Defaults().ceres->reduced,
+            "ceres: minimise over poses and the lines of landmarks, in the rounds of the reduced "
+            "solver");
+DEFINE_int32(ceres_max_iterations, Defaults().ceres->max_iterations,
+             "ceres: most iterations per round; with --reduced, per step");
+DEFINE_double(ceres_function_tolerance, Defaults().ceres->function_tolerance,
+              "ceres: ends a round when an iteration gains less [fraction of the cost]");
+
+// --solver=sgd
+DEFINE_int32(sgd_iterations, Defaults().sgd.max_iterations,
+             "sgd: most iterations; each goes through all edges of the pose graph once");
+
+// Seeding.
+DEFINE_double(keyframe_distance_m, SeedingDefaults().sequential.keyframe_distance_m,
+              "Seeding: travel from one keyframe to the next [m]");
+DEFINE_double(keyframe_angle_deg,
+              plumbline::RadToDeg(SeedingDefaults().sequential.keyframe_angle_rad),
+              "Seeding: turning from one keyframe to the next [deg]");
+
+namespace plumbline {
+namespace {
+
+// Sets *value from a flag by one of the FromString functions, which know all the names.
+template <typename Parse, typename Value>
+Status ParseName(const char* flag, const std::string& name, const Parse& parse, Value* value) {
+  if (parse(name, value)) return Status::Ok();
+  return Status::InvalidArgument(std::string("--") + flag + "=" + name +
+                                 ": no such name; see --help");
+}
+
+// The option's name is that of the field; the flag's name is close to it.
+template <typename Options>
+Status CheckValues(const Options& options) {
+  std::string error;
+  if (options.Check(&error)) return Status::Ok();
+  return Status::InvalidArgument("the flags set " + error);
+}
+
+bool UsesReturns(const SolverOptions& options) { return !options.MovesPosesOnly(); }
+bool IsInRounds(const SolverOptions& options) {
+  return UsesReturns(options) && !options.IsOverLandmarks();
+}
+bool IsReduced(const SolverOptions& options) { return options.type == SolverType::kReduced; }
+bool IsCeres(const SolverOptions& options) { return options.type == SolverType::kCeres; }
+bool IsSgd(const SolverOptions& options) { return options.type == SolverType::kSgd; }
+bool IsAlternatingCg(const SolverOptions& options) {
+  return options.type == SolverType::kAlternatingCg;
+}
+bool SweepsByCg(const SolverOptions& options) {
+  return IsAlternatingCg(options) ||
+         (options.IsOverLandmarks() && options.reduced.polish_sweeps > 0);
+}
+
+// Flags that not every solver reads. A name that ends in _ stands for all that begin with it; the
+// first row that fits counts.
+struct FlagReaders {
+  const char* name;
+  bool (*read_it)(const SolverOptions&);
+};
+constexpr FlagReaders kFlagReaders[] = {
+    {"sigma_bearing_rad", UsesReturns},
+    {"sigma_manifold_m", UsesReturns},
+    {"manifold_gate", UsesReturns},
+    {"shape", UsesReturns},
+    {"sigma_shape_rad", UsesReturns},
+    {"shape_", UsesReturns},
+    {"neighborhood", UsesReturns},
+    {"min_neighbors", UsesReturns},
+    {"max_neighbors", IsInRounds},
+    {"several_poses", UsesReturns},
+    {"landmark_size_m", UsesReturns},
+    {"max_eigenvalue_ratio", UsesReturns},
+    {"min_segment_length_m", UsesReturns},
+    {"coarse_radius_m", UsesReturns},
+    {"fine_radius_m", UsesReturns},
+    {"coarse_", IsInRounds},
+    {"fine_rounds", IsInRounds},
+    {"round_tolerance", IsInRounds},
+    {"reduced_cg_tolerance", IsReduced},
+    {"reduced_lines_follow", IsReduced},
+    {"reduced_first_gate_factor", UsesReturns},  // the calibration does, with any solver
+    {"reduced_", [](const SolverOptions& options) { return options.IsOverLandmarks(); }},
+    {"reduced", IsCeres},
+    {"ceres_", IsCeres},
+    {"cg_max_sweeps", IsAlternatingCg},
+    {"cg_", SweepsByCg},
+    {"sgd_", IsSgd},
+};
+
+bool IsIgnored(const std::string& flag, const SolverOptions& options) {
+  const auto* readers =
+      std::find_if(std::begin(kFlagReaders), std::end(kFlagReaders), [&](const FlagReaders& row) {
+        const std::string name = row.name;
+        return flag == name || (name.back() == '_' && flag.compare(0, name.size(), name) == 0);
+      });
+  return readers != std::end(kFlagReaders) && !readers->read_it(options);
+}
+
+FactorOptions FactorOptionsFromFlags() {
+  FactorOptions factors;
+  factors.beam.sigma_range_m = FLAGS_sigma_range_m;
+  factors.beam.sigma_bearing_rad = FLAGS_sigma_bearing_rad;
+  factors.manifold.sigma_m = FLAGS_sigma_manifold_m;
+  factors.manifold.robust_gate_sigmas = FLAGS_manifold_gate;
+  factors.shape.enabled = FLAGS_shape;
+  factors.shape.sigma_rad = FLAGS_sigma_shape_rad;
+  factors.shape.robust_gate_sigmas = FLAGS_shape_gate;
+  factors.motion.rotation_per_rotation = FLAGS_odom_rotation_per_rotation;
+  factors.motion.rotation_per_translation_rad_m = FLAGS_odom_rotation_per_translation_rad_m;
+  factors.motion.translation_per_translation = FLAGS_odom_translation_per_translation;
+  factors.motion.translation_per_rotation_m_rad = FLAGS_odom_translation_per_rotation_m_rad;
+  factors.motion.translation_floor_m = FLAGS_odom_translation_floor_m;
+  factors.motion.rotation_floor_rad = FLAGS_odom_rotation_floor_rad;
+  return factors;
+}
+
+Status AssociationOptionsFromFlags(AssociationOptions* options) {
+  const auto from_string = [](const std::string& name, NeighborhoodType* type) {
+    return FromString(name, type);
+  };
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("neighborhood", FLAGS_neighborhood, from_string, &options->neighborhood));
+  options->min_points = FLAGS_min_neighbors;
+  options->several_poses = FLAGS_several_poses;
+  options->landmark_size_m = FLAGS_landmark_size_m;
+  options->max_points = FLAGS_max_neighbors;
+  options->max_eigenvalue_ratio = FLAGS_max_eigenvalue_ratio;
+  options->min_segment_length_m = FLAGS_min_segment_length_m;
+  options->shape_margin_rad = DegToRad(FLAGS_shape_margin_deg);
+  return Status::Ok();
+}
+
+RoundOptions RoundOptionsFromFlags() {
+  RoundOptions rounds;
+  rounds.max_coarse_rounds = FLAGS_coarse_rounds;
+  rounds.max_fine_rounds = FLAGS_fine_rounds;
+  rounds.coarse_radius_m = FLAGS_coarse_radius_m;
+  rounds.fine_radius_m = FLAGS_fine_radius_m;
+  rounds.coarse_gate_factor = FLAGS_coarse_gate_factor;
+  rounds.relative_tolerance = FLAGS_round_tolerance;
+  return rounds;
+}
+
+ReducedOptions ReducedOptionsFromFlags() {
+  ReducedOptions reduced;
+  reduced.max_rounds = FLAGS_reduced_max_rounds;
+  reduced.steps_per_round = FLAGS_reduced_steps;
+  reduced.lines_follow = FLAGS_reduced_lines_follow;
+  reduced.first_gate_factor = FLAGS_reduced_first_gate_factor;
+  reduced.relative_tolerance = FLAGS_reduced_tolerance;
+  reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
+  reduced.cg_tolerance = FLAGS_reduced_cg_tolerance;
+  reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
+  return reduced;
+}
+
+AlternatingCgOptions AlternatingCgOptionsFromFlags() {
+  AlternatingCgOptions cg;
+  cg.max_sweeps = FLAGS_cg_max_sweeps;
+  cg.map_iterations_per_sweep = FLAGS_cg_map_iterations;
+  cg.pose_iterations_per_sweep = FLAGS_cg_pose_iterations;
+  cg.scan_iterations_per_sweep = FLAGS_cg_scan_iterations;
+  cg.relative_cost_tolerance = FLAGS_cg_tolerance;
+  return cg;
+}
+
+Status CeresOptionsFromFlags(CeresOptions* options) {
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_minimizer", FLAGS_ceres_minimizer,
+                                      ceres::StringToMinimizerType, &options->minimizer));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_trust_region_strategy", FLAGS_ceres_trust_region_strategy,
+                ceres::StringToTrustRegionStrategyType, &options->trust_region_strategy));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_dogleg", FLAGS_ceres_dogleg, ceres::StringToDoglegType, &options->dogleg));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ParseName("ceres_line_search_direction", FLAGS_ceres_line_search_direction,
+                ceres::StringToLineSearchDirectionType, &options->line_search_direction));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_line_search", FLAGS_ceres_line_search,
+                                      ceres::StringToLineSearchType, &options->line_search));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName(
+      "ceres_nonlinear_conjugate_gradient", FLAGS_ceres_nonlinear_conjugate_gradient,
+      ceres::StringToNonlinearConjugateGradientType, &options->nonlinear_conjugate_gradient));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_linear_solver", FLAGS_ceres_linear_solver,
+                                      ceres::StringToLinearSolverType, &options->linear_solver));
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_preconditioner", FLAGS_ceres_preconditioner,
+                                      ceres::StringToPreconditionerType, &options->preconditioner));
+  options->reduced = FLAGS_reduced;
+  options->max_iterations = FLAGS_ceres_max_iterations;
+  options->function_tolerance = FLAGS_ceres_function_tolerance;
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status SolverOptionsFromFlags(SolverOptions* options) {
+  const auto solver_from_string = [](const std::string& name, SolverType* type) {
+    return FromString(name, type);
+  };
+  *options = SolverOptions();
+  PLUMBLINE_RETURN_IF_ERROR(ParseName("solver", FLAGS_solver, solver_from_string, &options->type));
+  PLUMBLINE_RETURN_IF_ERROR(AssociationOptionsFromFlags(&options->association));
+  PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&*options->ceres));
+  options->num_threads = FLAGS_threads;
+  options->factors = FactorOptionsFromFlags();
+  options->rounds = RoundOptionsFromFlags();
+  options->reduced = ReducedOptionsFromFlags();
+  options->alternating_cg = AlternatingCgOptionsFromFlags();
+  options->sgd.max_iterations = FLAGS_sgd_iterations;
+  return CheckValues(*options);
+}
+
+Status CheckNoFlagIsIgnored(const SolverOptions& options) {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  for (const gflags::CommandLineFlagInfo& flag : flags) {
+    if (flag.is_default || !IsIgnored(flag.name, options)) continue;
+    const bool ceres_reduced = IsCeres(options) && options.IsOverLandmarks();
+    return Status::InvalidArgument("--" + flag.name + " is ignored by --solver=" +
+                                   ToString(options.type) + (ceres_reduced ? " --reduced" : ""));
+  }
+  return Status::Ok();
+}
+
+Status SeedingOptionsFromFlags(SeedingOptions* options) {
+  *options = SeedingOptions();
+  options->sequential.keyframe_distance_m = FLAGS_keyframe_distance_m;
+  options->sequential.keyframe_angle_rad = DegToRad(FLAGS_keyframe_angle_deg);
+  return CheckValues(*options);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,22 @@
+#ifndef PLUMBLINE_APPS_RUN_FLAGS_H_
+#define PLUMBLINE_APPS_RUN_FLAGS_H_
+
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/solver_options.h"
+
+namespace plumbline {
+
+/// The solver options that the command line asks for. InvalidArgument on an unknown name (naming
+/// the flag), a value out of range (naming the option) or switches that Ceres refuses together.
+Status SolverOptionsFromFlags(SolverOptions* options);
+
+/// InvalidArgument names a flag on the command line that the solver of these options does not read.
+Status CheckNoFlagIsIgnored(const SolverOptions& options);
+
+/// The seeding options that the command line asks for. InvalidArgument names the option.
+Status SeedingOptionsFromFlags(SeedingOptions* options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_FLAGS_H_

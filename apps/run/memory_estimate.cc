@@ -1,0 +1,108 @@
+#include "plumbline/apps/run/memory_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "plumbline/apps/io/map_raster.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/solvers/interface/ceres_options.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kBytesPerMb = 1e6, kBytesPerGb = 1e9;
+constexpr double kBytesOfProgram = 20e6;
+constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
+
+// What a stage takes beside the program.
+struct Rates {
+  double bytes_per_return, bytes_per_scan;
+};
+constexpr Rates kSeeding{75.0, 12e3};
+constexpr Rates kCalibration{50.0, 0.0};
+constexpr double kJointBytesPerScan = 2e3;
+
+Rates JointRates(const SolverOptions& solver) {
+  if (solver.MovesPosesOnly()) return kSeeding;
+  double bytes_per_return = solver.IsOverLandmarks() ? 140.0 : 300.0;
+  if (solver.type == SolverType::kCeres) {
+    const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
+    bytes_per_return = !solver.ceres->reduced ? 1600.0 : iterates ? 280.0 : 1300.0;
+  }
+  return {bytes_per_return, kJointBytesPerScan};
+}
+
+// Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.
+double NumPixels(const MapState& state, int picture_side_px) {
+  MapRaster raster;
+  const Status status = ChooseRaster(state.points, PosesOf(state.poses),
+                                     MapPictureOptions().crop_share, picture_side_px, &raster);
+  return status.ok() ? static_cast<double>(raster.width) * raster.height : 0.0;
+}
+
+std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
+
+// What would fit; empty if nothing does.
+std::string Advice(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
+                   const SolverOptions& solver) {
+  std::string advice;
+  const auto add = [&](const std::string& flag) {
+    advice += (advice.empty() ? "" : " or ") + flag;
+  };
+  if (estimate.joint > limit && solver.type != SolverType::kReduced) add("--solver=reduced");
+  if (estimate.results > std::max({limit, estimate.joint, estimate.seeding})) {
+    add("a smaller --picture_side_px");
+  }
+  const double share = (limit - kBytesOfProgram) / (estimate.Peak() - kBytesOfProgram);
+  const double num_scans = std::floor(share * graph.num_scans());
+  if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
+  return advice.empty() ? "" : "; " + advice + " would need less";
+}
+
+}  // namespace
+
+double MemoryEstimate::Peak() const { return std::max({seeding, joint, results}); }
+
+std::string MemoryEstimate::Text() const {
+  return "Memory needed, about: seeding " + MbText(seeding) + ", estimation " + MbText(joint) +
+         ", results " + MbText(results) + '\n';
+}
+
+MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
+                              const SolverOptions& solver, bool calibrates, int picture_side_px) {
+  const auto bytes = [&graph](const Rates& rates) {
+    return rates.bytes_per_return * static_cast<double>(graph.num_returns()) +
+           rates.bytes_per_scan * graph.num_scans();
+  };
+  MemoryEstimate estimate;
+  estimate.seeding = kBytesOfProgram + bytes(kSeeding);
+  estimate.joint = kBytesOfProgram + bytes(JointRates(solver));
+  if (calibrates) estimate.joint += bytes(kCalibration);
+  estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(state, picture_side_px);
+  return estimate;
+}
+
+Status ParseMemorySize(const std::string& text, double* bytes) {
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  const std::string unit = end;
+  const double factor = unit == "GB" ? kBytesPerGb : unit == "MB" ? kBytesPerMb : 0.0;
+  const bool has_unit = factor > 0.0 || (unit.empty() && number == 0.0);
+  if (end == text.c_str() || !has_unit || !(number >= 0.0) || !std::isfinite(number)) {
+    return Status::InvalidArgument("'" + text + "' is no size of memory such as 4GB or 500MB");
+  }
+  *bytes = number * factor;
+  return Status::Ok();
+}
+
+Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
+                   const SolverOptions& solver) {
+  if (limit == 0.0 || estimate.Peak() <= limit) return Status::Ok();
+  return Status::InvalidArgument("the run needs about " + MbText(estimate.Peak()) +
+                                 " of memory, but --max_memory allows " + MbText(limit) +
+                                 Advice(estimate, limit, graph, solver));
+}
+
+}  // namespace plumbline

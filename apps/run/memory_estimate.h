@@ -1,0 +1,57 @@
+#ifndef PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
+#define PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
+
+#include <cstddef>
+#include <string>
+
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/solver_options.h"
+
+namespace plumbline {
+
+/// What the stages of a run are expected to take at their peak [bytes], everything included: 20 MB
+/// for the program, and
+///
+///                       bytes per return   kB per scan
+///   seeding                    75              12
+///   results                    75              12      and 20 bytes per pixel of a picture
+///   pose_graph, sgd            75              12
+///   reduced                   140               2
+///   alternating_cg            300               2
+///   ceres                    1600               2
+///   ceres, reduced           1300               2      or 280 bytes with iterative_schur
+///   calibration              + 50
+///
+/// Measured with fr079, parts of it, intel and simulated logs. Most are right to a quarter, all to
+/// a factor of two; where few places are revisited, the reduced problem takes ceres less than this.
+/// Ceres' dense linear solvers take more, and so may an occupancy grid of more than 10 million
+/// cells, see OccupancyGridOptions.
+struct MemoryEstimate {
+  double seeding = 0.0;
+  double joint = 0.0;
+  double results = 0.0;
+
+  double Peak() const;
+  /// A line for people.
+  std::string Text() const;
+};
+
+/// For a graph as it was read, and its initial state. calibrates: whether sensor parameters are
+/// estimated too.
+MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
+                              const SolverOptions& solver, bool calibrates, int picture_side_px);
+
+/// Takes "4GB", "500MB" or "0", for no limit [bytes]; 1 GB is 1000 MB. InvalidArgument on anything
+/// else.
+Status ParseMemorySize(const std::string& text, double* bytes);
+
+/// InvalidArgument if more is needed than the limit allows [bytes, 0: no limit]; the message says
+/// what would need less.
+Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
+                   const SolverOptions& solver);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_

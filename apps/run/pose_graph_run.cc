@@ -1,0 +1,338 @@
+#include "plumbline/apps/run/pose_graph_run.h"
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/io/pose_graph_file.h"
+#include "plumbline/apps/io/pose_graph_writer.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/program/stop_signal.h"
+#include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/report_sections.h"
+#include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/apps/report/stage.h"
+#include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/acceptance/mirrored_scans.h"
+#include "plumbline/solvers/alarm.h"
+#include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/marginal_energy.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
+#include "plumbline/solvers/pose_graph/refine_pose_graph.h"
+#include "plumbline/solvers/solve.h"
+
+namespace plumbline {
+namespace {
+
+// One run, step by step.
+class PoseGraphRun {
+ public:
+  explicit PoseGraphRun(const PoseGraphRunOptions& options)
+      : options_(options), pool_(options.solver.num_threads), output_(options.output_dir) {}
+
+  Status Run() {
+    PLUMBLINE_RETURN_IF_ERROR(Read());
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
+    PLUMBLINE_RETURN_IF_ERROR(CheckScans());
+    PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
+    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults({options_.log}));
+    PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
+    given_consistency_ = MeasureConsistency();
+    if (by_edges_only()) {
+      PLUMBLINE_RETURN_IF_ERROR(RunSolver());
+    } else {
+      RefineByEdges();
+      PLUMBLINE_RETURN_IF_ERROR(RecordMap("pose graph", "map_pose_graph.png"));
+      if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(RefineJointly());
+    }
+    return WriteResults();
+  }
+
+ private:
+  bool has_scans() const { return file_.graph.num_returns() > 0; }
+  bool by_edges_only() const { return options_.solver.MovesPosesOnly(); }
+
+  Status Read() {
+    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_));
+    state_ = file_.graph.InitialState();
+    std::cout << "Read " << options_.log << " (" << ToString(file_.format)
+              << "): " << file_.graph.num_poses() << " poses, "
+              << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
+              << " scans, " << file_.graph.num_returns() << " returns\n";
+    return Status::Ok();
+  }
+
+  Status CheckMemoryOfScans() const {
+    if (!has_scans()) return Status::Ok();
+    const MemoryEstimate memory = EstimateMemory(file_.graph, state_, options_.solver, false,
+                                                 options_.outputs.picture_side_px);
+    std::cout << memory.Text() << std::flush;
+    return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
+  }
+
+  // Rather now than by the solver, with pictures written. It starts where file or edges say.
+  Status CheckScans() const {
+    if (!has_scans() || by_edges_only()) return Status::Ok();
+    if (VoteOnTurns(file_.graph, state_.poses).SayRight()) return Status::Ok();
+    MapState by_edges = state_;
+    RefinePoseGraph(file_.graph, &by_edges);
+    const Status mirrored = CheckScansAreNotMirrored(file_.graph, state_.poses, by_edges.poses);
+    return mirrored.ok() ? mirrored
+                         : Status::InvalidArgument(options_.log + ": " + mirrored.message());
+  }
+
+  void RefineByEdges() {
+    edges_summary_ = RefinePoseGraph(file_.graph, &state_);
+    std::cout << edges_summary_.BriefReport() << '\n';
+  }
+
+  // The edges' optimum is where to start from, unless the scans know better: a graph that came in
+  // refined, with edges that are not as good as their covariances say.
+  void ChooseJointStart() {
+    const SlamGraph& graph = file_.graph;
+    const FactorOptions& factors = options_.solver.factors;
+    const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
+    // The widest neighbourhoods: the narrow ones do not see a double wall.
+    const auto energy = [&](const std::vector<double>& poses) {
+      const std::vector<TangentLine> lines =
+          LinesFromRadius(graph, poses, surface, options_.solver.association,
+                          options_.solver.rounds.coarse_radius_m, &pool_);
+      return MarginalEnergy(graph, poses, surface, lines, factors, &pool_);
+    };
+    joint_starts_as_given_ = energy(graph.initial_poses()) < energy(state_.poses);
+    if (joint_starts_as_given_) state_ = graph.InitialState();
+    std::cout << "Edges and scans together: starting at the "
+              << (joint_starts_as_given_ ? "given poses, which fit them better\n"
+                                         : "optimum of the edges\n");
+  }
+
+  Status RefineJointly() {
+    ChooseJointStart();
+    return RunSolver();
+  }
+
+  Status RunSolver() {
+    SolverOptions options = options_.solver;
+    std::cout << ProgressHeader() << '\n';
+    options.callback = [](const IterationSummary& iteration) {
+      std::cout << ProgressRow(iteration) << '\n' << std::flush;
+      return StopSignal() == 0;
+    };
+    solver_summary_ = Solve(options, file_.graph, &state_);
+    if (!solver_summary_.IsSolutionUsable()) {
+      return Status::InvalidArgument(solver_summary_.message);
+    }
+    std::cout << '\n' << solver_summary_.FullReport() << '\n';
+    if (solver_summary_.termination == TerminationType::kUserStopped) {
+      stopped_by_ = StopSignalName();
+      std::cout << StopText(stopped_by_);
+    }
+    refined_consistency_ = MeasureConsistency();
+    if (refined_consistency_) {
+      alarms_ = MapAlarms(*refined_consistency_, file_.graph, state_.poses);
+    }
+    return Status::Ok();
+  }
+
+  // Only the order of time tells apart the passes of a robot through the same place.
+  bool ScansAreInOrderOfTime() const {
+    const SlamGraph& graph = file_.graph;
+    for (int scan = 1; scan < graph.num_scans(); ++scan) {
+      if (graph.timestamp_s(graph.scan(scan).pose) < graph.timestamp_s(graph.scan(scan - 1).pose)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  std::optional<MapConsistency> MeasureConsistency() {
+    if (!has_scans() || !ScansAreInOrderOfTime()) return std::nullopt;
+    return MeasureMapConsistency(file_.graph, PosesOf(state_.poses), &pool_);
+  }
+
+  Status WriteResults() {
+    const std::string graph_name = std::string("graph.") + ToString(file_.format);
+    PLUMBLINE_RETURN_IF_ERROR(
+        WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph, state_)));
+    PLUMBLINE_RETURN_IF_ERROR(
+        WritePoseGraphFile(output_.File(graph_name), file_.format, file_, state_.poses));
+    if (has_scans()) {
+      PLUMBLINE_RETURN_IF_ERROR(WriteMap());
+      PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+      PrintMap();
+    }
+    // The last one: its presence says that the others are there.
+    PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
+    std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
+              << ", summary.json\n";
+    if (has_scans()) {
+      std::cout << "  report.html                                       all of it to look at\n"
+                << (by_edges_only() ? "  map_given.png                                     "
+                                    : "  map_given.png, map_pose_graph.png                 ")
+                << "pictures of the way there\n"
+                << MapFilesText(refined_consistency_.has_value());
+    }
+    std::cout << std::flush;
+    if (!map_warning_.empty()) std::cerr << "warning: " << map_warning_ << '\n';
+    std::cerr << AlarmText(alarms_);
+    return Status::Ok();
+  }
+
+  void PrintMap() const {
+    std::cout << StageTable(stages_);
+    if (refined_consistency_) {
+      std::cout << ConsistencyText("The given map", *given_consistency_)
+                << ConsistencyText("The refined map", *refined_consistency_) << '\n';
+    } else {
+      std::cout << "  The scans are not in order of time: whether the map contradicts itself is "
+                   "not checked.\n\n";
+    }
+  }
+
+  Status WriteMap() {
+    maps_.push_back({"refined", output_.File("map_refined.png"), MapArea()});
+    const RefinedMap map{&file_.graph,
+                         &state_,
+                         &file_.graph.initial_poses(),
+                         "as given",
+                         refined_consistency_ ? &*refined_consistency_ : nullptr,
+                         &maps_.back().area,
+                         &map_warning_};
+    PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
+    AddStage("refined, raw ranges", {state_.poses, file_.graph.MeasuredMap(state_.poses)});
+    AddStage("refined, optimised points", state_);
+    return Status::Ok();
+  }
+
+  // What a stage's map looks like and how good it is; nothing without scans.
+  Status RecordMap(const std::string& stage, const std::string& picture) {
+    if (!has_scans()) return Status::Ok();
+    AddStage(stage, state_);
+    MapPictureOptions options;
+    options.title = stage;
+    options.max_side_px = options_.outputs.picture_side_px;
+    maps_.push_back({stage, output_.File(picture), MapArea()});
+    return WriteMapPicture(output_.File(picture), file_.graph, state_, options, &maps_.back().area);
+  }
+
+  void AddStage(const std::string& name, const MapState& state) {
+    stages_.push_back(MeasureStage(name, state, nullptr, &pool_));
+  }
+
+  Json EdgesJson() const {
+    Json json = {{"chi2_given", edges_summary_.given_chi2},
+                 {"chi2_pose_graph", edges_summary_.final_chi2},
+                 {"chi2_final", GraphChi2(file_.graph.relative_poses(), PosesOf(state_.poses))},
+                 {"start", ToString(edges_summary_.start)},
+                 {"iterations", edges_summary_.optimization.iterations},
+                 {"converged", edges_summary_.optimization.converged},
+                 {"stop_reason", edges_summary_.optimization.stop_reason},
+                 {"time_s", edges_summary_.time_s}};
+    if (edges_summary_.chordal_chi2) json["chi2_chordal"] = *edges_summary_.chordal_chi2;
+    return json;
+  }
+
+  Json JointJson() const {
+    Json json = {{"start", joint_starts_as_given_ ? "given" : "pose graph"}};
+    json.update(SolverJson(solver_summary_));
+    return json;
+  }
+
+  Status WriteSummary() const {
+    Json json = {{"log", options_.log},
+                 {"format", ToString(file_.format)},
+                 {"poses", file_.graph.num_poses()},
+                 {"fixed_poses", file_.graph.fixed_poses().size()},
+                 {"edges", file_.graph.relative_poses().size()},
+                 {"scans", file_.graph.num_scans()},
+                 {"returns", file_.graph.num_returns()}};
+    if (by_edges_only()) {
+      json["solver"] = SolverJson(solver_summary_);
+    } else {
+      json["pose_graph"] = EdgesJson();
+      if (has_scans()) json["joint"] = JointJson();
+    }
+    if (has_scans()) json["stages"] = StagesJson(stages_);
+    if (refined_consistency_) {
+      json["alarm"] = !alarms_.empty();
+      json["alarm_reasons"] = AlarmsJson(alarms_);
+      json["consistency"] = {{"given", ConsistencyJson(*given_consistency_)},
+                             {"refined", ConsistencyJson(*refined_consistency_)}};
+    }
+    json["stopped_by"] = StoppedByJson(stopped_by_);
+    json["warnings"] = Json::array();
+    if (!map_warning_.empty()) json["warnings"].push_back(map_warning_);
+    json["flags"] = FlagsInForce();
+    return WriteJson(output_.File("summary.json"), json);
+  }
+
+  // Of each state: its name, and what is wrong with the edges there.
+  std::vector<std::vector<std::string>> EdgeRows() const {
+    const std::vector<RelativePoseConstraint>& edges = file_.graph.relative_poses();
+    const double refined_chi2 = GraphChi2(edges, PosesOf(state_.poses));
+    if (by_edges_only()) {
+      return {{"given", ShortText(solver_summary_.seed_chi2)},
+              {"refined", ShortText(refined_chi2)}};
+    }
+    return {{"given", ShortText(edges_summary_.given_chi2)},
+            {"optimum of the edges", ShortText(edges_summary_.final_chi2)},
+            {"edges and scans together", ShortText(refined_chi2)}};
+  }
+
+  Status WriteReport() const {
+    HtmlReport report;
+    report.title = std::filesystem::path(options_.log).filename().string();
+    report.subtitle = WithThousands(file_.graph.num_poses()) + " poses, " +
+                      WithThousands(file_.graph.relative_poses().size()) + " edges, " +
+                      WithThousands(file_.graph.num_scans()) + " scans, " +
+                      WithThousands(file_.graph.num_returns()) + " returns";
+    AddAlarms(alarms_, refined_consistency_ ? "No sign that the map contradicts itself." : "",
+              &report);
+    AddStop(stopped_by_, &report);
+    AddStages(stages_, &report);
+    report.tables.push_back(
+        {"Edges of the graph", {"State", "Sum of squared whitened errors"}, EdgeRows(), ""});
+    if (refined_consistency_) {
+      AddConsistency({{"Given", *given_consistency_}, {"Refined", *refined_consistency_}}, &report);
+      report.pictures = {
+          {"Places that one scan shows and another looked through", output_.File("conflicts.png")}};
+    }
+    if (!by_edges_only()) report.durations = {{"Edges of the graph", edges_summary_.time_s}};
+    AddSolver(solver_summary_, &report);
+    AddOptionsInForce(&report);
+    report.maps = maps_;
+    return WriteHtmlReport(output_.File("report.html"), report);
+  }
+
+  const PoseGraphRunOptions& options_;
+  ThreadPool pool_;
+  const OutputFolder output_;
+  PoseGraphFile file_;  // its graph's initial guesses are the given poses
+  MapState state_;
+  bool joint_starts_as_given_ = false;
+  PoseGraphSummary edges_summary_;
+  SolverSummary solver_summary_;
+  std::vector<Stage> stages_;
+  // Not measured where the scans are not in order of time.
+  std::optional<MapConsistency> given_consistency_, refined_consistency_;
+  std::vector<Alarm> alarms_;
+  std::string stopped_by_;   // name of the signal; empty if the solver came to its own end
+  std::string map_warning_;  // see RefinedMap
+  std::vector<ReportMap> maps_;
+};
+
+}  // namespace
+
+Status RunPoseGraph(const PoseGraphRunOptions& options) { return PoseGraphRun(options).Run(); }
+
+}  // namespace plumbline

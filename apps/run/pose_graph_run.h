@@ -1,0 +1,35 @@
+#ifndef PLUMBLINE_APPS_RUN_POSE_GRAPH_RUN_H_
+#define PLUMBLINE_APPS_RUN_POSE_GRAPH_RUN_H_
+
+#include <string>
+
+#include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/solver_options.h"
+
+namespace plumbline {
+
+struct PoseGraphRunOptions {
+  std::string log;
+  std::string output_dir;
+  RunOutputOptions outputs;
+  SolverOptions solver;
+  double max_memory = 0.0;  ///< refuses a graph that needs more by estimate [bytes]; 0: no limit
+};
+
+/// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
+/// attached to its vertices, by edges and scans together; or, with options that MovesPosesOnly(),
+/// by nothing but the edges. Prints what happens; leaves in the output
+/// folder
+///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
+///   graph.g2o or .toro  the file that came in, with the refined poses
+///   summary.json        figures
+/// and with scans also report.html, what MapWriteTasks names and a picture of each stage; if they
+/// are in order of time, it is measured whether the map contradicts itself (conflicts.png), with a
+/// warning on standard error if the refined map does. A stop signal (stop_signal.h) ends the
+/// solver: what it leaves is the best state so far. A failed Status names the culprit.
+Status RunPoseGraph(const PoseGraphRunOptions& options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_POSE_GRAPH_RUN_H_

@@ -1,0 +1,137 @@
+#include "plumbline/apps/run/run_outputs.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "plumbline/apps/io/occupancy_grid.h"
+#include "plumbline/apps/io/pcd_writer.h"
+#include "plumbline/apps/io/ply_writer.h"
+#include "plumbline/apps/io/ros_map.h"
+#include "plumbline/apps/pictures/before_after_picture.h"
+#include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/pictures/overlay_pictures.h"
+#include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+Status WriteRefinedPicture(const std::string& path, const RefinedMap& map, int max_side_px) {
+  MapPictureOptions options;
+  options.title = "Refined";
+  options.max_side_px = max_side_px;
+  return WriteMapPicture(path, *map.graph, *map.state, options, map.picture_area);
+}
+
+Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_side_px) {
+  BeforeAfterOptions options;
+  options.before_title = "Before: " + map.before_title;
+  options.after_title = "After: refined";
+  options.max_side_px = std::min(max_side_px, BeforeAfterOptions::kLargestSidePx);
+  return WriteBeforeAfterPicture(path, *map.graph, *map.state, *map.poses_before, options);
+}
+
+Status WriteGrid(const std::string& stem, const SlamGraph& graph, const MapState& state,
+                 const OccupancyGridOptions& options, OccupancyGrid* grid) {
+  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, grid));
+  return WriteRosMap(stem, *grid);
+}
+
+// A robot can drive with a coarse map, but not without one.
+Status WriteMapThatFits(const std::string& stem, const RefinedMap& map,
+                        const RunOutputOptions& options) {
+  OccupancyGrid grid;
+  PLUMBLINE_RETURN_IF_ERROR(WriteGrid(stem, *map.graph, *map.state, options.GridOptions(), &grid));
+  if (grid.resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
+    std::ostringstream warning;
+    warning << "the map, " << grid.width * grid.resolution_m << " m x "
+            << grid.height * grid.resolution_m << " m, is too large for cells of "
+            << options.map_resolution_m << " m (" << options.map_max_cells
+            << " at most): those of map.pgm are " << grid.resolution_m << " m";
+    *map.map_warning = warning.str();
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+bool RunOutputOptions::Check(std::string* error) const {
+  MapPictureOptions picture;
+  picture.max_side_px = picture_side_px;
+  return picture.Check(error) && GridOptions().Check(error);
+}
+
+void RunOutputOptions::LimitMemory(double bytes) {
+  constexpr double kBytesPerCell = 5.0;  // see OccupancyGridOptions
+  if (bytes > 0.0) map_max_cells = std::min(map_max_cells, 0.5 * bytes / kBytesPerCell);
+}
+
+OccupancyGridOptions RunOutputOptions::GridOptions() const {
+  OccupancyGridOptions grid;
+  grid.resolution_m = map_resolution_m;
+  grid.max_cells = map_max_cells;
+  grid.coarsen_to_fit = true;
+  return grid;
+}
+
+Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m) {
+  OccupancyGridOptions options;
+  options.resolution_m = resolution_m;
+  const Status status = CheckGridSize(state, options);
+  return status.ok() ? status : Status::InvalidArgument(input + ": " + status.message());
+}
+
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,
+                     double resolution_m) {
+  OccupancyGridOptions options;
+  options.resolution_m = resolution_m;
+  OccupancyGrid grid;
+  return WriteGrid(stem, graph, state, options, &grid);
+}
+
+std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
+                                     const OutputFolder& output) {
+  const SlamGraph& graph = *map.graph;
+  const MapState& state = *map.state;
+  std::vector<WriteTask> tasks = {
+      [=] {
+        return WriteBeforeAfter(output.File("before_after.png"), map, options.picture_side_px);
+      },
+      [=] {
+        return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
+      },
+      [=] { return WriteMapThatFits(output.File("map"), map, options); },
+      [=, &graph, &state] { return WritePointsPly(output.File("points.ply"), graph, state); },
+      [=, &graph, &state] { return WritePointsPcd(output.File("points.pcd"), graph, state); }};
+  if (map.consistency != nullptr) {
+    tasks.insert(tasks.begin(), [=, &graph, &state] {
+      return WriteConflictPicture(output.File("conflicts.png"), graph, state, *map.consistency,
+                                  options.picture_side_px);
+    });
+  }
+  return tasks;
+}
+
+std::string MapFilesText(bool with_conflicts) {
+  return std::string(
+             "  map_refined.png                                   picture of the refined map\n"
+             "  before_after.png                                  the map before and after "
+             "refinement\n") +
+         (with_conflicts ? "  conflicts.png                                     where the refined "
+                           "map contradicts itself\n"
+                         : "") +
+         "  map.pgm, map.yaml                                 occupancy grid for robots (ROS, "
+         "Nav2)\n"
+         "  points.ply, points.pcd                            every return, optimised\n";
+}
+
+Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool) {
+  std::vector<Status> results(tasks.size());
+  pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
+    results[begin] = CatchExceptions(tasks[begin]);
+  });
+  for (const Status& result : results) PLUMBLINE_RETURN_IF_ERROR(result);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,70 @@
+#ifndef PLUMBLINE_APPS_RUN_RUN_OUTPUTS_H_
+#define PLUMBLINE_APPS_RUN_RUN_OUTPUTS_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/io/occupancy_grid.h"
+#include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/program/output_folder.h"
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/interface/map_consistency.h"
+
+namespace plumbline {
+
+/// What every run that has scans is asked for.
+struct RunOutputOptions {
+  int picture_side_px = 2400;      ///< longer side of a picture's map, at most
+  double map_resolution_m = 0.05;  ///< side of a cell of map.pgm
+  /// Most cells of map.pgm: a map that would need more gets coarser ones.
+  double map_max_cells = 4e8;
+
+  bool Check(std::string* error) const;
+  /// Keeps the memory that map.pgm takes while it is made below half of this [bytes]; 0: as it is.
+  void LimitMemory(double bytes);
+  /// Those of map.pgm.
+  OccupancyGridOptions GridOptions() const;
+};
+
+/// The refined map of a run, to be written.
+struct RefinedMap {
+  const SlamGraph* graph = nullptr;
+  const MapState* state = nullptr;                    ///< of the graph
+  const std::vector<double>* poses_before = nullptr;  ///< of the start, as MapState::poses
+  std::string before_title;                           ///< what the start was
+  const MapConsistency* consistency = nullptr;        ///< null where it was not measured
+  MapArea* picture_area = nullptr;  ///< becomes where map_refined.png shows the map; may be null
+  /// Becomes a line for people if the cells of map.pgm are coarser than asked for; may be null.
+  std::string* map_warning = nullptr;
+};
+
+using WriteTask = std::function<Status()>;
+
+/// The tasks that write map_refined.png, before_after.png, points.ply, points.pcd, map.pgm with
+/// map.yaml and, if the consistency was measured, conflicts.png, the longest first. They refer to
+/// what they are given and do not change it; each may run on a thread of its own.
+std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
+                                     const OutputFolder& output);
+
+/// Writes stem.pgm and stem.yaml, the occupancy grid of the graph's scans and the state's map
+/// points in cells of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
+Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,
+                     double resolution_m);
+
+/// InvalidArgument, with `input` in front, if this map is too large for WriteRobotMap.
+Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m);
+
+/// Lines for people: what the files of MapWriteTasks are.
+std::string MapFilesText(bool with_conflicts);
+
+/// Runs all tasks side by side; gives the error of the first one that failed. What a task throws
+/// is such an error too.
+Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_RUN_OUTPUTS_H_

@@ -1,0 +1,157 @@
+#include "plumbline/solvers/acceptance/compare_with_seed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/association/held_out_returns.h"
+#include "plumbline/solvers/landmarks/landmark_energy.h"
+
+namespace plumbline {
+namespace {
+
+// Of one held-out return: rho(d^2 / s^2), summed over the landmarks that it is on, of the seed's
+// and of the state's surfaces.
+struct HeldOutReturn {
+  int num_landmarks = 0;
+  double seed_error = 0.0;
+  double state_error = 0.0;
+};
+
+class SeedComparison {
+ public:
+  SeedComparison(const SlamGraph& graph, const MeasuredSurface& surface,
+                 const FactorOptions& factors, ThreadPool* pool)
+      : graph_(graph),
+        surface_(surface),
+        factors_(factors),
+        noise_(NoiseOf(factors)),
+        loss_(GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas)),
+        pool_(pool) {}
+
+  // Takes what these landmarks say of both states into account.
+  void AddSurfaces(const LineLandmarks& cut, const std::vector<double>& seed,
+                   const std::vector<double>& state) {
+    LineLandmarks fitted;
+    fitted.landmarks = cut.landmarks;
+    fitted.landmark_of_return =
+        WithoutHeldOut(graph_, cut.landmark_of_return, int{LineLandmarks::kNone});
+    for (std::size_t r = 0; r < surface_.normals.size(); ++r) {
+      if (!HasNormal(r)) fitted.landmark_of_return[r] = LineLandmarks::kNone;
+    }
+    std::vector<std::vector<LineLandmark>> lines;
+    const std::vector<double> energies = LandmarkEnergies(
+        graph_, surface_, factors_, std::move(fitted), {&seed, &state}, pool_, &lines);
+    seed_energy_ += energies[0];
+    state_energy_ += energies[1];
+    ++num_cuts_;
+    AddErrors(cut.landmark_of_return, lines, seed, state);
+  }
+
+  AcceptanceTest Result() const {
+    AcceptanceTest acceptance;
+    acceptance.with_relative_poses =
+        !graph_.relative_poses().empty() || !factors_.own_terms.empty();
+    acceptance.seed_energy = seed_energy_ / num_cuts_;
+    acceptance.final_energy = state_energy_ / num_cuts_;
+    acceptance.energy_rounding =
+        AcceptanceTest::kRounding *
+        (acceptance.seed_energy + static_cast<double>(graph_.num_returns()));
+    double observations = 0.0;
+    for (const HeldOutReturn& held_out : held_out_) {
+      if (held_out.num_landmarks == 0) continue;
+      ++acceptance.num_held_out;
+      observations += held_out.num_landmarks;
+      acceptance.seed_held_out_error += held_out.seed_error;
+      acceptance.final_held_out_error += held_out.state_error;
+    }
+    if (acceptance.num_held_out == 0) return acceptance;
+    const double change =
+        (acceptance.final_held_out_error - acceptance.seed_held_out_error) / observations;
+    double squares = 0.0;
+    for (const HeldOutReturn& held_out : held_out_) {
+      const double expected = held_out.num_landmarks * change;
+      squares += std::pow(held_out.state_error - held_out.seed_error - expected, 2);
+    }
+    acceptance.seed_held_out_error /= observations;
+    acceptance.final_held_out_error /= observations;
+    acceptance.held_out_noise = std::sqrt(squares) / observations;
+    return acceptance;
+  }
+
+  std::vector<PoseChange> ChangesOfPoses() const {
+    std::vector<PoseChange> changes(graph_.num_poses());
+    std::size_t i = 0;
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      PoseChange& change = changes[graph_.scan(s).pose];
+      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t) {
+        const HeldOutReturn& held_out = held_out_[i++];
+        change += {held_out.num_landmarks, held_out.seed_error, held_out.state_error,
+                   std::pow(held_out.state_error - held_out.seed_error, 2)};
+      });
+    }
+    return changes;
+  }
+
+ private:
+  bool HasNormal(std::size_t r) const { return !surface_.normals[r].isZero(0.0f); }
+
+  // lines: of the landmarks, at the seed and at the state.
+  void AddErrors(const std::vector<int>& landmark_of_return,
+                 const std::vector<std::vector<LineLandmark>>& lines,
+                 const std::vector<double>& seed, const std::vector<double>& state) {
+    std::size_t i = 0;
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      const int pose = graph_.scan(s).pose;
+      const PoseFrame at_seed(&seed[3 * pose]), at_state(&state[3 * pose]);
+      const Eigen::Vector2d laser = graph_.LaserOfScan(s).robot_from_laser.translation();
+      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t r) {
+        if (i == held_out_.size()) held_out_.emplace_back();
+        HeldOutReturn& held_out = held_out_[i++];
+        const int landmark = landmark_of_return[r];
+        if (landmark == LineLandmarks::kNone || !HasNormal(r)) return;
+        const Eigen::Vector2d in_robot = surface_.points[r].cast<double>();
+        ++held_out.num_landmarks;
+        held_out.seed_error += Error(in_robot, in_robot - laser, at_seed, lines[0][landmark]);
+        held_out.state_error += Error(in_robot, in_robot - laser, at_state, lines[1][landmark]);
+      });
+    }
+  }
+
+  double Error(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& beam, const PoseFrame& frame,
+               const LineLandmark& landmark) const {
+    const double distance = landmark.Distance(frame.Rotate(in_robot) + frame.translation());
+    const double variance =
+        noise_.surface_variance + noise_.BeamVariance(frame.Rotate(beam), landmark.normal);
+    return loss_.Rho(distance * distance / variance);
+  }
+
+  const SlamGraph& graph_;
+  const MeasuredSurface& surface_;
+  const FactorOptions& factors_;
+  const SurfaceNoise noise_;
+  const GemanMcClure loss_;
+  ThreadPool* pool_;
+  int num_cuts_ = 0;
+  double seed_energy_ = 0.0, state_energy_ = 0.0;
+  std::vector<HeldOutReturn> held_out_;  // of the graph, in order of scans
+};
+
+}  // namespace
+
+AcceptanceTest CompareWithSeed(const SlamGraph& graph, const MeasuredSurface& surface,
+                               const FactorOptions& factors, const ComparedState& seed,
+                               const ComparedState& state, ThreadPool* pool,
+                               std::vector<PoseChange>* changes) {
+  SeedComparison comparison(graph, surface, factors, pool);
+  comparison.AddSurfaces(seed.landmarks, seed.poses, state.poses);
+  comparison.AddSurfaces(state.landmarks, seed.poses, state.poses);
+  if (changes != nullptr) *changes = comparison.ChangesOfPoses();
+  return comparison.Result();
+}
+
+}  // namespace plumbline

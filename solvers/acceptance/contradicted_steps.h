@@ -1,0 +1,34 @@
+#ifndef PLUMBLINE_SOLVERS_ACCEPTANCE_CONTRADICTED_STEPS_H_
+#define PLUMBLINE_SOLVERS_ACCEPTANCE_CONTRADICTED_STEPS_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/interface/acceptance.h"
+
+namespace plumbline {
+
+/// Steps of the odometry that the seed flatly contradicts, by more than six standard deviations and
+/// 0.2 m or 0.2 rad, and that drew a state away from the seed: within 16 poses of such a step lies
+/// one of the `worse` stretches, or a step that the seed keeps to within three standard deviations
+/// and the state contradicts by more than six.
+///
+/// The motion terms are quadratic, the returns' robust. What a pose's returns say against a wrong
+/// place is bounded, what a step says that is off by hundreds of standard deviations is not: it
+/// tears the poses beside it from the map and shares its error out among the steps there. Each of
+/// these steps gets the factor that makes its error at the seed one standard deviation. Where the
+/// state is no worse than the seed, the seed was wrong and the step is right: it is not
+/// downweighted.
+///
+/// seed, state: (x, y, yaw) each. In order of the steps. One that `factors` downweights already is
+/// found again only if it is contradicted even so.
+std::vector<DownweightedStep> StepsToDownweight(const SlamGraph& graph,
+                                                const FactorOptions& factors,
+                                                const std::vector<double>& seed,
+                                                const std::vector<double>& state,
+                                                const std::vector<WorseStretch>& worse);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_ACCEPTANCE_CONTRADICTED_STEPS_H_

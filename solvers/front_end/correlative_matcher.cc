@@ -1,0 +1,395 @@
+#include "plumbline/solvers/front_end/correlative_matcher.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+// More levels would save no more time.
+constexpr int kMaxLevel = 5;
+constexpr int kKernelCells = 2;
+constexpr int kKernelSide = 2 * kKernelCells + 1;
+// Points of a scan that are scored: more of them change the ranking of poses no longer.
+constexpr std::size_t kMaxScoredPoints = 200;
+// A block is scored in this many parts of the scan, each every fourth of its points: the first ones
+// often show that the block is no use.
+constexpr int kParts = 4;
+
+// A search is given up after this many blocks have been cut up, which takes about 0.1 s. Where a
+// scan fits somewhere, a hundredth of it is enough; to prove of bushes and fences that they fit
+// nowhere takes ten times as many.
+constexpr int kMaxSplits = 100000;
+
+// A better score must be better by more than this, a step of the likelihood grid: along a bare
+// corridor thousands of poses fit alike.
+constexpr double kScoreResolution = 1.0 / 255.0;
+
+struct Candidate {
+  int heading = 0;
+  int x = 0;  // shift of the scan in cells, the lowest of the 2^level in its block
+  int y = 0;
+  // Of the likelihoods in the parts of the scan up to each one, all in all `score`.
+  std::array<int, kParts> sums{};
+  double score = 0.0;
+};
+
+// Of equal scores the heading nearest to the middle, then the lowest shift.
+bool Precedes(const Candidate& a, const Candidate& b) {
+  return std::tie(b.score, a.heading, a.y, a.x) < std::tie(a.score, b.heading, b.y, b.x);
+}
+
+// The coarsest level whose blocks a window of that many cells to either side fills.
+int TopLevel(int half_cells) {
+  int level = 0;
+  while (level < kMaxLevel && (1 << level) <= half_cells) ++level;
+  return level;
+}
+
+// The Gaussian at kKernelSide cells, the first of which is at `first` standard deviations. From
+// cell to cell it changes by a factor, which itself changes by a constant one.
+void SampleGaussian(double first, double peak, double* samples) {
+  const double e_inverse = std::exp(-1.0);
+  double value = peak * std::exp(-0.5 * first * first);
+  double factor = std::exp(-first - 0.5);
+  for (int i = 0; i < kKernelSide; ++i) {
+    samples[i] = value;
+    value *= factor;
+    factor *= e_inverse;
+  }
+}
+
+}  // namespace
+
+// One search: the most promising block of all headings first, so that bounds tighten early.
+class BranchAndBound {
+ public:
+  BranchAndBound(const CorrelativeMatcher& matcher, const SurfacePoints& scan,
+                 const SearchWindow& window, double min_score)
+      : matcher_(matcher), window_(window), bar_(min_score) {
+    const std::size_t stride = (scan.size() + kMaxScoredPoints - 1) / kMaxScoredPoints;
+    for (std::size_t i = 0; i < scan.size(); i += stride) points_.push_back(scan[i].position);
+    half_cells_ = static_cast<int>(std::ceil(window.half_width_m / matcher.cell_m_));
+  }
+
+  // Looks for any pose that is not of this one's peak instead of the best of all.
+  void SearchElsewhereThan(const Pose2& pose, const PeakSize& size) {
+    excluded_ = pose;
+    peak_size_ = size;
+    any_will_do_ = true;
+  }
+
+  // Looks for several peaks.
+  void SearchPeaks(int max_peaks, const PeakSize& size) {
+    max_peaks_ = static_cast<std::size_t>(max_peaks);
+    peak_size_ = size;
+  }
+
+  // The best one or, if there is none, what is known of that.
+  CorrelativeMatch Run() {
+    RunAll();
+    CorrelativeMatch best;
+    if (!peaks_.empty()) best = peaks_.front();
+    best.gave_up = num_splits_ > kMaxSplits;
+    return best;
+  }
+
+  // The best first.
+  std::vector<CorrelativeMatch> RunAll() {
+    if (points_.empty() || matcher_.levels_.empty()) return {};
+    double sum = 0.0;
+    for (const Eigen::Vector2d& point : points_) sum += point.squaredNorm();
+    const double lever_m = std::sqrt(sum / static_cast<double>(points_.size()));
+    const double step_rad = matcher_.cell_m_ / std::max(lever_m, matcher_.cell_m_);
+    const int steps = static_cast<int>(std::ceil(std::min(window_.half_angle_rad, kPi) / step_rad));
+    const int level =
+        std::min(TopLevel(half_cells_), static_cast<int>(matcher_.levels_.size()) - 1);
+    std::vector<Candidate> top;
+    // From the middle outwards: of equal scores the one nearest to the prediction is taken.
+    for (int k = 0; k <= 2 * steps; ++k) {
+      const int offset = (k & 1) != 0 ? (k + 1) / 2 : -(k / 2);
+      AddHeading(window_.center.yaw + offset * step_rad);
+      AddBlocks(level, &top);
+    }
+    Descend(level, &top);
+    return peaks_;
+  }
+
+ private:
+  struct Heading {
+    double yaw_rad = 0.0;
+    bool excluded = false;               // with the excluded pose's position
+    std::vector<Eigen::Vector2i> cells;  // of the scan, unshifted
+    Eigen::Vector2i low, high;           // of the cells
+  };
+
+  void AddHeading(double yaw_rad) {
+    Heading heading;
+    heading.yaw_rad = yaw_rad;
+    heading.excluded = any_will_do_ && IsSameHeading(yaw_rad, excluded_.yaw);
+    const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
+    heading.low.setConstant(std::numeric_limits<int>::max());
+    heading.high = -heading.low;
+    heading.cells.reserve(points_.size());
+    for (const Eigen::Vector2d& point : points_) {
+      const Eigen::Vector2d at =
+          (rotation * point + window_.center.translation() - matcher_.origin_) / matcher_.cell_m_;
+      heading.cells.emplace_back(static_cast<int>(std::floor(at.x())),
+                                 static_cast<int>(std::floor(at.y())));
+      heading.low = heading.low.cwiseMin(heading.cells.back());
+      heading.high = heading.high.cwiseMax(heading.cells.back());
+    }
+    headings_.push_back(std::move(heading));
+  }
+
+  // The blocks of the last heading, of `level`.
+  void AddBlocks(int level, std::vector<Candidate>* top) const {
+    const Eigen::Vector2i &low = headings_.back().low, &high = headings_.back().high;
+    // Shifts that leave the scan outside the grid score nothing, however wide the window.
+    const int x_low = std::max(-half_cells_, -high.x());
+    const int y_low = std::max(-half_cells_, -high.y());
+    const int x_high = std::min(half_cells_, matcher_.width_ - 1 - low.x());
+    const int y_high = std::min(half_cells_, matcher_.height_ - 1 - low.y());
+    const int side = 2 << level;
+    Candidate whole;  // four blocks, of which nothing is known
+    whole.heading = static_cast<int>(headings_.size()) - 1;
+    int num_points = 0;
+    for (int part = 0; part < kParts; ++part) {
+      num_points += static_cast<int>((points_.size() + kParts - 1 - part) / kParts);
+      whole.sums[part] = 255 * num_points;
+    }
+    for (int y = y_low; y <= y_high; y += side) {
+      for (int x = x_low; x <= x_high; x += side) {
+        whole.x = x;
+        whole.y = y;
+        Split(whole, level, top);
+      }
+    }
+  }
+
+  // Sorts the candidates. Returns true if the search is over.
+  bool Descend(int level, std::vector<Candidate>* candidates) {
+    std::sort(candidates->begin(), candidates->end(), Precedes);
+    for (const Candidate& candidate : *candidates) {
+      if (candidate.score <= bar_ + kScoreResolution) return false;
+      if (IsExcluded(candidate, level) || IsOfHigherPeak(candidate, level)) continue;
+      if (level == 0) {
+        Take({true, false, PoseOf(candidate), candidate.score});
+        if (any_will_do_) return true;
+        continue;
+      }
+      if (++num_splits_ > kMaxSplits) return true;
+      std::vector<Candidate>& children = children_[level - 1];
+      children.clear();
+      Split(candidate, level - 1, &children);
+      if (Descend(level - 1, &children)) return true;
+    }
+    return false;
+  }
+
+  // Cuts a block into four of `level` and appends those that begin within the window, scored by
+  // their bounds; none if it shows early that none is better than the best pose so far.
+  void Split(const Candidate& block, int level, std::vector<Candidate>* parts) const {
+    const int side = 1 << level;
+    std::array<Candidate, 4> quarters;
+    for (int i = 0; i < 4; ++i) {
+      quarters[i].heading = block.heading;
+      quarters[i].x = block.x + (i & 1) * side;
+      quarters[i].y = block.y + (i >> 1) * side;
+    }
+    std::array<int, 4> sums{};
+    for (int part = 0; part < kParts; ++part) {
+      AddPart(block, level, part, &sums);
+      const int rest = block.sums.back() - block.sums[part];  // bounds what the four can add to it
+      const int bound = *std::max_element(sums.begin(), sums.end()) + rest;
+      if (ScoreOf(bound) <= bar_ + kScoreResolution) return;
+      for (int i = 0; i < 4; ++i) quarters[i].sums[part] = sums[i];
+    }
+    for (Candidate& quarter : quarters) {
+      if (quarter.x > half_cells_ || quarter.y > half_cells_) continue;
+      quarter.score = ScoreOf(quarter.sums.back());
+      parts->push_back(quarter);
+    }
+  }
+
+  // Adds the likelihoods of one part of the scan in the four quarters of a block, which are of
+  // `level`.
+  void AddPart(const Candidate& block, int level, int part, std::array<int, 4>* sums) const {
+    const std::uint8_t* grid = matcher_.levels_[level].data();
+    const Heading& heading = headings_[block.heading];
+    const std::ptrdiff_t width = matcher_.width_;
+    const int side = 1 << level, last_x = matcher_.width_ - 1, last_y = matcher_.height_ - 1;
+    std::array<int, 4> sum = *sums;
+    const auto add = [&](auto in_grid) {
+      for (std::size_t c = part; c < heading.cells.size(); c += kParts) {
+        const int x = heading.cells[c].x() + block.x, y = heading.cells[c].y() + block.y;
+        const int left = in_grid(x, last_x), right = in_grid(x + side, last_x);
+        const std::uint8_t* lower = grid + in_grid(y, last_y) * width;
+        const std::uint8_t* upper = grid + in_grid(y + side, last_y) * width;
+        sum[0] += lower[left];
+        sum[1] += lower[right];
+        sum[2] += upper[left];
+        sum[3] += upper[right];
+      }
+    };
+    if (heading.low.x() + block.x >= 0 && heading.high.x() + block.x + side <= last_x &&
+        heading.low.y() + block.y >= 0 && heading.high.y() + block.y + side <= last_y) {
+      add([](int at, int) { return at; });
+    } else {
+      // The cells along the edges of the grid are empty, and stand for all beyond them.
+      add([](int at, int last) { return std::clamp(at, 0, last); });
+    }
+    *sums = sum;
+  }
+
+  double ScoreOf(int sum) const { return sum / (255.0 * static_cast<double>(points_.size())); }
+
+  Pose2 PoseOf(const Candidate& candidate) const {
+    return {window_.center.x + candidate.x * matcher_.cell_m_,
+            window_.center.y + candidate.y * matcher_.cell_m_,
+            headings_[candidate.heading].yaw_rad};
+  }
+
+  // A pose that is better than the bar: the best one of its peak so far, or of a peak of its own.
+  void Take(const CorrelativeMatch& match) {
+    const auto of_this = std::remove_if(peaks_.begin(), peaks_.end(), [&](const auto& peak) {
+      return IsSameHeading(match.map_from_scan.yaw, peak.map_from_scan.yaw) &&
+             (match.map_from_scan.translation() - peak.map_from_scan.translation()).norm() <=
+                 peak_size_.radius_m;
+    });
+    peaks_.erase(of_this, peaks_.end());
+    const auto worse = std::find_if(peaks_.begin(), peaks_.end(),
+                                    [&](const auto& peak) { return peak.score < match.score; });
+    peaks_.insert(worse, match);
+    if (peaks_.size() > max_peaks_) peaks_.pop_back();
+    if (peaks_.size() == max_peaks_) bar_ = std::max(bar_, peaks_.back().score);
+  }
+
+  bool IsSameHeading(double a_rad, double b_rad) const {
+    return std::abs(NormalizeAngle(a_rad - b_rad)) <= peak_size_.angle_rad;
+  }
+
+  // Whether all poses of a block are near the excluded one.
+  bool IsExcluded(const Candidate& candidate, int level) const {
+    return headings_[candidate.heading].excluded &&
+           IsNear(excluded_.translation(), candidate, level);
+  }
+
+  // Whether all poses of a block are of a peak that has a better one.
+  bool IsOfHigherPeak(const Candidate& candidate, int level) const {
+    return max_peaks_ > 1 && std::any_of(peaks_.begin(), peaks_.end(), [&](const auto& peak) {
+             return candidate.score <= peak.score + kScoreResolution &&
+                    IsSameHeading(headings_[candidate.heading].yaw_rad, peak.map_from_scan.yaw) &&
+                    IsNear(peak.map_from_scan.translation(), candidate, level);
+           });
+  }
+
+  // Whether all of a block lies within a peak's radius of a position.
+  bool IsNear(const Eigen::Vector2d& position, const Candidate& candidate, int level) const {
+    const double side_m = ((1 << level) - 1) * matcher_.cell_m_;
+    const Eigen::Vector2d low = PoseOf(candidate).translation() - position;
+    const Eigen::Vector2d farthest =
+        low.cwiseAbs().cwiseMax((low.array() + side_m).matrix().cwiseAbs());
+    return farthest.norm() <= peak_size_.radius_m;
+  }
+
+  const CorrelativeMatcher& matcher_;
+  const SearchWindow window_;
+  std::vector<Eigen::Vector2d> points_;
+  int half_cells_ = 0;
+  PeakSize peak_size_;
+  Pose2 excluded_;
+  bool any_will_do_ = false;
+  std::size_t max_peaks_ = 1;
+  double bar_;  // what a pose must score to be of interest
+  int num_splits_ = 0;
+
+  std::vector<Heading> headings_;
+  std::array<std::vector<Candidate>, kMaxLevel> children_;  // per level those being looked through
+  std::vector<CorrelativeMatch> peaks_;  // the best pose of each, the best peak first
+};
+
+CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m, double half_width_m)
+    : cell_m_(cell_m) {
+  if (map.empty()) return;
+  Eigen::Vector2d low = map.front().position, high = low;
+  for (const SurfacePoint& point : map) {
+    low = low.cwiseMin(point.position);
+    high = high.cwiseMax(point.position);
+  }
+  const int top_level = TopLevel(static_cast<int>(std::ceil(half_width_m / cell_m)));
+  // Blocks of the top level that begin below the map still reach into it.
+  const int margin = (1 << top_level) + kKernelCells;
+  origin_ = low.array() - margin * cell_m_;
+  width_ = static_cast<int>((high.x() - low.x()) / cell_m_) + 1 + 2 * margin;
+  height_ = static_cast<int>((high.y() - low.y()) / cell_m_) + 1 + 2 * margin;
+  levels_.assign(top_level + 1, Level(static_cast<std::size_t>(width_) * height_, 0));
+  for (const SurfacePoint& point : map) Splat(point.position);
+  for (int level = 1; level <= top_level; ++level) Coarsen(level);
+}
+
+void CorrelativeMatcher::Splat(const Eigen::Vector2d& point) {
+  const Eigen::Vector2d at = (point - origin_) / cell_m_;
+  const int x_low = static_cast<int>(at.x()) - kKernelCells;
+  const int y_low = static_cast<int>(at.y()) - kKernelCells;
+  // The Gaussian is the product of its two axes.
+  double along_x[kKernelSide], along_y[kKernelSide];
+  SampleGaussian(x_low + 0.5 - at.x(), 1.0, along_x);
+  SampleGaussian(y_low + 0.5 - at.y(), 255.0, along_y);
+  for (int y = 0; y < kKernelSide; ++y) {
+    std::uint8_t* row = &levels_[0][static_cast<std::size_t>(y_low + y) * width_ + x_low];
+    for (int x = 0; x < kKernelSide; ++x) {
+      // Never negative, where adding 0.5 would be wrong; std::lround is a call per cell.
+      // NOLINTNEXTLINE(bugprone-incorrect-roundings)
+      row[x] = std::max(row[x], static_cast<std::uint8_t>(along_x[x] * along_y[y] + 0.5));
+    }
+  }
+}
+
+void CorrelativeMatcher::Coarsen(int level) {
+  const std::size_t right = std::size_t{1} << (level - 1);
+  const std::size_t up = right * static_cast<std::size_t>(width_);
+  // Over plain arrays, which the compiler vectorises. The margin is wider than the blocks: what is
+  // cut off at the edges is empty.
+  const std::uint8_t* finer = levels_[level - 1].data();
+  std::uint8_t* coarser = levels_[level].data();
+  const std::size_t size = levels_[level].size() - up - right;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::uint8_t lower = std::max(finer[i], finer[i + right]);
+    const std::uint8_t upper = std::max(finer[i + up], finer[i + up + right]);
+    coarser[i] = std::max(lower, upper);
+  }
+}
+
+CorrelativeMatch CorrelativeMatcher::Search(const SurfacePoints& scan, const SearchWindow& window,
+                                            double min_score) const {
+  return BranchAndBound(*this, scan, window, min_score).Run();
+}
+
+std::vector<CorrelativeMatch> CorrelativeMatcher::SearchPeaks(const SurfacePoints& scan,
+                                                              const SearchWindow& window,
+                                                              double min_score, int max_peaks,
+                                                              const PeakSize& size) const {
+  BranchAndBound search(*this, scan, window, min_score);
+  search.SearchPeaks(max_peaks, size);
+  return search.RunAll();
+}
+
+bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window,
+                                       double min_score, const Pose2& excluded,
+                                       const PeakSize& size) const {
+  BranchAndBound search(*this, scan, window, min_score);
+  search.SearchElsewhereThan(excluded, size);
+  const CorrelativeMatch match = search.Run();
+  return match.found || match.gave_up;
+}
+
+}  // namespace plumbline

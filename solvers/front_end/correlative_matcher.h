@@ -1,0 +1,79 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_CORRELATIVE_MATCHER_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_CORRELATIVE_MATCHER_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+
+namespace plumbline {
+
+/// Poses within half_width_m (in x and in y) and half_angle_rad of the center.
+struct SearchWindow {
+  Pose2 center;
+  double half_width_m = 0.0;
+  double half_angle_rad = 0.0;
+};
+
+struct CorrelativeMatch {
+  bool found = false;
+  /// The search became too long and was ended: there may be better poses than this one, or there
+  /// may be one after all.
+  bool gave_up = false;
+  Pose2 map_from_scan;
+  /// Mean likelihood of the scan's points in [0, 1].
+  double score = 0.0;
+};
+
+/// What belongs to the same peak: poses this near to its best one.
+struct PeakSize {
+  double radius_m = 0.0;
+  double angle_rad = 0.0;
+};
+
+/// Finds where in a map a scan fits best, anywhere in a window, by branch and bound over a pyramid
+/// of likelihood grids. Source: Olson: Real-time correlative scan matching (2009); Hess et al.:
+/// Real-time loop closure in 2D lidar SLAM (2016).
+class CorrelativeMatcher {
+ public:
+  /// The pose is found to about cell_m; a map point is felt within two cells. Searches of windows
+  /// up to half_width_m [m] are fast; those of wider ones find the same, more slowly.
+  CorrelativeMatcher(const SurfacePoints& map, double cell_m, double half_width_m);
+
+  /// The best pose of the window that scores more than min_score, if there is one.
+  CorrelativeMatch Search(const SurfacePoints& scan, const SearchWindow& window,
+                          double min_score) const;
+
+  /// The best poses of up to max_peaks peaks that score more than min_score, the best first. Peaks
+  /// so near to each other that they share poses may count as one, and where everything fits a
+  /// little the search is given up, and some may be missing.
+  std::vector<CorrelativeMatch> SearchPeaks(const SurfacePoints& scan, const SearchWindow& window,
+                                            double min_score, int max_peaks,
+                                            const PeakSize& size) const;
+
+  /// Whether any pose of the window that is outside the peak of `excluded` scores more than
+  /// min_score, or may do so as the search was given up.
+  bool FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window, double min_score,
+                     const Pose2& excluded, const PeakSize& size) const;
+
+ private:
+  friend class BranchAndBound;
+
+  // Level h holds, per cell, the largest likelihood of the 2^h x 2^h cells from there upwards.
+  using Level = std::vector<std::uint8_t>;
+
+  void Splat(const Eigen::Vector2d& point);
+  void Coarsen(int level);
+
+  double cell_m_;
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<Level> levels_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_CORRELATIVE_MATCHER_H_

@@ -1,0 +1,81 @@
+#include "plumbline/solvers/front_end/free_space.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/core/pose_frame.h"
+
+namespace plumbline {
+namespace {
+
+// A return must be this much in front of what the viewer saw to be in its free space: more than a
+// pose that is a little off, or a beam that meets a wall at a flat angle, can explain. Tuned on
+// fr079, intel and simulated buildings.
+constexpr double kMarginM = 0.3;
+constexpr double kMarginPerRange = 0.02;
+constexpr std::size_t kReturnStride = 2;
+constexpr int kNumNeighbours = 4;
+
+}  // namespace
+
+FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
+  const ScanEntry& entry = graph.scan(scan);
+  const PoseFrame mounting(laser_.robot_from_laser);
+  std::vector<double> range_of_beam(laser_.num_beams, 0.0);
+  for (std::size_t k = 0; k < entry.num_returns; ++k) {
+    const std::size_t r = entry.first_return + k;
+    range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
+    if (k % kReturnStride != 0) continue;
+    points_in_robot_.push_back(mounting.Rotate(graph.PointInLaser(r)) + mounting.translation());
+  }
+  for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
+    const auto begin = range_of_beam.begin() + first;
+    shortest_range_.push_back(*std::min_element(begin, begin + kNumNeighbours));
+  }
+}
+
+// The shortest of the four beams next to a bearing, 0 if one of them has no return.
+double FreeSpaceScan::ShortestRange(double bearing_rad) const {
+  // In beams from the first one, on the turn that the sweep is on.
+  const double turn = 2.0 * kPi / std::abs(laser_.bearing_step_rad);
+  double beam = (bearing_rad - laser_.first_bearing_rad) / laser_.bearing_step_rad;
+  beam -= turn * std::floor(beam / turn);
+  const int first = static_cast<int>(std::floor(beam)) - (kNumNeighbours / 2 - 1);
+  const int num_ranges = static_cast<int>(shortest_range_.size());
+  return first >= 0 && first < num_ranges ? shortest_range_[first] : 0.0;
+}
+
+FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
+                                         Eigen::Vector2d* conflicting_point) const {
+  FreeSpaceConflict conflict;
+  if (shortest_range_.empty()) return conflict;
+  std::vector<Eigen::Vector2d> conflicting;
+  const Pose2 laser_from_other = laser_.robot_from_laser.Inverse() * robot_from_other;
+  const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(laser_from_other.yaw).toRotationMatrix();
+  for (const Eigen::Vector2d& in_other : other.points_in_robot_) {
+    const Eigen::Vector2d point = rotation * in_other + laser_from_other.translation();
+    const double range = point.norm();
+    const double shortest = ShortestRange(std::atan2(point.y(), point.x()));
+    const double margin = kMarginM + kMarginPerRange * range;
+    if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
+    ++conflict.num_compared;
+    if (range < shortest - margin) conflicting.push_back(in_other);
+  }
+  conflict.num_conflicting = static_cast<int>(conflicting.size());
+  if (conflicting_point != nullptr && !conflicting.empty()) {
+    *conflicting_point = robot_from_other * conflicting[conflicting.size() / 2];
+  }
+  return conflict;
+}
+
+FreeSpaceConflict CompareBothWays(const FreeSpaceScan& a, const FreeSpaceScan& b,
+                                  const Pose2& a_from_b) {
+  FreeSpaceConflict conflict = a.Compare(b, a_from_b, nullptr);
+  conflict += b.Compare(a, a_from_b.Inverse(), nullptr);
+  return conflict;
+}
+
+}  // namespace plumbline

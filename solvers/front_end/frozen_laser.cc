@@ -1,0 +1,223 @@
+#include "plumbline/solvers/front_end/frozen_laser.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/core/joined_returns.h"
+#include "plumbline/core/pose2.h"
+
+namespace plumbline {
+namespace {
+
+// Wheels and gyros at rest report less per scan. Without this bound the drift of a long rest would
+// add up to a motion.
+constexpr double kJitterM = 1e-3, kJitterRad = 1e-3;
+// The coarsest lasers round to 5 cm.
+constexpr double kChangeM = 0.06;
+// So few returns may repeat for another reason: parts of the robot, people who walk along.
+constexpr int kMinReturns = 20;
+// Ahead in a bare corridor, an end far away and the frames of doors give no more.
+constexpr int kMinChanged = 10;
+// A surface's direction is taken over at least this length, and is then known to about 20 degrees,
+// whose sine this is, even if its ranges are rounded to 5 cm.
+constexpr double kBaselineM = 0.25;
+constexpr double kDirectionSine = 0.35;
+// Beyond this a motion starts anew, or a long way along a corridor would hide a turn at its end.
+constexpr double kLegM = 0.5, kLegRad = 0.5;
+
+// Where the odometry alone has the robot, jitter left out.
+struct OdometryPose {
+  Pose2 start_from_robot;
+  int chain = 0;  // poses of other chains: the odometry does not say
+  double path_m = 0.0, turns_rad = 0.0;
+};
+
+std::vector<OdometryPose> IntegrateOdometry(const SlamGraph& graph) {
+  std::vector<const Pose2*> steps(graph.num_poses(), nullptr);
+  for (const OdometryConstraint& constraint : graph.odometry()) {
+    if (constraint.to == constraint.from + 1) steps[constraint.to] = &constraint.from_from_to;
+  }
+  std::vector<OdometryPose> poses(graph.num_poses());
+  for (int i = 1; i < graph.num_poses(); ++i) {
+    poses[i] = poses[i - 1];
+    if (steps[i] == nullptr) {
+      ++poses[i].chain;
+      continue;
+    }
+    const double length_m = steps[i]->translation().norm();
+    const double turn_rad = std::abs(NormalizeAngle(steps[i]->yaw));
+    if (length_m < kJitterM && turn_rad < kJitterRad) continue;
+    poses[i].start_from_robot = poses[i - 1].start_from_robot * *steps[i];
+    poses[i].path_m += length_m;
+    poses[i].turns_rad += turn_rad;
+  }
+  return poses;
+}
+
+bool HaveSameReturns(const SlamGraph& graph, const ScanEntry& a, const ScanEntry& b) {
+  const LaserReturns& returns = graph.returns();
+  const auto same = [&](const auto& values) {
+    const auto begin = values.begin() + a.first_return;
+    return std::equal(begin, begin + a.num_returns, values.begin() + b.first_return);
+  };
+  return a.num_returns == b.num_returns && same(returns.range_m) && same(returns.beam) &&
+         same(returns.bearing_rad);
+}
+
+// What a scan shows, to tell what a motion would change of it.
+class ScanSurface {
+ public:
+  ScanSurface(const SlamGraph& graph, int scan) {
+    MeasuredPoints(graph, scan, &points_);
+    for (const Eigen::Vector2d& point : points_) reach_m_ = std::max(reach_m_, point.norm());
+    directions_.assign(points_.size(), Eigen::Vector2d::Zero());
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      next = std::max(next, i + 1);
+      while (next < points_.size() && (points_[next] - points_[i]).norm() < kBaselineM) ++next;
+      if (next < points_.size()) directions_[i] = (points_[next] - points_[i]).normalized();
+    }
+  }
+
+  // motion: of the robot, from where it took the scan.
+  bool MustChange(const Pose2& motion) const {
+    // No point moves further than this.
+    const double most_m = motion.translation().norm() + reach_m_ * std::abs(motion.yaw);
+    if (most_m < kChangeM) return false;
+    int num_changed = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Eigen::Vector2d shift = motion * points_[i] - points_[i];
+      const Eigen::Vector2d& along = directions_[i];
+      if (along.isZero()) continue;
+      const double across_m = std::abs(along.x() * shift.y() - along.y() * shift.x());
+      if (across_m > std::max(kChangeM, kDirectionSine * shift.norm())) ++num_changed;
+    }
+    return num_changed >= kMinChanged;
+  }
+
+ private:
+  std::vector<Eigen::Vector2d> points_;      // in the frame of the robot
+  std::vector<Eigen::Vector2d> directions_;  // of the surfaces; zero: not known
+  double reach_m_ = 0.0;
+};
+
+// Collects the equal scans of each laser, and checks them when they end.
+class Search {
+ public:
+  explicit Search(const SlamGraph& graph)
+      : graph_(graph), poses_(IntegrateOdometry(graph)), runs_(graph.num_lasers()) {}
+
+  std::vector<FrozenStretch> Find() {
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      std::vector<int>& run = runs_[graph_.scan(s).laser];
+      if (!run.empty() && !Continues(run.back(), s)) {
+        Check(run);
+        run.clear();
+      }
+      run.push_back(s);
+    }
+    for (const std::vector<int>& run : runs_) {
+      if (!run.empty()) Check(run);
+    }
+    std::sort(found_.begin(), found_.end(), [](const FrozenStretch& a, const FrozenStretch& b) {
+      return a.last_scan < b.last_scan;
+    });
+    return std::move(found_);
+  }
+
+ private:
+  const OdometryPose& PoseOf(int scan) const { return poses_[graph_.scan(scan).pose]; }
+
+  bool Continues(int before, int scan) const {
+    return PoseOf(before).chain == PoseOf(scan).chain &&
+           HaveSameReturns(graph_, graph_.scan(before), graph_.scan(scan));
+  }
+
+  // Whether the robot moved, between any two of these equal scans, in a way that changes them.
+  bool MovedAcross(const std::vector<int>& run) const {
+    const ScanSurface surface(graph_, run.front());
+    Pose2 from = PoseOf(run.front()).start_from_robot;
+    for (const int scan : run) {
+      const Pose2& to = PoseOf(scan).start_from_robot;
+      const Pose2 motion = Between(from, to);
+      if (surface.MustChange(motion)) return true;
+      if (motion.translation().norm() > kLegM || std::abs(motion.yaw) > kLegRad) from = to;
+    }
+    return false;
+  }
+
+  void Check(const std::vector<int>& run) {
+    const ScanEntry& scan = graph_.scan(run.front());
+    if (run.size() < 2 || scan.num_returns < kMinReturns) return;
+    const OdometryPose &start = PoseOf(run.front()), &end = PoseOf(run.back());
+    if (!MovedAcross(run)) return;
+    found_.push_back({scan.laser, run.front(), run.back(), static_cast<int>(run.size()) - 1,
+                      end.path_m - start.path_m, end.turns_rad - start.turns_rad});
+  }
+
+  const SlamGraph& graph_;
+  const std::vector<OdometryPose> poses_;
+  std::vector<std::vector<int>> runs_;  // per laser: the equal scans up to now
+  std::vector<FrozenStretch> found_;
+};
+
+}  // namespace
+
+std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph) {
+  return Search(graph).Find();
+}
+
+std::vector<char> RepeatedScans(const SlamGraph& graph,
+                                const std::vector<FrozenStretch>& stretches) {
+  std::vector<char> repeated(graph.num_scans(), 0);
+  for (const FrozenStretch& stretch : stretches) {
+    for (int s = stretch.first_scan + 1; s <= stretch.last_scan; ++s) {
+      if (graph.scan(s).laser == stretch.laser) repeated[s] = 1;
+    }
+  }
+  return repeated;
+}
+
+Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
+  *frozen = FindFrozenStretches(*graph);
+  if (frozen->empty()) return Status::Ok();
+  const std::vector<char> is_repeated = RepeatedScans(*graph, *frozen);
+  SlamGraph without;
+  int id = 0;
+  for (int laser = 0; laser < graph->num_lasers(); ++laser) {  // so that they keep their ids
+    PLUMBLINE_RETURN_IF_ERROR(without.AddLaser(graph->laser(laser), &id));
+  }
+  for (int pose = 0; pose < graph->num_poses(); ++pose) {
+    PLUMBLINE_RETURN_IF_ERROR(
+        without.AddPose(graph->InitialPose(pose), graph->timestamp_s(pose), &id));
+  }
+  for (int scan = 0; scan < graph->num_scans(); ++scan) {
+    if (is_repeated[scan] == 0) {
+      PLUMBLINE_RETURN_IF_ERROR(without.AddScanOf(*graph, scan, graph->scan(scan).pose));
+      continue;
+    }
+    const LaserModel& laser = graph->LaserOfScan(scan);
+    const std::vector<double> no_return(laser.num_beams, laser.max_range_m);
+    PLUMBLINE_RETURN_IF_ERROR(
+        without.AddScan(graph->scan(scan).pose, graph->scan(scan).laser, no_return));
+  }
+  for (const OdometryConstraint& step : graph->odometry()) {
+    PLUMBLINE_RETURN_IF_ERROR(without.AddOdometry(step));
+  }
+  for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
+    PLUMBLINE_RETURN_IF_ERROR(without.AddRelativePose(constraint));
+  }
+  if (graph->has_named_fixed_poses()) {
+    for (const FixedPose& fixed : graph->fixed_poses()) {
+      PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose, fixed.world_from_robot));
+    }
+  }
+  *graph = std::move(without);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,55 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_LOCAL_MAP_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_LOCAL_MAP_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+
+namespace plumbline {
+
+/// Surface points of several scans in one frame, averaged per small cell and direction of the
+/// normal, with a search for the nearest one. Rebuilt whole when its scans change, in time
+/// proportional to the number of their points.
+class LocalMap {
+ public:
+  /// One averaged point per square of cell_m (1 cm and more) and octant of the normal.
+  explicit LocalMap(double cell_m);
+
+  /// Replaces the content: scans[i] is seen from world_from_robot[i].
+  void Rebuild(const std::vector<const SurfacePoints*>& scans,
+               const std::vector<Pose2>& world_from_robot);
+
+  /// The point nearest to `query` within max_distance_m whose normal is within 45 degrees of the
+  /// query's, or null. hint: a point of this map that is perhaps near, as the nearest one before
+  /// the query moved, or null; it speeds up the search and, but for ties, does not change what is
+  /// found.
+  const SurfacePoint* Nearest(const SurfacePoint& query, double max_distance_m,
+                              const SurfacePoint* hint = nullptr) const;
+
+  const SurfacePoints& points() const { return points_; }
+
+ private:
+  struct Search;
+
+  void LayGrid(const SurfacePoints& raw);
+  void SortIntoBuckets(SurfacePoints* raw);
+  void AverageCells(const SurfacePoints& raw);
+  void SearchBuckets(double radius_m, Search* search) const;
+
+  double cell_m_;
+  int bucket_shift_;      // a bucket is a square of 2^bucket_shift_ x 2^bucket_shift_ cells
+  double bucket_m_;       // its side
+  SurfacePoints points_;  // sorted by bucket
+  // Dense grid of buckets over the bounding box; bucket b holds points_[start_[b]] up to
+  // points_[start_[b + 1]].
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<int> start_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_LOCAL_MAP_H_

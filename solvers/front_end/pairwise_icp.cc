@@ -1,0 +1,222 @@
+#include "plumbline/solvers/front_end/pairwise_icp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/float_environment.h"
+#include "plumbline/core/options_check.h"
+#include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/match_covariance.h"
+#include "plumbline/solvers/front_end/odometry_span.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
+
+namespace plumbline {
+namespace {
+
+// Cells this small leave a thinned scan as it is, but for points that lie on one another.
+constexpr double kCellM = 0.01;
+// A gate's correspondences have settled when a step moves the points by less than this share of it.
+constexpr double kSettledGateShare = 0.02;
+// Fewer correspondences say nothing certain of a turn.
+constexpr int kMinMatches = 3;
+
+constexpr int kMaxIterations = 100;
+// Iterations end when a step at the fine gate moves the points by less than this [m].
+constexpr double kStepToleranceM = 1e-4;
+
+ScanMatchOptions MatcherOptions(const PairwiseIcpOptions& options) {
+  ScanMatchOptions matcher;
+  matcher.coarse_gate_m = options.gate_m;
+  matcher.fine_gate_m = options.fine_gate_m;
+  matcher.max_iterations = kMaxIterations;
+  matcher.sigma_m = options.sigma_m;
+  matcher.step_tolerance_m = kStepToleranceM;
+  return matcher;
+}
+
+// The rigid motion that brings matched points closest together, in closed form.
+class Alignment {
+ public:
+  void Add(const Eigen::Vector2d& map, const Eigen::Vector2d& scan) {
+    ++count_;
+    sum_map_ += map;
+    sum_scan_ += scan;
+    dot_ += scan.dot(map);
+    cross_ += scan.x() * map.y() - scan.y() * map.x();
+  }
+  int count() const { return count_; }
+
+  Pose2 MapFromScan() const {
+    const Eigen::Vector2d map = sum_map_ / count_, scan = sum_scan_ / count_;
+    const double dot = dot_ - count_ * scan.dot(map);
+    const double cross = cross_ - count_ * (scan.x() * map.y() - scan.y() * map.x());
+    const Pose2 turn(0.0, 0.0, std::atan2(cross, dot));
+    const Eigen::Vector2d shift = map - turn * scan;
+    return {shift.x(), shift.y(), turn.yaw};
+  }
+
+ private:
+  int count_ = 0;
+  Eigen::Vector2d sum_map_ = Eigen::Vector2d::Zero(), sum_scan_ = Eigen::Vector2d::Zero();
+  double dot_ = 0.0, cross_ = 0.0;  // of pairs
+};
+
+// How far the farthest point moves when the pose of its scan changes, at most [m].
+double LargestMotion(const Pose2& before, const Pose2& after, double reach_m) {
+  const Pose2 moved = Between(before, after);
+  return std::hypot(moved.x, moved.y) + reach_m * std::abs(moved.yaw);
+}
+
+// Besl & McKay. Returns whether it converged; *pose: map_from_scan.
+bool MatchPoints(const LocalMap& map, const SurfacePoints& scan, const PairwiseIcpOptions& options,
+                 Pose2* pose) {
+  double reach_m = 0.0;
+  for (const SurfacePoint& point : scan) reach_m = std::max(reach_m, point.position.norm());
+  std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
+  double gate_m = options.gate_m;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    Alignment alignment;
+    const FrameChange map_from_scan(*pose);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      matches[i] = map.Nearest(map_from_scan * scan[i], gate_m, matches[i]);
+      if (matches[i] != nullptr) alignment.Add(matches[i]->position, scan[i].position);
+    }
+    if (alignment.count() < kMinMatches) return false;
+    const Pose2 before = *pose;
+    *pose = alignment.MapFromScan();
+    const double moved_m = LargestMotion(before, *pose, reach_m);
+    if (gate_m <= options.fine_gate_m && moved_m < kStepToleranceM) return true;
+    if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
+  }
+  return false;
+}
+
+// A pose, the pose it is matched to, and what became of it.
+struct Pair {
+  int from = -1;  // -1: it shows no surface, or nothing before it does
+  Pose2 guess;
+  PairMatch match;
+};
+
+// Pairs every pose that shows a surface with the last such one before it.
+std::vector<Pair> FindPairs(const SlamGraph& graph, const std::vector<int>& step_to_pose,
+                            const std::vector<int>& scan_of_pose) {
+  std::vector<Pair> pairs(graph.num_poses());
+  int last = -1;
+  Pose2 since_last;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    if (pose > 0) since_last = since_last * graph.odometry()[step_to_pose[pose]].from_from_to;
+    if (scan_of_pose[pose] < 0) continue;
+    pairs[pose].from = last;
+    pairs[pose].guess = since_last;
+    last = pose;
+    since_last = Pose2();
+  }
+  return pairs;
+}
+
+void MatchPairs(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
+                const std::vector<int>& scan_of_pose, ThreadPool* pool, std::vector<Pair>* pairs) {
+  constexpr std::size_t kPairsPerChunk = 32;
+  pool->ForEachChunk(pairs->size(), kPairsPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t to = begin; to < end; ++to) {
+                         Pair& pair = (*pairs)[to];
+                         if (pair.from < 0) continue;
+                         pair.match = MatchPair(surfaces[scan_of_pose[pair.from]],
+                                                surfaces[scan_of_pose[to]], pair.guess, options);
+                       }
+                     });
+}
+
+PairwiseIcpReport Count(const std::vector<Pair>& pairs, const std::vector<int>& scan_of_pose) {
+  PairwiseIcpReport report;
+  for (std::size_t pose = 0; pose < pairs.size(); ++pose) {
+    if (scan_of_pose[pose] < 0) ++report.num_without_scan;
+    if (pairs[pose].from < 0) continue;
+    ++report.num_pairs;
+    const PairMatch& match = pairs[pose].match;
+    if (match.inlier_ratio < kMinPairInlierRatio) {
+      ++report.num_failed;
+    } else if (!match.converged) {
+      ++report.num_unconverged;
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+const char* ToString(IcpMetric metric) {
+  return metric == IcpMetric::kPointToPoint ? "point_to_point" : "point_to_line";
+}
+
+bool FromString(const std::string& name, IcpMetric* metric) {
+  for (const IcpMetric candidate : {IcpMetric::kPointToPoint, IcpMetric::kPointToLine}) {
+    if (name == ToString(candidate)) {
+      *metric = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool PairwiseIcpOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(fine_gate_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(gate_m, >=, fine_gate_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
+  return true;
+}
+
+PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Pose2& guess,
+                    const PairwiseIcpOptions& options) {
+  const DefaultFloatEnvironment float_environment;
+  LocalMap map(kCellM);
+  map.Rebuild({&from}, {Pose2()});
+  PosePrediction start;
+  start.world_from_robot = guess;
+  const ScanMatchOptions matcher = MatcherOptions(options);
+  ScanMatch match;
+  if (options.metric == IcpMetric::kPointToLine) {
+    match = MatchScan(map, to, start, matcher);
+  } else {
+    const bool converged = MatchPoints(map, to, options, &start.world_from_robot);
+    match = MeasureFit(map, to, start.world_from_robot, matcher);
+    match.converged = converged;
+  }
+  return {match.world_from_robot, MatchCovariance(match.information), match.inlier_ratio,
+          match.converged};
+}
+
+Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Vector2f>& normals,
+                  ThreadPool* pool, const SlamGraph& graph, MapState* state,
+                  PairwiseIcpReport* report) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  if (normals.size() != graph.num_returns()) {
+    return Status::InvalidArgument("pairwise ICP needs one normal per return, " +
+                                   std::to_string(graph.num_returns()) + ", but got " +
+                                   std::to_string(normals.size()));
+  }
+  std::vector<int> step_to_pose;
+  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
+  const std::vector<SurfacePoints> surfaces =
+      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  std::vector<Pair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
+  MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);
+  std::vector<Pose2> poses = PosesOf(graph.initial_poses());
+  for (int pose = 1; pose < graph.num_poses(); ++pose) {
+    const Pair& pair = pairs[pose];
+    const bool matched = pair.from >= 0 && pair.match.inlier_ratio >= kMinPairInlierRatio;
+    poses[pose] = matched ? poses[pair.from] * pair.match.from_from_to
+                          : poses[pose - 1] * graph.odometry()[step_to_pose[pose]].from_from_to;
+  }
+  state->poses = PoseArray(poses);
+  state->points = graph.MeasuredMap(state->poses);
+  *report = Count(pairs, scan_of_pose);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,36 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_SEEDING_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_SEEDING_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+
+namespace plumbline {
+
+/// What the sequential matching found. Vectors without another remark have one entry per pose.
+struct SequentialTrajectory {
+  std::vector<Pose2> world_from_robot;
+  /// Odometry from the pose before, with the translation's sign corrected; entry 0 is unused.
+  std::vector<Pose2> odometry;
+  std::vector<Keyframe> keyframes;  ///< in order of time
+};
+
+/// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
+/// one. Expects poses in order of time, joined by odometry from each pose to the next. surfaces:
+/// per scan, in the frame of the robot.
+Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+                        const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                        const SeedingProgress& progress, ThreadPool* pool,
+                        SequentialTrajectory* trajectory, SequentialSeedingReport* report);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_SEEDING_H_

@@ -1,0 +1,48 @@
+#include "plumbline/solvers/front_end/surface_points.h"
+
+#include <cstddef>
+
+#include "plumbline/core/joined_returns.h"
+
+namespace plumbline {
+
+std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
+                                                const std::vector<Eigen::Vector2f>& normals,
+                                                double spacing_m, ThreadPool* pool) {
+  std::vector<SurfacePoints> surfaces(graph.num_scans());
+  const double spacing_squared = spacing_m * spacing_m;
+  const auto thin_scan = [&](int s, std::vector<Eigen::Vector2d>* measured) {
+    MeasuredPoints(graph, s, measured);
+    SurfacePoints& surface = surfaces[s];
+    for (std::size_t k = 0; k < measured->size(); ++k) {
+      const Eigen::Vector2f& normal = normals[graph.scan(s).first_return + k];
+      const Eigen::Vector2d& position = (*measured)[k];
+      if (normal.isZero()) continue;
+      if (!surface.empty() &&
+          (position - surface.back().position).squaredNorm() < spacing_squared) {
+        continue;
+      }
+      surface.push_back({position, normal.cast<double>()});
+    }
+  };
+  constexpr std::size_t kScansPerChunk = 64;
+  pool->ForEachChunk(surfaces.size(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       std::vector<Eigen::Vector2d> measured;
+                       for (std::size_t s = begin; s < end; ++s) {
+                         thin_scan(static_cast<int>(s), &measured);
+                       }
+                     });
+  return surfaces;
+}
+
+std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
+                                    const std::vector<SurfacePoints>& surfaces) {
+  std::vector<int> scan_of_pose(graph.num_poses(), -1);
+  for (int s = graph.num_scans() - 1; s >= 0; --s) {
+    if (!surfaces[s].empty()) scan_of_pose[graph.scan(s).pose] = s;
+  }
+  return scan_of_pose;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,60 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_SURFACE_POINTS_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_SURFACE_POINTS_H_
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+
+/// A point on a surface with the surface's unit normal, in one frame. [m]
+struct SurfacePoint {
+  Eigen::Vector2d position;
+  Eigen::Vector2d normal;
+};
+using SurfacePoints = std::vector<SurfacePoint>;
+
+/// A change of frame with its sine and cosine taken once, for many points.
+class FrameChange {
+ public:
+  explicit FrameChange(const Pose2& a_from_b) : translation_(a_from_b.translation()) {
+    const double c = std::cos(a_from_b.yaw), s = std::sin(a_from_b.yaw);
+    rotation_ << c, -s, s, c;
+  }
+
+  SurfacePoint operator*(const SurfacePoint& in_b) const {
+    return {rotation_ * in_b.position + translation_, rotation_ * in_b.normal};
+  }
+
+ private:
+  Eigen::Matrix2d rotation_;
+  Eigen::Vector2d translation_;
+};
+
+inline SurfacePoint operator*(const Pose2& a_from_b, const SurfacePoint& in_b) {
+  return FrameChange(a_from_b) * in_b;
+}
+
+/// Scan matching takes one point per this length of surface [m], about as dense as the beams of a
+/// laser with a step of half a degree at 3.5 m.
+constexpr double kPointSpacingM = 0.03;
+
+/// The surface points of every scan, each in the frame of its robot, thinned to one per
+/// `spacing_m` of surface: scan matching gains nothing from two beams a millimetre apart.
+/// normals: as EstimateReturnNormals gives them.
+std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
+                                                const std::vector<Eigen::Vector2f>& normals,
+                                                double spacing_m, ThreadPool* pool);
+
+/// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
+/// others show is left to the joint estimation. surfaces: per scan.
+std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
+                                    const std::vector<SurfacePoints>& surfaces);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_SURFACE_POINTS_H_

@@ -1,0 +1,167 @@
+#include "plumbline/solvers/full/ceres_solver.h"
+
+#include <ceres/iteration_callback.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "plumbline/solvers/full/problem_builder.h"
+#include "plumbline/solvers/full/rounds_solver.h"
+#include "plumbline/solvers/interface/built_in_solvers.h"
+
+namespace plumbline {
+namespace {
+
+ceres::Solver::Options MakeOptions(const CeresOptions& options) {
+  ceres::Solver::Options result;
+  result.minimizer_type = options.minimizer;
+  result.trust_region_strategy_type = options.trust_region_strategy;
+  result.dogleg_type = options.dogleg;
+  result.line_search_direction_type = options.line_search_direction;
+  result.line_search_type = options.line_search;
+  result.nonlinear_conjugate_gradient_type = options.nonlinear_conjugate_gradient;
+  result.linear_solver_type = options.linear_solver;
+  result.preconditioner_type = options.preconditioner;
+  result.max_num_iterations = options.max_iterations;
+  result.function_tolerance = options.function_tolerance;
+  result.parameter_tolerance = 0.0;
+  result.logging_type = ceres::SILENT;
+  // A callback is to see the state of its iteration.
+  result.update_state_every_iteration = true;
+  // Damping must not be stiffer than the bending modes of a long corridor.
+  result.initial_trust_region_radius = 1e8;
+  return result;
+}
+
+// Combinations that Ceres' own check lets pass, and that abort the program in the solve.
+bool AbortsInCeres(const CeresOptions& options) {
+  const ceres::PreconditionerType preconditioner = options.preconditioner;
+  if (options.linear_solver == ceres::CGNR) {
+    return preconditioner != ceres::IDENTITY && preconditioner != ceres::JACOBI;
+  }
+  return options.linear_solver == ceres::ITERATIVE_SCHUR && preconditioner == ceres::SUBSET;
+}
+
+// Hands Ceres' iterations on in the common format.
+class ReportCallback final : public ceres::IterationCallback {
+ public:
+  explicit ReportCallback(const ProgressCallback& report) : report_(report) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& from) override {
+    IterationSummary to;
+    to.phase = "joint";
+    to.cost = from.cost;
+    to.cost_change = from.cost_change;
+    to.gradient_max_norm = from.gradient_max_norm;
+    to.step_norm = from.step_norm;
+    to.step_size = from.step_size;
+    to.trust_region_ratio = from.relative_decrease;
+    to.trust_region_radius = from.trust_region_radius;
+    to.evaluations = from.line_search_function_evaluations + from.linear_solver_iterations;
+    to.iteration_time_s = from.iteration_time_in_seconds;
+    const bool go_on = from.iteration == 0 || !report_ || report_(to);
+    return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const ProgressCallback& report_;
+};
+
+ceres::Solver::Options OptionsFor(const JointProblem& joint, const CeresOptions& options) {
+  ceres::Solver::Options result = MakeOptions(options);
+  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = joint.ordering;
+  return result;
+}
+
+ceres::Solver::Options OptionsFor(const LandmarkProblem& landmarks, const CeresOptions& options) {
+  ceres::Solver::Options result = MakeOptions(options);
+  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = landmarks.ordering;
+  // The line of a short landmark can turn so far that a linear step overshoots, and one such
+  // line has the steps of all poses refused. So the lines are refitted after each step.
+  result.use_inner_iterations = landmarks.lines_ordering->NumElements() > 0;
+  result.inner_iteration_ordering = landmarks.lines_ordering;
+  return result;
+}
+
+InnerResult Minimize(ceres::Solver::Options ceres_options, int num_threads,
+                     const ProgressCallback& report, ceres::Problem* problem) {
+  ceres_options.num_threads = num_threads;
+  ReportCallback callback(report);
+  ceres_options.callbacks.push_back(&callback);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, problem, &summary);
+
+  InnerResult result;
+  result.usable = summary.IsSolutionUsable();
+  result.stopped = summary.termination_type == ceres::USER_SUCCESS;
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.initial_cost = summary.initial_cost;
+  result.final_cost = summary.final_cost;
+  // The first entry is the starting point; there is none if that could not be evaluated.
+  result.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+  result.stop_reason = summary.message;
+  return result;
+}
+
+// build() gives a JointProblem or a LandmarkProblem.
+template <typename Build>
+InnerResult BuildAndMinimize(const Build& build, const CeresOptions& options, int num_threads,
+                             const ProgressCallback& report) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto built = build();
+  const double setup_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  InnerResult result =
+      Minimize(OptionsFor(built, options), num_threads, report, built.problem.get());
+  result.setup_time_s = setup_time_s;
+  return result;
+}
+
+class JointCeresSolver final : public RoundsSolver {
+ public:
+  const char* name() const override { return "ceres"; }
+  InnerResult Minimize(const RoundProblem& problem, const ProgressCallback& report,
+                       MapState* state) const override {
+    return SolveWithCeres(problem.graph, problem.associations, problem.factors,
+                          *problem.options.ceres, problem.options.num_threads, report, state);
+  }
+};
+
+}  // namespace
+
+const Solver& CeresSolver() {
+  static const JointCeresSolver solver;
+  return solver;
+}
+
+Status CheckCeresOptions(const CeresOptions& options) {
+  if (AbortsInCeres(options)) {
+    return Status::InvalidArgument(std::string("ceres.preconditioner = ") +
+                                   ceres::PreconditionerTypeToString(options.preconditioner) +
+                                   ", but that does not work with ceres.linear_solver = " +
+                                   ceres::LinearSolverTypeToString(options.linear_solver));
+  }
+  std::string error;
+  if (MakeOptions(options).IsValid(&error)) return Status::Ok();
+  return Status::InvalidArgument("Ceres refuses its options: " + error);
+}
+
+InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,
+                           const FactorOptions& factors, const CeresOptions& options,
+                           int num_threads, const ProgressCallback& report, MapState* state) {
+  return BuildAndMinimize([&] { return BuildJointProblem(graph, associations, factors, state); },
+                          options, num_threads, report);
+}
+
+InnerResult SolveLandmarksWithCeres(const LineObservations& observations,
+                                    const std::vector<LineLandmark>& landmarks,
+                                    const PoseTerms& terms, const CeresOptions& options,
+                                    int num_threads, const ProgressCallback& report,
+                                    std::vector<double>* poses) {
+  return BuildAndMinimize(
+      [&] { return BuildLandmarkProblem(observations, landmarks, terms, poses); }, options,
+      num_threads, report);
+}
+
+}  // namespace plumbline

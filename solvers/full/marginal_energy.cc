@@ -1,0 +1,63 @@
+#include "plumbline/solvers/full/marginal_energy.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/pose_terms.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kScansPerChunk = 16;
+
+// Cost of the returns of one scan, given the lines of the map.
+double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
+                const MeasuredSurface& surface, int scan_id, const std::vector<TangentLine>& lines,
+                const FactorOptions& factors) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const Pose2 pose(&poses[3 * scan.pose]);
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
+  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+  const SurfaceNoise noise = NoiseOf(factors);
+  double cost = 0.0;
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    const TangentLine& line = lines[r];
+    if (!Associations::HasLine(line)) {
+      cost += 0.5 * loss.scale_squared;
+      continue;
+    }
+    const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,
+                                 -s * line.normal_x + c * line.normal_y);
+    const Eigen::Vector2d point = surface.points[r].cast<double>();
+    const double variance = noise.surface_variance + noise.BeamVariance(point - laser, normal);
+    const double distance =
+        normal.dot(point) + line.normal_x * pose.x + line.normal_y * pose.y - line.offset;
+    cost += 0.5 * loss.Rho(distance * distance / variance);
+  }
+  return cost;
+}
+
+}  // namespace
+
+double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                      const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                      const FactorOptions& factors, ThreadPool* pool) {
+  std::vector<double> costs(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk), 0.0);
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         costs[chunk] +=
+                             ScanCost(graph, poses, surface, static_cast<int>(s), lines, factors);
+                       }
+                     });
+  double total = PoseTerms(graph, factors).Cost(poses) + OwnPointCost(factors, graph, poses);
+  for (const double cost : costs) total += cost;
+  return total;
+}
+
+}  // namespace plumbline

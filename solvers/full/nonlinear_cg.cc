@@ -1,0 +1,181 @@
+#include "plumbline/solvers/full/nonlinear_cg.h"
+
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+namespace {
+
+using Vector = std::vector<double>;
+
+constexpr std::size_t kEntriesPerChunk = 1 << 14;
+
+// The larger of the two; NaN if one is, so that a broken gradient does not pass for a small one.
+double Larger(double a, double b) { return b > a || std::isnan(b) ? b : a; }
+
+// Consecutive gradients of a quadratic are P^-1-orthogonal; beyond this share they are not.
+constexpr double kPowellShare = 0.2;
+// Ends where no component of the gradient is larger than this [cost per unit].
+constexpr double kGradientTolerance = 1e-10;
+// Largest number of halvings of a step that does not lower the cost.
+constexpr int kMaxHalvings = 20;
+
+class CgMinimizer {
+ public:
+  CgMinimizer(const NonlinearCgOptions& options, CgObjective* objective, ThreadPool* pool,
+              Vector* x)
+      : options_(options), objective_(objective), pool_(pool), x_(x) {}
+
+  CgResult Run(const CgCallback& callback) {
+    result_.termination = Minimize(callback);
+    return result_;
+  }
+
+ private:
+  CgTermination Minimize(const CgCallback& callback) {
+    if (!objective_->Start(*x_, &result_.cost, &gradient_)) return CgTermination::kFailure;
+    objective_->Precondition(gradient_, &preconditioned_);
+    decrease_rate_ = Dot(gradient_, preconditioned_);
+    gradient_max_norm_ = MaxNorm(gradient_);
+    Restart();
+    for (;;) {
+      if (gradient_max_norm_ <= kGradientTolerance) {
+        return CgTermination::kGradientConverged;
+      }
+      CgIteration iteration;
+      if (!TakeStep(&iteration)) {
+        // Along a stale direction the quadratic model may be off; along the gradient it is not.
+        if (beta_ == 0.0) return CgTermination::kNoDescent;
+        Restart();
+        continue;
+      }
+      ++result_.iterations;
+      if (callback && !callback(iteration)) return CgTermination::kStopped;
+      if (iteration.cost_change <= options_.relative_cost_tolerance * std::abs(iteration.cost)) {
+        return CgTermination::kCostConverged;
+      }
+      if (result_.iterations == options_.max_iterations) return CgTermination::kMaxIterations;
+      UpdateDirection();
+    }
+  }
+
+  // Calls body(begin, end) on ranges of a vector's entries, on all threads.
+  template <typename Body>
+  void ForEachRange(const Body& body) {
+    pool_->ForEachChunk(x_->size(), kEntriesPerChunk,
+                        [&](std::size_t, std::size_t begin, std::size_t end) { body(begin, end); });
+  }
+
+  double Dot(const Vector& a, const Vector& b) {
+    partial_.assign(ThreadPool::NumChunks(a.size(), kEntriesPerChunk), 0.0);
+    pool_->ForEachChunk(a.size(), kEntriesPerChunk,
+                        [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                          double sum = 0.0;
+                          for (std::size_t i = begin; i < end; ++i) sum += a[i] * b[i];
+                          partial_[chunk] = sum;
+                        });
+    return std::accumulate(partial_.begin(), partial_.end(), 0.0);
+  }
+
+  double MaxNorm(const Vector& a) {
+    partial_.assign(ThreadPool::NumChunks(a.size(), kEntriesPerChunk), 0.0);
+    pool_->ForEachChunk(a.size(), kEntriesPerChunk,
+                        [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                          double norm = 0.0;
+                          for (std::size_t i = begin; i < end; ++i) {
+                            norm = Larger(norm, std::abs(a[i]));
+                          }
+                          partial_[chunk] = norm;
+                        });
+    return std::accumulate(partial_.begin(), partial_.end(), 0.0, Larger);
+  }
+
+  void Restart() {
+    if (beta_ != 0.0) ++result_.restarts;
+    beta_ = 0.0;
+    SetDirection();
+  }
+
+  // direction = -P^-1 gradient + beta direction.
+  void SetDirection() {
+    direction_.resize(x_->size(), 0.0);
+    ForEachRange([this](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        direction_[i] = -preconditioned_[i] + beta_ * direction_[i];
+      }
+    });
+  }
+
+  // Moves x along the direction if that lowers the cost, and evaluates the gradient there.
+  bool TakeStep(CgIteration* iteration) {
+    const double slope = Dot(gradient_, direction_);
+    const double curvature = objective_->Curvature(*x_, direction_);
+    if (!(slope < 0.0) || !(curvature > 0.0)) return false;
+    double step = -slope / curvature;
+    trial_.resize(x_->size());
+    for (int halving = 0; halving <= kMaxHalvings; ++halving, step *= 0.5) {
+      ForEachRange([this, step](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) trial_[i] = (*x_)[i] + step * direction_[i];
+      });
+      ++iteration->evaluations;
+      double trial_cost = 0.0;
+      if (objective_->Evaluate(trial_, &trial_cost, &trial_gradient_) &&
+          trial_cost <= result_.cost) {
+        iteration->cost = trial_cost;
+        iteration->cost_change = result_.cost - trial_cost;
+        iteration->step_size = step;
+        iteration->step_norm = step * std::sqrt(Dot(direction_, direction_));
+        iteration->beta = beta_;
+        iteration->gradient_max_norm = gradient_max_norm_ = MaxNorm(trial_gradient_);
+        x_->swap(trial_);
+        result_.cost = trial_cost;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void UpdateDirection() {
+    const double mixed = Dot(trial_gradient_, preconditioned_);
+    gradient_.swap(trial_gradient_);
+    objective_->Precondition(gradient_, &preconditioned_);
+    const double previous_rate = decrease_rate_;
+    decrease_rate_ = Dot(gradient_, preconditioned_);
+    if (std::abs(mixed) >= kPowellShare * decrease_rate_) {
+      Restart();
+      return;
+    }
+    beta_ = previous_rate > 0.0 ? decrease_rate_ / previous_rate : 0.0;
+    SetDirection();
+    if (!(Dot(gradient_, direction_) < 0.0)) Restart();
+  }
+
+  const NonlinearCgOptions& options_;
+  CgObjective* objective_;
+  ThreadPool* pool_;
+  Vector* x_;
+  CgResult result_;
+  Vector gradient_, preconditioned_, direction_, trial_, trial_gradient_;
+  Vector partial_;              // results of chunks
+  double decrease_rate_ = 0.0;  // gradient^T P^-1 gradient
+  double gradient_max_norm_ = 0.0;
+  double beta_ = 0.0;
+};
+
+}  // namespace
+
+bool NonlinearCgOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_cost_tolerance, >=, 0.0);
+  return true;
+}
+
+CgResult MinimizeByCg(const NonlinearCgOptions& options, CgObjective* objective,
+                      const CgCallback& callback, ThreadPool* pool, std::vector<double>* x) {
+  return CgMinimizer(options, objective, pool, x).Run(callback);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,145 @@
+#include "plumbline/solvers/full/point_recovery.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/association/associations.h"
+
+namespace plumbline {
+namespace {
+
+constexpr std::size_t kScansPerChunk = 16;
+
+// Distance [m] from its line that a point keeps whose beam ended at `distance` from it.
+double RemainingDistance(double distance, double beam_variance, double surface_variance,
+                         const GemanMcClure& loss) {
+  constexpr int kMaxIterations = 20;
+  constexpr double kToleranceM = 1e-5;
+  double remaining = distance * surface_variance / (surface_variance + beam_variance);
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const double information = loss.Term(remaining, surface_variance).information;
+    const double next = distance / (1.0 + information * beam_variance);
+    const bool settled = std::abs(next - remaining) <= kToleranceM;
+    remaining = next;
+    if (settled) break;
+  }
+  const double moved = distance - remaining;
+  const double cost_on_line =
+      moved * moved / beam_variance + loss.Term(remaining, surface_variance).rho;
+  return cost_on_line < loss.Term(distance, surface_variance).rho ? remaining : distance;
+}
+
+void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
+                 const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                 const FactorOptions& factors, int scan_id, std::vector<double>* points) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const PoseFrame frame(&poses[3 * scan.pose]);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
+  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+  const SurfaceNoise noise = NoiseOf(factors);
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
+    Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
+    point = frame.Rotate(in_robot) + frame.translation();
+    if (!Associations::HasLine(lines[r])) continue;
+    const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
+    const Eigen::Vector2d covariance_normal =
+        noise.BeamCovarianceTimes(frame.Rotate(in_robot - laser), normal);
+    const double variance = normal.dot(covariance_normal);
+    const double distance = normal.dot(point) - lines[r].offset;
+    const double moved =
+        distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
+    point -= covariance_normal * (moved / variance);
+  }
+}
+
+// Counts one point in both histograms; lengths that are not finite go to the last bins.
+void Count(double moved_m, double beam_sigmas, PointDisplacements* displacements) {
+  using Bins = PointDisplacements;
+  int sigma_bin = Bins::kNumSigmaBins - 1, octave = Bins::kNumOctaves - 1;
+  if (beam_sigmas < sigma_bin * Bins::kSigmasPerBin) {
+    sigma_bin = static_cast<int>(beam_sigmas / Bins::kSigmasPerBin);
+  }
+  if (moved_m < Bins::kFirstOctaveM) {
+    octave = 0;
+  } else if (std::isfinite(moved_m)) {
+    octave = std::min(octave, 1 + std::ilogb(moved_m / Bins::kFirstOctaveM));
+  }
+  ++displacements->sigma_counts[sigma_bin];
+  ++displacements->octave_counts[octave];
+}
+
+void Add(const PointDisplacements& part, PointDisplacements* total) {
+  total->mean_m += part.mean_m;
+  total->max_m = std::max(total->max_m, part.max_m);
+  total->max_beam_sigmas = std::max(total->max_beam_sigmas, part.max_beam_sigmas);
+  for (int i = 0; i < part.kNumSigmaBins; ++i) total->sigma_counts[i] += part.sigma_counts[i];
+  for (int i = 0; i < part.kNumOctaves; ++i) total->octave_counts[i] += part.octave_counts[i];
+}
+
+// Adds up; `mean_m` as a sum.
+void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSurface& surface,
+                 const SurfaceNoise& noise, int scan_id, PointDisplacements* displacements) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const PoseFrame frame(&state.poses[3 * scan.pose]);
+  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
+  const double range_information = 1.0 / noise.range_variance;
+  const double bearing_information = 1.0 / noise.bearing_variance;
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
+    const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
+    const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
+    const Eigen::Vector2d moved =
+        Eigen::Vector2d(state.points[2 * r], state.points[2 * r + 1]) - measured;
+    const double per_range_squared = 1.0 / beam.squaredNorm();
+    const double along = moved.dot(beam);
+    const double turned_rad = (moved.x() * beam.y() - moved.y() * beam.x()) * per_range_squared;
+    const double beam_sigmas = std::sqrt(along * along * per_range_squared * range_information +
+                                         turned_rad * turned_rad * bearing_information);
+    const double moved_m = moved.norm();
+    displacements->mean_m += moved_m;
+    displacements->max_m = std::max(displacements->max_m, moved_m);
+    displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
+    Count(moved_m, beam_sigmas, displacements);
+  }
+}
+
+}  // namespace
+
+std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
+                                  const MeasuredSurface& surface,
+                                  const std::vector<TangentLine>& lines,
+                                  const FactorOptions& factors, ThreadPool* pool) {
+  std::vector<double> points(2 * graph.num_returns());
+  pool->ForEachChunk(
+      graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          RecoverScan(graph, poses, surface, lines, factors, static_cast<int>(s), &points);
+        }
+      });
+  return points;
+}
+
+PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
+                                        const MeasuredSurface& surface,
+                                        const FactorOptions& factors, ThreadPool* pool) {
+  const std::size_t num_scans = graph.num_scans();
+  const SurfaceNoise noise = NoiseOf(factors);
+  std::vector<PointDisplacements> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk));
+  pool->ForEachChunk(
+      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          MeasureScan(graph, state, surface, noise, static_cast<int>(s), &parts[chunk]);
+        }
+      });
+  PointDisplacements total;
+  for (const PointDisplacements& part : parts) Add(part, &total);
+  total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph.num_returns()));
+  return total;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,33 @@
+#include "plumbline/solvers/interface/association_options.h"
+
+#include "plumbline/core/options_check.h"
+
+namespace plumbline {
+
+const char* ToString(NeighborhoodType type) {
+  return type == NeighborhoodType::kRadius ? "radius" : "nearest";
+}
+
+bool FromString(const std::string& name, NeighborhoodType* type) {
+  for (const NeighborhoodType candidate : {NeighborhoodType::kRadius, NeighborhoodType::kNearest}) {
+    if (name == ToString(candidate)) {
+      *type = candidate;
+      return true;
+    }
+  }
+  return false;
+}
+
+bool AssociationOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(min_points, >=, 3);
+  PLUMBLINE_CHECK_FINITE_OPTION(landmark_size_m, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_points, >=, min_points);
+  PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(min_segment_length_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(shape_margin_rad, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(shape_margin_rad, <, 0.7853981633974483);
+  return true;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,59 @@
+#ifndef PLUMBLINE_SOLVERS_INTERFACE_ODOMETRY_REPORT_H_
+#define PLUMBLINE_SOLVERS_INTERFACE_ODOMETRY_REPORT_H_
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/factors/factor_options.h"
+
+namespace plumbline {
+
+/// Some drivers log the length of a motion and lose its sign: the robot backs up, the odometry says
+/// forward. What the data says about that.
+struct OdometrySignReport {
+  /// Steps of the odometry that go backwards. One is enough: this odometry has a sign.
+  int num_backward_steps = 0;
+  /// Steps that scan matching alone, blind to the odometry's translation, could decide.
+  int num_decided = 0;
+  /// Of these, steps that went backwards by about the length that the odometry calls forward, and
+  /// so did the next two decided ones.
+  int num_contradicting = 0;
+  bool sign_lost = false;  ///< what follows from these
+};
+
+/// An error of the odometry that stays the same for the whole log: what it reads too much, per unit
+/// of the true motion, and the standard deviation of that estimate.
+struct SystematicError {
+  double value = 0.0;  ///< per unit of the true motion
+  double sigma = 0.0;  ///< its standard deviation
+
+  /// Beyond four standard deviations: chance makes less than one log in ten thousand look so. Not
+  /// from 0.5 on: such an odometry does not measure, and no factor mends it.
+  bool IsSignificant() const;
+};
+
+/// Growth of the random error of one quantity, forward motion [m] or turn [rad]. Errors of
+/// different steps are independent: after driving d metres and turning t radians (lengths, never
+/// negative) the variance is sigma_per_sqrt_m^2 d + sigma_per_sqrt_rad^2 t.
+struct RandomError {
+  bool estimated = false;  ///< false if there were too few spans: the sigmas are 0, not known
+  int num_spans = 0;       ///< stretches of about 1 m or 1 rad that the scan matching measured
+  double sigma_per_sqrt_m = 0.0;    ///< [m/sqrt(m)] or [rad/sqrt(m)]
+  double sigma_per_sqrt_rad = 0.0;  ///< [m/sqrt(rad)] or [rad/sqrt(rad)]
+};
+
+/// What the scan matching says of the odometry, in the frame of the robot.
+struct OdometryNoiseReport {
+  SystematicError translation_scale;    ///< [m per m]
+  SystematicError rotation_scale;       ///< [rad per rad]
+  SystematicError heading_drift_rad_m;  ///< turn per metre driven forward [rad/m]
+  RandomError translation;              ///< of the forward motion [m]
+  RandomError rotation;                 ///< of the turn [rad]
+  /// Steps that odometry and matching disagree on by more than 0.2 m or 0.2 rad, and by more than
+  /// six standard deviations of `motion`. A slip, a collision, or a match to the wrong place.
+  int num_leaps = 0;
+  /// The random errors as noise of a single step of this log.
+  MotionOptions motion;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_INTERFACE_ODOMETRY_REPORT_H_

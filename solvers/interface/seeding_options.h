@@ -1,0 +1,37 @@
+#ifndef PLUMBLINE_SOLVERS_INTERFACE_SEEDING_OPTIONS_H_
+#define PLUMBLINE_SOLVERS_INTERFACE_SEEDING_OPTIONS_H_
+
+#include <functional>
+#include <string>
+
+namespace plumbline {
+
+/// Sequential point-to-line ICP: each scan is matched against a local map of keyframes.
+struct SequentialSeedingOptions {
+  /// A scan becomes a keyframe when no keyframe of the local map is within this distance [m] and
+  /// this turn [rad] of it: a robot that turns on the spot does not flush its map.
+  double keyframe_distance_m = 0.25;
+  double keyframe_angle_rad = 0.35;  ///< see keyframe_distance_m
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+/// The starting point of the joint estimation, from odometry and scans alone.
+struct SeedingOptions {
+  SequentialSeedingOptions sequential;  ///< scan matching
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+enum class SeedingPhase { kMatchingScans, kClosingLoops };
+
+/// Called now and then with what has been done of a phase, in scans or in candidates of a round of
+/// loop closing; false stops the seeding with an error. num_total 0: nothing is counted, the call
+/// only asks whether to go on.
+using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_INTERFACE_SEEDING_OPTIONS_H_

@@ -1,0 +1,126 @@
+#include "plumbline/solvers/interface/solver_options.h"
+
+#include "plumbline/core/options_check.h"
+#include "plumbline/core/status.h"
+#include "plumbline/factors/own_term.h"
+#include "plumbline/solvers/interface/ceres_options.h"
+#include "plumbline/solvers/interface/solver.h"
+
+namespace plumbline {
+namespace {
+
+bool Refuse(const std::string& reason, std::string* error) {
+  if (error != nullptr) *error = reason;
+  return false;
+}
+
+// Whether the solver looks at what own terms see.
+Status CheckOwnTermsFit(const FactorOptions& factors, const Solver& solver) {
+  for (const std::shared_ptr<const OwnTerm>& term : factors.own_terms) {
+    const std::string name = "own term \"" + term->name + "\": the solver " + solver.name();
+    if (solver.MovesPosesOnly()) {
+      return Status::InvalidArgument(
+          name + " looks at relative poses only; reduced, alternating_cg and ceres take own terms");
+    }
+    if (solver.IsOverLandmarks() && term->SeesPoints()) {
+      return Status::InvalidArgument(name +
+                                     " eliminates the points, which the term sees; alternating_cg "
+                                     "and ceres over points take it");
+    }
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+bool ReducedOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_rounds, >, 0);
+  PLUMBLINE_CHECK_OPTION(steps_per_round, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(first_gate_factor, >=, 1.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(move_tolerance_sigmas, >=, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(cg_tolerance, >, 0.0);
+  PLUMBLINE_CHECK_OPTION(cg_tolerance, <, 1.0);
+  PLUMBLINE_CHECK_OPTION(polish_sweeps, >=, 0);
+  return true;
+}
+
+bool AlternatingCgOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_sweeps, >, 0);
+  PLUMBLINE_CHECK_OPTION(map_iterations_per_sweep, >, 0);
+  PLUMBLINE_CHECK_OPTION(pose_iterations_per_sweep, >, 0);
+  PLUMBLINE_CHECK_OPTION(scan_iterations_per_sweep, >=, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_cost_tolerance, >=, 0.0);
+  return true;
+}
+
+CeresOptionsValue::CeresOptionsValue() : options_(std::make_unique<CeresOptions>()) {}
+
+CeresOptionsValue::CeresOptionsValue(const CeresOptionsValue& other)
+    : options_(std::make_unique<CeresOptions>(*other)) {}
+
+CeresOptionsValue& CeresOptionsValue::operator=(const CeresOptionsValue& other) {
+  *options_ = *other;
+  return *this;
+}
+
+CeresOptionsValue::~CeresOptionsValue() = default;
+
+bool CeresOptionsValue::Check(std::string* error) const { return options_->Check(error); }
+
+bool CeresOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(function_tolerance, >=, 0.0);
+  return true;
+}
+
+bool RoundOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_coarse_rounds, >=, 0);
+  PLUMBLINE_CHECK_OPTION(max_fine_rounds, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(fine_radius_m, >, 0.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(coarse_radius_m, >=, fine_radius_m);
+  PLUMBLINE_CHECK_FINITE_OPTION(coarse_gate_factor, >=, 1.0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  return true;
+}
+
+bool SolverOptions::IsOverLandmarks() const { return SolverOf(*this).IsOverLandmarks(); }
+
+bool SolverOptions::MovesPosesOnly() const { return SolverOf(*this).MovesPosesOnly(); }
+
+bool StochasticDescentOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
+  return true;
+}
+
+bool SolverOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_threads, >, 0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(factors);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(association);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(rounds);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(reduced);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
+  const Solver& solver = SolverOf(*this);
+  if (&solver == &CeresSolver() || &solver == &CeresReducedSolver()) {
+    const Status status = CheckCeresOptions(*ceres);
+    if (!status.ok()) return Refuse(status.message(), error);
+  }
+  if (IsOverLandmarks() && association.neighborhood != NeighborhoodType::kRadius) {
+    return Refuse("association.neighborhood = " + std::string(ToString(association.neighborhood)) +
+                      " goes with solvers that take each point's neighbours; the reduced one cuts "
+                      "surfaces into landmarks",
+                  error);
+  }
+  if (&solver == &CeresReducedSolver() && !reduced.lines_follow) {
+    return Refuse(
+        "reduced.lines_follow = false goes with the built-in steps; lines are parameters "
+        "of Ceres' reduced problem",
+        error);
+  }
+  const Status own_terms = CheckOwnTermsFit(factors, solver);
+  return own_terms.ok() || Refuse(own_terms.message(), error);
+}
+
+}  // namespace plumbline

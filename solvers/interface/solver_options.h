@@ -1,0 +1,154 @@
+#ifndef PLUMBLINE_SOLVERS_INTERFACE_SOLVER_OPTIONS_H_
+#define PLUMBLINE_SOLVERS_INTERFACE_SOLVER_OPTIONS_H_
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/interface/association_options.h"
+#include "plumbline/solvers/interface/built_in_solvers.h"
+#include "plumbline/solvers/interface/solver_summary.h"
+
+namespace plumbline {
+
+/// The reduced solver.
+struct ReducedOptions {
+  /// A round cuts the surfaces into landmarks anew.
+  int max_rounds = 10;
+  /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
+  int steps_per_round = 2;
+  /// Factor on the robust gate of the manifold term in the first round.
+  double first_gate_factor = 2.0;
+  /// Rounds end, but never with the first, when the last step of one lowers the cost by less than
+  /// this fraction of it and
+  double relative_tolerance = 5e-3;
+  /// the round moves returns across their surfaces, relative to those of the pose before, by less
+  /// than this: root mean square in standard deviations of a return. One step with all returns
+  /// follows.
+  double move_tolerance_sigmas = 0.1;
+  /// The lines follow the poses: refitted exactly after each step, which knows that they will be.
+  /// Otherwise they are fixed within a round, as in the published alternation, and the poses creep.
+  bool lines_follow = true;
+  /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
+  /// in the preconditioner's norm.
+  double cg_tolerance = 1e-2;
+  /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
+  /// and their own lines. 0: none.
+  int polish_sweeps = 0;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+/// Alternating conjugate gradients on one set of associations.
+struct AlternatingCgOptions {
+  /// A sweep moves the map with the poses fixed, then the poses with the map fixed, then the poses
+  /// with each scan carrying its points along.
+  int max_sweeps = 10;
+  int map_iterations_per_sweep = 1;   ///< of the first part
+  int pose_iterations_per_sweep = 1;  ///< of the second part
+  /// 0 gives the published alternation of map and poses only. It resolves a pose that its beams
+  /// hold to its points, but the map hardly holds (along a corridor), in hundreds of sweeps.
+  int scan_iterations_per_sweep = 4;
+  /// Ends when a sweep lowers the cost by less than this fraction.
+  double relative_cost_tolerance = 1e-3;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+struct CeresOptions;
+
+/// Holds a CeresOptions by value, so that only those who look into it, by `->` or `*`, have to
+/// include ceres_options.h, and with it headers of Ceres.
+class CeresOptionsValue {
+ public:
+  CeresOptionsValue();                                           ///< the defaults
+  CeresOptionsValue(const CeresOptionsValue& other);             ///< with options of its own
+  CeresOptionsValue& operator=(const CeresOptionsValue& other);  ///< likewise
+  ~CeresOptionsValue();
+
+  CeresOptions& operator*() { return *options_; }                    ///< the options
+  const CeresOptions& operator*() const { return *options_; }        ///< the options
+  CeresOptions* operator->() { return options_.get(); }              ///< the options
+  const CeresOptions* operator->() const { return options_.get(); }  ///< the options
+
+  /// CeresOptions::Check.
+  bool Check(std::string* error) const;
+
+ private:
+  std::unique_ptr<CeresOptions> options_;  // never null
+};
+
+/// Stochastic gradient descent on a pose graph.
+struct StochasticDescentOptions {
+  /// An iteration goes through all edges once.
+  int max_iterations = 400;
+  /// Called with the poses after each iteration, counted from 1; false stops. May be empty.
+  std::function<bool(int iteration, const std::vector<Pose2>& world_from_pose)> callback;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+/// The outer loop. Each round rebuilds the associations and minimises the energy; a round that does
+/// not lower the marginal energy is undone. Coarse rounds, with wide neighbourhoods and gates, pull
+/// double walls together and end at the first one that does not help; fine rounds follow. With a
+/// noisy scanner all radii are at least five standard deviations of a return off its surface: over
+/// less, noise looks like clutter.
+struct RoundOptions {
+  int max_coarse_rounds = 4;  ///< may be 0
+  int max_fine_rounds = 8;    ///< at least 1
+  /// Smallest neighbourhood radius [m] of the first coarse round: wide enough to reach across a
+  /// double wall. Later coarse rounds go down to the fine radius in geometric steps.
+  double coarse_radius_m = 0.3;
+  /// Smallest neighbourhood radius [m] of the fine rounds: narrow enough not to blur a surface.
+  double fine_radius_m = 0.1;
+  /// Factor on the robust gates of the map terms in the first coarse round; falls to 1.
+  double coarse_gate_factor = 2.0;
+  /// Fine rounds end when one lowers the marginal energy by less than this fraction.
+  double relative_tolerance = 2e-4;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+/// Called after each iteration, on the thread that called the solver; false asks it to stop with
+/// the best state so far, within one more iteration. What it throws ends the solve: kFailure with
+/// the message of the exception, and the state unchanged.
+using ProgressCallback = std::function<bool(const IterationSummary&)>;
+
+/// What Solve goes by. The defaults suit buildings and a laser of the SICK class: set the noise of
+/// your own in factors.beam.
+struct SolverOptions {
+  SolverType type = SolverType::kReduced;  ///< the minimiser
+  /// A minimiser of the host instead of `type`, see rounds_solver.h; null: none.
+  std::shared_ptr<const Solver> own_solver;
+  FactorOptions factors;                ///< noise and gates of every term
+  AssociationOptions association;       ///< which returns share a surface
+  RoundOptions rounds;                  ///< kAlternatingCg, and kCeres over points
+  ReducedOptions reduced;               ///< kReduced, and kCeres over landmarks
+  AlternatingCgOptions alternating_cg;  ///< kAlternatingCg
+  CeresOptionsValue ceres;              ///< kCeres; see ceres_options.h
+  StochasticDescentOptions sgd;         ///< kSgd
+  /// Threads, the calling one included. Results do not depend on it, but for the last digits of
+  /// kCeres, since Ceres adds up as threads finish.
+  int num_threads = 2;
+  ProgressCallback callback;  ///< may be empty
+
+  /// Whether surfaces are cut into landmarks and points eliminated, by whichever solver.
+  bool IsOverLandmarks() const;
+  /// Whether the solver looks at relative poses only, so that points just ride along.
+  bool MovesPosesOnly() const;
+
+  /// False if a field is out of range, or if the fields do not go together; *error, if not null,
+  /// then names them, and the bound or the reason.
+  bool Check(std::string* error) const;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_INTERFACE_SOLVER_OPTIONS_H_

@@ -1,0 +1,75 @@
+#ifndef PLUMBLINE_SOLVERS_LANDMARKS_LINE_LANDMARKS_H_
+#define PLUMBLINE_SOLVERS_LANDMARKS_LINE_LANDMARKS_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/factors/manifold_factor.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/interface/association_options.h"
+
+namespace plumbline {
+
+/// A piece of surface that one tangent line serves: all points p of the world with
+/// normal . (p - origin) = offset_m.
+struct LineLandmark {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();   ///< near the landmark, world [m]; fixed
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit, world
+  double offset_m = 0.0;
+  /// Shape terms, 1/2 normal^T [xx xy; xy yy] normal; see landmark_shape.h.
+  double shape_xx = 0.0, shape_xy = 0.0, shape_yy = 0.0;
+
+  /// Of a point of the world from the line [m], positive where the normal points to.
+  double Distance(const Eigen::Vector2d& point) const {
+    return normal.dot(point - origin) - offset_m;
+  }
+  Eigen::Vector2d ShapeTimes(const Eigen::Vector2d& v) const {
+    return {shape_xx * v.x() + shape_xy * v.y(), shape_xy * v.x() + shape_yy * v.y()};
+  }
+};
+
+struct LineLandmarks {
+  static constexpr int kNone = -1;
+
+  std::vector<LineLandmark> landmarks;
+  std::vector<int> landmark_of_return;  ///< kNone: not on a line-like surface
+};
+
+struct LineLandmarkOptions {
+  double largest_m = 0.8;  ///< side of the largest cell; the smallest is an eighth of it
+  /// A cell becomes a landmark up to this ratio of its smaller to its larger variance.
+  double max_eigenvalue_ratio = 0.15;
+  /// Of a return off its surface.
+  SurfaceNoise noise;
+  /// Held-out returns have no say in the landmarks. They get the one of their cell, if it has one.
+  bool hold_out = false;
+};
+
+/// The landmarks that suit the noise, and the limit that the tangent lines of single points have.
+/// One pose is enough for a landmark, which then says nothing of where that pose is, but where a
+/// surface runs that nothing else has seen.
+LineLandmarkOptions LandmarkOptionsFor(const FactorOptions& factors,
+                                       const AssociationOptions& association);
+
+/// Cuts the surfaces that the scans saw, placed by the poses, (x, y, yaw) each, into landmarks:
+/// cells of a quadtree per octant of the normals' direction. A cell stays whole unless the lines of
+/// its quarters explain its returns better than its own, by more than they owe to their number. So
+/// the size follows the data: sparse and noisy returns share long lines, dense ones resolve a
+/// curve. Returns without a normal have no say in that, and then join the line that faces their
+/// laser and is fewest standard deviations off, at most three. Bitwise the same for any number of
+/// threads.
+LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>& poses,
+                               const MeasuredSurface& surface, const LineLandmarkOptions& options,
+                               ThreadPool* pool);
+
+/// Gives every return without a line of its own (too far from others, or seen at a grazing angle)
+/// that of its landmark, if it lies on one. lines: per return.
+void AddLandmarkLines(const LineLandmarks& landmarks, std::vector<TangentLine>* lines);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LANDMARKS_LINE_LANDMARKS_H_

@@ -1,0 +1,120 @@
+#ifndef PLUMBLINE_SOLVERS_LANDMARKS_LINE_OBSERVATIONS_H_
+#define PLUMBLINE_SOLVERS_LANDMARKS_LINE_OBSERVATIONS_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
+
+namespace plumbline {
+
+/// One per pose, from (x, y, yaw) each.
+std::vector<PoseFrame> FramesOf(const std::vector<double>& poses);
+
+/// All that one pose saw of one landmark. Returns z_i with weights w_i cost, whatever the pose (R,
+/// t) and the line (n, offset) about `origin`,
+///   1/2 sum_i w_i (n . (R z_i + t - origin) - offset)^2
+///     = 1/2 [ weight (n . (R centroid + t - origin) - offset)^2 + (R^T n)^T scatter (R^T n) ],
+/// exactly: six numbers stand for any number of returns.
+struct LineObservation {
+  int pose = 0;
+  int landmark = 0;
+  double weight = 0.0;                                 ///< sum of w_i [1/m^2]
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< frame of the robot [m]
+  double xx = 0.0, xy = 0.0, yy = 0.0;  ///< scatter about the centroid, sum of w_i z z^T
+
+  Eigen::Vector2d ScatterTimes(const Eigen::Vector2d& v) const {
+    return {xx * v.x() + xy * v.y(), xy * v.x() + yy * v.y()};
+  }
+};
+
+/// The observations of a map, in order of landmarks and within a landmark of poses.
+struct LineObservations {
+  std::vector<LineObservation> observations;
+  std::vector<std::size_t> first_of_landmark;  ///< per landmark, and the end
+  std::vector<int> of_pose;                    ///< indices of observations, grouped by pose
+  std::vector<std::size_t> first_of_pose;      ///< into of_pose: per pose, and the end
+
+  std::size_t num_landmarks() const { return first_of_landmark.size() - 1; }
+  std::size_t num_poses() const { return first_of_pose.size() - 1; }
+};
+
+/// How the returns of one observation answer to a change of all ranges: with the distance d of each
+/// from its landmark's line, its weight w, and the slope g = dd / drange, the cosine of incidence.
+struct RangeSlope {
+  double weight = 0.0;                               ///< sum of w g [1/m^2]
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();  ///< sum of w g z [1/m], frame of the robot
+  double curvature = 0.0;                            ///< sum of w g^2 [1/m^2]
+  double gradient = 0.0;                             ///< sum of w g d [1/m]
+};
+
+/// Turns millions of returns into observations, again and again as the weights follow the
+/// residuals.
+class ReturnCompressor {
+ public:
+  /// Keeps references to the graph and the surface.
+  ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
+                   const SurfaceNoise& noise, ThreadPool* pool);
+
+  /// Lays out the observations, all of weight zero. Takes landmark_of_return over. The observations
+  /// that the other functions want are those of the last layout.
+  LineObservations LayOut(std::size_t num_landmarks, std::vector<int> landmark_of_return);
+
+  /// What LayOut took over.
+  std::vector<int> LandmarkOfReturn() const;
+
+  /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the landmark's
+  /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the
+  /// returns, 1/2 sum rho(d^2 / s^2), at the lines and poses given.
+  double Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+               const GemanMcClure& loss, LineObservations* observations) const;
+
+  /// The robust cost that Weigh gives, and nothing else.
+  double Cost(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+              const GemanMcClure& loss, const LineObservations& observations) const;
+
+  /// One per observation, with the weights that Weigh gives to the same lines and poses.
+  std::vector<RangeSlope> RangeSlopes(const std::vector<LineLandmark>& landmarks,
+                                      const std::vector<PoseFrame>& frames,
+                                      const GemanMcClure& loss,
+                                      const LineObservations& observations) const;
+
+ private:
+  // Neighbouring returns of a scan on the same landmark are a run. Calls body(entry, for_each) for
+  // every run of a pose, where for_each(take) calls take with each return of it. entry: into
+  // of_pose of the observations, from the pose's first one.
+  template <typename Body>
+  void ForEachRun(std::size_t pose, const std::vector<LineLandmark>& landmarks,
+                  const PoseFrame& frame, const LineObservations& observations,
+                  const Body& body) const;
+  template <typename Body>
+  void ForEachReturnOnLandmark(std::size_t pose, const Body& body);
+  // The sum of cost_of_pose(pose), in the same order for any number of threads.
+  template <typename Body>
+  double SumOverPoses(const Body& cost_of_pose) const;
+  // The landmarks that each pose sees, ascending, in one list per chunk of poses.
+  std::vector<std::vector<int>> ListLandmarks(std::vector<std::size_t>* first_of_pose);
+  // Turns the landmark of every return into its entry.
+  void NameEntries(const std::vector<std::vector<int>>& landmarks_of_chunk,
+                   const LineObservations& observations);
+
+  const SlamGraph& graph_;
+  const MeasuredSurface& surface_;
+  const SurfaceNoise noise_;
+  ThreadPool* pool_;
+  std::vector<int> scans_of_pose_;  // grouped by pose
+  std::vector<std::size_t> first_scan_of_pose_;
+  std::vector<int> entry_of_return_;  // its landmark, until the observations are laid out
+  std::vector<int> landmark_of_entry_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LANDMARKS_LINE_OBSERVATIONS_H_

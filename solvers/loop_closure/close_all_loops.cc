@@ -1,0 +1,39 @@
+#include "plumbline/solvers/loop_closure/close_all_loops.h"
+
+#include <utility>
+
+#include "plumbline/solvers/loop_closure/map_hypotheses.h"
+#include "plumbline/solvers/loop_closure/seed_pose_graph.h"
+
+namespace plumbline {
+
+namespace {
+
+bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency) {
+  // Two weak signs together are one: what contradicts a little, and a suspect step or loops left
+  // open.
+  const bool is_suspect =
+      !loops.suspect_steps.empty() || (loops.num_closures == 0 && !loops.matches.empty());
+  return consistency.IsContradictory() ||
+         (is_suspect && consistency.Ratio() > MapConsistency::kSuspiciousRatio) ||
+         loops.IsUnresolved();
+}
+
+}  // namespace
+
+Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
+                     const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, SequentialTrajectory* trajectory, SeedingReport* report) {
+  MapHypothesis best;
+  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, graph, surfaces, progress, pool,
+                                                *trajectory, &best, &report->hypotheses));
+  report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
+  report->alarm = IsAlarming(best.loops, best.consistency);
+  report->loops = std::move(best.loops);
+  report->consistency = std::move(best.consistency);
+  report->sequential_poses = std::move(best.start.world_from_robot);
+  trajectory->world_from_robot = std::move(best.world_from_robot);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

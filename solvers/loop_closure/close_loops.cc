@@ -1,0 +1,229 @@
+#include "plumbline/solvers/loop_closure/close_loops.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
+#include "plumbline/solvers/front_end/match_covariance.h"
+#include "plumbline/solvers/front_end/odometry_span.h"
+#include "plumbline/solvers/loop_closure/closure_clusters.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/pose_graph/robust_pose_graph.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kMaxRounds = 5;
+// Candidates between two reports of progress.
+constexpr std::size_t kCandidatesPerReport = 64;
+
+int NumClosuresAcross(int edge, const KeyframeGraph& keys) {
+  return static_cast<int>(std::count_if(
+      keys.closures.begin(), keys.closures.end(),
+      [&](const RelativePoseConstraint& c) { return c.from <= edge && c.to > edge; }));
+}
+
+// A local closure that agrees with the edges that it spans is no second witness: both come from the
+// same scans. Where the edge is not trusted, it at least shows that they fit.
+bool OnlyRepeatsItsEdge(const RelativePoseConstraint& local_closure, const KeyframeGraph& keys) {
+  for (int edge = local_closure.from; edge < local_closure.to; ++edge) {
+    if (keys.sequential[edge].untrusted()) return false;
+  }
+  return EdgeChi2(local_closure, keys.world_from_key) <= LoopAcceptance::kMaxEdgeChi2;
+}
+
+// Breaks the suspect edge that is farthest off the others, if it is too far and there are enough
+// closures to do without it.
+bool BreakWorstEdge(KeyframeGraph* keys) {
+  SequentialEdge* worst = nullptr;
+  double worst_chi2 = LoopAcceptance::kMaxEdgeChi2;
+  for (SequentialEdge& edge : keys->sequential) {
+    if (!edge.in_question || edge.broken) continue;
+    const double chi2 = EdgeChi2(edge.constraint, keys->world_from_key);
+    if (chi2 <= worst_chi2) continue;
+    if (NumClosuresAcross(edge.constraint.from, *keys) < LoopAcceptance::kMinClosuresAcross)
+      continue;
+    worst_chi2 = chi2;
+    worst = &edge;
+  }
+  if (worst != nullptr) worst->broken = true;
+  return worst != nullptr;
+}
+
+// Drops the closures that the others contradict, the worst half of them since a wrong one bends its
+// neighbours.
+bool DropWorstClosures(KeyframeGraph* keys) {
+  std::vector<double> wrong;
+  for (const RelativePoseConstraint& closure : keys->closures) {
+    const double chi2 = EdgeChi2(closure, keys->world_from_key);
+    if (chi2 > LoopAcceptance::kMaxEdgeChi2) wrong.push_back(chi2);
+  }
+  if (wrong.empty()) return false;
+  const auto median = wrong.begin() + static_cast<std::ptrdiff_t>(wrong.size() / 2);
+  std::nth_element(wrong.begin(), median, wrong.end());
+  const auto kept = std::stable_partition(
+      keys->closures.begin(), keys->closures.end(), [&](const RelativePoseConstraint& closure) {
+        return EdgeChi2(closure, keys->world_from_key) < *median;
+      });
+  keys->contradicted.insert(keys->contradicted.end(), kept, keys->closures.end());
+  keys->closures.erase(kept, keys->closures.end());
+  return true;
+}
+
+void OptimizeAndPrune(KeyframeGraph* keys) {
+  do {
+    OptimizeKeyframes(keys);
+  } while (BreakWorstEdge(keys) || DropWorstClosures(keys));
+}
+
+// Tests the candidates that the memory does not know. One result per candidate, in their order.
+Status TestInBatches(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                     const KeyframeGraph& keys, const std::vector<LoopCandidate>& candidates,
+                     const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
+                     std::vector<TestedCandidate>* tested) {
+  tested->resize(candidates.size());
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (const TestedCandidate* known = memory->Find(candidates[i], keys)) {
+      (*tested)[i] = *known;
+    } else {
+      unknown.push_back(i);
+    }
+  }
+  for (std::size_t begin = 0; begin < unknown.size(); begin += kCandidatesPerReport) {
+    if (progress && !progress(SeedingPhase::kClosingLoops, static_cast<int>(begin),
+                              static_cast<int>(unknown.size()))) {
+      return Status::Unavailable("loop closing was stopped by its caller");
+    }
+    const std::size_t end = std::min(unknown.size(), begin + kCandidatesPerReport);
+    std::vector<LoopCandidate> batch;
+    for (std::size_t i = begin; i < end; ++i) batch.push_back(candidates[unknown[i]]);
+    const std::vector<TestedCandidate> results =
+        TestLoopCandidates(graph, surfaces, keys, batch, pool);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      (*tested)[unknown[begin + i]] = results[i];
+      memory->Add(batch[i], keys, results[i]);
+    }
+  }
+  return Status::Ok();
+}
+
+// What nearly became a closure.
+void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
+  refused.erase(std::remove_if(refused.begin(), refused.end(),
+                               [](const TestedCandidate& result) {
+                                 return result.inlier_ratio <
+                                            LoopAcceptance::kTentativeInlierRatio ||
+                                        result.conflict > LoopAcceptance::kMaxFreeSpaceConflict;
+                               }),
+                refused.end());
+  std::stable_sort(refused.begin(), refused.end(),
+                   [](const TestedCandidate& a, const TestedCandidate& b) {
+                     return a.inlier_ratio > b.inlier_ratio;
+                   });
+  keys->tentative.clear();
+  for (const TestedCandidate& result : refused) keys->tentative.push_back(result.edge);
+}
+
+void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& refused_local,
+                 const std::vector<TestedCandidate>& refused_closures, LoopClosingReport* report) {
+  const auto record = [&](const RelativePoseConstraint& edge, ClosureOutcome outcome) {
+    report->matches.push_back(
+        {keys.keyframes[edge.from].pose, keys.keyframes[edge.to].pose, edge.from_from_to, outcome});
+  };
+  for (const auto& edge : keys.closures) record(edge, ClosureOutcome::kAccepted);
+  for (const auto* wrong : {&keys.contradicted, &keys.refused}) {
+    for (const auto& edge : *wrong) record(edge, ClosureOutcome::kContradicted);
+  }
+  for (const auto* refused : {&refused_local, &refused_closures}) {
+    for (const TestedCandidate& result : *refused) record(result.edge, result.outcome);
+  }
+  report->num_closures = static_cast<int>(keys.closures.size());
+  report->num_contradicted = static_cast<int>(keys.contradicted.size() + keys.refused.size());
+  for (const SequentialEdge& edge : keys.sequential) {
+    if (edge.evidence == 0.0) continue;
+    const int from = edge.constraint.from;
+    SuspectStep suspect;
+    suspect.first_pose_after = edge.first_pose_after;
+    suspect.evidence = edge.evidence;
+    suspect.broken = edge.broken;
+    if (edge.broken) {
+      const Pose2 step = Between(keys.world_from_key[from], keys.world_from_key[from + 1]);
+      suspect.turned_rad = NormalizeAngle(step.yaw - edge.constraint.from_from_to.yaw);
+    }
+    suspect.num_closures_across = NumClosuresAcross(from, keys);
+    report->suspect_steps.push_back(suspect);
+  }
+}
+
+}  // namespace
+
+void OptimizeKeyframes(KeyframeGraph* keys) {
+  std::vector<RelativePoseConstraint> certain, uncertain = keys->closures;
+  for (const SequentialEdge& edge : keys->sequential) {
+    (edge.in_question && !edge.broken ? uncertain : certain).push_back(edge.InForce());
+  }
+  OptimizeRobustly(certain, uncertain, &keys->world_from_key);
+}
+
+KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
+                                const MotionOptions& motion) {
+  KeyframeGraph graph;
+  graph.keyframes = trajectory.keyframes;
+  for (const Keyframe& key : trajectory.keyframes) {
+    graph.world_from_key.push_back(trajectory.world_from_robot[key.pose]);
+  }
+  for (int k = 1; k < graph.size(); ++k) {
+    const Keyframe& from = graph.keyframes[k - 1];
+    const Keyframe& to = graph.keyframes[k];
+    const Pose2 from_from_to = Between(graph.world_from_key[k - 1], graph.world_from_key[k]);
+    const Eigen::Matrix3d known =
+        ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
+    graph.sequential.push_back(
+        {{k - 1, k, from_from_to,
+          MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}});
+  }
+  return graph;
+}
+
+Status CloseLoops(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
+                  KeyframeGraph* keys, LoopClosingReport* report) {
+  *report = LoopClosingReport();
+  if (!keys->closures.empty()) OptimizeAndPrune(keys);
+  std::vector<TestedCandidate> refused_local, refused_closures;
+  for (int round = 0; round <= kMaxRounds; ++round) {
+    // What the robot did at a suspect edge is best told from what lies next to it.
+    const bool is_local = round == 0;
+    const std::vector<LoopCandidate> candidates =
+        is_local ? FindLocalCandidates(*keys) : FindLoopCandidates(*keys, pool);
+    std::vector<TestedCandidate> tested;
+    PLUMBLINE_RETURN_IF_ERROR(
+        TestInBatches(graph, surfaces, *keys, candidates, progress, pool, memory, &tested));
+    report->num_candidates += static_cast<int>(candidates.size());
+    std::vector<TestedCandidate>& refused = is_local ? refused_local : refused_closures;
+    refused.clear();
+    const std::size_t num_closures = keys->closures.size();
+    for (const TestedCandidate& result : tested) {
+      if (is_local && OnlyRepeatsItsEdge(result.edge, *keys)) continue;
+      if (RepeatsRefused(result.edge, keys->refused, *keys)) continue;
+      if (result.outcome == ClosureOutcome::kAccepted) {
+        keys->closures.push_back(result.edge);
+      } else if (result.outcome != ClosureOutcome::kNoMatch) {
+        refused.push_back(result);
+      }
+    }
+    const bool found = keys->closures.size() > num_closures;
+    OptimizeAndPrune(keys);
+    if (!found && !is_local) break;
+  }
+  KeepTentative(refused_closures, keys);
+  WriteReport(*keys, refused_local, refused_closures, report);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

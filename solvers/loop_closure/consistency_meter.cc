@@ -1,0 +1,340 @@
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/core/float_environment.h"
+
+namespace plumbline {
+namespace {
+
+// From viewpoint to viewpoint.
+constexpr double kSpacingM = 0.5;
+constexpr double kSpacingRad = 0.5;
+
+// Scans of one pass differ by what moves and by noise, hardly by the drift between them.
+constexpr double kMinWithinM = 1.0;
+constexpr double kMaxWithinM = 5.0;
+constexpr std::size_t kPartnersWithin = 4;
+// Another pass has left the room or turned round since, and stands where it sees the same surfaces.
+constexpr double kMinBetweenM = 8.0;
+constexpr double kReachM = 4.0;
+constexpr std::size_t kPartnersBetween = 8;
+
+// A wrong closure bends a part of the map only: a mean over all of it would hide the part.
+constexpr double kStretchM = 6.0;
+// Fewer conflicting returns of a pair of scans are noise.
+constexpr int kMinConflictingReturns = 10;
+
+struct Viewpoint {
+  int pose;
+  int scan;
+  double path_m;  // straight from viewpoint to viewpoint: noise of a robot at rest adds nothing
+  Pose2 world_from_robot;
+};
+
+// The scans that are compared: one per stretch of the path.
+std::vector<int> ChooseScans(const SlamGraph& graph, const std::vector<Pose2>& poses) {
+  std::vector<int> scans;
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    if (graph.scan(scan).num_returns == 0) continue;
+    if (!scans.empty()) {
+      const Pose2 step =
+          Between(poses[graph.scan(scans.back()).pose], poses[graph.scan(scan).pose]);
+      if (step.translation().norm() < kSpacingM && std::abs(step.yaw) < kSpacingRad) continue;
+    }
+    scans.push_back(scan);
+  }
+  return scans;
+}
+
+std::vector<Viewpoint> PlaceViewpoints(const SlamGraph& graph, const std::vector<int>& scans,
+                                       const std::vector<Pose2>& poses) {
+  std::vector<Viewpoint> viewpoints;
+  viewpoints.reserve(scans.size());
+  for (const int scan : scans) {
+    const int pose = graph.scan(scan).pose;
+    double path_m = 0.0;
+    if (!viewpoints.empty()) {
+      const Viewpoint& before = viewpoints.back();
+      path_m = before.path_m + Between(before.world_from_robot, poses[pose]).translation().norm();
+    }
+    viewpoints.push_back({pose, scan, path_m, poses[pose]});
+  }
+  return viewpoints;
+}
+
+// Two viewpoints, `first` before `second`, both ways.
+struct Pair {
+  int first, second;
+  bool between_passes;
+  FreeSpaceConflict first_views = {}, second_views = {};
+  // A conflicting return each, in the frame of the viewer's robot.
+  Eigen::Vector2d seen_by_first = Eigen::Vector2d::Zero();
+  Eigen::Vector2d seen_by_second = Eigen::Vector2d::Zero();
+};
+
+// How many of the entries, in order of the path, come before `path_m`.
+template <typename Entries, typename PathOf>
+std::size_t CountBefore(const Entries& entries, double path_m, PathOf path_of) {
+  return std::partition_point(entries.begin(), entries.end(),
+                              [&](const auto& entry) { return path_of(entry) < path_m; }) -
+         entries.begin();
+}
+
+// Viewpoints by square cells of 1 m, each in order of the path.
+class ViewpointGrid {
+ public:
+  explicit ViewpointGrid(const std::vector<Viewpoint>& viewpoints) : viewpoints_(viewpoints) {}
+
+  void Add(int viewpoint) {
+    cells_[Id(CellOf(viewpoint, 0), CellOf(viewpoint, 1))].push_back(viewpoint);
+  }
+
+  // At most kPartnersBetween of the viewpoints around `viewpoint` that were added and belong to
+  // earlier passes, evenly spread over places and passes.
+  std::vector<int> Partners(int viewpoint) const {
+    constexpr std::int64_t kReachCells = static_cast<std::int64_t>(kReachM);
+    const Pose2& pose = viewpoints_[viewpoint].world_from_robot;
+    const std::int64_t x = CellOf(viewpoint, 0), y = CellOf(viewpoint, 1);
+    std::vector<std::pair<const std::vector<int>*, std::size_t>> earlier;
+    std::size_t total = 0;
+    for (std::int64_t row = y - kReachCells; row <= y + kReachCells; ++row) {
+      for (std::int64_t column = x - kReachCells; column <= x + kReachCells; ++column) {
+        const auto cell = cells_.find(Id(column, row));
+        if (cell == cells_.end()) continue;
+        const double center_x = static_cast<double>(column) + 0.5;
+        const double center_y = static_cast<double>(row) + 0.5;
+        if (std::hypot(center_x - pose.x, center_y - pose.y) > kReachM) continue;
+        earlier.emplace_back(&cell->second, CountEarlier(cell->second, viewpoint));
+        total += earlier.back().second;
+      }
+    }
+    return PickEvenly(earlier, total);
+  }
+
+ private:
+  std::int64_t CellOf(int viewpoint, int axis) const {
+    return static_cast<std::int64_t>(
+        std::floor(viewpoints_[viewpoint].world_from_robot.translation()[axis]));
+  }
+  static std::uint64_t Id(std::int64_t x, std::int64_t y) {
+    return static_cast<std::uint64_t>(y) << 32 ^ (static_cast<std::uint64_t>(x) & 0xffffffffu);
+  }
+
+  // How many of a cell's viewpoints were passed at least kMinBetweenM before `viewpoint`.
+  std::size_t CountEarlier(const std::vector<int>& cell, int viewpoint) const {
+    return CountBefore(cell, viewpoints_[viewpoint].path_m - kMinBetweenM,
+                       [this](int other) { return viewpoints_[other].path_m; });
+  }
+
+  static std::vector<int> PickEvenly(
+      const std::vector<std::pair<const std::vector<int>*, std::size_t>>& lists,
+      std::size_t total) {
+    std::vector<int> picked;
+    const std::size_t count = std::min(total, kPartnersBetween);
+    std::size_t list = 0, before = 0;  // `before`: entries of the lists before this one
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t rank = (2 * i + 1) * total / (2 * count);
+      while (rank >= before + lists[list].second) before += lists[list++].second;
+      picked.push_back((*lists[list].first)[rank - before]);
+    }
+    return picked;
+  }
+
+  const std::vector<Viewpoint>& viewpoints_;
+  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
+};
+
+std::vector<Pair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
+  std::vector<Pair> pairs;
+  const auto add = [&pairs](int first, int second, bool between_passes) {
+    pairs.push_back({first, second, between_passes});
+  };
+  const auto path_of = [](const Viewpoint& viewpoint) { return viewpoint.path_m; };
+  ViewpointGrid grid(viewpoints);
+  for (int v = 0; v < static_cast<int>(viewpoints.size()); ++v) {
+    const std::size_t begin = CountBefore(viewpoints, viewpoints[v].path_m - kMaxWithinM, path_of);
+    const std::size_t end = CountBefore(viewpoints, viewpoints[v].path_m - kMinWithinM, path_of);
+    const std::size_t count = std::min(end - begin, kPartnersWithin);
+    for (std::size_t i = 0; i < count; ++i) {
+      add(static_cast<int>(begin + (2 * i + 1) * (end - begin) / (2 * count)), v, false);
+    }
+    for (const int other : grid.Partners(v)) add(other, v, true);
+    grid.Add(v);
+  }
+  return pairs;
+}
+
+// scans: of the viewpoints.
+void ComparePairs(const std::vector<Viewpoint>& viewpoints, const std::vector<FreeSpaceScan>& scans,
+                  ThreadPool* pool, std::vector<Pair>* pairs) {
+  constexpr std::size_t kPairsPerChunk = 64;
+  pool->ForEachChunk(
+      pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          Pair& pair = (*pairs)[i];
+          const Pose2 first_from_second = Between(viewpoints[pair.first].world_from_robot,
+                                                  viewpoints[pair.second].world_from_robot);
+          const FreeSpaceScan &first = scans[pair.first], &second = scans[pair.second];
+          pair.first_views = first.Compare(second, first_from_second, &pair.seen_by_first);
+          pair.second_views =
+              second.Compare(first, first_from_second.Inverse(), &pair.seen_by_second);
+        }
+      });
+}
+
+void AddPlace(const Viewpoint& viewer, const Viewpoint& scan, const FreeSpaceConflict& conflict,
+              const Eigen::Vector2d& point_in_viewer, MapConsistency* consistency) {
+  if (conflict.num_conflicting < kMinConflictingReturns ||
+      conflict.Share() <= MapConsistency::kMaxRatio * consistency->ExplicableShare()) {
+    return;
+  }
+  consistency->places.push_back(
+      {viewer.scan, scan.scan, viewer.world_from_robot * point_in_viewer});
+}
+
+// Keeps the worst of the conflicts that it is shown.
+class PeakFinder {
+ public:
+  explicit PeakFinder(double explicable_share) : explicable_share_(explicable_share) {}
+
+  void Try(const FreeSpaceConflict& conflict, int pose) {
+    if (conflict.num_compared == 0) return;
+    ratios_.push_back(MapConsistency::RatioOf(conflict, explicable_share_));
+    if (conflict.num_compared >= MapConsistency::kPriorReturns) {
+      undrawn_ratios_.push_back(conflict.Share() / explicable_share_);
+    }
+    if (ratios_.back() <= worst_) return;
+    worst_ = ratios_.back();
+    peak_.conflict = conflict;
+    peak_.pose = pose;
+  }
+
+  double ContradictedShare() const {
+    const auto above = std::count_if(ratios_.begin(), ratios_.end(), [](double ratio) {
+      return ratio > MapConsistency::kMaxRatio;
+    });
+    return ratios_.empty() ? 0.0 : static_cast<double>(above) / static_cast<double>(ratios_.size());
+  }
+
+  ConflictPeak TakePeak() {
+    if (!undrawn_ratios_.empty()) {
+      const auto median =
+          undrawn_ratios_.begin() + static_cast<std::ptrdiff_t>(undrawn_ratios_.size() / 2);
+      std::nth_element(undrawn_ratios_.begin(), median, undrawn_ratios_.end());
+      peak_.usual_ratio = *median;
+    }
+    return peak_;
+  }
+
+ private:
+  double explicable_share_;
+  double worst_ = 0.0;
+  std::vector<double> ratios_;
+  std::vector<double> undrawn_ratios_;  // of stretches where much was compared
+  ConflictPeak peak_;
+};
+
+FreeSpaceConflict BothWays(const Pair& pair) {
+  FreeSpaceConflict conflict = pair.first_views;
+  conflict += pair.second_views;
+  return conflict;
+}
+
+// Of the pairs of one pass, those that lie on either side of a viewpoint, or end there.
+ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
+                         double explicable_share) {
+  std::vector<FreeSpaceConflict> change(viewpoints.size());
+  for (const Pair& pair : pairs) {
+    if (pair.between_passes) continue;
+    change[pair.first] += BothWays(pair);
+    change[pair.second] -= BothWays(pair);
+  }
+  PeakFinder finder(explicable_share);
+  FreeSpaceConflict across;
+  for (std::size_t v = 0; v < viewpoints.size(); ++v) {
+    across += change[v];
+    finder.Try(across, viewpoints[v].pose);
+  }
+  return finder.TakePeak();
+}
+
+// Of the stretches around each viewpoint.
+void FindWorstBetween(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
+                      MapConsistency* consistency) {
+  std::vector<FreeSpaceConflict> of_viewpoint(viewpoints.size());
+  for (const Pair& pair : pairs) {
+    if (!pair.between_passes) continue;
+    of_viewpoint[pair.first] += BothWays(pair);
+    of_viewpoint[pair.second] += BothWays(pair);
+  }
+  PeakFinder finder(consistency->ExplicableShare());
+  FreeSpaceConflict stretch;
+  std::size_t begin = 0, end = 0;
+  for (const Viewpoint& middle : viewpoints) {
+    while (end < viewpoints.size() && viewpoints[end].path_m <= middle.path_m + 0.5 * kStretchM) {
+      stretch += of_viewpoint[end++];
+    }
+    while (viewpoints[begin].path_m < middle.path_m - 0.5 * kStretchM) {
+      stretch -= of_viewpoint[begin++];
+    }
+    finder.Try(stretch, middle.pose);
+  }
+  consistency->contradicted_share = finder.ContradictedShare();
+  consistency->worst_between = finder.TakePeak();
+}
+
+}  // namespace
+
+ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
+                                   const std::vector<Pose2>& world_from_robot)
+    : graph_(graph), scans_(ChooseScans(graph, world_from_robot)) {
+  const DefaultFloatEnvironment float_environment;
+  free_space_.reserve(scans_.size());
+  for (const int scan : scans_) free_space_.emplace_back(graph, scan);
+}
+
+MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_robot,
+                                         ThreadPool* pool) const {
+  const DefaultFloatEnvironment float_environment;
+  const std::vector<Viewpoint> viewpoints = PlaceViewpoints(graph_, scans_, world_from_robot);
+  std::vector<Pair> pairs = ChoosePairs(viewpoints);
+  ComparePairs(viewpoints, free_space_, pool, &pairs);
+  MapConsistency consistency;
+  for (const Viewpoint& viewpoint : viewpoints) {
+    consistency.viewpoints.emplace_back();
+    consistency.viewpoints.back().pose = viewpoint.pose;
+  }
+  for (const Pair& pair : pairs) {
+    const FreeSpaceConflict conflict = BothWays(pair);
+    FreeSpaceConflict& sum =
+        pair.between_passes ? consistency.between_passes : consistency.within_pass;
+    sum += conflict;
+    for (const int end : {pair.first, pair.second}) {
+      ViewpointConflict& of_end = consistency.viewpoints[end];
+      (pair.between_passes ? of_end.between_passes : of_end.within_pass) += conflict;
+    }
+    ++(pair.between_passes ? consistency.num_pairs_between : consistency.num_pairs_within);
+  }
+  consistency.worst_within = WorstWithin(viewpoints, pairs, consistency.ExplicableShare());
+  FindWorstBetween(viewpoints, pairs, &consistency);
+  for (const Pair& pair : pairs) {
+    const Viewpoint &first = viewpoints[pair.first], &second = viewpoints[pair.second];
+    AddPlace(first, second, pair.first_views, pair.seen_by_first, &consistency);
+    AddPlace(second, first, pair.second_views, pair.seen_by_second, &consistency);
+  }
+  return consistency;
+}
+
+MapConsistency MeasureMapConsistency(const SlamGraph& graph,
+                                     const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
+  return ConsistencyMeter(graph, world_from_robot).Measure(world_from_robot, pool);
+}
+
+}  // namespace plumbline

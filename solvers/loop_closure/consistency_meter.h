@@ -1,0 +1,41 @@
+#ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_CONSISTENCY_METER_H_
+#define PLUMBLINE_SOLVERS_LOOP_CLOSURE_CONSISTENCY_METER_H_
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/front_end/free_space.h"
+#include "plumbline/solvers/interface/map_consistency.h"
+
+namespace plumbline {
+
+/// Compares scans every half metre of the path with a bounded number of others: of the same pass
+/// (1 m to 5 m of path away), and of other passes (more than 8 m of path, less than about 4 m in
+/// space away). The work is linear in the length of the path; the result does not depend on the
+/// number of threads. Expects poses in order of time.
+///
+/// Chooses the scans once, by one estimate of the poses, and then measures any number of others of
+/// the same drive. Const, so that several threads can measure at a time.
+class ConsistencyMeter {
+ public:
+  /// world_from_robot: one finite pose per pose of the graph, which must outlive the meter.
+  ConsistencyMeter(const SlamGraph& graph, const std::vector<Pose2>& world_from_robot);
+
+  MapConsistency Measure(const std::vector<Pose2>& world_from_robot, ThreadPool* pool) const;
+
+ private:
+  const SlamGraph& graph_;
+  std::vector<int> scans_;
+  std::vector<FreeSpaceScan> free_space_;  // of these scans
+};
+
+/// The same for one estimate of the poses.
+MapConsistency MeasureMapConsistency(const SlamGraph& graph,
+                                     const std::vector<Pose2>& world_from_robot, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_CONSISTENCY_METER_H_

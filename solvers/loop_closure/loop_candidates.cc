@@ -1,0 +1,370 @@
+#include "plumbline/solvers/loop_closure/loop_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <queue>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// What decides only how far is looked for loops was tuned on fr079, intel and simulated buildings,
+// what has to do with suspect edges on the floors of the seeding study (apps/benchmark).
+
+// How far the relative pose of two keyframes may be off after a way of w [m] between them, the
+// shortest over sequential edges and closures found so far:
+//   floor + drift_per_path * w + drift_per_path_squared * w^2, at most kMaxDriftM [m].
+// The linear part is slip and scale, the quadratic one a heading that turns steadily.
+constexpr double kDriftFloorM = 0.4;
+constexpr double kDriftPerPath = 0.025;
+constexpr double kDriftPerPathSquared1M = 1e-4;
+constexpr double kMaxDriftM = 50.0;
+// The same for their relative heading [rad], [rad per m].
+constexpr double kDriftFloorRad = 0.15;
+constexpr double kDriftRadPerM = 0.001;
+// How far an untrusted edge may be off on top of that [m], [rad]. Half a turn is left out: many
+// rooms and corridors look alike from behind.
+constexpr double kSuspectDriftM = 7.0;
+constexpr double kSuspectDriftRad = 1.75;
+// Such an edge is closed over by matching what lies up to this much path [m] beyond it with what
+// lies before it, turned by no more than this [rad]: wheels slip farther than they turn.
+constexpr double kLocalPathM = 4.0;
+constexpr double kLocalTurnRad = 0.5;
+// Keyframes this near to each other [m] see enough of the same surfaces.
+constexpr double kReachM = 2.0;
+// Closures are looked for from one keyframe per this stretch of path [m], ...
+constexpr double kSpacingM = 0.5;
+// ... with at most this many earlier visits to the place, the nearest ones.
+constexpr int kMaxVisits = 4;
+// Beyond this drift [m] the search is wide: it covers all that was seen earlier within the
+// drift, once per kWideSpacingM of path [m] or this share of the drift, whichever is more. One
+// success brings its neighbours into reach.
+constexpr double kWideDriftM = 1.0;
+constexpr double kWideSpacingM = 3.0;
+constexpr double kWideSpacingPerDrift = 0.25;
+// Keyframes within this stretch of path [m] share one node when ways are measured: the error is a
+// few centimetres of drift, and there are many times fewer nodes.
+constexpr double kNodeM = 2.0;
+// The map of a wide search has one keyframe per square of this size [m] and quarter of heading.
+constexpr double kSurroundingsCellM = 1.0;
+// A way costs its length; a suspect edge costs as much as this way [m], so that it is taken only
+// where no closure leads around it.
+constexpr double kSuspectCostM = 300.0;
+// What was seen before a suspect edge: this much of the path [m].
+constexpr double kLocalMapPathM = 15.0;
+// From one try to close over such an edge to the next [m].
+constexpr double kLocalSpacingM = 1.3;
+// What lies beyond such an edge is looked for with this many of its keyframes at most, this far
+// from one another at least [m].
+constexpr int kMaxJoins = 16;
+constexpr double kMinJoinSpacingM = 4.0;
+
+// A piece of way, or all of one.
+struct Way {
+  double cost_m = kInfinity;
+  int num_suspects = 0;
+
+  double LengthM() const { return cost_m - kSuspectCostM * num_suspects; }
+};
+
+struct Link {
+  int to = 0;
+  Way way;
+};
+
+double DriftM(const Way& way) {
+  const double length_m = way.LengthM();
+  return std::min(kMaxDriftM, kDriftFloorM + kDriftPerPath * length_m +
+                                  kDriftPerPathSquared1M * length_m * length_m +
+                                  kSuspectDriftM * way.num_suspects);
+}
+
+double DriftRad(const Way& way) {
+  if (way.num_suspects > 0) return kSuspectDriftRad;
+  return std::min(kPi, kDriftFloorRad + kDriftRadPerM * way.LengthM());
+}
+
+// The cost of the path up to each keyframe.
+std::vector<double> PathCost(const KeyframeGraph& graph) {
+  std::vector<double> cost_m(graph.keyframes.size(), 0.0);
+  for (std::size_t k = 1; k < cost_m.size(); ++k) {
+    cost_m[k] = cost_m[k - 1] + graph.keyframes[k].path_m - graph.keyframes[k - 1].path_m +
+                (graph.sequential[k - 1].untrusted() ? kSuspectCostM : 0.0);
+  }
+  return cost_m;
+}
+
+// Measures ways between stretches of path, joined by the path driven and by closures, which are as
+// short as what they measured.
+class Ways {
+ public:
+  Ways(const KeyframeGraph& graph, const std::vector<double>& path_cost_m) {
+    double begin_m = -kInfinity;
+    for (std::size_t k = 0; k < path_cost_m.size(); ++k) {
+      if (path_cost_m[k] - begin_m >= kNodeM) {
+        const double cost_m = path_cost_m[k] - begin_m;
+        begin_m = path_cost_m[k];
+        links_.emplace_back();
+        first_key_.push_back(static_cast<int>(k));
+        if (num_nodes() > 1) {
+          const int suspect_steps = k > 0 && graph.sequential[k - 1].untrusted() ? 1 : 0;
+          Join(num_nodes() - 2, num_nodes() - 1, {cost_m, suspect_steps});
+        }
+      }
+      node_of_key_.push_back(num_nodes() - 1);
+    }
+    first_key_.push_back(graph.size());
+    for (const RelativePoseConstraint& closure : graph.closures) {
+      Join(node_of_key_[closure.from], node_of_key_[closure.to],
+           {std::hypot(closure.from_from_to.x, closure.from_from_to.y), 0});
+    }
+  }
+
+  int num_nodes() const { return static_cast<int>(links_.size()); }
+  int NodeOf(int key) const { return node_of_key_[key]; }
+  // The first keyframe of a node; for num_nodes() the number of keyframes.
+  int FirstKeyOf(int node) const { return first_key_[node]; }
+
+  // The cheapest way from a node to every other one (Dijkstra 1959).
+  std::vector<Way> From(int source) const {
+    std::vector<Way> ways(links_.size());
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
+    ways[source].cost_m = 0.0;
+    open.push({0.0, source});
+    while (!open.empty()) {
+      const auto [reached, node] = open.top();
+      open.pop();
+      if (reached > ways[node].cost_m) continue;
+      for (const Link& link : links_[node]) {
+        const double through = reached + link.way.cost_m;
+        if (through >= ways[link.to].cost_m) continue;
+        ways[link.to] = {through, ways[node].num_suspects + link.way.num_suspects};
+        open.push({through, link.to});
+      }
+    }
+    return ways;
+  }
+
+ private:
+  void Join(int a, int b, const Way& way) {
+    links_[a].push_back({b, way});
+    links_[b].push_back({a, way});
+  }
+
+  std::vector<int> node_of_key_, first_key_;
+  std::vector<std::vector<Link>> links_;
+};
+
+// One keyframe per square and quarter of heading.
+std::vector<int> Thinned(const std::vector<int>& keys, const KeyframeGraph& graph) {
+  std::set<std::tuple<long, long, int>> taken;
+  std::vector<int> thinned;
+  for (const int key : keys) {
+    const Pose2& pose = graph.world_from_key[key];
+    const int quarter = static_cast<int>(std::floor(NormalizeAngle(pose.yaw) / (0.5 * kPi)));
+    const bool is_new = taken
+                            .emplace(std::lround(pose.x / kSurroundingsCellM),
+                                     std::lround(pose.y / kSurroundingsCellM), quarter)
+                            .second;
+    if (is_new) thinned.push_back(key);
+  }
+  return thinned;
+}
+
+class CandidateFinder {
+ public:
+  explicit CandidateFinder(const KeyframeGraph& graph)
+      : graph_(graph),
+        path_cost_m_(PathCost(graph)),
+        ways_(graph, path_cost_m_),
+        closed_with_(graph.keyframes.size()) {
+    for (const auto* closures : {&graph.closures, &graph.contradicted}) {
+      for (const RelativePoseConstraint& closure : *closures) {
+        closed_with_[closure.to].push_back(closure.from);
+      }
+    }
+  }
+
+  int num_nodes() const { return ways_.num_nodes(); }
+
+  // The candidates whose later keyframe lies in the node.
+  std::vector<LoopCandidate> OfNode(int node) const {
+    std::vector<LoopCandidate> candidates;
+    const std::vector<Way> ways = ways_.From(node);
+    for (int second = ways_.FirstKeyOf(node); second < ways_.FirstKeyOf(node + 1); ++second) {
+      if (BeginsStretch(second, kSpacingM)) AddCandidates(second, ways, &candidates);
+    }
+    return candidates;
+  }
+
+ private:
+  struct Nearby {
+    LoopCandidate candidate;
+    double cost = kInfinity;
+  };
+
+  // Whether the keyframe is the first one of a stretch, the path being cut at multiples of it.
+  bool BeginsStretch(int key, double stretch_m) const {
+    if (key == 0) return true;
+    const std::vector<Keyframe>& keys = graph_.keyframes;
+    return std::floor(keys[key].path_m / stretch_m) != std::floor(keys[key - 1].path_m / stretch_m);
+  }
+
+  double PathBetween(int a, int b) const { return std::abs(path_cost_m_[a] - path_cost_m_[b]); }
+
+  // Whether a closure ties the surroundings of the one to those of the other, or was found and
+  // dropped.
+  bool IsClosed(int first, int second) const {
+    const auto tied = [&](int to) {
+      return std::any_of(closed_with_[to].begin(), closed_with_[to].end(),
+                         [&](int from) { return PathBetween(from, first) < kSpacingM; });
+    };
+    for (int to = second; to >= 0 && PathBetween(to, second) < kSpacingM; --to) {
+      if (tied(to)) return true;
+    }
+    for (int to = second + 1; to < graph_.size() && PathBetween(to, second) < kSpacingM; ++to) {
+      if (tied(to)) return true;
+    }
+    return false;
+  }
+
+  // Goes through the earlier keyframes once; neighbours in time that are in reach make up a visit.
+  void AddCandidates(int second, const std::vector<Way>& ways,
+                     std::vector<LoopCandidate>* candidates) const {
+    std::vector<Nearby> visits;
+    Nearby visit, wide;
+    std::vector<int> wide_keys;
+    const auto finish_visit = [&] {
+      if (std::isfinite(visit.cost)) visits.push_back(visit);
+      visit = Nearby();
+    };
+    for (int first = 0; first < second; ++first) {
+      if (PathBetween(first, second) < LoopAcceptance::kRevisitPathM) break;
+      const Nearby pair = Examine(first, second, ways[ways_.NodeOf(first)]);
+      const bool is_wide = pair.candidate.drift_m > kWideDriftM;
+      if (!std::isfinite(pair.cost) || is_wide) finish_visit();
+      if (!std::isfinite(pair.cost)) continue;
+      if (is_wide) wide_keys.push_back(first);
+      Nearby& best = is_wide ? wide : visit;
+      if (pair.cost < best.cost) best = pair;
+    }
+    finish_visit();
+    AppendNearestVisits(&visits, candidates);
+    const double wide_spacing_m =
+        std::max(kWideSpacingM, kWideSpacingPerDrift * wide.candidate.drift_m);
+    if (std::isfinite(wide.cost) && BeginsStretch(second, wide_spacing_m)) {
+      wide.candidate.surroundings = Thinned(wide_keys, graph_);
+      candidates->push_back(wide.candidate);
+    }
+  }
+
+  // A pair as a candidate, at an infinite cost if it is out of reach.
+  Nearby Examine(int first, int second, const Way& way) const {
+    const double drift_m = DriftM(way);
+    Nearby pair{{first, second, drift_m, DriftRad(way), {}}, kInfinity};
+    const Pose2& a = graph_.world_from_key[first];
+    const Pose2& b = graph_.world_from_key[second];
+    const double distance_m = (a.translation() - b.translation()).norm();
+    if (distance_m <= kReachM + drift_m) {
+      pair.cost = ViewDistanceM(distance_m, b.yaw - a.yaw);
+    }
+    return pair;
+  }
+
+  void AppendNearestVisits(std::vector<Nearby>* visits,
+                           std::vector<LoopCandidate>* candidates) const {
+    std::stable_sort(visits->begin(), visits->end(),
+                     [](const Nearby& a, const Nearby& b) { return a.cost < b.cost; });
+    if (static_cast<int>(visits->size()) > kMaxVisits) {
+      visits->resize(kMaxVisits);
+    }
+    for (const Nearby& visit : *visits) {
+      if (IsClosed(visit.candidate.first, visit.candidate.second)) continue;
+      candidates->push_back(visit.candidate);
+    }
+  }
+
+  const KeyframeGraph& graph_;
+  std::vector<double> path_cost_m_;
+  Ways ways_;
+  std::vector<std::vector<int>> closed_with_;  // per later keyframe of a closure the earlier ones
+};
+
+}  // namespace
+
+double ViewDistanceM(double distance_m, double turn_rad) {
+  constexpr double kMetresPerRad = 1.0;
+  return distance_m + kMetresPerRad * std::abs(NormalizeAngle(turn_rad));
+}
+
+std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, ThreadPool* pool) {
+  const CandidateFinder finder(graph);
+  std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
+  pool->ForEachChunk(of_node.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) of_node[n] = finder.OfNode(static_cast<int>(n));
+  });
+  std::vector<LoopCandidate> candidates;
+  for (std::vector<LoopCandidate>& of_this : of_node) {
+    candidates.insert(candidates.end(), std::make_move_iterator(of_this.begin()),
+                      std::make_move_iterator(of_this.end()));
+  }
+  return candidates;
+}
+
+std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph) {
+  const std::vector<Keyframe>& keys = graph.keyframes;
+  std::vector<LoopCandidate> candidates;
+  for (int edge = 0; edge + 1 < graph.size(); ++edge) {
+    if (!graph.sequential[edge].in_question) continue;
+    std::vector<int> before;
+    for (int k = edge; k >= 0 && keys[edge].path_m - keys[k].path_m <= kLocalMapPathM; --k) {
+      before.push_back(k);
+    }
+    double next_m = keys[edge + 1].path_m;
+    for (int k = edge + 1; k < graph.size(); ++k) {
+      if (keys[k].path_m - keys[edge + 1].path_m > kLocalPathM) break;
+      if (k > edge + 1 && graph.sequential[k - 1].in_question) break;
+      if (keys[k].path_m < next_m) continue;
+      next_m = keys[k].path_m + kLocalSpacingM;
+      candidates.push_back(
+          {edge, k, kDriftFloorM + kSuspectDriftM, kLocalTurnRad, Thinned(before, graph)});
+    }
+  }
+  return candidates;
+}
+
+std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge) {
+  const std::vector<Keyframe>& keys = graph.keyframes;
+  std::vector<int> before;
+  for (int k = 0; k <= edge; ++k) before.push_back(k);
+  const std::vector<int> surroundings = Thinned(before, graph);
+  int last = edge + 1;
+  while (last + 1 < graph.size() && !graph.sequential[last].untrusted()) ++last;
+  const double path_m = keys[last].path_m - keys[edge + 1].path_m;
+  const double spacing_m = std::max(kMinJoinSpacingM, path_m / kMaxJoins);
+  std::vector<LoopCandidate> joins;
+  double next_m = keys[edge + 1].path_m;
+  for (int k = edge + 1; k <= last; ++k) {
+    if (keys[k].path_m < next_m) continue;
+    next_m = keys[k].path_m + spacing_m;
+    const Way way{keys[k].path_m - keys[edge].path_m + kSuspectCostM, 1};
+    // Turned about the edge, it may lie on the other side of it.
+    const double away_m =
+        Between(graph.world_from_key[edge], graph.world_from_key[k]).translation().norm();
+    joins.push_back({edge, k, DriftM(way) + 2.0 * away_m, kPi, surroundings});
+  }
+  return joins;
+}
+
+}  // namespace plumbline

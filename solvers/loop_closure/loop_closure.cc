@@ -1,0 +1,291 @@
+#include "plumbline/solvers/loop_closure/loop_closure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/front_end/correlative_matcher.h"
+#include "plumbline/solvers/front_end/free_space.h"
+#include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/match_covariance.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
+
+namespace plumbline {
+namespace {
+
+// What is matched: the keyframe with its neighbours up to kScanPathM of path [m] away, against the
+// surroundings of the other one up to kMapPathM of path [m] away. In wide searches both are of the
+// latter size: chance has more room there.
+constexpr double kScanPathM = 0.5;
+constexpr double kMapPathM = 5.0;
+constexpr double kScanCellM = 0.05;
+constexpr double kMapCellM = 0.03;
+// The map of a wide search ends here: a return kilometres away must not blow up its grid.
+constexpr double kSearchReachM = 150.0;
+// Cells [m] of the correlative search for the best place, and for all of them: there the fine
+// matching does the rest.
+constexpr double kSearchCellM = 0.1;
+constexpr double kPlaceCellM = 0.2;
+// The correlative search finds a pose to about its cell; the fine matching starts from there.
+constexpr double kFineGateStartM = 0.3;
+constexpr PeakSize kPeak{LoopAcceptance::kPeakRadiusM, LoopAcceptance::kPeakAngleRad};
+
+class CandidateTester {
+ public:
+  CandidateTester(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const KeyframeGraph& keyframe_graph)
+      : graph_(graph), surfaces_(surfaces), keys_(keyframe_graph) {}
+
+  TestedCandidate Test(const LoopCandidate& candidate) const {
+    const LocalMap scan = ScanOf(candidate);
+    LocalMap map(kMapCellM);
+    if (!candidate.wide()) map = SubmapAround(candidate.first, kMapPathM, kMapCellM);
+    const CorrelativeMatcher search(
+        candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
+        kSearchCellM, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
+    const SearchWindow window = WindowOf(candidate);
+    const CorrelativeMatch coarse =
+        search.Search(scan.points(), window, LoopAcceptance::kMinSearchScore);
+    if (!coarse.found) return NoMatch(candidate);
+
+    TestedCandidate tested =
+        candidate.wide() ? TestPlace(candidate, scan, coarse.map_from_scan)
+                         : TestFit(candidate, NoMatch(candidate), map, scan, coarse.map_from_scan);
+    if (tested.outcome == ClosureOutcome::kAccepted && candidate.wide() &&
+        (coarse.gave_up ||
+         SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
+         HasSecondPeak(search, scan.points(), window, coarse))) {
+      tested.outcome = ClosureOutcome::kAmbiguous;
+    }
+    return tested;
+  }
+
+  std::vector<TestedCandidate> FindPlaces(const LoopCandidate& candidate, int max_places) const {
+    const LocalMap scan = ScanOf(candidate);
+    const CorrelativeMatcher search(PointsOf(candidate.surroundings, candidate.first), kPlaceCellM,
+                                    candidate.drift_m);
+    std::vector<TestedCandidate> places;
+    for (const CorrelativeMatch& peak :
+         search.SearchPeaks(scan.points(), WindowOf(candidate), LoopAcceptance::kMinPlaceScore,
+                            max_places, kPeak)) {
+      const TestedCandidate place = TestPlace(candidate, scan, peak.map_from_scan);
+      if (place.inlier_ratio >= LoopAcceptance::kMinPlaceInlierRatio) places.push_back(place);
+    }
+    return places;
+  }
+
+ private:
+  Pose2 KeyFromKey(int a, int b) const {
+    return Between(keys_.world_from_key[a], keys_.world_from_key[b]);
+  }
+
+  SearchWindow WindowOf(const LoopCandidate& candidate) const {
+    return {KeyFromKey(candidate.first, candidate.second), candidate.drift_m, candidate.drift_rad};
+  }
+
+  LocalMap ScanOf(const LoopCandidate& candidate) const {
+    return SubmapAround(candidate.second, candidate.wide() ? kMapPathM : kScanPathM, kScanCellM);
+  }
+
+  static TestedCandidate NoMatch(const LoopCandidate& candidate) {
+    TestedCandidate tested;
+    tested.edge.from = candidate.first;
+    tested.edge.to = candidate.second;
+    return tested;
+  }
+
+  // A place that a wide search found: from here on it counts, not the one that was expected.
+  TestedCandidate TestPlace(const LoopCandidate& candidate, const LocalMap& scan,
+                            const Pose2& first_from_scan) const {
+    TestedCandidate tested = NoMatch(candidate);
+    tested.edge.from = NearestKey(candidate.surroundings, candidate.first, first_from_scan);
+    return TestFit(candidate, tested, SubmapAround(tested.edge.from, kMapPathM, kMapCellM), scan,
+                   KeyFromKey(tested.edge.from, candidate.first) * first_from_scan);
+  }
+
+  // map: around the earlier keyframe of `tested`. start: of the scan in it, to a cell or so.
+  TestedCandidate TestFit(const LoopCandidate& candidate, TestedCandidate tested,
+                          const LocalMap& map, const LocalMap& scan, const Pose2& start) const {
+    PosePrediction prediction;
+    prediction.world_from_robot = start;
+    ScanMatchOptions matching;
+    matching.coarse_gate_m = kFineGateStartM;
+    const ScanMatch fine = MatchScan(map, scan.points(), prediction, matching);
+    tested.edge.from_from_to = fine.world_from_robot;
+    tested.edge.covariance = MatchCovariance(fine.information);
+    tested.inlier_ratio = fine.inlier_ratio;
+    if (tested.inlier_ratio >= LoopAcceptance::kTentativeInlierRatio) {
+      tested.conflict = ConflictShare(tested.edge);
+    }
+    tested.outcome = OutcomeOf(candidate, tested);
+    return tested;
+  }
+
+  ClosureOutcome OutcomeOf(const LoopCandidate& candidate, const TestedCandidate& tested) const {
+    const double min_inlier_ratio =
+        candidate.wide() ? LoopAcceptance::kMinInlierRatioWide : LoopAcceptance::kMinInlierRatio;
+    if (tested.inlier_ratio < min_inlier_ratio) return ClosureOutcome::kLowOverlap;
+    if (tested.conflict > LoopAcceptance::kMaxFreeSpaceConflict) {
+      return ClosureOutcome::kFreeSpaceConflict;
+    }
+    return ClosureOutcome::kAccepted;
+  }
+
+  // Points of the keyframes within path_m of the center, in the frame of the center.
+  LocalMap SubmapAround(int center, double path_m, double cell_m) const {
+    std::vector<const SurfacePoints*> scans{&surfaces_[keys_.keyframes[center].scan]};
+    std::vector<Pose2> poses{Pose2()};
+    for (const int k : Neighbours(center, path_m)) {
+      if (k == center) continue;
+      scans.push_back(&surfaces_[keys_.keyframes[k].scan]);
+      poses.push_back(KeyFromKey(center, k));
+    }
+    LocalMap map(cell_m);
+    map.Rebuild(scans, poses);
+    return map;
+  }
+
+  // Keyframes within path_m of the center, up to a suspect edge: scans from beyond it would only
+  // confirm it.
+  std::vector<int> Neighbours(int center, double path_m) const {
+    const auto in_reach = [&](int k, int edge) {
+      return !keys_.sequential[edge].in_question &&
+             std::abs(keys_.keyframes[k].path_m - keys_.keyframes[center].path_m) <= path_m;
+    };
+    int low = center, high = center;
+    while (low > 0 && in_reach(low - 1, low - 1)) --low;
+    while (high + 1 < keys_.size() && in_reach(high + 1, high)) ++high;
+    std::vector<int> keys;
+    for (int k = low; k <= high; ++k) keys.push_back(k);
+    return keys;
+  }
+
+  SurfacePoints PointsOf(const std::vector<int>& keys, int frame) const {
+    SurfacePoints points;
+    for (const int k : keys) {
+      const FrameChange frame_from_key(KeyFromKey(frame, k));
+      for (const SurfacePoint& point : surfaces_[keys_.keyframes[k].scan]) {
+        const SurfacePoint in_frame = frame_from_key * point;
+        if (in_frame.position.cwiseAbs().maxCoeff() <= kSearchReachM) points.push_back(in_frame);
+      }
+    }
+    return points;
+  }
+
+  int NearestKey(const std::vector<int>& keys, int frame, const Pose2& frame_from_robot) const {
+    int nearest = frame;
+    double nearest_cost = std::numeric_limits<double>::infinity();
+    for (const int k : keys) {
+      const Pose2 apart = Between(KeyFromKey(frame, k), frame_from_robot);
+      const double cost = ViewDistanceM(std::hypot(apart.x, apart.y), apart.yaw);
+      if (cost >= nearest_cost) continue;
+      nearest_cost = cost;
+      nearest = k;
+    }
+    return nearest;
+  }
+
+  // Over the pairs of keyframes next to the two, both ways.
+  double ConflictShare(const RelativePoseConstraint& edge) const {
+    const std::vector<int> keys_a = NextTo(edge.from), keys_b = NextTo(edge.to);
+    const std::vector<FreeSpaceScan> scans_a = FreeSpaceOf(keys_a), scans_b = FreeSpaceOf(keys_b);
+    FreeSpaceConflict conflict;
+    for (std::size_t a = 0; a < keys_a.size(); ++a) {
+      const Pose2 a_from_to = KeyFromKey(keys_a[a], edge.from) * edge.from_from_to;
+      for (std::size_t b = 0; b < keys_b.size(); ++b) {
+        conflict +=
+            CompareBothWays(scans_a[a], scans_b[b], a_from_to * KeyFromKey(edge.to, keys_b[b]));
+      }
+    }
+    return conflict.Share();
+  }
+
+  std::vector<FreeSpaceScan> FreeSpaceOf(const std::vector<int>& keys) const {
+    std::vector<FreeSpaceScan> scans;
+    scans.reserve(keys.size());
+    for (const int k : keys) scans.emplace_back(graph_, keys_.keyframes[k].scan);
+    return scans;
+  }
+
+  // The keyframe and the ones right before and after it, as far as they are of the same visit.
+  std::vector<int> NextTo(int center) const {
+    std::vector<int> keys = Neighbours(center, kMapPathM);
+    keys.erase(
+        std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
+        keys.end());
+    return keys;
+  }
+
+  // Of neighbours in time the sequential matching has an opinion, too. Another one is believed only
+  // where that opinion is contradicted by what the scans looked through: among pillars at a
+  // constant pitch, the place that was seen best fits better than the one where the robot is.
+  bool SequenceAgreesWithItself(const LoopCandidate& candidate, const Pose2& expected,
+                                const Pose2& found) const {
+    const double path_m =
+        keys_.keyframes[candidate.second].path_m - keys_.keyframes[candidate.first].path_m;
+    const Pose2 apart = Between(expected, found);
+    if (path_m > LoopAcceptance::kRevisitPathM || IsSamePeak(apart)) return false;
+    RelativePoseConstraint edge;
+    edge.from = candidate.first;
+    edge.to = candidate.second;
+    edge.from_from_to = expected;
+    return ConflictShare(edge) <= LoopAcceptance::kMaxFreeSpaceConflict;
+  }
+
+  static bool IsSamePeak(const Pose2& apart) {
+    return std::hypot(apart.x, apart.y) < kPeak.radius_m &&
+           std::abs(NormalizeAngle(apart.yaw)) < kPeak.angle_rad;
+  }
+
+  static double PeakWindowM(double half_width_m) {
+    return std::max(half_width_m, LoopAcceptance::kPeakWindowM);
+  }
+
+  bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
+                     SearchWindow window, const CorrelativeMatch& best) const {
+    window.half_width_m = PeakWindowM(window.half_width_m);
+    return search.FitsElsewhere(scan, window, LoopAcceptance::kMaxSecondPeak * best.score,
+                                best.map_from_scan, kPeak);
+  }
+
+  const SlamGraph& graph_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const KeyframeGraph& keys_;
+};
+
+}  // namespace
+
+std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
+                                                const std::vector<SurfacePoints>& surfaces,
+                                                const KeyframeGraph& keyframe_graph,
+                                                const std::vector<LoopCandidate>& candidates,
+                                                ThreadPool* pool) {
+  const CandidateTester tester(graph, surfaces, keyframe_graph);
+  std::vector<TestedCandidate> tested(candidates.size());
+  pool->ForEachChunk(candidates.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) tested[i] = tester.Test(candidates[i]);
+  });
+  return tested;
+}
+
+std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
+                                        const std::vector<SurfacePoints>& surfaces,
+                                        const KeyframeGraph& keyframe_graph,
+                                        const std::vector<LoopCandidate>& candidates,
+                                        int max_places, ThreadPool* pool) {
+  const CandidateTester tester(graph, surfaces, keyframe_graph);
+  std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
+  pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    of_candidate[i] = tester.FindPlaces(candidates[i], max_places);
+  });
+  std::vector<TestedCandidate> places;
+  for (const std::vector<TestedCandidate>& of_this : of_candidate) {
+    places.insert(places.end(), of_this.begin(), of_this.end());
+  }
+  return places;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,44 @@
+#ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_LOOP_CLOSURE_H_
+#define PLUMBLINE_SOLVERS_LOOP_CLOSURE_LOOP_CLOSURE_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+#include "plumbline/solvers/loop_closure/loop_candidates.h"
+
+namespace plumbline {
+
+/// A candidate's outcome and, if something matched, the edge between keyframes that it would be
+/// (from the earlier to the later one).
+struct TestedCandidate {
+  ClosureOutcome outcome = ClosureOutcome::kNoMatch;
+  RelativePoseConstraint edge;
+  double inlier_ratio = 0.0;  ///< share of the scan on surfaces of the other visit
+  /// Share of returns that one visit looked through; 0 if too little of the scan matched to ask.
+  double conflict = 0.0;
+};
+
+/// Tests candidates of the keyframe graph; loop_acceptance.h says what makes one a closure. One
+/// result per candidate, in their order. surfaces: per scan of `graph`, in the frame of the robot.
+std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
+                                                const std::vector<SurfacePoints>& surfaces,
+                                                const KeyframeGraph& keyframe_graph,
+                                                const std::vector<LoopCandidate>& candidates,
+                                                ThreadPool* pool);
+
+/// All places where a wide candidate fits, however alike they are: those that show enough of the
+/// scan to be worth a hypothesis, max_places per candidate at most, in order of the candidates and
+/// from the best fit.
+std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
+                                        const std::vector<SurfacePoints>& surfaces,
+                                        const KeyframeGraph& keyframe_graph,
+                                        const std::vector<LoopCandidate>& candidates,
+                                        int max_places, ThreadPool* pool);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_LOOP_CLOSURE_H_

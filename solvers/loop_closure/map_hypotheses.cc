@@ -1,0 +1,519 @@
+#include "plumbline/solvers/loop_closure/map_hypotheses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "plumbline/solvers/loop_closure/close_loops.h"
+#include "plumbline/solvers/loop_closure/closure_clusters.h"
+#include "plumbline/solvers/loop_closure/closure_memory.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
+#include "plumbline/solvers/loop_closure/part_joins.h"
+#include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
+#include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
+#include "plumbline/solvers/loop_closure/suspect_clusters.h"
+#include "plumbline/solvers/loop_closure/suspect_edges.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+
+namespace plumbline {
+namespace {
+
+// The limits on how much is tried bound the work. The other values were tuned: what has to do with
+// carried robots on the floors of the seeding study (apps/benchmark), kSoundOdometry on
+// mit-killian, infinite-corridor, acapulco and fr-clinic.
+
+// Matches that nearly became closures are weighed, at most so many at a time.
+constexpr std::size_t kMostTentative = 8;
+// At most so often a cluster is found wrong, or such a match right.
+constexpr int kMaxRevisions = 6;
+// Steps that may be wrong at the same time, at most: those with the most evidence against them.
+constexpr std::size_t kMaxStepsInQuestion = 12;
+// At most so many of them are taken as wrong without a closure that says so, one at a time.
+constexpr int kMaxForcedBreaks = 3;
+// At most so many steps are looked at as ones over which the robot may have been carried anywhere.
+constexpr int kMostCarried = 3;
+// Places that are tried with closures of their own where a robot may have been carried to: the best
+// ones by their maps.
+constexpr std::size_t kMostJoins = 4;
+// Places where a robot may have been carried to differ in likelihood by what conflicts, and by how
+// far it would have been: a metre counts as much as this many conflicting returns.
+constexpr double kReturnsPerM = 50.0;
+// Another such place is possible as well if this share of the explicable conflicts, at most, come
+// with it.
+constexpr double kNoContradiction = 1.0 / 3.0;
+// The odometry is worth a search of its own if its map has no more than this times the conflicts
+// that can be explained.
+constexpr double kSoundOdometry = 2.0;
+
+FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
+  FreeSpaceConflict all = consistency.within_pass;
+  all += consistency.between_passes;
+  return all;
+}
+
+class HypothesisSearch {
+ public:
+  HypothesisSearch(const MotionOptions& motion, const SlamGraph& graph,
+                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                   ThreadPool* pool, const SequentialTrajectory& matched,
+                   std::vector<WeighedHypothesis>* weighed)
+      : motion_(motion),
+        graph_(graph),
+        surfaces_(surfaces),
+        progress_(progress),
+        pool_(pool),
+        matched_(matched),
+        weighed_(*weighed),
+        meter_(graph, matched.world_from_robot) {}
+
+  Status Run(MapHypothesis* best) {
+    suspected_ = MakeKeyframeGraph(matched_, motion_);
+    MarkSuspectEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &suspected_);
+    PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, best));
+    PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
+    PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
+    PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
+    PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
+    for (const std::size_t record : best->records) weighed_[record].adopted = true;
+    return Status::Ok();
+  }
+
+ private:
+  Status TryOdometry(MapHypothesis* best) {
+    const SequentialTrajectory odometry = OdometryAsGiven();
+    MapHypothesis given;
+    given.kind = HypothesisKind::kOdometryAlone;
+    given.start = odometry;
+    given.keys = MakeKeyframeGraph(odometry, motion_);
+    given.world_from_robot = odometry.world_from_robot;
+    given.consistency = meter_.Measure(given.world_from_robot, pool_);
+    Weigh(&given);
+    if (IsWorthASearch(given.consistency, *best)) {
+      MapHypothesis closed;
+      PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kOdometry, odometry, &closed));
+      if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
+    }
+    if (IsComparable(given.consistency, best->consistency) &&
+        IsBetter(given.consistency, best->consistency)) {
+      *best = std::move(given);
+    }
+    return Status::Ok();
+  }
+
+  // Steps of the sequential matching as wrong as closures say, or as it takes.
+  Status TryBreaks(MapHypothesis* best) {
+    const std::vector<int> suspects = MostSuspectSteps();
+    if (suspects.empty() || best->kind != HypothesisKind::kMatching) return Status::Ok();
+    if (!IsSuspicious(best->consistency) && !best->loops.IsUnresolved() &&
+        !GivesWay(suspects, best->keys)) {
+      return Status::Ok();
+    }
+    KeyframeGraph in_question = suspected_;
+    in_question.refused = best->keys.refused;
+    for (const int step : suspects) in_question.sequential[step].in_question = true;
+    PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
+    for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
+      if (!IsSuspicious(best->consistency)) break;
+      KeyframeGraph forced = in_question;
+      forced.sequential[suspects[i]].broken = true;
+      PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
+    }
+    return Status::Ok();
+  }
+
+  // What lies beyond a wrong step may be anywhere. One step after the other, the worst first.
+  Status TryJoins(MapHypothesis* best) {
+    if (best->kind != HypothesisKind::kMatching && best->kind != HypothesisKind::kBrokenSteps) {
+      return Status::Ok();
+    }
+    int num_tried = 0;
+    for (const int step : MostSuspectSteps()) {
+      const bool is_suspect =
+          suspected_.sequential[step].evidence >= SuspectStep::kUntrustedEvidence &&
+          IsSuspicious(best->consistency);
+      if (!is_suspect && !IsOpen(step, *best)) continue;
+      if (++num_tried > kMostCarried) break;
+      PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
+    }
+    for (const auto& [first_pose_after, num] : num_alternatives_) {
+      for (SuspectStep& suspect : best->loops.suspect_steps) {
+        if (suspect.first_pose_after == first_pose_after) suspect.num_alternatives = num;
+      }
+    }
+    return Status::Ok();
+  }
+
+  Status TryJoinsAt(int step, MapHypothesis* best) {
+    std::vector<KeyframeGraph> joins;
+    PLUMBLINE_RETURN_IF_ERROR(FindJoinsByMap(step, *best, &joins));
+    // If closures tie it to where it is, that is one of the places.
+    const bool is_tied =
+        SuspectAt(step, best->loops).num_closures_across >= LoopAcceptance::kMinClosuresAcross;
+    std::vector<MapHypothesis> places;
+    if (is_tied) places.push_back(*best);
+    // Other steps were in question when it was filled.
+    memories_.erase(HypothesisKind::kJoinedParts);
+    for (KeyframeGraph& keys : joins) {
+      PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+      MapHypothesis joined;
+      joined.kind = HypothesisKind::kJoinedParts;
+      joined.start = best->start;
+      joined.keys = std::move(keys);
+      PLUMBLINE_RETURN_IF_ERROR(Close(&joined));
+      const bool is_known = std::any_of(
+          places.begin(), places.end(),
+          [&](const MapHypothesis& other) { return IsSameJoin(step, joined.keys, other.keys); });
+      if (is_known) continue;
+      WeighJoin(step, *best, &joined);
+      if (is_tied || IsBetter(joined.consistency, best->consistency)) {
+        places.push_back(std::move(joined));
+      }
+    }
+    if (!places.empty()) TakeLikeliest(step, &places, best);
+    return Status::Ok();
+  }
+
+  // The ways to put the parts together that make the best maps, the best first.
+  Status FindJoinsByMap(int step, const MapHypothesis& hypothesis,
+                        std::vector<KeyframeGraph>* joins) const {
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+    std::vector<KeyframeGraph> all = JoinParts(graph_, surfaces_, hypothesis.keys, step, pool_);
+    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+    const std::vector<MapConsistency> maps = MeasureAll(all, hypothesis.start);
+    std::vector<std::size_t> order(all.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return Score(maps[a]) < Score(maps[b]); });
+    if (order.size() > kMostJoins) order.resize(kMostJoins);
+    for (const std::size_t i : order) joins->push_back(std::move(all[i]));
+    return Status::Ok();
+  }
+
+  void WeighJoin(int step, const MapHypothesis& before, MapHypothesis* joined) {
+    Weigh(joined);
+    weighed_.back().first_pose_after = suspected_.sequential[step].first_pose_after;
+    weighed_.back().carried_to = StepAt(step, joined->keys);
+    // What was found before about closures and other steps is still in force.
+    for (const std::size_t record : before.records) {
+      const HypothesisKind kind = weighed_[record].kind;
+      if (kind != HypothesisKind::kMatching && kind != HypothesisKind::kBrokenSteps) {
+        joined->records.push_back(record);
+      }
+    }
+  }
+
+  // Between places where loop closing asks by itself.
+  Status CheckStop() const {
+    if (!progress_ || progress_(SeedingPhase::kClosingLoops, 0, 0)) return Status::Ok();
+    return Status::Unavailable("loop closing was stopped by its caller");
+  }
+
+  // Of the places where what lies beyond a step may be.
+  void TakeLikeliest(int step, std::vector<MapHypothesis>* places, MapHypothesis* best) {
+    const auto share_within = [](const MapHypothesis& place) {
+      return place.consistency.within_pass.Share();
+    };
+    double usual_share = share_within(places->front());
+    for (const MapHypothesis& place : *places) {
+      usual_share = std::min(usual_share, share_within(place));
+    }
+    const auto excess = [&](const MapHypothesis& place) {
+      const FreeSpaceConflict all = AllConflicts(place.consistency);
+      return all.num_conflicting - usual_share * all.num_compared;
+    };
+    const Pose2& measured = suspected_.sequential[step].constraint.from_from_to;
+    const auto cost = [&](const MapHypothesis& place) {
+      const Pose2 carried = Between(measured, StepAt(step, place.keys));
+      return excess(place) + kReturnsPerM * std::hypot(carried.x, carried.y);
+    };
+    const auto likeliest = std::min_element(
+        places->begin(), places->end(),
+        [&](const MapHypothesis& a, const MapHypothesis& b) { return cost(a) < cost(b); });
+    // Where nothing shows that the step was wrong, it stays.
+    if (!IsOpen(step, *best) && IsSameJoin(step, likeliest->keys, best->keys)) return;
+    int& num_alternatives = num_alternatives_[suspected_.sequential[step].first_pose_after];
+    for (auto place = places->begin(); place != places->end(); ++place) {
+      const double explicable = explicable_share_ * place->consistency.between_passes.num_compared;
+      if (place != likeliest && cost(*place) - cost(*likeliest) <= kNoContradiction * explicable) {
+        ++num_alternatives;
+      }
+    }
+    *best = std::move(*likeliest);
+  }
+
+  // Whether the hypothesis itself says that the step leads, or may lead, to somewhere else.
+  bool IsOpen(int step, const MapHypothesis& hypothesis) const {
+    return hypothesis.keys.sequential[step].broken ||
+           SuspectAt(step, hypothesis.loops).IsUnresolved();
+  }
+
+  const SuspectStep& SuspectAt(int step, const LoopClosingReport& loops) const {
+    const int pose = suspected_.sequential[step].first_pose_after;
+    return *std::find_if(loops.suspect_steps.begin(), loops.suspect_steps.end(),
+                         [pose](const SuspectStep& d) { return d.first_pose_after == pose; });
+  }
+
+  // Whether the closures at hand move a step beyond its noise if it is allowed to be wrong: held as
+  // firmly as its neighbours, it shares its error out among them.
+  static bool GivesWay(const std::vector<int>& steps, KeyframeGraph keys) {
+    for (const int step : steps) keys.sequential[step].in_question = true;
+    OptimizeKeyframes(&keys);
+    return std::any_of(steps.begin(), steps.end(), [&](int step) {
+      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) >
+             LoopAcceptance::kMaxEdgeChi2;
+    });
+  }
+
+  Status TryBreak(const KeyframeGraph& keys, MapHypothesis* best) {
+    MapHypothesis broken;
+    broken.kind = HypothesisKind::kBrokenSteps;
+    broken.start = matched_;
+    broken.keys = keys;
+    PLUMBLINE_RETURN_IF_ERROR(Close(&broken));
+    Weigh(&broken);
+    if (IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
+    return Status::Ok();
+  }
+
+  // The worst first.
+  std::vector<int> MostSuspectSteps() const {
+    std::vector<int> steps;
+    for (std::size_t e = 0; e < suspected_.sequential.size(); ++e) {
+      if (suspected_.sequential[e].evidence > 0.0) steps.push_back(static_cast<int>(e));
+    }
+    std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
+      return suspected_.sequential[a].evidence > suspected_.sequential[b].evidence;
+    });
+    if (steps.size() > kMaxStepsInQuestion) steps.resize(kMaxStepsInQuestion);
+    return steps;
+  }
+
+  double Score(const MapConsistency& consistency) const {
+    const FreeSpaceConflict all = AllConflicts(consistency);
+    return all.num_conflicting - explicable_share_ * all.num_compared;
+  }
+
+  // Whether one map is better than another by enough to assume more for it.
+  bool IsBetter(const MapConsistency& map, const MapConsistency& other) const {
+    return Score(map) < Score(other) -
+                            LoopAcceptance::kMinMapGain * other.between_passes.num_conflicting -
+                            LoopAcceptance::kMinMapGainReturns;
+  }
+
+  // Whether one map lets passes be compared about as much as another: where they have nothing in
+  // common, nothing conflicts.
+  static bool IsComparable(const MapConsistency& map, const MapConsistency& other) {
+    return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
+  }
+
+  void Weigh(MapHypothesis* hypothesis) {
+    WeighedHypothesis weighed;
+    weighed.kind = hypothesis->kind;
+    weighed.num_closures = static_cast<int>(hypothesis->keys.closures.size());
+    weighed.conflict = AllConflicts(hypothesis->consistency);
+    weighed.score = Score(hypothesis->consistency);
+    weighed.world_from_robot = hypothesis->world_from_robot;
+    hypothesis->records = {weighed_.size()};
+    weighed_.push_back(weighed);
+  }
+
+  SequentialTrajectory OdometryAsGiven() const {
+    SequentialTrajectory odometry = matched_;
+    odometry.world_from_robot = PosesOf(graph_.initial_poses());
+    return odometry;
+  }
+
+  bool IsWorthASearch(const MapConsistency& odometry, const MapHypothesis& best) const {
+    return odometry.between_passes.num_compared > 0 &&
+           odometry.between_passes.Share() <= kSoundOdometry * explicable_share_ &&
+           IsSuspicious(best.consistency);
+  }
+
+  static bool IsSuspicious(const MapConsistency& consistency) {
+    return consistency.Ratio() > MapConsistency::kSuspiciousRatio || consistency.IsContradictory();
+  }
+
+  // Closes the loops of a start.
+  Status Begin(HypothesisKind kind, const SequentialTrajectory& start, MapHypothesis* best) {
+    best->kind = kind;
+    best->start = start;
+    best->keys = kind == HypothesisKind::kMatching ? suspected_ : MakeKeyframeGraph(start, motion_);
+    PLUMBLINE_RETURN_IF_ERROR(Close(best));
+    if (kind == HypothesisKind::kMatching) {
+      explicable_share_ = best->consistency.ExplicableShare();
+    }
+    Weigh(best);
+    return Status::Ok();
+  }
+
+  // Drops the clusters of closures that the map contradicts, and takes in the matches that it
+  // lacks.
+  Status ReviseClosures(MapHypothesis* best) {
+    for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
+      bool revised = false;
+      PLUMBLINE_RETURN_IF_ERROR(Revise(
+          HypothesisKind::kWithoutCluster,
+          SuspectClusters(best->keys, best->consistency, explicable_share_), best, &revised));
+      if (revised) continue;
+      PLUMBLINE_RETURN_IF_ERROR(
+          Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
+      if (!revised) break;
+    }
+    return Status::Ok();
+  }
+
+  Status Close(MapHypothesis* hypothesis) {
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(graph_, surfaces_, progress_, pool_,
+                                         &memories_[hypothesis->kind], &hypothesis->keys,
+                                         &hypothesis->loops));
+    Place(hypothesis);
+    hypothesis->consistency = meter_.Measure(hypothesis->world_from_robot, pool_);
+    return Status::Ok();
+  }
+
+  void Place(MapHypothesis* hypothesis) const {
+    hypothesis->world_from_robot =
+        PosesFollowingKeyframes(hypothesis->keys, hypothesis->start.world_from_robot);
+    RematchAtBreaks(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry,
+                    &hypothesis->world_from_robot);
+    RematchAtLeaps(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_, pool_,
+                   &hypothesis->world_from_robot);
+  }
+
+  // The maps of graphs of the start's keyframes.
+  std::vector<MapConsistency> MeasureAll(const std::vector<KeyframeGraph>& keys,
+                                         const SequentialTrajectory& start) const {
+    std::vector<MapConsistency> maps(keys.size());
+    pool_->ForEachChunk(keys.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      ThreadPool one_thread(1);
+      maps[i] =
+          meter_.Measure(PosesFollowingKeyframes(keys[i], start.world_from_robot), &one_thread);
+    });
+    return maps;
+  }
+
+  // Closures that are taken out of the graph, or into it, together.
+  using Revision = std::vector<RelativePoseConstraint>;
+
+  // Revises the hypothesis in the way that makes its map the best, if one of them makes it better.
+  // Loops are closed again for that one alone.
+  Status Revise(HypothesisKind kind, const std::vector<Revision>& revisions, MapHypothesis* best,
+                bool* revised) {
+    std::vector<KeyframeGraph> keys(revisions.size());
+    pool_->ForEachChunk(revisions.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+      keys[i] = kind == HypothesisKind::kWithoutCluster ? Without(revisions[i], best->keys)
+                                                        : With(revisions[i], best->keys);
+      OptimizeKeyframes(&keys[i]);
+    });
+    const std::vector<MapConsistency> maps = MeasureAll(keys, best->start);
+    const std::size_t first_record = weighed_.size();
+    std::size_t least = 0;
+    for (std::size_t i = 0; i < revisions.size(); ++i) {
+      RecordRevision(kind, revisions[i], best->keys, maps[i]);
+      if (Score(maps[i]) < Score(maps[least])) least = i;
+    }
+    // A cluster that is wrong shows as soon as it is gone. What a match brings may take the
+    // closures that come into reach with it.
+    const bool is_promising = kind == HypothesisKind::kWithMatch ||
+                              (!maps.empty() && Score(maps[least]) < Score(best->consistency));
+    if (revisions.empty() || !is_promising) return Status::Ok();
+    MapHypothesis other;
+    other.kind = best->kind;
+    other.start = best->start;
+    other.keys = std::move(keys[least]);
+    PLUMBLINE_RETURN_IF_ERROR(Close(&other));
+    *revised = IsBetter(other.consistency, best->consistency);
+    if (!*revised) return Status::Ok();
+    other.records = best->records;
+    other.records.push_back(first_record + least);
+    weighed_[first_record + least].conflict = AllConflicts(other.consistency);
+    weighed_[first_record + least].score = Score(other.consistency);
+    *best = std::move(other);
+    return Status::Ok();
+  }
+
+  static KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys) {
+    KeyframeGraph with = keys;
+    with.closures.insert(with.closures.end(), closures.begin(), closures.end());
+    return with;
+  }
+
+  // What the cluster's closures contradicted gets another chance.
+  static KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys) {
+    KeyframeGraph without = keys;
+    const auto is_in_cluster = [&](const RelativePoseConstraint& closure) {
+      return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
+        return other.from == closure.from && other.to == closure.to;
+      });
+    };
+    without.closures.clear();
+    for (const RelativePoseConstraint& closure : keys.closures) {
+      (is_in_cluster(closure) ? without.refused : without.closures).push_back(closure);
+    }
+    for (const RelativePoseConstraint& closure : keys.contradicted) {
+      if (!RepeatsRefused(closure, without.refused, keys)) without.closures.push_back(closure);
+    }
+    without.contradicted.clear();
+    return without;
+  }
+
+  void RecordRevision(HypothesisKind kind, const Revision& revision, const KeyframeGraph& keys,
+                      const MapConsistency& map) {
+    WeighedHypothesis trial;
+    trial.kind = kind;
+    trial.num_closures = static_cast<int>(revision.size());
+    trial.conflict = AllConflicts(map);
+    trial.score = Score(map);
+    const auto pose = [&](int key) { return keys.keyframes[key].pose; };
+    trial.first_later_pose = trial.first_earlier_pose = graph_.num_poses();
+    for (const RelativePoseConstraint& closure : revision) {
+      trial.first_later_pose = std::min(trial.first_later_pose, pose(closure.to));
+      trial.last_later_pose = std::max(trial.last_later_pose, pose(closure.to));
+      trial.first_earlier_pose = std::min(trial.first_earlier_pose, pose(closure.from));
+      trial.last_earlier_pose = std::max(trial.last_earlier_pose, pose(closure.from));
+    }
+    weighed_.push_back(trial);
+  }
+
+  static std::vector<Revision> TentativeMatches(const KeyframeGraph& keys) {
+    std::vector<Revision> matches;
+    for (const RelativePoseConstraint& match : keys.tentative) {
+      if (matches.size() < kMostTentative) matches.push_back({match});
+    }
+    return matches;
+  }
+
+  const MotionOptions& motion_;
+  const SlamGraph& graph_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const SeedingProgress& progress_;
+  ThreadPool* pool_;
+  const SequentialTrajectory& matched_;
+  std::vector<WeighedHypothesis>& weighed_;
+  const ConsistencyMeter meter_;
+  // Of the matching's map; one for all that are compared.
+  double explicable_share_ = 0.06;
+  // By what the surroundings of a keyframe look like: that depends on the start, and on which steps
+  // are in question.
+  std::map<HypothesisKind, ClosureMemory> memories_;
+  std::map<int, int> num_alternatives_;  // of suspect steps, by the first pose after them
+  KeyframeGraph suspected_;              // of the matching, with the evidence against its steps
+};
+
+}  // namespace
+
+Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
+                           const std::vector<SurfacePoints>& surfaces,
+                           const SeedingProgress& progress, ThreadPool* pool,
+                           const SequentialTrajectory& matched, MapHypothesis* best,
+                           std::vector<WeighedHypothesis>* weighed) {
+  weighed->clear();
+  HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, weighed);
+  return search.Run(best);
+}
+
+}  // namespace plumbline

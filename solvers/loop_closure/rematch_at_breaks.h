@@ -1,0 +1,22 @@
+#ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_REMATCH_AT_BREAKS_H_
+#define PLUMBLINE_SOLVERS_LOOP_CLOSURE_REMATCH_AT_BREAKS_H_
+
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+
+namespace plumbline {
+
+/// Matches the scans next to each broken edge anew, by the odometry from where the way is sound
+/// again: the sequential matching had only the map of the wrong place for the first of them.
+/// surfaces: per scan. odometry: from the pose before, per pose. world_from_robot: per pose,
+/// following the keyframes.
+void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                     const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
+                     std::vector<Pose2>* world_from_robot);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_REMATCH_AT_BREAKS_H_

@@ -1,0 +1,174 @@
+#include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
+
+namespace plumbline {
+namespace {
+
+// All of this was tuned on the slips of the seeding study (apps/benchmark).
+constexpr double kMapCellM = 0.03;
+// The map is made of the keyframes of this much path [m] to either side.
+constexpr double kMapPathM = 6.0;
+// Poses before and after a leap that may hang behind, ...
+constexpr int kPosesBefore = 8, kPosesAfter = 1;
+// ... and those of them that hang behind so often that they are no good as a map.
+constexpr int kPosesBeforeInMap = 2;
+// A new pose must fit this much more of the scan than the old one, ...
+constexpr double kMinGain = 0.05;
+// ... and all but all of it, ...
+constexpr double kMinInlierRatio = 0.8;
+// ... or by this much more and at least half of it, if it makes the steps of the robot more even.
+constexpr double kMinGainEven = 0.1;
+constexpr double kMinInlierRatioEven = 0.5;
+// Starts along a leap, at most.
+constexpr int kMaxStarts = 8;
+// Evenness is told by this many steps to either side.
+constexpr int kStepsAround = 3;
+
+// The leaps of a trajectory, by the first pose after each.
+class Leaps {
+ public:
+  Leaps(const KeyframeGraph& keys, const std::vector<Pose2>& odometry, const MotionOptions& motion,
+        const std::vector<Pose2>& poses)
+      : is_leap_(poses.size(), 0), is_carried_(poses.size(), 0) {
+    for (std::size_t p = 1; p < poses.size(); ++p) {
+      is_leap_[p] = IsLeap(odometry[p], Between(poses[p - 1], poses[p]), motion);
+    }
+    // Somewhere between the keyframes of a broken edge the robot was carried.
+    for (const SequentialEdge& edge : keys.sequential) {
+      if (!edge.broken) continue;
+      const auto begin = is_carried_.begin();
+      std::fill(begin + keys.keyframes[edge.constraint.from].pose + 1,
+                begin + keys.keyframes[edge.constraint.to].pose + 1, 1);
+    }
+  }
+
+  bool IsCarried(int pose) const { return is_carried_[pose] != 0; }
+
+  // The next leap that is at most so many poses ahead, 0 if there is none.
+  int Next(int pose, int most) const {
+    const int end = std::min(static_cast<int>(is_leap_.size()), pose + most + 1);
+    for (int p = pose + 1; p < end; ++p) {
+      if (is_leap_[p] != 0) return p;
+    }
+    return 0;
+  }
+
+  // Whether the pose is at most so many poses before a leap, or right after it. The first one stays
+  // in any case: the drive begins there.
+  bool IsNear(int pose, int poses_before) const {
+    if (pose == 0) return false;
+    for (int p = pose; p >= 1 && p >= pose - kPosesAfter; --p) {
+      if (is_leap_[p] != 0) return true;
+    }
+    return Next(pose, poses_before) != 0;
+  }
+
+ private:
+  std::vector<char> is_leap_, is_carried_;
+};
+
+// Of the other keyframes around a pose, but those that may well hang behind.
+LocalMap MapAround(int pose, const KeyframeGraph& keys, const std::vector<SurfacePoints>& surfaces,
+                   const Leaps& leaps, const std::vector<Pose2>& poses) {
+  const auto after = std::partition_point(keys.keyframes.begin(), keys.keyframes.end(),
+                                          [&](const Keyframe& key) { return key.pose <= pose; });
+  const double path_m = after == keys.keyframes.begin() ? 0.0 : std::prev(after)->path_m;
+  std::vector<const SurfacePoints*> scans;
+  std::vector<Pose2> places;
+  const auto first =
+      std::partition_point(keys.keyframes.begin(), keys.keyframes.end(),
+                           [&](const Keyframe& key) { return key.path_m < path_m - kMapPathM; });
+  for (auto key = first; key != keys.keyframes.end() && key->path_m <= path_m + kMapPathM; ++key) {
+    if (key->pose == pose || leaps.IsNear(key->pose, kPosesBeforeInMap)) continue;
+    scans.push_back(&surfaces[key->scan]);
+    places.push_back(poses[key->pose]);
+  }
+  LocalMap map(kMapCellM);
+  map.Rebuild(scans, places);
+  return map;
+}
+
+// What the next leap adds to the odometry, in the world [m]; nothing if there is none, or if the
+// robot was carried over it: then no pose lies on the way.
+Eigen::Vector2d LeapAfter(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
+                          const std::vector<Pose2>& poses) {
+  const int next = leaps.Next(pose, kPosesBefore);
+  if (next == 0 || leaps.IsCarried(next)) return Eigen::Vector2d::Zero();
+  return poses[next].translation() - (poses[next - 1] * odometry[next]).translation();
+}
+
+// From the pose itself and from places on the way of the leap, which it may have made already.
+ScanMatch BestMatch(const LocalMap& map, const SurfacePoints& scan, const Pose2& pose,
+                    const Eigen::Vector2d& leap) {
+  const ScanMatchOptions matching;
+  const int num_starts =
+      std::min(1 + static_cast<int>(std::ceil(leap.norm() / matching.coarse_gate_m)), kMaxStarts);
+  ScanMatch best;
+  for (int i = 0; i < num_starts; ++i) {
+    const Eigen::Vector2d shift = leap * i / std::max(1, num_starts - 1);
+    PosePrediction start;
+    start.world_from_robot = Pose2(pose.x + shift.x(), pose.y + shift.y(), pose.yaw);
+    const ScanMatch match = MatchScan(map, scan, start, matching);
+    if (i == 0 || match.inlier_ratio > best.inlier_ratio) best = match;
+  }
+  return best;
+}
+
+// Sum of squares of what the steps around a pose differ from the odometry [m^2], but for those over
+// which the robot was carried.
+double Unevenness(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
+                  const std::vector<Pose2>& poses) {
+  const int num_poses = static_cast<int>(poses.size());
+  double sum = 0.0;
+  for (int p = std::max(1, pose - kStepsAround + 1); p <= pose + kStepsAround && p < num_poses;
+       ++p) {
+    if (leaps.IsCarried(p)) continue;
+    const Pose2 off = Between(odometry[p], Between(poses[p - 1], poses[p]));
+    sum += off.translation().squaredNorm();
+  }
+  return sum;
+}
+
+}  // namespace
+
+void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                    const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
+                    const MotionOptions& motion, ThreadPool* pool,
+                    std::vector<Pose2>* world_from_robot) {
+  const std::vector<Pose2> before = *world_from_robot;
+  const Leaps leaps(keys, odometry, motion, before);
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  std::vector<Pose2> after = before;
+  std::vector<char> fits_well(before.size(), 0);
+  pool->ForEachChunk(before.size(), 1, [&](std::size_t p, std::size_t, std::size_t) {
+    const int pose = static_cast<int>(p), scan = scan_of_pose[pose];
+    if (!leaps.IsNear(pose, kPosesBefore) || scan < 0) return;
+    const LocalMap map = MapAround(pose, keys, surfaces, leaps, before);
+    const ScanMatch old = MeasureFit(map, surfaces[scan], before[pose], ScanMatchOptions());
+    const ScanMatch match =
+        BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
+    const double gain = match.inlier_ratio - old.inlier_ratio;
+    fits_well[p] = match.inlier_ratio >= kMinInlierRatio && gain >= kMinGain;
+    if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain >= kMinGainEven)) {
+      after[p] = match.world_from_robot;
+    }
+  });
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    const int pose = static_cast<int>(p);
+    if (fits_well[p] != 0 ||
+        Unevenness(pose, leaps, odometry, after) < Unevenness(pose, leaps, odometry, before)) {
+      (*world_from_robot)[p] = after[p];
+    }
+  }
+}
+
+}  // namespace plumbline

@@ -1,0 +1,159 @@
+#include "plumbline/solvers/loop_closure/suspect_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/solvers/front_end/free_space.h"
+#include "plumbline/solvers/front_end/local_map.h"
+
+namespace plumbline {
+namespace {
+
+// Keyframes on either side that are compared with those of the other one.
+constexpr int kKeysPerSide = 3;
+constexpr double kMapCellM = 0.03;
+// A point of one side is seen by the other if a surface is this near: more than matching leaves,
+// less than a jump that matters.
+constexpr double kSeenM = 0.15;
+// Where neighbouring scans have less than this in common, something is wrong. Tuned on the floors
+// of the seeding study (apps/benchmark), as what follows.
+constexpr double kExpectedOverlap = 0.6;
+// From here on the evidence counts. Sound simulated drives stay below 0.05 everywhere, real ones
+// with people, glass and fast turns are above it in one edge of fifty.
+constexpr double kSuspectEvidence = 0.15;
+// That is for drives on which three quarters of the edges have no more evidence than this. Where
+// scans are a metre apart, or people and bushes stand everywhere, neighbouring scans have less in
+// common and conflict more, and it takes more in proportion to be out of the ordinary.
+constexpr double kUsualEvidence = 0.05;
+
+// A scan and where it was taken from.
+struct PlacedScan {
+  int scan;
+  Pose2 world_from_robot;
+  const FreeSpaceScan* free_space;
+};
+using Side = std::vector<PlacedScan>;  // the nearest one first
+
+// Share of the first scan's points on surfaces that the other side shows.
+double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, const Side& others) {
+  std::vector<const SurfacePoints*> points;
+  std::vector<Pose2> poses;
+  for (const PlacedScan& other : others) {
+    points.push_back(&surfaces[other.scan]);
+    poses.push_back(other.world_from_robot);
+  }
+  LocalMap map(kMapCellM);
+  map.Rebuild(points, poses);
+  const SurfacePoints& surface = surfaces[side.front().scan];
+  const auto num_seen = std::count_if(surface.begin(), surface.end(), [&](const SurfacePoint& p) {
+    return map.Nearest(side.front().world_from_robot * p, kSeenM) != nullptr;
+  });
+  return static_cast<double>(num_seen) / static_cast<double>(surface.size());
+}
+
+// How badly two sides agree, from 0 (they do) to 1.6.
+double Disagreement(const std::vector<SurfacePoints>& surfaces, const Side& before,
+                    const Side& after) {
+  FreeSpaceConflict conflict;
+  for (const PlacedScan& a : before) {
+    for (const PlacedScan& b : after) {
+      conflict += CompareBothWays(*a.free_space, *b.free_space,
+                                  Between(a.world_from_robot, b.world_from_robot));
+    }
+  }
+  const double overlap =
+      std::min(Overlap(surfaces, before, after), Overlap(surfaces, after, before));
+  return std::min(1.0, conflict.Penalty()) + std::max(0.0, kExpectedOverlap - overlap);
+}
+
+class EdgeEvidence {
+ public:
+  EdgeEvidence(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+               const std::vector<Pose2>& world_from_robot, const KeyframeGraph& keyframe_graph)
+      : graph_(graph), surfaces_(surfaces), poses_(world_from_robot), keys_(keyframe_graph) {
+    of_key_.reserve(keyframe_graph.keyframes.size());
+    for (const Keyframe& key : keyframe_graph.keyframes) of_key_.emplace_back(graph, key.scan);
+  }
+
+  // Of an edge, its sides reaching to the next suspect edge at most.
+  double Evidence(int edge) const {
+    Side before, after;
+    for (int k = edge; k >= 0 && static_cast<int>(before.size()) < kKeysPerSide; --k) {
+      before.push_back(PlacedKey(k));
+      if (k > 0 && keys_.sequential[k - 1].evidence > 0.0) break;
+    }
+    for (int k = edge + 1; k < keys_.size() && static_cast<int>(after.size()) < kKeysPerSide; ++k) {
+      after.push_back(PlacedKey(k));
+      if (k + 1 < keys_.size() && keys_.sequential[k].evidence > 0.0) break;
+    }
+    return Disagreement(surfaces_, before, after);
+  }
+
+  // The pose on the edge that agrees worst with the pose before it.
+  int FirstPoseAfter(int edge, const std::vector<int>& scan_of_pose) const {
+    int worst_pose = keys_.keyframes[edge + 1].pose;
+    double worst = 0.0;
+    Side before{PlacedKey(edge)};
+    FreeSpaceScan free_space_before = of_key_[edge];
+    before.front().free_space = &free_space_before;
+    for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
+         ++pose) {
+      const int scan = scan_of_pose[pose];
+      if (scan < 0) continue;
+      FreeSpaceScan free_space(graph_, scan);
+      Side after{{scan, poses_[pose], &free_space}};
+      const double disagreement = Disagreement(surfaces_, before, after);
+      free_space_before = std::move(free_space);
+      before = {{scan, poses_[pose], &free_space_before}};
+      if (disagreement <= worst) continue;
+      worst = disagreement;
+      worst_pose = pose;
+    }
+    return worst_pose;
+  }
+
+ private:
+  PlacedScan PlacedKey(int key) const {
+    const Keyframe& keyframe = keys_.keyframes[key];
+    return {keyframe.scan, poses_[keyframe.pose], &of_key_[key]};
+  }
+
+  const SlamGraph& graph_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const std::vector<Pose2>& poses_;
+  const KeyframeGraph& keys_;
+  std::vector<FreeSpaceScan> of_key_;
+};
+
+// What three quarters of the edges stay below. suspects: sorted, the worst first, with a minus.
+double UsualEvidence(const std::vector<std::pair<double, int>>& suspects) {
+  return suspects.empty() ? 0.0 : -suspects[suspects.size() / 4].first;
+}
+
+}  // namespace
+
+void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
+                      KeyframeGraph* keyframe_graph) {
+  std::vector<SequentialEdge>& edges = keyframe_graph->sequential;
+  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph);
+  std::vector<std::pair<double, int>> suspects(edges.size());
+  pool->ForEachChunk(edges.size(), 1, [&](std::size_t e, std::size_t, std::size_t) {
+    suspects[e] = {-edge_evidence.Evidence(static_cast<int>(e)), static_cast<int>(e)};
+  });
+  // The worst first: it spoils what is seen across its neighbours, which are then judged again.
+  std::sort(suspects.begin(), suspects.end());
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  const double in_proportion = std::max(1.0, UsualEvidence(suspects) / kUsualEvidence);
+  for (const auto& [negative_evidence, edge] : suspects) {
+    if (-negative_evidence / in_proportion < kSuspectEvidence) break;
+    const double evidence = edge_evidence.Evidence(edge) / in_proportion;
+    if (evidence < kSuspectEvidence) continue;
+    edges[edge].evidence = evidence;
+    edges[edge].first_pose_after = edge_evidence.FirstPoseAfter(edge, scan_of_pose);
+  }
+}
+
+}  // namespace plumbline

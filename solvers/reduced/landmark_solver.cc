@@ -1,0 +1,168 @@
+#include <chrono>
+#include <utility>
+
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/solvers/acceptance/local_acceptance.h"
+#include "plumbline/solvers/full/alternating_cg.h"
+#include "plumbline/solvers/full/joint_run.h"
+#include "plumbline/solvers/full/point_recovery.h"
+#include "plumbline/solvers/interface/built_in_solvers.h"
+#include "plumbline/solvers/reduced/reduced_solver.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Rounds over landmarks, then the points in closed form.
+class LandmarkRun final : public JointRun {
+ public:
+  // ceres: null for Gauss-Newton.
+  LandmarkRun(const char* solver_name, const CeresOptions* ceres, const SolverProblem& problem,
+              const MapState& seed)
+      : JointRun(solver_name, problem, seed), ceres_(ceres) {}
+
+ private:
+  void Refine() override {
+    ReducedResult result = Minimize();
+    if (!summary_.started_from_constraints) seed_landmarks_ = std::move(result.first_cut);
+    Candidate found = Evaluator().Evaluate(result.fitted_poses, std::move(result.fitted_cut));
+    const std::vector<DownweightedStep> downweighted = StepsAgainst(found);
+    if (!downweighted.empty()) MinimizeDownweighting(downweighted, &result, &found);
+    last_landmarks_ = std::move(result.last_cut);
+    RunAcceptanceTest(&found);
+    fitted_landmarks_ = std::move(found.cut);
+    if (summary_.acceptance.IsBetter()) {
+      PutBack(summary_.put_back, graph_.fixed_poses(), seed_.poses, &state_.poses);
+    } else {
+      state_.poses = seed_.poses;
+    }
+    Associations associations;
+    associations.lines = CurrentLines();
+    best_energy_ = MarginalEnergyUnder(associations.lines);
+    if (summary_.acceptance.IsBetter()) {
+      best_round_ = static_cast<int>(summary_.landmark_rounds.size());
+      FinishReduced(&associations);
+    } else {
+      RecordSeedTerms(associations);
+    }
+  }
+
+  // From the poses at hand.
+  ReducedResult Minimize() {
+    rounds_before_ = static_cast<int>(summary_.landmark_rounds.size());
+    ReducedResult result =
+        MinimizeOverLandmarks(graph_, *surface_, factors_, options_.reduced, options_.association,
+                              ReportCallback(), &pool_, &state_.poses, ceres_);
+    summary_.landmark_rounds.insert(summary_.landmark_rounds.end(), result.rounds.begin(),
+                                    result.rounds.end());
+    rounds_before_ = 0;
+    summary_.solve_time_s += result.minimization_time_s;
+    summary_.setup_time_s += result.setup_time_s;
+    summary_.association_time_s += result.cutting_time_s;
+    last_inner_.usable = result.usable;
+    last_inner_.stopped = result.stopped;
+    last_inner_.stop_reason = result.stop_reason;
+    converged_ = result.converged;
+    return result;
+  }
+
+  // Once more from the seed; what is the better one by the energy without these steps stays.
+  void MinimizeDownweighting(const std::vector<DownweightedStep>& steps, ReducedResult* result,
+                             Candidate* found) {
+    const std::vector<double> poses = state_.poses;
+    const InnerResult inner = last_inner_;
+    const bool converged = converged_;
+    DownweightSteps(steps);
+    state_.poses = seed_.poses;
+    ReducedResult second = Minimize();
+    Candidate again = Evaluator().Evaluate(second.fitted_poses, std::move(second.fitted_cut));
+    if (last_inner_.usable && Evaluator().IsPreferable(*found, again)) {
+      *result = std::move(second);
+      *found = std::move(again);
+      summary_.started_from_constraints = false;
+      return;
+    }
+    RestoreSteps();
+    state_.poses = poses;
+    const bool stopped = last_inner_.stopped;
+    last_inner_ = inner;
+    last_inner_.stopped = stopped;
+    converged_ = converged;
+  }
+
+  // For want of something better, the terms after are those before.
+  void RecordSeedTerms(const Associations& associations) {
+    const Energy energy(graph_, associations, factors_, &pool_);
+    RecordTerms(energy, seed_, &TermSummary::initial_cost);
+    RecordTerms(energy, seed_, &TermSummary::final_cost);
+  }
+
+  // The final points, and the costs per term before and after, under the final lines.
+  void FinishReduced(Associations* associations) {
+    AddLandmarkLines(last_landmarks_, &associations->lines);
+    state_.points =
+        RecoverPoints(graph_, state_.poses, *surface_, associations->lines, factors_, &pool_);
+    summary_.displacements = Displacements();
+    if (factors_.shape.enabled) {
+      associations->shape_pairs = FindShapePairs(graph_, state_.points, surface_->normals,
+                                                 associations->lines, options_.association, &pool_);
+    }
+    const Energy energy(graph_, *associations, factors_, &pool_);
+    RecordTerms(energy, seed_, &TermSummary::initial_cost);
+    if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
+    RecordTerms(energy, state_, &TermSummary::final_cost);
+  }
+
+  // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the
+  // poses have become worse than the seed by that.
+  void Polish(const Energy& energy) {
+    const MapState unpolished = state_;
+    AlternatingCgOptions sweeps = options_.alternating_cg;
+    sweeps.max_sweeps = options_.reduced.polish_sweeps;
+    const auto start = Clock::now();
+    last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), &state_).stopped;
+    summary_.solve_time_s += SecondsSince(start);
+    const Candidate polished = Evaluator().Evaluate(state_.poses, fitted_landmarks_);
+    if (!polished.acceptance.IsBetter()) {
+      state_ = unpolished;
+      return;
+    }
+    best_energy_ = MarginalEnergyUnder(CurrentLines());
+    summary_.displacements = Displacements();
+  }
+
+  const CeresOptions* const ceres_;
+  LineLandmarks fitted_landmarks_;  // the surfaces as what is judged places them
+  LineLandmarks last_landmarks_;    // as the result does
+};
+
+class LandmarkSolver final : public Solver {
+ public:
+  LandmarkSolver(const char* name, bool by_ceres) : name_(name), by_ceres_(by_ceres) {}
+
+  const char* name() const override { return name_; }
+  bool IsOverLandmarks() const override { return true; }
+  SolverSummary Solve(const SolverProblem& problem, MapState* state) const override {
+    const CeresOptions* ceres = by_ceres_ ? &*problem.options.ceres : nullptr;
+    return LandmarkRun(name_, ceres, problem, *state).Run(state);
+  }
+
+ private:
+  const char* name_;
+  bool by_ceres_;
+};
+
+}  // namespace
+
+const Solver& ReducedSolver() {
+  static const LandmarkSolver solver("reduced", false);
+  return solver;
+}
+
+const Solver& CeresReducedSolver() {
+  static const LandmarkSolver solver("ceres, reduced", true);
+  return solver;
+}
+
+}  // namespace plumbline

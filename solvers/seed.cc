@@ -1,0 +1,81 @@
+#include "plumbline/solvers/seed.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
+#include "plumbline/core/return_normals.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/sequential_seeding.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/loop_closure/close_all_loops.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<Pose2> OdometryOf(const SequentialTrajectory& trajectory, const SlamGraph& graph) {
+  std::vector<Pose2> motions;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    const bool corrected = step.to == step.from + 1;
+    motions.push_back(corrected ? trajectory.odometry[step.to] : step.from_from_to);
+  }
+  return motions;
+}
+
+Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
+                   const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
+                   ThreadPool* pool, const SlamGraph& graph, MapState* state,
+                   SeedingReport* report) {
+  const DefaultFloatEnvironment float_environment;
+  std::string error;
+  if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
+  if (normals.size() != graph.num_returns()) {
+    return Status::InvalidArgument("seeding needs one normal per return, " +
+                                   std::to_string(graph.num_returns()) + ", but got " +
+                                   std::to_string(normals.size()));
+  }
+  const std::vector<SurfacePoints> surfaces =
+      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+  SequentialTrajectory trajectory;
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, graph, surfaces, progress,
+                                             pool, &trajectory, &report->sequential));
+  report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
+  CorrectOdometry(report->odometry_noise, motion, &trajectory);
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
+                                          pool, &trajectory, report));
+  report->corrections.odometry = OdometryOf(trajectory, graph);
+  MapState seed;
+  seed.poses = PoseArray(trajectory.world_from_robot);
+  seed.points = graph.MeasuredMap(seed.poses);
+  *state = std::move(seed);
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
+                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
+                 ThreadPool* pool, const SlamGraph& graph, MapState* state, SeedingReport* report) {
+  return CatchExceptions(
+      [&] { return SeedChecked(options, motion, normals, progress, pool, graph, state, report); });
+}
+
+Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_options,
+                 const SlamGraph& graph, MapState* state, SeedingReport* report) {
+  return CatchExceptions([&] {
+    std::string error;
+    if (!solver_options.Check(&error)) return Status::InvalidArgument(error);
+    const FactorOptions& factors = solver_options.factors;
+    ThreadPool pool(solver_options.num_threads);
+    return SeedChecked(options, factors.motion,
+                       EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool), nullptr,
+                       &pool, graph, state, report);
+  });
+}
+
+}  // namespace plumbline

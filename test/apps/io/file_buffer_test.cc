@@ -1,0 +1,61 @@
+#include "plumbline/apps/io/file_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <ostream>
+#include <string>
+
+#include "plumbline/test/core/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+TEST(FileBufferTest, WritesTextAndBytesOfAnyLength) {
+  const std::string path = TempFolder() + "a.bin";
+  WriteFile(path, "what was there before");
+  const std::string bytes(1000003, '\xff');
+  FileBuffer buffer;
+  ASSERT_TRUE(buffer.Open(path));
+  std::ostream stream(&buffer);
+  stream << "text " << 7 << '\n' << bytes << '\0' << std::flush << "end";
+  EXPECT_TRUE(buffer.Close());
+  EXPECT_TRUE(stream.good());
+  EXPECT_EQ(buffer.error(), 0);
+  EXPECT_TRUE(ReadFile(path) == "text 7\n" + bytes + std::string(1, '\0') + "end");
+}
+
+TEST(FileBufferTest, TellsWhyAFileCannotBeMade) {
+  FileBuffer buffer;
+  EXPECT_FALSE(buffer.Open(TempFolder() + "none/a.bin"));
+  EXPECT_EQ(buffer.error(), ENOENT);
+  EXPECT_FALSE(FileBuffer().Open(TempFolder()));
+}
+
+TEST(FileBufferTest, RemembersWhyWritingFailed) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  for (const std::size_t size : {1, 1000000}) {
+    FileBuffer buffer;
+    ASSERT_TRUE(buffer.Open("/dev/full"));
+    std::ostream stream(&buffer);
+    stream << std::string(size, 'x');
+    errno = 0;
+    stream << "more";
+    EXPECT_FALSE(buffer.Close());
+    EXPECT_EQ(buffer.error(), ENOSPC) << size;
+  }
+}
+
+TEST(FileBufferTest, WhatIsNotClosedIsNotFlushed) {
+  const std::string path = TempFolder() + "a.txt";
+  {
+    FileBuffer buffer;
+    ASSERT_TRUE(buffer.Open(path));
+    std::ostream(&buffer) << "half";
+  }
+  EXPECT_EQ(ReadFile(path), "");
+}
+
+}  // namespace
+}  // namespace plumbline

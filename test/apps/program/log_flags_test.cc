@@ -1,0 +1,32 @@
+#include "plumbline/apps/program/log_flags.h"
+
+#include <gflags/gflags.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "plumbline/apps/program/command_line.h"
+
+namespace plumbline {
+namespace {
+
+TEST(LogFlagsTest, FlagsAreTheOptionsOfTheReader) {
+  const gflags::FlagSaver saver;
+  EXPECT_EQ(RosbagReadOptionsFromFlags().scan_topic, "");
+  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_topic, "");
+  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_frame, "odom");
+  gflags::SetCommandLineOption("scan_topic", "/front");
+  gflags::SetCommandLineOption("odom_topic", "/wheels");
+  gflags::SetCommandLineOption("odom_frame", "start");
+  EXPECT_EQ(RosbagReadOptionsFromFlags().scan_topic, "/front");
+  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_topic, "/wheels");
+  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_frame, "start");
+}
+
+TEST(LogFlagsTest, HelpListsThem) {
+  EXPECT_THAT(HelpText("usage"), testing::AllOf(testing::HasSubstr("--scan_topic="),
+                                                testing::HasSubstr("--odom_topic="),
+                                                testing::HasSubstr("--odom_frame=odom")));
+}
+
+}  // namespace
+}  // namespace plumbline

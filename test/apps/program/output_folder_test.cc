@@ -1,0 +1,63 @@
+#include "plumbline/apps/program/output_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "plumbline/test/core/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+TEST(OutputFolderTest, IsMadeWithTheFoldersAboveIt) {
+  const OutputFolder folder(TempFolder() + "a/b");
+  ASSERT_TRUE(folder.Make().ok());
+  EXPECT_TRUE(folder.Make().ok());  // it is there
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path()));
+  EXPECT_EQ(folder.File("map.png"), folder.path() + "/map.png");
+}
+
+TEST(OutputFolderTest, CannotReplaceAFile) {
+  const std::string path = TempFolder() + "file";
+  WriteFile(path, "in the way");
+  const Status status = OutputFolder(path).Make();
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+  EXPECT_THAT(status.message(), testing::HasSubstr("cannot make the folder '" + path + "'"));
+}
+
+TEST(OutputFolderTest, RefusesAFolderThatTakesNoFiles) {
+  // Not even the administrator may write here.
+  const Status status = OutputFolder("/proc").Make();
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(status.message(), testing::HasSubstr("'/proc/summary.json'"));
+}
+
+TEST(OutputFolderTest, RemovesOldResultsAndNothingElse) {
+  const std::string path = TempFolder();
+  for (const char* name : {"summary.json", "points.ply", "map.pgm.12-0.tmp", "graph.g2o"}) {
+    WriteFile(path + name, "old");
+  }
+  const OutputFolder folder(path);
+  for (const char* name : {"notes.txt", "notes.txt.12-0.tmp", "points.ply.bak"}) {
+    WriteFile(path + name, "mine");
+  }
+  ASSERT_TRUE(folder.RemoveOldResults({path + "./graph.g2o", "", path + "none"}).ok());
+  EXPECT_EQ(NumFilesIn(path), 4);
+  EXPECT_EQ(ReadFile(path + "graph.g2o"), "old");  // read by this run
+  for (const char* name : {"notes.txt", "notes.txt.12-0.tmp", "points.ply.bak"}) {
+    EXPECT_EQ(ReadFile(path + name), "mine");
+  }
+}
+
+TEST(OutputFolderTest, NamesWhatCannotBeRemoved) {
+  const std::string path = TempFolder();
+  std::filesystem::create_directories(path + "map.pgm/inside");
+  EXPECT_THAT(OutputFolder(path).RemoveOldResults({}).message(),
+              testing::HasSubstr("cannot remove '" + path + "map.pgm'"));
+  EXPECT_THAT(OutputFolder(path + "none").RemoveOldResults({}).message(),
+              testing::HasSubstr("none': No such file"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,89 @@
+#include "plumbline/apps/program/read_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/carmen_writer.h"
+#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/test/core/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ReadLogTest, ReadsTheFirstScansAndCountsWhatDoesNotFit) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path,
+            "FLASER 2 1 2 0 0 0 0 0 0 1.0 host 0\n"
+            "FLASER 2 1 oops 0 0 0 0 0 0 1.5 host 0\n"
+            "FLASER 2 1 2 1 0 0 1 0 0 3.0 host 0\n"
+            "FLASER 2 1 2 2 0 0 2 0 0 2.0 host 0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  testing::internal::CaptureStderr();
+  const Status status = ReadLogIntoGraph(path, 2, &counts, &graph);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("skipped " + path + ":2: "));
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_EQ(graph.num_scans(), 2);
+  EXPECT_EQ(graph.num_returns(), 4u);
+  EXPECT_EQ(counts.num_skipped_records, 1u);
+  EXPECT_EQ(counts.num_out_of_order, 1u);
+}
+
+TEST(ReadLogTest, BeamsInReverseOrderAreNoticed) {
+  SimulatedLog log;
+  SimulationOptions options;
+  options.scan_period_s = 0.5;
+  ASSERT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), options, &log).ok());
+  const std::string path = TempFolder() + "a.clf";
+  for (const bool reversed : {false, true}) {
+    if (reversed) {
+      for (SimulatedScan& scan : log.scans) {
+        std::reverse(scan.scan.ranges.begin(), scan.scan.ranges.end());
+      }
+    }
+    ASSERT_TRUE(WriteCarmenLog(path, log).ok());
+    SlamGraph graph;
+    LogCounts counts;
+    testing::internal::CaptureStderr();
+    const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+    const std::string said = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(status.ok()) << status.message();
+    if (reversed) {
+      EXPECT_THAT(said, HasSubstr("warning: " + path + ": the scans look mirrored: around "));
+    } else {
+      EXPECT_EQ(said, "");
+    }
+  }
+}
+
+TEST(ReadLogTest, ALogWithoutReturnsIsAnError) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path, "FLASER 2 nan nan 0 0 0 0 0 0 1.0 host 0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr(path + ": no scan has a return"));
+  EXPECT_EQ(graph.num_scans(), 0);
+}
+
+TEST(ReadLogTest, ARosbagIsToldByItsFirstLine) {
+  const std::string path = TempFolder() + "a.clf";
+  WriteFile(path, "#ROSBAG V2.0\n");
+  SlamGraph graph;
+  LogCounts counts;
+  const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(status.message(), HasSubstr(CanReadRosbags() ? path + ": cannot be read as a ROS bag"
+                                                           : path + ": a ROS bag, which this"));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,330 @@
+#include "plumbline/apps/run/flags.h"
+
+#include <gflags/gflags.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/program/command_line.h"
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/interface/ceres_options.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+struct AllOptions {
+  SolverOptions solver;
+  SeedingOptions seeding;
+};
+
+AllOptions FromFlags() {
+  AllOptions options;
+  EXPECT_TRUE(SolverOptionsFromFlags(&options.solver).ok());
+  EXPECT_TRUE(SeedingOptionsFromFlags(&options.seeding).ok());
+  return options;
+}
+
+// Where the number of a flag ends up, in the flag's unit.
+struct NumberFlag {
+  const char* name;
+  double (*read)(const AllOptions&);
+};
+
+const std::vector<NumberFlag>& NumberFlags() {
+  using O = const AllOptions&;
+  static const std::vector<NumberFlag> flags = {
+      {"threads", [](O o) { return double(o.solver.num_threads); }},
+      {"sigma_range_m", [](O o) { return o.solver.factors.beam.sigma_range_m; }},
+      {"sigma_bearing_rad", [](O o) { return o.solver.factors.beam.sigma_bearing_rad; }},
+      {"sigma_manifold_m", [](O o) { return o.solver.factors.manifold.sigma_m; }},
+      {"manifold_gate", [](O o) { return o.solver.factors.manifold.robust_gate_sigmas; }},
+      {"sigma_shape_rad", [](O o) { return o.solver.factors.shape.sigma_rad; }},
+      {"shape_gate", [](O o) { return o.solver.factors.shape.robust_gate_sigmas; }},
+      {"odom_rotation_per_rotation",
+       [](O o) { return o.solver.factors.motion.rotation_per_rotation; }},
+      {"odom_rotation_per_translation_rad_m",
+       [](O o) { return o.solver.factors.motion.rotation_per_translation_rad_m; }},
+      {"odom_translation_per_translation",
+       [](O o) { return o.solver.factors.motion.translation_per_translation; }},
+      {"odom_translation_per_rotation_m_rad",
+       [](O o) { return o.solver.factors.motion.translation_per_rotation_m_rad; }},
+      {"odom_translation_floor_m", [](O o) { return o.solver.factors.motion.translation_floor_m; }},
+      {"odom_rotation_floor_rad", [](O o) { return o.solver.factors.motion.rotation_floor_rad; }},
+      {"min_neighbors", [](O o) { return double(o.solver.association.min_points); }},
+      {"max_neighbors", [](O o) { return double(o.solver.association.max_points); }},
+      {"landmark_size_m", [](O o) { return o.solver.association.landmark_size_m; }},
+      {"max_eigenvalue_ratio", [](O o) { return o.solver.association.max_eigenvalue_ratio; }},
+      {"min_segment_length_m", [](O o) { return o.solver.association.min_segment_length_m; }},
+      {"shape_margin_deg", [](O o) { return RadToDeg(o.solver.association.shape_margin_rad); }},
+      {"coarse_rounds", [](O o) { return double(o.solver.rounds.max_coarse_rounds); }},
+      {"fine_rounds", [](O o) { return double(o.solver.rounds.max_fine_rounds); }},
+      {"coarse_radius_m", [](O o) { return o.solver.rounds.coarse_radius_m; }},
+      {"fine_radius_m", [](O o) { return o.solver.rounds.fine_radius_m; }},
+      {"coarse_gate_factor", [](O o) { return o.solver.rounds.coarse_gate_factor; }},
+      {"round_tolerance", [](O o) { return o.solver.rounds.relative_tolerance; }},
+      {"reduced_max_rounds", [](O o) { return double(o.solver.reduced.max_rounds); }},
+      {"reduced_steps", [](O o) { return double(o.solver.reduced.steps_per_round); }},
+      {"reduced_first_gate_factor", [](O o) { return o.solver.reduced.first_gate_factor; }},
+      {"reduced_tolerance", [](O o) { return o.solver.reduced.relative_tolerance; }},
+      {"reduced_move_tolerance", [](O o) { return o.solver.reduced.move_tolerance_sigmas; }},
+      {"reduced_cg_tolerance", [](O o) { return o.solver.reduced.cg_tolerance; }},
+      {"reduced_polish_sweeps", [](O o) { return double(o.solver.reduced.polish_sweeps); }},
+      {"cg_max_sweeps", [](O o) { return double(o.solver.alternating_cg.max_sweeps); }},
+      {"cg_map_iterations",
+       [](O o) { return double(o.solver.alternating_cg.map_iterations_per_sweep); }},
+      {"cg_pose_iterations",
+       [](O o) { return double(o.solver.alternating_cg.pose_iterations_per_sweep); }},
+      {"cg_scan_iterations",
+       [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
+      {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
+      {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
+      {"ceres_max_iterations", [](O o) { return double(o.solver.ceres->max_iterations); }},
+      {"ceres_function_tolerance", [](O o) { return o.solver.ceres->function_tolerance; }},
+      {"keyframe_distance_m", [](O o) { return o.seeding.sequential.keyframe_distance_m; }},
+      {"keyframe_angle_deg", [](O o) { return RadToDeg(o.seeding.sequential.keyframe_angle_rad); }},
+  };
+  return flags;
+}
+
+// A choice by name: its flag, a name that is not the default in odd spelling, and the number of the
+// choice that the options then hold.
+struct NameFlag {
+  const char* name;
+  const char* value;
+  int choice;
+  int (*read)(const SolverOptions&);
+};
+
+const std::vector<NameFlag>& CeresNameFlags() {
+  using O = const SolverOptions&;
+  static const std::vector<NameFlag> flags = {
+      {"ceres_minimizer", "Line_Search", ceres::LINE_SEARCH,
+       [](O o) { return int(o.ceres->minimizer); }},
+      {"ceres_trust_region_strategy", "dogleg", ceres::DOGLEG,
+       [](O o) { return int(o.ceres->trust_region_strategy); }},
+      {"ceres_dogleg", "SUBSPACE_dogleg", ceres::SUBSPACE_DOGLEG,
+       [](O o) { return int(o.ceres->dogleg); }},
+      {"ceres_line_search_direction", "nonlinear_Conjugate_gradient",
+       ceres::NONLINEAR_CONJUGATE_GRADIENT,
+       [](O o) { return int(o.ceres->line_search_direction); }},
+      {"ceres_line_search", "armijo", ceres::ARMIJO, [](O o) { return int(o.ceres->line_search); }},
+      {"ceres_nonlinear_conjugate_gradient", "Polak_Ribiere", ceres::POLAK_RIBIERE,
+       [](O o) { return int(o.ceres->nonlinear_conjugate_gradient); }},
+      {"ceres_linear_solver", "iterative_schur", ceres::ITERATIVE_SCHUR,
+       [](O o) { return int(o.ceres->linear_solver); }},
+      {"ceres_preconditioner", "SCHUR_jacobi", ceres::SCHUR_JACOBI,
+       [](O o) { return int(o.ceres->preconditioner); }},
+  };
+  return flags;
+}
+
+void SetFlag(const std::string& name, const std::string& value) {
+  ASSERT_FALSE(gflags::SetCommandLineOption(name.c_str(), value.c_str()).empty()) << name;
+}
+
+class FlagsTest : public testing::Test {
+ private:
+  gflags::FlagSaver saver_;
+};
+
+TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
+  const AllOptions library, flags = FromFlags();
+  for (const NumberFlag& flag : NumberFlags()) {
+    EXPECT_DOUBLE_EQ(flag.read(flags), flag.read(library)) << flag.name;
+  }
+  for (const NameFlag& flag : CeresNameFlags()) {
+    EXPECT_EQ(flag.read(flags.solver), flag.read(library.solver)) << flag.name;
+  }
+  EXPECT_EQ(flags.solver.type, library.solver.type);
+  EXPECT_EQ(flags.solver.ceres->reduced, library.solver.ceres->reduced);
+  EXPECT_EQ(flags.solver.association.neighborhood, library.solver.association.neighborhood);
+  EXPECT_EQ(flags.solver.factors.shape.enabled, library.solver.factors.shape.enabled);
+}
+
+TEST_F(FlagsTest, EachNumberReachesItsOption) {
+  for (const NumberFlag& flag : NumberFlags()) {
+    const gflags::FlagSaver saver;
+    const bool whole = gflags::GetCommandLineFlagInfoOrDie(flag.name).type == "int32";
+    const double before = flag.read(AllOptions()), after = whole ? before + 1 : 1.25 * before;
+    SetFlag(flag.name, std::to_string(after).substr(
+                           0, whole ? std::to_string(after).find('.') : std::string::npos));
+    EXPECT_NEAR(flag.read(FromFlags()), after, 1e-6) << flag.name;
+    EXPECT_NE(flag.read(FromFlags()), before) << flag.name;
+  }
+}
+
+TEST_F(FlagsTest, NamesOfCeresAreTakenInAnyCase) {
+  for (const NameFlag& flag : CeresNameFlags()) {
+    EXPECT_NE(flag.read(SolverOptions()), flag.choice) << flag.name;
+    SetFlag(flag.name, flag.value);
+    EXPECT_EQ(flag.read(FromFlags().solver), flag.choice) << flag.name;
+  }
+}
+
+TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
+  SetFlag("solver", "ceres");
+  SetFlag("neighborhood", "nearest");
+  SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
+  SetFlag("several_poses", "false");
+  SetFlag("reduced_lines_follow", "false");
+  const SolverOptions options = FromFlags().solver;
+  EXPECT_FALSE(options.association.several_poses);
+  EXPECT_FALSE(options.reduced.lines_follow);
+  EXPECT_EQ(options.type, SolverType::kCeres);
+  SetFlag("solver", "pose_graph");
+  EXPECT_EQ(FromFlags().solver.type, SolverType::kPoseGraph);
+  SetFlag("solver", "sgd");
+  EXPECT_EQ(FromFlags().solver.type, SolverType::kSgd);
+  SetFlag("solver", "ceres");
+  EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
+  EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
+  SolverOptions with_landmarks;
+  SetFlag("reduced", "true");
+  const Status status = SolverOptionsFromFlags(&with_landmarks);
+  EXPECT_THAT(status.message(), HasSubstr("association.neighborhood = nearest"));
+  SetFlag("neighborhood", "radius");
+  EXPECT_THAT(SolverOptionsFromFlags(&with_landmarks).message(),
+              HasSubstr("reduced.lines_follow = false"));
+  SetFlag("reduced_lines_follow", "true");
+  EXPECT_TRUE(FromFlags().solver.ceres->reduced);
+}
+
+// Those of flags.cc, among others that other sources share between programs.
+std::vector<gflags::CommandLineFlagInfo> FlagsOfFlagsFile() {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
+    if (std::filesystem::path(flag.filename).filename() == "flags.cc") flags.push_back(flag);
+  }
+  return flags;
+}
+
+// A flag that these tests do not know may be one that nothing reads.
+TEST_F(FlagsTest, EveryFlagIsTestedHere) {
+  std::vector<std::string> known = {"solver", "reduced",       "neighborhood",
+                                    "shape",  "several_poses", "reduced_lines_follow"};
+  for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
+  for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
+  for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
+    EXPECT_TRUE(std::find(known.begin(), known.end(), flag.name) != known.end()) << flag.name;
+  }
+  EXPECT_EQ(FlagsOfFlagsFile().size(), known.size());
+}
+
+TEST_F(FlagsTest, AWrongNameIsReportedWithItsFlag) {
+  for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
+    if (flag.type != "string") continue;
+    const gflags::FlagSaver saver;
+    SetFlag(flag.name, "nonsense");
+    SolverOptions options;
+    const Status status = SolverOptionsFromFlags(&options);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("--" + flag.name + "=nonsense"));
+  }
+}
+
+TEST_F(FlagsTest, AValueOutOfRangeIsReportedWithItsOption) {
+  SolverOptions options;
+  SetFlag("threads", "0");
+  EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr("num_threads = 0"));
+  SetFlag("threads", "1");
+  SetFlag("sigma_range_m", "nan");
+  EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr("sigma_range_m = nan"));
+  SeedingOptions seeding;
+  SetFlag("keyframe_distance_m", "-1");
+  EXPECT_THAT(SeedingOptionsFromFlags(&seeding).message(), HasSubstr("keyframe_distance_m = -1"));
+}
+
+// Ceres' BFGS wants Wolfe's conditions.
+TEST_F(FlagsTest, SwitchesThatCeresRefusesTogetherAreReported) {
+  SetFlag("ceres_minimizer", "line_search");
+  SetFlag("ceres_line_search_direction", "bfgs");
+  SetFlag("ceres_line_search", "armijo");
+  SolverOptions options;
+  EXPECT_TRUE(SolverOptionsFromFlags(&options).ok());  // they do not matter to the other solver
+  SetFlag("solver", "ceres");
+  const Status status = SolverOptionsFromFlags(&options);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("WOLFE"));
+}
+
+std::string Refusal() { return CheckNoFlagIsIgnored(FromFlags().solver).message(); }
+
+TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
+  EXPECT_EQ(Refusal(), "");
+  struct Case {
+    const char* flag;
+    std::vector<std::string> readers;
+  };
+  const std::vector<std::string> all = {"reduced",         "alternating_cg", "ceres",
+                                        "ceres --reduced", "pose_graph",     "sgd"};
+  const std::vector<std::string> of_returns(all.begin(), all.begin() + 4);
+  const std::vector<std::string> in_rounds = {"alternating_cg", "ceres"};
+  const std::vector<std::string> over_landmarks = {"reduced", "ceres --reduced"};
+  const std::vector<std::string> by_ceres = {"ceres", "ceres --reduced"};
+  const Case cases[] = {{"threads", all},
+                        {"sigma_range_m", all},
+                        {"odom_rotation_floor_rad", all},
+                        {"sigma_manifold_m", of_returns},
+                        {"shape_gate", of_returns},
+                        {"fine_radius_m", of_returns},
+                        {"coarse_rounds", in_rounds},
+                        {"coarse_gate_factor", in_rounds},
+                        {"round_tolerance", in_rounds},
+                        {"reduced_steps", over_landmarks},
+                        {"reduced_cg_tolerance", {"reduced"}},
+                        {"ceres_max_iterations", by_ceres},
+                        {"ceres_linear_solver", by_ceres},
+                        {"cg_max_sweeps", {"alternating_cg"}},
+                        {"cg_tolerance", {"alternating_cg"}},
+                        {"sgd_iterations", {"sgd"}}};
+  for (const Case& it : cases) {
+    for (const std::string& solver : all) {
+      const gflags::FlagSaver saver;
+      SetFlag("solver", solver.substr(0, solver.find(' ')));
+      if (solver == "ceres --reduced") SetFlag("reduced", "true");
+      // The default said aloud asks for something, too.
+      SetFlag(it.flag, gflags::GetCommandLineFlagInfoOrDie(it.flag).default_value);
+      const bool is_read =
+          std::find(it.readers.begin(), it.readers.end(), solver) != it.readers.end();
+      EXPECT_EQ(Refusal(),
+                is_read ? "" : "--" + std::string(it.flag) + " is ignored by --solver=" + solver);
+    }
+  }
+}
+
+TEST_F(FlagsTest, SweepsAfterTheReducedSolverReadTheFlagsOfSweeps) {
+  SetFlag("cg_scan_iterations", "2");
+  EXPECT_EQ(Refusal(), "--cg_scan_iterations is ignored by --solver=reduced");
+  SetFlag("reduced_polish_sweeps", "3");
+  EXPECT_EQ(Refusal(), "");
+  SetFlag("cg_max_sweeps", "3");  // there are as many as --reduced_polish_sweeps says
+  EXPECT_EQ(Refusal(), "--cg_max_sweeps is ignored by --solver=reduced");
+}
+
+TEST_F(FlagsTest, TheReducedFormBelongsToCeres) {
+  SetFlag("reduced", "true");
+  for (const char* other : {"reduced", "alternating_cg"}) {
+    SetFlag("solver", other);
+    EXPECT_EQ(Refusal(), std::string("--reduced is ignored by --solver=") + other);
+  }
+  SetFlag("solver", "ceres");
+  EXPECT_EQ(Refusal(), "");
+}
+
+TEST_F(FlagsTest, HelpListsOurFlagsOnly) {
+  const std::string help = HelpText("Does this and that.");
+  EXPECT_THAT(help, testing::StartsWith("Does this and that.\n"));
+  EXPECT_THAT(help, HasSubstr("\n  --threads=2\n      Threads;"));
+  EXPECT_THAT(help, HasSubstr("\n  --shape_margin_deg=10\n"));
+  EXPECT_THAT(help, testing::Not(HasSubstr("logtostderr")));
+  EXPECT_THAT(help, testing::Not(HasSubstr("helpxml")));
+}
+
+}  // namespace
+}  // namespace plumbline

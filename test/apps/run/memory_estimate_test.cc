@@ -1,0 +1,73 @@
+#include "plumbline/apps/run/memory_estimate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "plumbline/solvers/interface/ceres_options.h"
+#include "plumbline/test/solvers/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class MemoryEstimateTest : public testing::Test {
+ protected:
+  std::string ErrorAt(double limit, int picture_side_px = 50) const {
+    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, picture_side_px), limit,
+                       graph_, solver_)
+        .message();
+  }
+
+  const SlamGraph graph_ = MakeNoisyRoom().graph;  // 12 scans
+  const MapState state_ = graph_.InitialState();
+  SolverOptions solver_;
+};
+
+TEST_F(MemoryEstimateTest, SolversDiffer) {
+  const auto joint = [&](bool calibrates) {
+    return EstimateMemory(graph_, state_, solver_, calibrates, 50).joint;
+  };
+  const double reduced = joint(false);
+  EXPECT_GT(joint(true), reduced);
+  solver_.type = SolverType::kCeres;
+  const double explicit_points = joint(false);
+  EXPECT_GT(explicit_points - 20e6, 9.0 * (reduced - 20e6));
+  solver_.ceres->reduced = true;
+  EXPECT_LT(joint(false), explicit_points);
+  solver_.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
+  EXPECT_LT(joint(false) - 20e6, 0.5 * (explicit_points - 20e6));
+}
+
+TEST_F(MemoryEstimateTest, ReadsSizes) {
+  double bytes = -1.0;
+  ASSERT_TRUE(ParseMemorySize("4GB", &bytes).ok());
+  EXPECT_EQ(bytes, 4e9);
+  ASSERT_TRUE(ParseMemorySize("1.5MB", &bytes).ok());
+  EXPECT_EQ(bytes, 1.5e6);
+  ASSERT_TRUE(ParseMemorySize("0", &bytes).ok());
+  EXPECT_EQ(bytes, 0.0);
+  for (const char* bad : {"", "GB", "4", "4 GB", "4gb", "-1GB", "nanGB", "infMB", "4GBs", "4KB"}) {
+    EXPECT_EQ(ParseMemorySize(bad, &bytes).code(), StatusCode::kInvalidArgument) << bad;
+    EXPECT_EQ(bytes, 0.0);
+  }
+}
+
+TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
+  solver_.type = SolverType::kCeres;
+  EXPECT_EQ(ErrorAt(0.0), "");
+  EXPECT_EQ(ErrorAt(1e9), "");
+  EXPECT_THAT(ErrorAt(22e6), AllOf(HasSubstr("needs about 23 MB"), HasSubstr("allows 22 MB"),
+                                   HasSubstr("--solver=reduced or --max_scans=6 would")));
+  EXPECT_THAT(ErrorAt(5e6), AllOf(HasSubstr("allows 5 MB"), Not(HasSubstr("--max_scans"))));
+  EXPECT_THAT(ErrorAt(22e6, 4000), HasSubstr("a smaller --picture_side_px"));
+  solver_.type = SolverType::kReduced;
+  EXPECT_THAT(ErrorAt(20.1e6), Not(HasSubstr("--solver")));
+}
+
+}  // namespace
+}  // namespace plumbline

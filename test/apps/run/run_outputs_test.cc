@@ -1,0 +1,136 @@
+#include "plumbline/apps/run/run_outputs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "plumbline/test/apps/io/ros_map_reader.h"
+#include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/solvers/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+class RunOutputsTest : public testing::Test {
+ protected:
+  RunOutputsTest() : room_(MakeNoisyRoom()), poses_before_(room_.state.poses) {
+    options_.picture_side_px = 300;
+    options_.map_resolution_m = 0.1;
+  }
+
+  Status Write(const std::string& folder, const MapConsistency* consistency, int num_threads) {
+    const RefinedMap map{&room_.graph, &room_.state, &poses_before_, "seed",
+                         consistency,  nullptr,      &warning_};
+    const OutputFolder output(folder_ + folder);
+    EXPECT_TRUE(output.Make().ok());
+    ThreadPool pool(num_threads);
+    return RunAll(MapWriteTasks(map, options_, output), &pool);
+  }
+
+  const std::string folder_ = TempFolder();
+  NoisyRoom room_;
+  const std::vector<double> poses_before_;
+  RunOutputOptions options_;
+  std::string warning_;
+};
+
+TEST_F(RunOutputsTest, WritesTheSameFilesWithAnyNumberOfThreads) {
+  const MapConsistency consistency;
+  ASSERT_TRUE(Write("one", &consistency, 1).ok());
+  ASSERT_TRUE(Write("three", &consistency, 3).ok());
+  const std::vector<std::string> names = {"before_after.png", "conflicts.png",   "map.pgm",
+                                          "map.yaml",         "map_refined.png", "points.pcd",
+                                          "points.ply"};
+  EXPECT_EQ(NumFilesIn(folder_ + "one"), static_cast<int>(names.size()));
+  for (const std::string& name : names) {
+    const std::string content = ReadFile(folder_ + "one/" + name);
+    EXPECT_FALSE(content.empty()) << name;
+    EXPECT_TRUE(content == ReadFile(folder_ + "three/" + name)) << name;
+    EXPECT_THAT(MapFilesText(true), HasSubstr(name));
+  }
+  EXPECT_EQ(ServeMap(folder_ + "one/map.yaml").resolution, 0.1);
+  EXPECT_EQ(warning_, "");
+}
+
+TEST_F(RunOutputsTest, NoPictureOfConflictsThatWereNotMeasured) {
+  ASSERT_TRUE(Write("out", nullptr, 2).ok());
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out/conflicts.png"));
+  EXPECT_THAT(MapFilesText(false), testing::Not(HasSubstr("conflicts.png")));
+}
+
+TEST_F(RunOutputsTest, AnErrorOfOneTaskLetsTheOthersEnd) {
+  std::atomic<int> num_done{0};
+  const auto fine = [&num_done] {
+    ++num_done;
+    return Status::Ok();
+  };
+  ThreadPool pool(2);
+  const Status status = RunAll({fine, [] { return Status::NotFound("first"); }, fine,
+                                [] { return Status::NotFound("second"); }, fine},
+                               &pool);
+  EXPECT_EQ(status.message(), "first");
+  EXPECT_EQ(num_done, 3);
+}
+
+TEST_F(RunOutputsTest, AMapThatIsTooLargeGetsCoarserCells) {
+  options_.map_max_cells = 1000;
+  ASSERT_TRUE(Write("out", nullptr, 2).ok());
+  EXPECT_EQ(ServeMap(folder_ + "out/map.yaml").resolution, 0.2);
+  EXPECT_THAT(warning_, testing::MatchesRegex("the map, [0-9.]+ m x [0-9.]+ m, is too large for "
+                                              "cells of 0.1 m .1000 at most.: those of map.pgm "
+                                              "are 0.2 m"));
+}
+
+TEST_F(RunOutputsTest, ALimitOfMemoryBoundsTheMap) {
+  options_.LimitMemory(0.0);
+  EXPECT_EQ(options_.map_max_cells, RunOutputOptions().map_max_cells);
+  options_.LimitMemory(1e9);
+  EXPECT_EQ(options_.map_max_cells, 1e8);
+}
+
+TEST_F(RunOutputsTest, WhatATaskThrowsIsAnError) {
+  std::atomic<int> num_done{0};
+  const auto fine = [&num_done] {
+    ++num_done;
+    return Status::Ok();
+  };
+  const auto no_memory = []() -> Status { throw std::bad_alloc(); };
+  for (const int num_threads : {1, 3}) {
+    ThreadPool pool(num_threads);
+    const Status status = RunAll({fine, no_memory, fine, fine}, &pool);
+    EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+    EXPECT_THAT(status.message(), HasSubstr("out of memory"));
+  }
+  EXPECT_EQ(num_done, 6);
+}
+
+TEST_F(RunOutputsTest, AFileInTheWayLeavesTheOthersWhole) {
+  std::filesystem::create_directories(folder_ + "out/points.ply/inside");
+  const Status status = Write("out", nullptr, 2);
+  EXPECT_THAT(status.message(), HasSubstr("cannot replace '" + folder_ + "out/points.ply'"));
+  EXPECT_EQ(NumFilesIn(folder_ + "out"), 6);  // and nothing half-written
+  EXPECT_EQ(ServeMap(folder_ + "out/map.yaml").resolution, 0.1);
+}
+
+TEST_F(RunOutputsTest, OptionsOutOfRangeAreNamed) {
+  RunOutputOptions options;
+  std::string error;
+  EXPECT_TRUE(options.Check(&error));
+  options.map_resolution_m = 0.0;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("resolution_m = 0"));
+  options = RunOutputOptions();
+  options.picture_side_px = 40000;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("max_side_px = 40000"));
+}
+
+}  // namespace
+}  // namespace plumbline

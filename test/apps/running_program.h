@@ -1,0 +1,76 @@
+#ifndef PLUMBLINE_TEST_APPS_RUNNING_PROGRAM_H_
+#define PLUMBLINE_TEST_APPS_RUNNING_PROGRAM_H_
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "plumbline/test/core/temp_file.h"
+
+namespace plumbline {
+
+/// A program that runs beside the test, to be sent signals. Its standard output and standard error
+/// go to a file. Ends with the test.
+class RunningProgram {
+ public:
+  RunningProgram(const std::vector<std::string>& command, std::string output)
+      : output_(std::move(output)) {
+    WriteFile(output_, "");
+    std::vector<char*> arguments;
+    for (const std::string& argument : command) {
+      arguments.push_back(const_cast<char*>(argument.c_str()));
+    }
+    arguments.push_back(nullptr);
+    process_ = fork();
+    if (process_ != 0) return;
+    const int descriptor = open(output_.c_str(), O_WRONLY | O_APPEND);
+    dup2(descriptor, STDOUT_FILENO);
+    dup2(descriptor, STDERR_FILENO);
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  ~RunningProgram() {
+    if (process_ <= 0) return;
+    Send(SIGKILL);
+    Wait();
+  }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  /// Whether the program prints a text before it ends, or a minute passes.
+  bool Prints(const std::string& text) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (std::chrono::steady_clock::now() < end) {
+      siginfo_t info{};
+      waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT);
+      if (ReadFile(output_).find(text) != std::string::npos) return true;
+      if (info.si_pid == process_) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+
+  void Send(int signal_number) const { kill(process_, signal_number); }
+
+  /// Exit code; 1000 and the number of the signal that ended it.
+  int Wait() {
+    int status = 0;
+    waitpid(process_, &status, 0);
+    process_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+  }
+
+ private:
+  std::string output_;
+  pid_t process_ = 0;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_TEST_APPS_RUNNING_PROGRAM_H_

@@ -1,0 +1,72 @@
+#include "plumbline/factors/factor_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "plumbline/test/factors/factor_testing.h"
+
+namespace plumbline {
+namespace {
+
+struct Field {
+  const char* name;
+  bool may_be_zero;
+  std::function<double&(FactorOptions&)> value;
+};
+
+std::vector<Field> Fields() {
+  using O = FactorOptions;
+  return {
+      {"motion.rotation_per_rotation", true,
+       [](O& o) -> double& { return o.motion.rotation_per_rotation; }},
+      {"motion.rotation_per_translation_rad_m", true,
+       [](O& o) -> double& { return o.motion.rotation_per_translation_rad_m; }},
+      {"motion.translation_per_translation", true,
+       [](O& o) -> double& { return o.motion.translation_per_translation; }},
+      {"motion.translation_per_rotation_m_rad", true,
+       [](O& o) -> double& { return o.motion.translation_per_rotation_m_rad; }},
+      {"motion.translation_floor_m", false,
+       [](O& o) -> double& { return o.motion.translation_floor_m; }},
+      {"motion.rotation_floor_rad", false,
+       [](O& o) -> double& { return o.motion.rotation_floor_rad; }},
+      {"beam.sigma_range_m", false, [](O& o) -> double& { return o.beam.sigma_range_m; }},
+      {"beam.sigma_bearing_rad", false, [](O& o) -> double& { return o.beam.sigma_bearing_rad; }},
+      {"manifold.sigma_m", false, [](O& o) -> double& { return o.manifold.sigma_m; }},
+      {"manifold.robust_gate_sigmas", false,
+       [](O& o) -> double& { return o.manifold.robust_gate_sigmas; }},
+      {"shape.sigma_rad", false, [](O& o) -> double& { return o.shape.sigma_rad; }},
+      {"shape.robust_gate_sigmas", false,
+       [](O& o) -> double& { return o.shape.robust_gate_sigmas; }},
+  };
+}
+
+TEST(FactorOptions, DefaultsPass) {
+  std::string error;
+  EXPECT_TRUE(FactorOptions().Check(&error)) << error;
+}
+
+TEST(FactorOptions, NamesTheFieldOutOfRange) {
+  for (const Field& field : Fields()) {
+    for (const double bad : {-1.0, kNaN, kInfinity}) {
+      FactorOptions options;
+      field.value(options) = bad;
+      std::string error;
+      EXPECT_FALSE(options.Check(&error)) << field.name << " = " << bad;
+      EXPECT_THAT(error, testing::StartsWith(std::string(field.name) + " = "));
+      EXPECT_FALSE(options.Check(nullptr));
+    }
+  }
+}
+
+TEST(FactorOptions, ZeroIsANoiselessDriveButNoSigma) {
+  for (const Field& field : Fields()) {
+    FactorOptions options;
+    field.value(options) = 0.0;
+    EXPECT_EQ(options.Check(nullptr), field.may_be_zero) << field.name;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

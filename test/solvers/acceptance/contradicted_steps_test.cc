@@ -1,0 +1,91 @@
+#include "plumbline/solvers/acceptance/contradicted_steps.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "plumbline/solvers/terms/pose_terms.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumPoses = 60;
+constexpr int kCarriedTo = 30;
+
+// Steps of 0.2 m straight on; between two poses the robot was carried by 2 m.
+struct Drive {
+  SlamGraph graph;
+  std::vector<double> seed;
+  FactorOptions factors;
+};
+
+Drive CarriedDrive(double carried_m) {
+  Drive drive;
+  int pose = 0;
+  for (int i = 0; i < kNumPoses; ++i) {
+    const double x = 0.2 * i + (i >= kCarriedTo ? carried_m : 0.0);
+    EXPECT_TRUE(drive.graph.AddPose({x, 0.0, 0.0}, i, &pose).ok());
+    if (i == 0) continue;
+    EXPECT_TRUE(drive.graph.AddOdometry({i - 1, i, {0.2, 0.0, 0.0}}).ok());
+  }
+  drive.seed = drive.graph.initial_poses();
+  drive.factors.motion.translation_per_translation = 0.02;
+  drive.factors.motion.translation_floor_m = 0.005;
+  return drive;
+}
+
+std::vector<DownweightedStep> Downweighted(const Drive& drive, const std::vector<double>& state,
+                                           const std::vector<WorseStretch>& worse = {}) {
+  return StepsToDownweight(drive.graph, drive.factors, drive.seed, state, worse);
+}
+
+// What the step is off at the seed is shared out among the ones beside it.
+std::vector<double> TornState(const Drive& drive) {
+  std::vector<double> state = drive.seed;
+  for (int i = 0; i < 4; ++i) {
+    state[3 * (kCarriedTo - 1 - i)] += 0.8 - 0.2 * i;
+    state[3 * (kCarriedTo + i)] -= 0.8 - 0.2 * i;
+  }
+  return state;
+}
+
+TEST(ContradictedStepsTest, AStepThatTearsItsNeighboursIsDownweighted) {
+  const Drive drive = CarriedDrive(2.0);
+  const std::vector<DownweightedStep> downweighted = Downweighted(drive, TornState(drive));
+  ASSERT_EQ(downweighted.size(), 1u);
+  EXPECT_EQ(downweighted[0].step, kCarriedTo - 1u);
+  // sqrt(5^2 + 4^2) mm for 2 m.
+  EXPECT_NEAR(downweighted[0].sigma_factor, 2.0 / 0.0064, 1.0);
+}
+
+TEST(ContradictedStepsTest, DownweightedItIsOneStandardDeviationOff) {
+  Drive drive = CarriedDrive(2.0);
+  const double before = PoseTerms(drive.graph, drive.factors).Cost(drive.seed);
+  drive.factors.downweighted_steps = Downweighted(drive, TornState(drive));
+  EXPECT_GT(before, 1e4);
+  EXPECT_NEAR(PoseTerms(drive.graph, drive.factors).Cost(drive.seed), 0.5, 1e-9);
+  EXPECT_TRUE(Downweighted(drive, TornState(drive)).empty());
+}
+
+TEST(ContradictedStepsTest, AStepIsTrustedWhereTheStateIsNoWorse) {
+  const Drive drive = CarriedDrive(2.0);
+  EXPECT_TRUE(Downweighted(drive, drive.seed).empty());
+  // The step was right, and what the seed had wrong has been put right.
+  std::vector<double> mended = drive.seed;
+  for (int i = kCarriedTo; i < kNumPoses; ++i) mended[3 * i] -= 2.0;
+  EXPECT_TRUE(Downweighted(drive, mended).empty());
+}
+
+TEST(ContradictedStepsTest, WorseStretchesSpeakAgainstAStepBesideThemOnly) {
+  const Drive drive = CarriedDrive(2.0);
+  EXPECT_EQ(Downweighted(drive, drive.seed, {{20, 22}}).size(), 1u);
+  EXPECT_TRUE(Downweighted(drive, drive.seed, {{2, 5}}).empty());
+}
+
+TEST(ContradictedStepsTest, LessThanALeapIsNoise) {
+  const Drive drive = CarriedDrive(0.15);  // 23 standard deviations
+  EXPECT_TRUE(Downweighted(drive, TornState(drive), {{28, 32}}).empty());
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,164 @@
+#include "plumbline/solvers/alarm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plumbline/test/core/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Scans in a square room, a metre apart; scan i at time i.
+SlamGraph MakeScans(int num_scans) {
+  SyntheticScene scene;
+  scene.faces = {{{-1, -3}, {9, -3}}, {{9, -3}, {9, 3}}, {{9, 3}, {-1, 3}}, {{-1, 3}, {-1, -3}}};
+  for (int i = 0; i < num_scans; ++i) scene.poses.emplace_back(i, 0.5, 0.0);
+  return MakeGraph(scene);
+}
+
+// 600 returns that agree are added to those of a peak, and 6 % of conflicts can be explained:
+// 400 conflicts of 600 returns are (400 / 0.06 + 600) / 1200 = 6.06 times that.
+MapConsistency Contradiction(ConflictPeak MapConsistency::*peak, int pose) {
+  MapConsistency consistency;
+  consistency.*peak = {{600, 400}, pose};
+  return consistency;
+}
+
+SeedingReport ReportWithSuspect(const SuspectStep& suspect) {
+  SeedingReport report;
+  report.loops.suspect_steps = {suspect};
+  return report;
+}
+
+TEST(PlaceOfPoseTest, NamesScanTimeAndPlace) {
+  const SlamGraph graph = MakeScans(4);
+  const ScanPlace place = PlaceOfPose(graph, graph.initial_poses(), 2);
+  EXPECT_EQ(place.scan, 2);
+  EXPECT_EQ(place.time_s, graph.timestamp_s(2));
+  EXPECT_EQ(place.world_position, Eigen::Vector2d(2.0, 0.5));
+  EXPECT_EQ((ScanPlace{7, 12.5, {1.0, -2.25}}.Text()),
+            "scan 7 (t = 12.50 s, x = 1.00 m, y = -2.25 m)");
+}
+
+TEST(PlaceOfPoseTest, PosesWithoutScanAreNotCounted) {
+  SlamGraph graph;
+  int laser = 0, pose = 0;
+  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(4), &laser).ok());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose(Pose2(), i, &pose).ok());
+  ASSERT_TRUE(graph.AddScan(2, laser, {1.0, 1.0, 1.0, 1.0}).ok());
+  EXPECT_EQ(PlaceOfPose(graph, graph.initial_poses(), 2).scan, 0);
+}
+
+TEST(PlaceOfPoseTest, APoseWithoutScanHasTimeAndPlaceAllTheSame) {
+  SlamGraph graph = MakeScans(2);
+  int pose = 0;
+  ASSERT_TRUE(graph.AddPose(Pose2(5.0, -1.0, 0.0), 9.0, &pose).ok());
+  const ScanPlace place = PlaceOfPose(graph, graph.initial_poses(), pose);
+  EXPECT_FALSE(place.scan.has_value());
+  EXPECT_EQ(place.Text(), "a pose without scan (t = 9.00 s, x = 5.00 m, y = -1.00 m)");
+}
+
+TEST(MapAlarmsTest, ASoundMapRaisesNone) {
+  const SlamGraph graph = MakeScans(2);
+  EXPECT_TRUE(MapAlarms(MapConsistency(), graph, graph.initial_poses()).empty());
+}
+
+TEST(MapAlarmsTest, EachPeakSpeaksForItself) {
+  const SlamGraph graph = MakeScans(4);
+  MapConsistency both = Contradiction(&MapConsistency::worst_between, 1);
+  const std::vector<Alarm> one = MapAlarms(both, graph, graph.initial_poses());
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].place.scan, 1);
+  EXPECT_THAT(one[0].reason, AllOf(HasSubstr("other visits"), HasSubstr("6.1 times")));
+
+  both.worst_within = {{600, 400}, 3};
+  const std::vector<Alarm> two = MapAlarms(both, graph, graph.initial_poses());
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0].place.scan, 3);
+  EXPECT_THAT(two[0].reason, HasSubstr("each other's surfaces"));
+  EXPECT_EQ(two[1].reason, one[0].reason);
+}
+
+TEST(RunAlarmsTest, TheRefinedMapSpeaksBeforeTheSeed) {
+  const SlamGraph graph = MakeScans(4);
+  SeedingReport seeding;
+  seeding.consistency = Contradiction(&MapConsistency::worst_within, 1);
+  const auto after = Contradiction(&MapConsistency::worst_within, 2);
+
+  const std::vector<Alarm> of_refined = RunAlarms(seeding, after, graph, graph.initial_poses());
+  ASSERT_EQ(of_refined.size(), 1u);
+  EXPECT_EQ(of_refined[0].place.scan, 2);
+  const std::vector<Alarm> of_seed =
+      RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
+  ASSERT_EQ(of_seed.size(), 1u);
+  EXPECT_EQ(of_seed[0].place.scan, 1);
+  EXPECT_THAT(of_seed[0].reason, HasSubstr("before the refinement"));
+}
+
+TEST(RunAlarmsTest, StepsThatNothingSettles) {
+  const SlamGraph graph = MakeScans(4);
+  const auto reason = [&](const SuspectStep& suspect) {
+    const std::vector<Alarm> alarms =
+        RunAlarms(ReportWithSuspect(suspect), MapConsistency(), graph, graph.initial_poses());
+    return alarms.empty() ? "" : alarms[0].reason;
+  };
+  SuspectStep step;
+  step.first_pose_after = 3;
+  step.evidence = 0.2;
+  EXPECT_EQ(reason(step), "");
+  step.broken = true;
+  EXPECT_THAT(reason(step), HasSubstr("no loop closure ties them together"));
+  step.num_closures_across = 1;
+  EXPECT_THAT(reason(step), HasSubstr("a single loop closure"));
+  step.num_closures_across = 2;
+  EXPECT_EQ(reason(step), "");
+  step.turned_rad = 1.5;
+  EXPECT_THAT(reason(step), HasSubstr("might fit elsewhere as well"));
+  EXPECT_EQ(RunAlarms(ReportWithSuspect(step), MapConsistency(), graph, graph.initial_poses())[0]
+                .place.scan,
+            3);
+  step.turned_rad = 0.0;
+  step.num_alternatives = 1;
+  EXPECT_THAT(reason(step), HasSubstr("fits at 1 other place as well"));
+  step.num_alternatives = 2;
+  EXPECT_THAT(reason(step), HasSubstr("fits at 2 other places as well"));
+}
+
+TEST(RunAlarmsTest, ASuspiciousSeedIsWrongWhereItsRatioIsHighest) {
+  const SlamGraph graph = MakeScans(4);
+  SeedingReport seeding;
+  seeding.alarm = true;
+  // Of the higher share, and of the higher ratio: (140 / 0.06 + 600) / 1200 = 2.44.
+  seeding.consistency.worst_within = {{10, 10}, 1};
+  seeding.consistency.worst_between = {{600, 140}, 3};
+  std::vector<Alarm> alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_EQ(alarms[0].place.scan, 3);
+  EXPECT_THAT(alarms[0].reason, AllOf(HasSubstr("2.4 times"), HasSubstr("left open")));
+  std::swap(seeding.consistency.worst_within, seeding.consistency.worst_between);
+  alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_EQ(alarms[0].place.scan, 3);
+}
+
+TEST(AlarmTextTest, ShowsTheFirstFew) {
+  EXPECT_EQ(AlarmText({}), "");
+  std::vector<Alarm> alarms(5, Alarm{{3, 1.0, {2.0, 0.0}}, "reasons"});
+  const std::string text = AlarmText(alarms);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
+  EXPECT_THAT(text, testing::StartsWith("WARNING: the map is probably wrong around scan 3 (t = "
+                                        "1.00 s, x = 2.00 m, y = 0.00 m): reasons.\n"));
+  alarms.resize(8);
+  EXPECT_EQ(AlarmText(alarms), text + "WARNING: and around 3 more places.\n");
+}
+
+}  // namespace
+}  // namespace plumbline

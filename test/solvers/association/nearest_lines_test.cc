@@ -1,0 +1,198 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plumbline/core/angle.h"
+#include "plumbline/solvers/association/associations.h"
+#include "plumbline/test/core/synthetic_scene.h"
+
+namespace plumbline {
+namespace {
+
+/// A room with a pillar and an inner wall, seen from a few places by a coarse laser: surfaces of
+/// very different density.
+SyntheticScene Room(double range_sigma_m) {
+  SyntheticScene scene;
+  scene.faces = {{{-3.0, -2.0}, {4.0, -2.0}},
+                 {{4.0, -2.0}, {4.0, 3.0}},
+                 {{4.0, 3.0}, {-3.0, 3.0}},
+                 {{-3.0, 3.0}, {-3.0, -2.0}},
+                 {{1.0, 1.0}, {1.8, 2.2}}};
+  scene.discs = {{{-1.5, 1.0}, 0.4}};
+  scene.poses = {{0.0, 0.0, 0.1},   {0.7, -0.4, 1.3}, {2.5, 0.0, 2.2}, {-0.5, -1.0, -2.0},
+                 {-2.0, -0.5, 0.7}, {0.2, 2.3, -1.0}, {3.0, 2.0, 3.0}};
+  scene.laser = PanoramicLaser(180);
+  scene.laser.robot_from_laser = Pose2(0.1, -0.05, 0.4);
+  scene.range_sigma_m = range_sigma_m;
+  return scene;
+}
+
+/// The same lines of the initial state from the rule in words, for one point at a time and without
+/// an index.
+class Oracle {
+ public:
+  Oracle(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+         const AssociationOptions& options)
+      : graph_(graph), state_(graph.InitialState()), options_(options) {
+    for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+      const double yaw = graph.InitialPose(graph.scan(graph.returns().scan[r]).pose).yaw;
+      normals_.push_back(Eigen::Rotation2Dd(yaw) * normals[r].cast<double>());
+      if (!normals[r].isZero()) surface_.push_back(r);
+    }
+    for (const std::size_t r : surface_) {
+      typical_radius_m_ += std::log(PilotRadius(ByDistance(r), r)) / surface_.size();
+    }
+    typical_radius_m_ = std::exp(typical_radius_m_);
+  }
+
+  TangentLine Fit(std::size_t r) const {
+    const TangentLine none{0.0, 0.0, 0.0};
+    if (normals_[r].isZero()) return none;
+    const std::vector<std::size_t> nearest = ByDistance(r);
+    const double radius_m =
+        std::sqrt(static_cast<double>(options_.min_points) / options_.max_points *
+                  typical_radius_m_ * PilotRadius(nearest, r));
+    std::vector<std::size_t> members;
+    bool several_scans = false;
+    for (const std::size_t q : nearest) {
+      const double cosine = std::clamp(normals_[q].dot(normals_[r]), -1.0, 1.0);
+      if (std::acos(cosine) > kMaxNormalAngleRad) continue;
+      const bool enough = static_cast<int>(members.size()) >= options_.min_points;
+      if (enough && Distance(q, r) > radius_m) continue;
+      members.push_back(q);
+      several_scans = several_scans || graph_.returns().scan[q] != graph_.returns().scan[r];
+    }
+    if (static_cast<int>(members.size()) < options_.min_points || !several_scans) return none;
+    return Line(members, r);
+  }
+
+ private:
+  double Distance(std::size_t q, std::size_t r) const {
+    return (MapPoint(state_, q) - MapPoint(state_, r)).norm();
+  }
+
+  // The max_points surface points nearest to r.
+  std::vector<std::size_t> ByDistance(std::size_t r) const {
+    std::vector<std::size_t> nearest(std::min<std::size_t>(surface_.size(), options_.max_points));
+    std::partial_sort_copy(
+        surface_.begin(), surface_.end(), nearest.begin(), nearest.end(),
+        [&](std::size_t a, std::size_t b) { return Distance(a, r) < Distance(b, r); });
+    return nearest;
+  }
+
+  double PilotRadius(const std::vector<std::size_t>& nearest, std::size_t r) const {
+    return Distance(nearest.back(), r);
+  }
+
+  TangentLine Line(const std::vector<std::size_t>& members, std::size_t r) const {
+    Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+    for (const std::size_t q : members) centroid += MapPoint(state_, q) / members.size();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    for (const std::size_t q : members) {
+      const Eigen::Vector2d offset = MapPoint(state_, q) - centroid;
+      covariance += offset * offset.transpose() / members.size();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>().computeDirect(covariance);
+    const Eigen::Vector2d eigenvalues = solver.eigenvalues();
+    if (eigenvalues[0] > options_.max_eigenvalue_ratio * eigenvalues[1]) return {0.0, 0.0, 0.0};
+    Eigen::Vector2d normal = solver.eigenvectors().col(0);
+    if (normal.dot(normals_[r]) < 0.0) normal = -normal;
+    return {normal.x(), normal.y(), normal.dot(centroid)};
+  }
+
+  const SlamGraph& graph_;
+  const MapState state_;
+  const AssociationOptions& options_;
+  std::vector<Eigen::Vector2d> normals_;  // world
+  std::vector<std::size_t> surface_;      // returns that have one
+  double typical_radius_m_ = 0.0;
+};
+
+// Of the initial state.
+std::vector<TangentLine> LinesOf(const SlamGraph& graph, const AssociationOptions& options,
+                                 int num_threads = 1) {
+  ThreadPool pool(num_threads);
+  return LinesFromNearest(graph, graph.InitialState(), NormalsOf(graph), options, &pool);
+}
+
+std::size_t CountLines(const std::vector<TangentLine>& lines) {
+  return std::count_if(lines.begin(), lines.end(), Associations::HasLine);
+}
+
+TEST(NearestLinesTest, FollowTheRule) {
+  AssociationOptions few;
+  few.min_points = 4;
+  few.max_points = 12;
+  AssociationOptions fixed_number;
+  fixed_number.max_points = fixed_number.min_points = 20;
+  unsigned seed = 1;
+  for (const AssociationOptions& options : {AssociationOptions(), few, fixed_number}) {
+    const SlamGraph graph = MakeGraph(Room(0.01), seed++);
+    const std::vector<TangentLine> lines = LinesOf(graph, options);
+    const Oracle oracle(graph, NormalsOf(graph), options);
+    ASSERT_EQ(lines.size(), graph.num_returns());
+    EXPECT_GE(CountLines(lines), graph.num_returns() / 3);
+    for (std::size_t r = 0; r < lines.size(); ++r) {
+      const TangentLine expected = oracle.Fit(r);
+      ASSERT_NEAR(lines[r].normal_x, expected.normal_x, 1e-6) << r;
+      ASSERT_NEAR(lines[r].normal_y, expected.normal_y, 1e-6) << r;
+      ASSERT_NEAR(lines[r].offset, expected.offset, 1e-6) << r;
+    }
+  }
+}
+
+TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {
+  SyntheticScene scene;
+  scene.faces = {{{-2.0, 3.0}, {2.0, 3.0}}};
+  scene.poses = {{-0.5, 0.0, 0.3}, {0.0, 0.5, 0.0}, {0.5, 0.0, -0.8}};
+  scene.range_sigma_m = 0.002;
+  const SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
+  const std::vector<TangentLine> lines = LinesOf(graph, AssociationOptions());
+  EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
+  for (std::size_t r = 0; r < lines.size(); ++r) {
+    if (!Associations::HasLine(lines[r])) continue;
+    EXPECT_LT(lines[r].normal_y, -0.99);
+    const double x = MapPoint(state, r).x();
+    // Ten points and more: 5 sigma.
+    EXPECT_NEAR(lines[r].normal_x * x + lines[r].normal_y * 3.0, lines[r].offset, 0.004);
+  }
+}
+
+TEST(NearestLinesTest, NeedSeveralScansAndEnoughPoints) {
+  SyntheticScene scene = Room(0.0);
+  scene.poses.resize(1);
+  EXPECT_EQ(CountLines(LinesOf(MakeGraph(scene), AssociationOptions())), 0u);
+  scene.poses.push_back(scene.poses.front());
+  const SlamGraph graph = MakeGraph(scene);
+  EXPECT_GT(CountLines(LinesOf(graph, AssociationOptions())), 0u);
+  AssociationOptions demanding;
+  demanding.min_points = demanding.max_points = static_cast<int>(graph.num_returns()) + 1;
+  EXPECT_EQ(CountLines(LinesOf(graph, demanding)), 0u);
+}
+
+TEST(NearestLinesTest, AGraphWithoutReturnsHasNone) {
+  EXPECT_TRUE(LinesOf(SlamGraph(), AssociationOptions()).empty());
+}
+
+TEST(NearestLinesTest, AllThreadCountsAgree) {
+  SyntheticScene scene = Room(0.01);
+  scene.laser = PanoramicLaser(1440);  // More than one chunk of points.
+  const SlamGraph graph = MakeGraph(scene);
+  const std::vector<TangentLine> one = LinesOf(graph, AssociationOptions(), 1);
+  const std::vector<TangentLine> three = LinesOf(graph, AssociationOptions(), 3);
+  ASSERT_EQ(one.size(), three.size());
+  for (std::size_t r = 0; r < one.size(); ++r) {
+    ASSERT_EQ(one[r].normal_x, three[r].normal_x);
+    ASSERT_EQ(one[r].normal_y, three[r].normal_y);
+    ASSERT_EQ(one[r].offset, three[r].offset);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

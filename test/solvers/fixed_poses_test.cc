@@ -1,0 +1,154 @@
+// Solve with fixed poses: they are constants to every solver.
+
+#include "plumbline/core/fixed_poses.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plumbline/solvers/interface/ceres_options.h"
+#include "plumbline/solvers/solve.h"
+#include "plumbline/test/solvers/noisy_room.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+
+struct SolverChoice {
+  SolverType type;
+  bool reduced_ceres = false;
+
+  std::string Name() const { return ToString(type) + std::string(reduced_ceres ? "_reduced" : ""); }
+  SolverOptions Options() const {
+    SolverOptions options;
+    options.type = type;
+    options.ceres->reduced = reduced_ceres;
+    options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
+    return options;
+  }
+};
+
+void PrintTo(const SolverChoice& solver, std::ostream* out) { *out << solver.Name(); }
+
+std::string NameOf(const testing::TestParamInfo<SolverChoice>& info) { return info.param.Name(); }
+
+NoisyRoom DisturbedRoom() {
+  NoisyRoom room = RoomWithEdges();
+  DisturbPoses(0.03, room.graph, &room.state);
+  return room;
+}
+
+void ExpectAtFixedPoses(const NoisyRoom& room) {
+  for (const FixedPose& fixed : room.graph.fixed_poses()) {
+    EXPECT_EQ(ToBlock(room.state.WorldFromRobot(fixed.pose)), ToBlock(fixed.world_from_robot))
+        << fixed.pose;
+  }
+}
+
+class FixedPosesTest : public testing::TestWithParam<SolverChoice> {};
+INSTANTIATE_TEST_SUITE_P(
+    EverySolver, FixedPosesTest,
+    testing::Values(SolverChoice{SolverType::kReduced}, SolverChoice{SolverType::kAlternatingCg},
+                    SolverChoice{SolverType::kCeres}, SolverChoice{SolverType::kCeres, true},
+                    SolverChoice{SolverType::kPoseGraph}, SolverChoice{SolverType::kSgd}),
+    NameOf);
+
+class FixedPosesOfScansTest : public testing::TestWithParam<SolverChoice> {};
+INSTANTIATE_TEST_SUITE_P(JointSolvers, FixedPosesOfScansTest,
+                         testing::Values(SolverChoice{SolverType::kReduced},
+                                         SolverChoice{SolverType::kAlternatingCg},
+                                         SolverChoice{SolverType::kCeres},
+                                         SolverChoice{SolverType::kCeres, true}),
+                         NameOf);
+
+TEST_P(FixedPosesTest, StayBitForBitWhereTheyWereFixed) {
+  for (const std::vector<int>& poses : {std::vector<int>{}, {4}, {3, 8}, {9, 8, 2}}) {
+    NoisyRoom room = DisturbedRoom();
+    for (const int pose : poses) ASSERT_TRUE(room.graph.FixPose(pose).ok());
+    MapState seed = room.state;
+    PutAtFixedPoses(room.graph, &seed);
+    const SolverSummary summary = Solve(GetParam().Options(), room.graph, &room.state);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    EXPECT_NE(summary.termination, TerminationType::kNoImprovement) << summary.message;
+    ExpectAtFixedPoses(room);
+    for (const int pose : {5, 10}) {
+      EXPECT_NE(ToBlock(room.state.WorldFromRobot(pose)), ToBlock(seed.WorldFromRobot(pose)));
+    }
+  }
+}
+
+TEST_P(FixedPosesTest, WhereAllAreFixedTheSeedComesBack) {
+  for (const bool in_place : {true, false}) {
+    NoisyRoom room = in_place ? RoomWithEdges() : DisturbedRoom();
+    for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
+      ASSERT_TRUE(room.graph.FixPose(pose).ok());
+    }
+    MapState seed = room.state;
+    PutAtFixedPoses(room.graph, &seed);
+    EXPECT_EQ(seed == room.state, in_place);
+    const SolverSummary summary = Solve(GetParam().Options(), room.graph, &room.state);
+    EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
+    EXPECT_TRUE(summary.IsSolutionUsable());
+    EXPECT_EQ(room.state, seed);
+  }
+}
+
+TEST_P(FixedPosesTest, AStateThatIsElsewhereIsMovedThereAsAWhole) {
+  NoisyRoom room = DisturbedRoom(), elsewhere = room;
+  const Pose2 motion(2.0, -5.0, 0.7);
+  for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
+    elsewhere.state.SetPose(pose, motion * room.state.WorldFromRobot(pose));
+  }
+  elsewhere.state.points = room.graph.MeasuredMap(elsewhere.state.poses);
+  ASSERT_TRUE(Solve(GetParam().Options(), room.graph, &room.state).IsSolutionUsable());
+  const SolverSummary summary = Solve(GetParam().Options(), elsewhere.graph, &elsewhere.state);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  ExpectAtFixedPoses(elsewhere);
+  for (std::size_t i = 0; i < room.state.poses.size(); ++i) {
+    EXPECT_NEAR(elsewhere.state.poses[i], room.state.poses[i], 1e-6) << i;
+  }
+  for (std::size_t i = 0; i < room.state.points.size(); ++i) {
+    ASSERT_NEAR(elsewhere.state.points[i], room.state.points[i], 1e-6) << i;
+  }
+}
+
+TEST_P(FixedPosesTest, AStateThatIsElsewhereStaysThereIfTheSolverFails) {
+  NoisyRoom room = DisturbedRoom();
+  ASSERT_TRUE(room.graph.FixPose(4, {5.0, 5.0, 0.0}).ok());
+  const MapState before = room.state;
+  SolverOptions options = GetParam().Options();
+  options.callback = [](const IterationSummary&) -> bool { throw std::runtime_error("no more"); };
+  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr("no more"));
+  EXPECT_EQ(room.state, before);
+}
+
+TEST_P(FixedPosesOfScansTest, TheOnlyScanIsReturnedAtItsFixedPose) {
+  SyntheticScene scene;
+  scene.faces = {{{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}, {{-3, -2}, {3, -2}}};
+  scene.laser = PanoramicLaser(180);
+  scene.range_sigma_m = 0.01;
+  scene.poses = {{0.5, 0.2, 0.3}};
+  for (const bool in_place : {true, false}) {
+    SlamGraph graph = MakeGraph(scene);
+    if (!in_place) {
+      ASSERT_TRUE(graph.FixPose(0, {1.0, 2.0, 3.0}).ok());
+    }
+    MapState state = graph.InitialState(), seed = state;
+    PutAtFixedPoses(graph, &seed);
+    const SolverSummary summary = Solve(GetParam().Options(), graph, &state);
+    EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
+    EXPECT_TRUE(summary.IsSolutionUsable());
+    EXPECT_EQ(state, seed);
+    EXPECT_EQ(state == graph.InitialState(), in_place);
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

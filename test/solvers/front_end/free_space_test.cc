@@ -1,0 +1,108 @@
+#include "plumbline/solvers/front_end/free_space.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+FreeSpaceConflict OneWay(const SlamGraph& graph, int viewer, int scan,
+                         const Pose2& viewer_from_scan) {
+  return FreeSpaceScan(graph, viewer)
+      .Compare(FreeSpaceScan(graph, scan), viewer_from_scan, nullptr);
+}
+
+TEST(FreeSpace, TwoViewsOfOneRoomAgree) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+  const SlamGraph graph = MakeGraph(scene);
+  const FreeSpaceConflict conflict = OneWay(graph, 0, 1, scene.poses[1]);
+  EXPECT_GT(conflict.num_compared, 250);
+  EXPECT_LT(conflict.Share(), 0.01);
+}
+
+TEST(FreeSpace, AWallInTheMiddleOfARoomConflicts) {
+  // The viewer sees a room of 6 m x 6 m; the scan one of 3 m x 3 m. Every return of the small room
+  // is 1.5 m in front of the large one's walls.
+  SyntheticScene large, small;
+  large.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
+  small.faces = Rectangle({98.5, -1.5}, {101.5, 1.5});
+  large.faces.insert(large.faces.end(), small.faces.begin(), small.faces.end());
+  large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  const SlamGraph graph = MakeGraph(large);
+  const FreeSpaceConflict seen_through = OneWay(graph, 0, 1, Pose2());
+  EXPECT_GT(seen_through.num_compared, 300);
+  EXPECT_EQ(seen_through.num_conflicting, seen_through.num_compared);
+  // The other way round the large room is hidden behind the small one's walls.
+  EXPECT_EQ(OneWay(graph, 1, 0, Pose2()).num_compared, 0);
+}
+
+TEST(FreeSpace, TheSweepMayBeginAnywhereAndTurnEitherWay) {
+  for (const double first_bearing_rad : {0.0, 0.5 * kPi, -2.0 * kPi, 2.0 * kPi}) {
+    for (const double direction : {1.0, -1.0}) {
+      SyntheticScene scene = Room();
+      scene.laser.first_bearing_rad = first_bearing_rad;
+      scene.laser.bearing_step_rad *= direction;
+      scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+      const SlamGraph graph = MakeGraph(scene);
+      EXPECT_GT(OneWay(graph, 0, 1, scene.poses[1]).num_compared, 250)
+          << first_bearing_rad << " " << direction;
+    }
+  }
+}
+
+TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
+  SyntheticScene scene = Room();
+  scene.laser.num_beams = 1;
+  scene.laser.bearing_step_rad = 0.0;
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  EXPECT_EQ(OneWay(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
+}
+
+TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
+  // The viewer sees a room of 6 m x 6 m; the scan a wall 1.5 m ahead, and nothing else.
+  SyntheticScene large;
+  large.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
+  large.faces.push_back({{101.5, -1.0}, {101.5, 1.0}});
+  large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  large.laser.max_range_m = 20.0;
+  const SlamGraph graph = MakeGraph(large);
+  Eigen::Vector2d point(0.0, 0.0);
+  const FreeSpaceConflict conflict =
+      FreeSpaceScan(graph, 0).Compare(FreeSpaceScan(graph, 1), Pose2(), &point);
+  EXPECT_EQ(conflict.num_conflicting, conflict.num_compared);
+  EXPECT_NEAR(point.x(), 1.5, 1e-9);
+  EXPECT_NEAR(point.y(), 0.0, 0.03);
+}
+
+TEST(FreeSpace, BothWaysIsTheSumOfTheTwo) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+  scene.laser = PanoramicLaser(360);
+  const SlamGraph graph = MakeGraph(scene);
+  // A metre ahead of where it was taken, the second scan conflicts with the first one.
+  const Pose2 first_from_second = scene.poses[1] * Pose2(1.0, 0.0, 0.0);
+  const FreeSpaceConflict there = OneWay(graph, 0, 1, first_from_second);
+  const FreeSpaceConflict back = OneWay(graph, 1, 0, first_from_second.Inverse());
+  EXPECT_GT(there.num_conflicting, 20);
+  EXPECT_GT(back.num_conflicting, 20);
+  const FreeSpaceConflict both =
+      CompareBothWays(FreeSpaceScan(graph, 0), FreeSpaceScan(graph, 1), first_from_second);
+  EXPECT_EQ(both.num_compared, there.num_compared + back.num_compared);
+  EXPECT_EQ(both.num_conflicting, there.num_conflicting + back.num_conflicting);
+}
+
+TEST(FreeSpace, SumsAndShares) {
+  FreeSpaceConflict sum{10, 1};
+  sum += {30, 9};
+  EXPECT_EQ(sum.Share(), 0.25);
+  sum -= {30, 9};
+  EXPECT_EQ(sum.Share(), 0.1);
+  EXPECT_EQ(FreeSpaceConflict().Share(), 0.0);
+  EXPECT_EQ((FreeSpaceConflict{400, 100}.Penalty()), 0.75);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,112 @@
+#include "plumbline/solvers/front_end/sequential_seeding.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+// Half a lap of radius 1 m round the room, 10 cm a step, ahead of `num_back` steps backward.
+SlamGraph DriveRoundTheRoom(int num_back) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i <= 30; ++i) {
+    const double angle = 0.1 * i;
+    scene.poses.emplace_back(std::cos(angle), std::sin(angle), angle + kPi / 2.0);
+  }
+  for (int i = 0; i < num_back; ++i) scene.poses.push_back(scene.poses[29 - i]);
+  return MakeGraph(scene);
+}
+
+SequentialTrajectory Seed(const SlamGraph& graph, SequentialSeedingReport* report) {
+  ThreadPool pool(1);
+  SequentialTrajectory trajectory;
+  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
+                               SurfacesOf(graph), nullptr, &pool, &trajectory, report)
+                  .ok());
+  return trajectory;
+}
+
+double WorstM(const SlamGraph& truth, const SequentialTrajectory& trajectory) {
+  double worst_m = 0.0;
+  for (int pose = 0; pose < truth.num_poses(); ++pose) {
+    worst_m =
+        std::max(worst_m, DistanceM(truth.InitialPose(pose), trajectory.world_from_robot[pose]));
+  }
+  return worst_m;
+}
+
+TEST(SequentialSeeding, CorrectsAnOdometryThatIsAFifthOff) {
+  SlamGraph graph = DriveRoundTheRoom(0);
+  AddOdometry([](const Pose2& s) { return Pose2(1.2 * s.x, s.y, 0.8 * s.yaw); }, &graph);
+  SequentialSeedingReport report;
+  const SequentialTrajectory trajectory = Seed(graph, &report);
+  EXPECT_LT(WorstM(graph, trajectory), 0.02);
+  EXPECT_EQ(report.num_unmatched, 0);
+  EXPECT_GT(report.num_keyframes, 5);
+  EXPECT_LT(report.num_keyframes, 31);
+  EXPECT_EQ(trajectory.keyframes.front().pose, 0);
+}
+
+TEST(SequentialSeeding, FindsTheLostSignOfEachStep) {
+  SlamGraph graph = DriveRoundTheRoom(12);
+  AddOdometry([](const Pose2& s) { return s.x < 0.0 ? Pose2(-s.x, -s.y, s.yaw) : s; }, &graph);
+  SequentialSeedingReport report;
+  const SequentialTrajectory trajectory = Seed(graph, &report);
+  EXPECT_TRUE(report.odometry_sign.sign_lost);
+  EXPECT_EQ(report.num_reversed_steps, 12);
+  EXPECT_LT(WorstM(graph, trajectory), 0.02);
+  EXPECT_GT(trajectory.odometry[30].x, 0.09);
+  EXPECT_LT(trajectory.odometry[31].x, -0.09);
+}
+
+TEST(SequentialSeeding, FindsBackFromATurnThatTheOdometryMissed) {
+  SyntheticScene scene = Room();
+  for (int i = 0; i < 12; ++i) scene.poses.emplace_back(0.0, 0.0, i < 6 ? 0.0 : 0.45);
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2&) { return Pose2(); }, &graph);
+  SequentialSeedingReport report;
+  const SequentialTrajectory trajectory = Seed(graph, &report);
+  EXPECT_LT(WorstM(graph, trajectory), 0.02);
+  EXPECT_NEAR(trajectory.world_from_robot.back().yaw, 0.45, 5e-3);
+}
+
+TEST(SequentialSeeding, TurningOnTheSpotAddsNoKeyframesAfterTheFirstTurn) {
+  SyntheticScene scene = Room();
+  for (int i = 0; i < 126; ++i) scene.poses.emplace_back(0.0, 0.0, 0.2 * i);  // four turns
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2& s) { return s; }, &graph);
+  SequentialSeedingReport report;
+  Seed(graph, &report);
+  EXPECT_LE(report.num_keyframes, 18);
+}
+
+TEST(SequentialSeeding, NamesTheStepWithoutOdometry) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
+  const SlamGraph graph = MakeGraph(scene);
+  ThreadPool pool(1);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport report;
+  const Status status = SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
+                                         SurfacesOf(graph), nullptr, &pool, &trajectory, &report);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("from pose 0 to pose 1"), std::string::npos);
+}
+
+TEST(SequentialSeeding, StopsWhenItsCallerSaysSo) {
+  SlamGraph graph = DriveRoundTheRoom(0);
+  AddOdometry([](const Pose2& s) { return s; }, &graph);
+  ThreadPool pool(1);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport report;
+  const Status status = SeedSequentially(
+      SequentialSeedingOptions(), MotionOptions(), graph, SurfacesOf(graph),
+      [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+  EXPECT_TRUE(trajectory.world_from_robot.empty());
+}
+
+}  // namespace
+}  // namespace plumbline

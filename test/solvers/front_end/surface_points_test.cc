@@ -1,0 +1,67 @@
+#include "plumbline/solvers/front_end/surface_points.h"
+
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+// Five beams straight ahead (to within 0.4 mm per metre), 1 m to 1.4 m long.
+SlamGraph RowOfReturns() {
+  SlamGraph graph;
+  LaserModel laser;
+  laser.num_beams = 5;
+  laser.bearing_step_rad = 1e-4;
+  int id = 0;
+  EXPECT_TRUE(graph.AddLaser(laser, &id).ok());
+  EXPECT_TRUE(graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0, &id).ok());
+  EXPECT_TRUE(graph.AddScan(0, 0, {1.0, 1.1, 1.2, 1.3, 1.4}).ok());
+  return graph;
+}
+
+TEST(SurfacePoints, AreThinnedToTheSpacingInTheFrameOfTheRobot) {
+  ThreadPool pool(1);
+  const std::vector<Eigen::Vector2f> normals(5, Eigen::Vector2f(-1.0f, 0.0f));
+  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), normals, 0.15, &pool);
+  ASSERT_EQ(surfaces.size(), 1u);
+  ASSERT_EQ(surfaces[0].size(), 3u);
+  EXPECT_NEAR(surfaces[0][0].position.x(), 1.0, 1e-6);
+  EXPECT_NEAR(surfaces[0][1].position.x(), 1.2, 1e-6);
+  EXPECT_NEAR(surfaces[0][2].position.x(), 1.4, 1e-6);
+  EXPECT_EQ(surfaces[0][2].normal, Eigen::Vector2d(-1.0, 0.0));
+}
+
+TEST(SurfacePoints, LeaveOutReturnsWithoutSurface) {
+  ThreadPool pool(1);
+  std::vector<Eigen::Vector2f> normals(5, Eigen::Vector2f::Zero());
+  normals[3] = {-1.0f, 0.0f};
+  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), normals, 0.01, &pool);
+  ASSERT_EQ(surfaces[0].size(), 1u);
+  EXPECT_NEAR(surfaces[0][0].position.x(), 1.3, 1e-6);
+}
+
+TEST(SurfacePoints, ThePosesFirstScanThatShowsASurfaceIsMatched) {
+  SlamGraph graph = RowOfReturns();
+  int id = 0;
+  const std::vector<double> ranges(5, 1.0);
+  for (const int pose : {0, 1, 1, 1, 2}) {
+    if (pose == graph.num_poses()) {
+      ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
+    }
+    ASSERT_TRUE(graph.AddScan(pose, 0, ranges).ok());
+  }
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
+  // Scans 0, 1 at pose 0, scans 2, 3, 4 at pose 1, scan 5 at pose 2, none at pose 3.
+  const SurfacePoints none, some{{{1.0, 0.0}, {-1.0, 0.0}}};
+  EXPECT_EQ(MatchedScanOfPoses(graph, {some, some, none, some, some, none}),
+            (std::vector<int>{0, 3, -1, -1}));
+}
+
+TEST(SurfacePoints, MoveWithAFrame) {
+  const SurfacePoint in_b{{1.0, 0.0}, {1.0, 0.0}};
+  const SurfacePoint in_a = Pose2(2.0, 3.0, kPi / 2.0) * in_b;
+  EXPECT_NEAR((in_a.position - Eigen::Vector2d(2.0, 4.0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((in_a.normal - Eigen::Vector2d(0.0, 1.0)).norm(), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+#include "plumbline/solvers/loop_closure/closure_clusters.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+
+// A straight corridor there and back, a keyframe per metre.
+KeyframeGraph Corridor() {
+  KeyframeGraph keys;
+  for (int k = 0; k <= 80; ++k) {
+    Keyframe key;
+    key.pose = key.scan = k;
+    key.path_m = k;
+    keys.keyframes.push_back(key);
+    keys.world_from_key.emplace_back(k <= 40 ? k : 80.0 - k, 0.0, 0.0);
+  }
+  return keys;
+}
+
+RelativePoseConstraint Closure(int from, int to, const Pose2& from_from_to = Pose2()) {
+  RelativePoseConstraint closure;
+  closure.from = from;
+  closure.to = to;
+  closure.from_from_to = from_from_to;
+  return closure;
+}
+
+TEST(FindClosureClusters, DividesByPathAndByPlace) {
+  const KeyframeGraph keys = Corridor();
+  // Two closures of one stretch with one place, one of it with another place, and one later.
+  const std::vector<RelativePoseConstraint> closures = {Closure(20, 62), Closure(4, 61),
+                                                        Closure(18, 60), Closure(1, 79)};
+  EXPECT_THAT(FindClosureClusters(closures, keys),
+              ElementsAre(ElementsAre(2, 0), ElementsAre(1), ElementsAre(3)));
+  EXPECT_TRUE(FindClosureClusters({}, keys).empty());
+}
+
+TEST(FindClosureClusters, AreNoLongerThanAStretch) {
+  const KeyframeGraph keys = Corridor();
+  std::vector<RelativePoseConstraint> closures;
+  for (int to = 50; to <= 75; ++to) closures.push_back(Closure(20, to));
+  const std::vector<ClosureCluster> clusters = FindClosureClusters(closures, keys);
+  ASSERT_EQ(clusters.size(), 2u);
+  EXPECT_EQ(clusters[0].size(), 13u);  // 12 m
+}
+
+TEST(RepeatsRefused, KnowsTheSamePlaceFromNeighbouringKeyframes) {
+  const KeyframeGraph keys = Corridor();
+  const Pose2 wrong(3.0, 0.0, 0.0);
+  const std::vector<RelativePoseConstraint> refused = {Closure(20, 60, wrong)};
+  EXPECT_TRUE(RepeatsRefused(Closure(20, 60, wrong), refused, keys));
+  // Two metres further on, the place is two metres back.
+  EXPECT_TRUE(RepeatsRefused(Closure(18, 62, wrong), refused, keys));
+  EXPECT_FALSE(RepeatsRefused(Closure(20, 60), refused, keys));        // elsewhere
+  EXPECT_FALSE(RepeatsRefused(Closure(4, 76, wrong), refused, keys));  // later
+  EXPECT_FALSE(RepeatsRefused(Closure(20, 60, wrong), {}, keys));
+}
+
+}  // namespace
+}  // namespace plumbline

@@ -1,0 +1,175 @@
+#include "plumbline/solvers/loop_closure/map_hypotheses.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/test/core/initial_guesses.h"
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+// A drive round an office floor with its sequential matching. The graph's initial guesses are the
+// poses of the odometry.
+struct SimulatedDrive {
+  SlamGraph graph;
+  std::vector<Pose2> truth;
+  std::vector<SurfacePoints> surfaces;
+  SequentialTrajectory matched;
+};
+
+SimulatedDrive MakeDrive(std::uint64_t seed) {
+  SimulationOptions options;
+  options.seed = seed;
+  options.scan_period_s = 0.6;
+  SimulatedLog log;
+  EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, seed)), options, &log).ok());
+  SimulatedDrive drive;
+  EXPECT_TRUE(MakeGraph(log, &drive.graph).ok());
+  drive.surfaces = SurfacesOf(drive.graph);
+  ThreadPool pool(1);
+  SequentialSeedingReport report;
+  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), drive.graph,
+                               drive.surfaces, nullptr, &pool, &drive.matched, &report)
+                  .ok());
+  for (const SimulatedScan& scan : log.scans) drive.truth.push_back(scan.world_from_robot);
+  return drive;
+}
+
+void SetOdometry(const std::vector<Pose2>& poses, SimulatedDrive* drive) {
+  drive->graph = WithInitialPoses(drive->graph, poses);
+}
+
+// All that comes after half of the drive is believed to be `jump` farther on.
+void Tear(const Pose2& jump, SequentialTrajectory* matched) {
+  const std::vector<Pose2> before = matched->world_from_robot;
+  const std::size_t half = before.size() / 2;
+  for (std::size_t p = half; p < before.size(); ++p) {
+    matched->world_from_robot[p] = before[half] * jump * Between(before[half], before[p]);
+  }
+  matched->odometry[half] = matched->odometry[half] * jump;
+}
+
+struct Found {
+  MapHypothesis best;
+  std::vector<WeighedHypothesis> weighed;
+
+  int NumAdopted() const {
+    return static_cast<int>(
+        std::count_if(weighed.begin(), weighed.end(), [](const auto& h) { return h.adopted; }));
+  }
+};
+
+Found Search(const SimulatedDrive& drive, int num_threads = 2) {
+  ThreadPool pool(num_threads);
+  Found found;
+  EXPECT_TRUE(SearchMapHypotheses(MotionOptions(), drive.graph, drive.surfaces, nullptr, &pool,
+                                  drive.matched, &found.best, &found.weighed)
+                  .ok());
+  return found;
+}
+
+// The worst of the poses, seen from the first one [m].
+double WorstM(const SimulatedDrive& drive, const std::vector<Pose2>& poses) {
+  double worst = 0.0;
+  for (int pose = 0; pose < drive.graph.num_poses(); ++pose) {
+    worst = std::max(worst, DistanceM(Between(poses[0], poses[pose]),
+                                      Between(drive.truth[0], drive.truth[pose])));
+  }
+  return worst;
+}
+
+TEST(MapHypotheses, ASoundDriveNeedsNoOtherExplanation) {
+  const SimulatedDrive drive = MakeDrive(1);
+  const Found found = Search(drive);
+  EXPECT_EQ(found.best.kind, HypothesisKind::kMatching);
+  EXPECT_EQ(found.NumAdopted(), 1);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15);
+  for (const WeighedHypothesis& weighed : found.weighed) {
+    EXPECT_GT(weighed.conflict.num_compared, 0);
+    if (weighed.adopted) {
+      EXPECT_LT(weighed.score, 0.0);
+    }
+  }
+}
+
+TEST(MapHypotheses, AnOdometryThatIsRightBeatsAMatchingThatIsTorn) {
+  SimulatedDrive drive = MakeDrive(2);
+  SetOdometry(drive.truth, &drive);
+  Tear(Pose2(4.0, 3.0, 0.7), &drive.matched);
+  EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 2.0);
+  const Found found = Search(drive);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15) << ToString(found.best.kind);
+  const auto odometry = std::find_if(
+      found.weighed.begin(), found.weighed.end(),
+      [](const WeighedHypothesis& h) { return h.kind == HypothesisKind::kOdometryAlone; });
+  ASSERT_NE(odometry, found.weighed.end());
+  // What was adopted is no worse than the odometry as given.
+  for (const WeighedHypothesis& weighed : found.weighed) {
+    if (weighed.adopted) {
+      EXPECT_LE(weighed.score, odometry->score + 0.1 * weighed.conflict.num_compared);
+    }
+  }
+}
+
+TEST(MapHypotheses, AWrongStepIsPutRight) {
+  SimulatedDrive drive = MakeDrive(3);
+  Tear(Pose2(1.5, 0.0, 0.0), &drive.matched);
+  SetOdometry(drive.matched.world_from_robot, &drive);  // which is torn as well
+  EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 1.0);
+  const Found found = Search(drive);
+  EXPECT_EQ(found.best.kind, HypothesisKind::kBrokenSteps);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15);
+}
+
+TEST(MapHypotheses, ARobotThatWasCarriedIsFoundWhereItIs) {
+  // Farther than a slip, and turned round: no closure is looked for there.
+  SimulatedDrive drive = MakeDrive(3);
+  Tear(Pose2(4.0, -9.0, 2.8), &drive.matched);
+  SetOdometry(drive.matched.world_from_robot, &drive);
+  EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 9.0);
+  const Found found = Search(drive);
+  EXPECT_EQ(found.best.kind, HypothesisKind::kJoinedParts);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15);
+  const auto adopted =
+      std::find_if(found.weighed.begin(), found.weighed.end(), [](const WeighedHypothesis& h) {
+        return h.adopted && h.kind == HypothesisKind::kJoinedParts;
+      });
+  ASSERT_NE(adopted, found.weighed.end());
+  EXPECT_NEAR(adopted->first_pose_after, drive.graph.num_poses() / 2, 1);
+  EXPECT_LT(std::hypot(adopted->carried_to.x, adopted->carried_to.y), 1.0);  // a step of the drive
+}
+
+TEST(MapHypotheses, AreTheSameForAnyNumberOfThreads) {
+  SimulatedDrive drive = MakeDrive(2);
+  Tear(Pose2(4.0, 3.0, 0.7), &drive.matched);
+  const Found one = Search(drive, 1), three = Search(drive, 3);
+  ASSERT_EQ(one.weighed.size(), three.weighed.size());
+  for (std::size_t i = 0; i < one.weighed.size(); ++i) {
+    EXPECT_EQ(one.weighed[i].score, three.weighed[i].score) << i;
+    EXPECT_EQ(one.weighed[i].adopted, three.weighed[i].adopted) << i;
+  }
+  for (std::size_t p = 0; p < one.best.world_from_robot.size(); ++p) {
+    EXPECT_EQ(one.best.world_from_robot[p].x, three.best.world_from_robot[p].x) << p;
+  }
+}
+
+TEST(MapHypotheses, StopWhenTheirCallerSaysSo) {
+  const SimulatedDrive drive = MakeDrive(1);
+  ThreadPool pool(1);
+  MapHypothesis best;
+  std::vector<WeighedHypothesis> weighed;
+  const Status status = SearchMapHypotheses(
+      MotionOptions(), drive.graph, drive.surfaces, [](SeedingPhase, int, int) { return false; },
+      &pool, drive.matched, &best, &weighed);
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace plumbline

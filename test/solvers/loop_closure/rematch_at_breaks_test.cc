@@ -1,0 +1,137 @@
+#include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kPosesPerKey = 3;
+constexpr int kBrokenEdge = 6;  // from pose 18 to pose 21
+constexpr int kFirstAfter = 20;
+// The first keyframe at least 2 m of path beyond pose 21.
+constexpr int kSoundPose = 42;
+
+// A lap of radius 1 m round the room, 10 cm a step, carried on ahead of pose 20. All keyframes have
+// been put right; from there to where the path is sound again the other poses are not.
+struct RepairedLap {
+  SlamGraph graph;  // initial guesses at the true poses
+  std::vector<SurfacePoints> surfaces;
+  KeyframeGraph keys;
+  std::vector<Pose2> odometry;
+  std::vector<Pose2> world_from_robot;
+};
+
+RepairedLap MakeRepairedLap() {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  RepairedLap lap;
+  for (int i = 0; i <= 60; ++i) {
+    const double angle = 0.1 * i;
+    scene.poses.emplace_back(std::cos(angle), std::sin(angle), angle + 0.5 * kPi);
+    lap.odometry.emplace_back();
+    if (i == 0) continue;
+    const Pose2 step = Between(scene.poses[i - 1], scene.poses[i]);
+    lap.odometry[i] = Pose2(1.2 * step.x, step.y, 0.8 * step.yaw);
+  }
+  lap.odometry[kFirstAfter] = Pose2(0.0, 0.0, 0.0);
+  lap.graph = MakeGraph(scene);
+  lap.surfaces = SurfacesOf(lap.graph);
+  lap.world_from_robot = scene.poses;
+  for (int pose = 19; pose < kSoundPose; ++pose) {
+    lap.world_from_robot[pose] = Pose2(0.3, -0.2, 0.1) * scene.poses[pose];
+  }
+  for (int pose = 0; pose <= 60; pose += kPosesPerKey) {
+    Keyframe key;
+    key.pose = key.scan = pose;
+    key.path_m = 0.1 * pose;
+    lap.keys.keyframes.push_back(key);
+    lap.keys.world_from_key.push_back(scene.poses[pose]);
+  }
+  for (int k = 1; k < lap.keys.size(); ++k) {
+    const Pose2 step = Between(lap.keys.world_from_key[k - 1], lap.keys.world_from_key[k]);
+    lap.keys.sequential.push_back({{k - 1, k, step}});
+  }
+  return lap;
+}
+
+// The sequential matching went to a place 0.7 m away there, which closures have shown since.
+void Break(int edge, int first_after, RepairedLap* lap) {
+  SequentialEdge& broken = lap->keys.sequential[edge];
+  broken.constraint.from_from_to = broken.constraint.from_from_to * Pose2(0.6, -0.4, 0.2);
+  broken.evidence = 1.0;
+  broken.broken = true;
+  broken.first_pose_after = first_after;
+}
+
+std::vector<Pose2> Rematched(const RepairedLap& lap) {
+  std::vector<Pose2> poses = lap.world_from_robot;
+  RematchAtBreaks(lap.graph, lap.surfaces, lap.keys, lap.odometry, &poses);
+  return poses;
+}
+
+bool SamePose(const Pose2& a, const Pose2& b) { return a.x == b.x && a.y == b.y && a.yaw == b.yaw; }
+
+TEST(RematchAtBreaks, MendsThePosesNextToABreakAndNoOthers) {
+  RepairedLap lap = MakeRepairedLap();
+  Break(kBrokenEdge, kFirstAfter, &lap);
+  const std::vector<Pose2> poses = Rematched(lap);
+  for (int pose = 0; pose <= 60; ++pose) {
+    EXPECT_LT(DistanceM(poses[pose], lap.graph.InitialPose(pose)), 0.01) << pose;
+    EXPECT_NEAR(poses[pose].yaw, lap.graph.InitialPose(pose).yaw, 0.01) << pose;
+    if (pose > 18 && pose < kSoundPose) continue;
+    EXPECT_TRUE(SamePose(poses[pose], lap.world_from_robot[pose])) << pose;
+  }
+}
+
+TEST(RematchAtBreaks, LeavesAPathWithoutBreaks) {
+  RepairedLap lap = MakeRepairedLap();
+  lap.keys.sequential[kBrokenEdge].evidence = 1.0;
+  const std::vector<Pose2> poses = Rematched(lap);
+  for (int pose = 0; pose <= 60; ++pose) {
+    EXPECT_TRUE(SamePose(poses[pose], lap.world_from_robot[pose])) << pose;
+  }
+}
+
+TEST(RematchAtBreaks, TheOdometryLeadsToAPoseWithoutAView) {
+  RepairedLap lap = MakeRepairedLap();
+  Break(kBrokenEdge, kFirstAfter, &lap);
+  // On either side of the break.
+  lap.surfaces[19].clear();
+  lap.surfaces[20].clear();
+  const std::vector<Pose2> poses = Rematched(lap);
+  EXPECT_TRUE(SamePose(poses[19], poses[18] * lap.odometry[19]));
+  EXPECT_TRUE(SamePose(poses[20], poses[21] * lap.odometry[21].Inverse()));
+}
+
+TEST(RematchAtBreaks, TheNextBreakEndsWhatWasSpoilt) {
+  RepairedLap lap = MakeRepairedLap();
+  Break(kBrokenEdge, kFirstAfter, &lap);
+  // From pose 27 to pose 30: between the breaks only the keyframe at pose 27 is sound.
+  Break(9, 29, &lap);
+  lap.world_from_robot[27] = lap.graph.InitialPose(27);
+  const std::vector<Pose2> poses = Rematched(lap);
+  EXPECT_TRUE(SamePose(poses[27], lap.world_from_robot[27]));
+  for (int pose = 0; pose <= 60; ++pose) {
+    EXPECT_LT(DistanceM(poses[pose], lap.graph.InitialPose(pose)), 0.01) << pose;
+  }
+}
+
+TEST(RematchAtBreaks, WhatOneBreakSpoiltIsNoMapForTheNext) {
+  RepairedLap lap = MakeRepairedLap();
+  Break(kBrokenEdge, kFirstAfter, &lap);
+  Break(9, 29, &lap);
+  lap.world_from_robot[27] = lap.graph.InitialPose(27);
+  const std::vector<Pose2> expected = Rematched(lap);
+  // The keyframes at poses 21 and 24, between the two breaks, are a metre off.
+  for (const int k : {7, 8})
+    lap.keys.world_from_key[k] = Pose2(0.9, 0.5, 0.2) * lap.keys.world_from_key[k];
+  const std::vector<Pose2> poses = Rematched(lap);
+  for (int pose = 0; pose <= 60; ++pose) {
+    EXPECT_TRUE(SamePose(poses[pose], expected[pose])) << pose;
+  }
+}
+
+}  // namespace
+}  // namespace plumbline

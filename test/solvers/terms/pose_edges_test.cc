@@ -1,0 +1,30 @@
+#include "plumbline/solvers/terms/pose_edges.h"
+
+#include <gtest/gtest.h>
+
+#include "plumbline/test/factors/factor_testing.h"
+
+namespace plumbline {
+namespace {
+
+TEST(PoseEdgesTest, AreTheConstraintsOfTheGraph) {
+  SlamGraph graph;
+  int id = 0;
+  for (const Pose2& pose : {Pose2(1.0, 2.0, 0.5), Pose2(2.0, 2.0, 0.5), Pose2(2.0, 3.0, 1.0)}) {
+    ASSERT_TRUE(graph.AddPose(pose, 0.0, &id).ok());
+  }
+  ASSERT_TRUE(graph.AddOdometry({0, 1, {1.0, 0.0, 0.1}}).ok());
+  ASSERT_TRUE(graph.AddOdometry({1, 2, {0.5, 0.0, 0.1}}).ok());
+  ASSERT_TRUE(graph.AddRelativePose({2, 0, {-1.0, 0.5, 0.0}, CorrelatedCovariance()}).ok());
+  const PoseEdges edges(graph, FactorOptions());
+  ASSERT_EQ(edges.motions.size(), 2u);
+  EXPECT_EQ(edges.motions[1].from, 1);
+  EXPECT_EQ(edges.motions[1].to, 2);
+  EXPECT_EQ(edges.motions[1].residual.a_from_b.x, 0.5);
+  ASSERT_EQ(edges.relative_poses.size(), 1u);
+  EXPECT_EQ(edges.relative_poses[0].from, 2);
+  EXPECT_EQ(edges.relative_poses[0].to, 0);
+}
+
+}  // namespace
+}  // namespace plumbline
