@@ -40,7 +40,7 @@ set(PLUMBLINE_EXTENSION_HEADERS
   solvers/full/energy.h
   solvers/full/rounds_solver.h
   solvers/interface/ceres_options.h
-  solvers/interface/inner_solve.h
+  solvers/interface/inner_result.h
   solvers/interface/solver.h
   solvers/pose_graph/pose_graph.h
   solvers/terms/term.h)

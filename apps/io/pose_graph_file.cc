@@ -54,7 +54,7 @@ Eigen::Matrix3d ReadInformation(const PoseGraphDialect& dialect, FieldReader* fi
 }
 
 // A pose that no edges connect with the first one; -1 if there is none.
-int FindIsland(const SlamGraph& graph) {
+int FindUnconnectedVertex(const SlamGraph& graph) {
   std::vector<int> parent(graph.num_poses());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&parent](int pose) {
@@ -106,10 +106,10 @@ class Parser {
     PLUMBLINE_RETURN_IF_ERROR(AddScans(log));
     PLUMBLINE_RETURN_IF_ERROR(AddEdges());
     PLUMBLINE_RETURN_IF_ERROR(FixPoses());
-    const int island = FindIsland(file_.graph);
-    if (island >= 0) {
-      return Error(vertex_lines_[island] + 1,
-                   "no edges connect vertex " + std::to_string(file_.vertex_ids[island]) +
+    const int unconnected = FindUnconnectedVertex(file_.graph);
+    if (unconnected >= 0) {
+      return Error(vertex_lines_[unconnected] + 1,
+                   "no edges connect vertex " + std::to_string(file_.vertex_ids[unconnected]) +
                        " with the first vertex, " + std::to_string(file_.vertex_ids[0]));
     }
     *file = std::move(file_);

@@ -100,13 +100,14 @@ ReportTable AcceptanceTable(const AcceptanceTest& acceptance) {
         FixedText(acceptance.seed_held_out_error, 4), FixedText(acceptance.final_held_out_error, 4),
         acceptance.KeepsHeldOutError() ? "yes" : "no"}},
       WithThousands(acceptance.num_held_out) +
-          " returns took no part in finding these poses and lines. If either yardstick speaks "
+          " returns took no part in finding these poses and lines. If either figure speaks "
           "against the result it is refused, and the seed comes back. The energy has to fall; the "
           "held-out figure may rise to " +
           FixedText(acceptance.LargestHeldOutError(), 4) +
-          (acceptance.with_relative_poses
-               ? ": relative poses are knowledge of their own, which may cost the scans a little."
-               : ", twice what chance does.")};
+          (acceptance.with_other_constraints ? ": relative poses and own terms are knowledge of "
+                                               "their own, which may cost the scans a "
+                                               "little."
+                                             : ", twice what chance does.")};
 }
 
 // Where a part of the drive was treated on its own.

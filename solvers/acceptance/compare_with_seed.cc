@@ -54,32 +54,32 @@ class SeedComparison {
 
   AcceptanceTest Result() const {
     AcceptanceTest acceptance;
-    acceptance.with_relative_poses =
+    acceptance.with_other_constraints =
         !graph_.relative_poses().empty() || !factors_.own_terms.empty();
     acceptance.seed_energy = seed_energy_ / num_cuts_;
     acceptance.final_energy = state_energy_ / num_cuts_;
     acceptance.energy_rounding =
         AcceptanceTest::kRounding *
         (acceptance.seed_energy + static_cast<double>(graph_.num_returns()));
-    double observations = 0.0;
+    double num_residuals = 0.0;
     for (const HeldOutReturn& held_out : held_out_) {
       if (held_out.num_landmarks == 0) continue;
       ++acceptance.num_held_out;
-      observations += held_out.num_landmarks;
+      num_residuals += held_out.num_landmarks;
       acceptance.seed_held_out_error += held_out.seed_error;
       acceptance.final_held_out_error += held_out.state_error;
     }
     if (acceptance.num_held_out == 0) return acceptance;
     const double change =
-        (acceptance.final_held_out_error - acceptance.seed_held_out_error) / observations;
+        (acceptance.final_held_out_error - acceptance.seed_held_out_error) / num_residuals;
     double squares = 0.0;
     for (const HeldOutReturn& held_out : held_out_) {
       const double expected = held_out.num_landmarks * change;
       squares += std::pow(held_out.state_error - held_out.seed_error - expected, 2);
     }
-    acceptance.seed_held_out_error /= observations;
-    acceptance.final_held_out_error /= observations;
-    acceptance.held_out_noise = std::sqrt(squares) / observations;
+    acceptance.seed_held_out_error /= num_residuals;
+    acceptance.final_held_out_error /= num_residuals;
+    acceptance.held_out_noise = std::sqrt(squares) / num_residuals;
     return acceptance;
   }
 

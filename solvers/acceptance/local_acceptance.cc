@@ -15,19 +15,19 @@ namespace {
 // A rise that a map would show, and that chance does not bring about in a million stretches.
 constexpr double kLeastRise = 1.0;  // [sigmas^2]
 constexpr double kSigmas = 4.0;
-// Fewer observations say nothing.
-constexpr int kFewestObservations = 16;
+// Fewer residuals say nothing.
+constexpr int kFewestResiduals = 16;
 
 bool IsClearlyWorse(const PoseChange& change) {
-  if (change.num_observations < kFewestObservations) return false;
+  if (change.num_residuals < kFewestResiduals) return false;
   const double rise = change.state_error - change.seed_error;
-  return rise > kLeastRise * change.num_observations && rise > change.seed_error &&
+  return rise > kLeastRise * change.num_residuals && rise > change.seed_error &&
          rise > kSigmas * std::sqrt(change.squares);
 }
 
 WorseStretch StretchOf(int first, int last, const PoseChange& change) {
-  return {first, last, change.seed_error / change.num_observations,
-          change.state_error / change.num_observations};
+  return {first, last, change.seed_error / change.num_residuals,
+          change.state_error / change.num_residuals};
 }
 
 // What took a pose from the seed to where it is: state = correction * seed.

@@ -4,7 +4,7 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/full/energy.h"
-#include "plumbline/solvers/interface/inner_solve.h"
+#include "plumbline/solvers/interface/inner_result.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {

@@ -7,7 +7,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/interface/ceres_options.h"
-#include "plumbline/solvers/interface/inner_solve.h"
+#include "plumbline/solvers/interface/inner_result.h"
 #include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/landmarks/line_observations.h"

@@ -12,7 +12,7 @@
 #include "plumbline/solvers/acceptance/candidate.h"
 #include "plumbline/solvers/acceptance/contradicted_steps.h"
 #include "plumbline/solvers/full/energy.h"
-#include "plumbline/solvers/interface/inner_solve.h"
+#include "plumbline/solvers/interface/inner_result.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 

@@ -6,7 +6,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/full/energy.h"
-#include "plumbline/solvers/interface/inner_solve.h"
+#include "plumbline/solvers/interface/inner_result.h"
 #include "plumbline/solvers/interface/solver.h"
 
 namespace plumbline {

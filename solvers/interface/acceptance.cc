@@ -7,7 +7,7 @@ namespace plumbline {
 
 double AcceptanceTest::LargestHeldOutError() const {
   const double by_chance = (1.0 + kRounding) * seed_held_out_error + 2.0 * held_out_noise;
-  return with_relative_poses ? std::max(by_chance, 2.0 * seed_held_out_error) : by_chance;
+  return with_other_constraints ? std::max(by_chance, 2.0 * seed_held_out_error) : by_chance;
 }
 
 std::string AcceptanceTest::Text() const {

@@ -29,7 +29,7 @@ struct AcceptanceTest {
   double energy_rounding = 0.0;  ///< what rounding may change of the energies
   /// Rounding as a share: measured points have single precision.
   static constexpr double kRounding = 1e-9;
-  bool with_relative_poses = false;  ///< the graph has some, or there are own terms
+  bool with_other_constraints = false;  ///< relative poses, or own terms of a host
   /// Parts of the drive that fit clearly worse than in the seed, see local_acceptance.h.
   /// CompareWithSeed does not count them, CandidateEvaluator does.
   int num_worse_stretches = 0;

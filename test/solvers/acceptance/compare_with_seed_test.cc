@@ -58,7 +58,7 @@ TEST(CompareWithSeedTest, BothYardsticksHaveToAgree) {
 
 TEST(CompareWithSeedTest, WithRelativePosesTheEnergyDecidesUnlessTheMapFallsApart) {
   AcceptanceTest acceptance = Figures(90.0, 1.9);
-  acceptance.with_relative_poses = true;
+  acceptance.with_other_constraints = true;
   EXPECT_TRUE(acceptance.IsBetter());
   EXPECT_THAT(acceptance.Text(), Not(HasSubstr(";")));
   acceptance.final_held_out_error = 2.1;
@@ -109,7 +109,7 @@ TEST(CompareWithSeedTest, WhatContradictsTheScansDoesNotBribeTheHeldOutReturns) 
   AcceptanceTest acceptance = Compare(room.graph, room.state.poses, followed);
   EXPECT_TRUE(acceptance.LowersEnergy());
   EXPECT_TRUE(acceptance.IsBetter());  // a relative pose is to be believed: the map holds together
-  acceptance.with_relative_poses = false;  // odometry is not
+  acceptance.with_other_constraints = false;  // odometry is not
   EXPECT_FALSE(acceptance.KeepsHeldOutError()) << acceptance.Text();
   EXPECT_FALSE(acceptance.IsBetter());
 }

@@ -12,13 +12,13 @@ namespace {
 
 constexpr int kNumPoses = 40;
 
-// Per pose 20 observations, one per return; `rise` is what the error of each return grows by.
+// Per pose 20 residuals, one per return; `rise` is what the error of each return grows by.
 std::vector<PoseChange> Changes(double seed_error, const std::vector<double>& rises) {
   constexpr int kReturns = 20;
   std::vector<PoseChange> changes;
   for (const double rise : rises) {
     PoseChange change;
-    change.num_observations = kReturns;
+    change.num_residuals = kReturns;
     change.seed_error = kReturns * seed_error;
     change.state_error = kReturns * (seed_error + rise);
     change.squares = kReturns * rise * rise;
@@ -57,7 +57,7 @@ TEST(LocalAcceptanceTest, AStretchIsWorseThoughTheWholeIsBetter) {
   EXPECT_NEAR(worse[0].state_error, 4.6, 1e-12);
 }
 
-TEST(LocalAcceptanceTest, ASmallRiseAChanceAndFewObservationsAreNotWorse) {
+TEST(LocalAcceptanceTest, ASmallRiseAChanceAndFewResidualsAreNotWorse) {
   EXPECT_TRUE(FindWorseStretches(Changes(0.6, std::vector<double>(kNumPoses, 0.5))).empty());
   // A rise to less than twice what it was.
   EXPECT_TRUE(FindWorseStretches(Changes(3.0, std::vector<double>(kNumPoses, 2.0))).empty());
@@ -71,7 +71,7 @@ TEST(LocalAcceptanceTest, ASmallRiseAChanceAndFewObservationsAreNotWorse) {
 }
 
 // As of a laser with so few beams that no pose can be judged alone.
-TEST(LocalAcceptanceTest, ManyPosesWithFewObservationsAreWorseTogether) {
+TEST(LocalAcceptanceTest, ManyPosesWithFewResidualsAreWorseTogether) {
   std::vector<PoseChange> changes(kNumPoses, {2, 1.2, 1.2, 0.1});
   for (int i = 10; i < 30; ++i) changes[i] = {2, 1.2, 12.0, 60.0};
   const std::vector<WorseStretch> worse = FindWorseStretches(changes);
