@@ -22,7 +22,7 @@ struct OwnResidual {
   std::shared_ptr<const ceres::CostFunction> cost;
   std::vector<int> poses;                               ///< ids, each once
   std::vector<std::size_t> points;                      ///< ids of returns, each once
-  std::shared_ptr<ceres::LossFunction> loss = nullptr;  ///< robust loss; null: none
+  std::shared_ptr<ceres::LossFunction> loss = nullptr;  ///< robust loss, throws nothing; null: none
 };
 
 /// A term that a host adds to the energy (FactorOptions::own_terms): a position, a heading, a wall

@@ -24,14 +24,9 @@ ceres::Problem::Options ProblemOptions() {
   return options;
 }
 
-// Holds the fixed poses, those that a term of the problem sees.
-void HoldConstants(const PoseTerms& terms, double* poses, ceres::Problem* problem) {
-  for (std::size_t pose = 0; pose < terms.is_constant.size(); ++pose) {
-    double* block = poses + 3 * pose;
-    if (terms.is_constant[pose] && problem->HasParameterBlock(block)) {
-      problem->SetParameterBlockConstant(block);
-    }
-  }
+// Holds a pose, if a term of the problem sees it.
+void Hold(double* pose, ceres::Problem* problem) {
+  if (problem->HasParameterBlock(pose)) problem->SetParameterBlockConstant(pose);
 }
 
 // Adds blocks that lie one behind the other, those that a term of the problem sees.
@@ -106,7 +101,9 @@ JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& assoc
   adder.AddOthers();
   adder.AddScans(graph.num_scans());
   joint.residual_blocks = adder.Take();
-  HoldConstants(PoseTerms(graph, options), state->poses.data(), joint.problem.get());
+  for (const FixedPose& fixed : graph.fixed_poses()) {
+    Hold(&state->poses[3 * fixed.pose], joint.problem.get());
+  }
   const std::vector<bool> keep = PointsToKeep(terms, joint, state);
   joint.ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (std::size_t r = 0; r < keep.size(); ++r) {
@@ -147,7 +144,9 @@ LandmarkProblem BuildLandmarkProblem(const LineObservations& observations,
     result.problem->AddResidualBlock(new LandmarkShapeFactor({SqrtScatter(terms_of_landmark)}),
                                      nullptr, line);
   }
-  HoldConstants(terms, poses->data(), result.problem.get());
+  for (std::size_t pose = 0; pose < terms.is_constant.size(); ++pose) {
+    if (terms.is_constant[pose]) Hold(&(*poses)[3 * pose], result.problem.get());
+  }
   result.lines_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   Order(*result.problem, &result.lines, 2, kEliminated, result.lines_ordering.get());
   result.ordering = std::make_shared<ceres::ParameterBlockOrdering>(*result.lines_ordering);

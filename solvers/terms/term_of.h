@@ -169,6 +169,8 @@ class TermOf<Derived, AnalyticFactor<Residual, M, kSizes...>, Ids...> : public T
         derived().ForEach(scan, at.poses, [&](std::size_t, const auto& residual, Ids... ids) {
           if (!EvaluateAt<Which>(residual, at, r, jacobians, kBlocks, ids...)) return false;
           const double s = Square(r);
+          // Pose terms are few, and added up one component at a time: the last digits of their sums
+          // depend on the order.
           if constexpr (kNumPoints == 0 && !IsRobust()) {
             for (int k = 0; k < M; ++k) sum += 0.5 * r[k] * r[k];
           } else {
