@@ -20,6 +20,8 @@ set(PLUMBLINE_DOORS
 set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
+  core/options_check.h
+  factors/own_term.h
   solvers/alarm.h
   solvers/interface/acceptance.h
   solvers/interface/association_options.h
@@ -34,7 +36,6 @@ set(PLUMBLINE_EXTENSION_HEADERS
   core/thread_pool.h
   factors/analytic_factor_forward.h
   factors/manifold_factor.h
-  factors/own_term.h
   factors/shape_factor.h
   solvers/association/associations.h
   solvers/full/energy.h

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/options_check.h"
+#include "plumbline/factors/own_term.h"
+
 namespace plumbline {
 
 /// Noise of the rotation-translation-rotation motion model (Thrun, Burgard, Fox: Probabilistic
@@ -21,7 +24,15 @@ struct MotionOptions {
   double rotation_floor_rad = 0.005;            ///< at standstill [rad]
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_translation_rad_m, >=, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(translation_per_translation, >=, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(translation_per_rotation_m_rad, >=, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(translation_floor_m, >, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(rotation_floor_rad, >, 0.0);
+    return true;
+  }
 };
 
 /// Noise of a single laser beam. Defaults: SICK LMS class.
@@ -30,7 +41,11 @@ struct RangeBeamOptions {
   double sigma_bearing_rad = 0.003;  ///< across the beam, its divergence included [rad]
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_m, >, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(sigma_bearing_rad, >, 0.0);
+    return true;
+  }
 };
 
 /// Manifold potential: how far a point may lie from its tangent line.
@@ -41,7 +56,11 @@ struct ManifoldOptions {
   double robust_gate_sigmas = 4.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+    return true;
+  }
 };
 
 /// Shape potential: how exactly adjacent surfaces are parallel or orthogonal. Off by default: in
@@ -53,7 +72,11 @@ struct ShapeOptions {
   double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_FINITE_OPTION(sigma_rad, >, 0.0);
+    PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+    return true;
+  }
 };
 
 /// A step of the odometry that is known to be worse than the others: the robot was carried, or
@@ -63,10 +86,11 @@ struct DownweightedStep {
   double sigma_factor = 1.0;  ///< all its standard deviations are this times the model's
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_FINITE_OPTION(sigma_factor, >, 0.0);
+    return true;
+  }
 };
-
-struct OwnTerm;
 
 /// All sigmas and gates of the energy, and the terms that a host adds.
 struct FactorOptions {
@@ -81,7 +105,20 @@ struct FactorOptions {
   std::vector<std::shared_ptr<const OwnTerm>> own_terms;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
+  bool Check(std::string* error) const {
+    PLUMBLINE_CHECK_NESTED_OPTIONS(motion);
+    PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
+    PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
+    PLUMBLINE_CHECK_NESTED_OPTIONS(shape);
+    for (const DownweightedStep& downweighted : downweighted_steps) {
+      if (!downweighted.Check(error)) return false;
+    }
+    for (const std::shared_ptr<const OwnTerm>& term : own_terms) {
+      PLUMBLINE_CHECK_OPTION(term, !=, nullptr);
+      if (!term->Check(error)) return false;
+    }
+    return true;
+  }
 };
 
 }  // namespace plumbline
