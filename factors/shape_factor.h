@@ -51,57 +51,67 @@ inline Eigen::Vector2d SegmentNormal(const Eigen::Vector2d& previous,
   return {-d.y(), d.x()};
 }
 
-/// Shape potential: the normal n of a segment of surface agrees with the normal n* of an adjacent
-/// region up to a right angle R_k,
-///   residual = (R_k^T n* - n) / sigma,      n = SegmentNormal(previous, current),
-/// which is (n* - R_k n) / sigma turned by R_k^T: same length, same cost. target_normal is R_k^T
-/// n*. Points: x, y [m] in the world. Residual: 2, dimensionless; sigma [rad]. d_previous,
-/// d_current are 2x2 row-major and may be null. Singular at d = previous - current = 0. With u = d
-/// / |d|,
+/// Shape potential: the normal n of a segment of surface agrees with the normal n* of a segment of
+/// an adjacent region up to a right angle R_k,
+///   residual = (R_k^T n* - n) / sigma,
+/// which is (n* - R_k n) / sigma turned by R_k^T: same length, same cost. Both are a SegmentNormal,
+/// so that nothing changes when the whole map turns. Blocks: previous_point, current_point of the
+/// segment, adjacent_previous, adjacent_current of the adjacent one, x, y [m] each, in the world.
+/// Residual: 2, dimensionless. Derivatives are 2x2 row-major and may be null. Singular where a
+/// segment has no length, d = previous - current = 0. With u = d / |d|,
 ///   dn/dprevious = (1/|d|) (I - n n^T) M = -(1/|d|) u n^T = -dn/dcurrent.
-///
-/// Returns false if d = 0 or anything is not finite; the outputs then carry no meaning.
-inline bool EvaluateShape(const double* previous_point, const double* current_point,
-                          const Eigen::Vector2d& target_normal, double inv_sigma,
-                          double residuals[2], double* d_previous, double* d_current) {
-  const double dx = previous_point[0] - current_point[0];
-  const double dy = previous_point[1] - current_point[1];
-  const double squared_length = dx * dx + dy * dy;
-  if (!(squared_length >= std::numeric_limits<double>::min()) || !std::isfinite(squared_length)) {
-    return false;
-  }
-  const double inv_length = 1.0 / std::sqrt(squared_length);
-  const double ux = dx * inv_length, uy = dy * inv_length;
-  residuals[0] = (target_normal.x() + uy) * inv_sigma;
-  residuals[1] = (target_normal.y() - ux) * inv_sigma;
-  const double scale = inv_sigma * inv_length;
-  // -dn/dprevious / sigma = u n^T / (|d| sigma), with n = (-uy, ux).
-  const double jacobian[4] = {-scale * ux * uy, scale * ux * ux, -scale * uy * uy, scale * ux * uy};
-  for (int i = 0; i < 4; ++i) {
-    if (d_previous != nullptr) d_previous[i] = jacobian[i];
-    if (d_current != nullptr) d_current[i] = -jacobian[i];
-  }
-  return std::isfinite(residuals[0]) && std::isfinite(residuals[1]);
-}
-
-/// EvaluateShape for one segment. Blocks: previous_point (2), current_point (2).
 struct ShapeResidual {
-  Eigen::Vector2d target_normal = Eigen::Vector2d::UnitX();  ///< of the segment: unit, world frame
-  double inv_sigma = 1.0;                                    ///< [1/rad]
+  ShapeCategory category = ShapeCategory::k0;  ///< of n*, seen from n
+  double inv_sigma = 1.0;                      ///< [1/rad]
 
-  /// adjacent_normal: unit, world frame.
-  ShapeResidual(const Eigen::Vector2d& adjacent_normal, ShapeCategory category, double sigma_rad)
-      : target_normal(TurnBack(category, adjacent_normal)), inv_sigma(1.0 / sigma_rad) {}
+  /// Returns false if a segment has no length or anything is not finite; the outputs then carry no
+  /// meaning.
+  bool Evaluate(const double* previous_point, const double* current_point,
+                const double* adjacent_previous, const double* adjacent_current, double* residuals,
+                double* d_previous, double* d_current, double* d_adjacent_previous,
+                double* d_adjacent_current) const {
+    Eigen::Vector2d normal, adjacent;
+    Eigen::Matrix2d by_previous, by_adjacent;
+    if (!Linearize(previous_point, current_point, &normal, &by_previous) ||
+        !Linearize(adjacent_previous, adjacent_current, &adjacent, &by_adjacent)) {
+      return false;
+    }
+    Eigen::Map<Eigen::Vector2d> residual(residuals);
+    residual = inv_sigma * (TurnBack(category, adjacent) - normal);
+    by_previous *= -inv_sigma;
+    by_adjacent *= inv_sigma;
+    by_adjacent.col(0) = TurnBack(category, by_adjacent.col(0));
+    by_adjacent.col(1) = TurnBack(category, by_adjacent.col(1));
+    Store(by_previous, d_previous);
+    Store(-by_previous, d_current);
+    Store(by_adjacent, d_adjacent_previous);
+    Store(-by_adjacent, d_adjacent_current);
+    return residual.allFinite();
+  }
 
-  /// EvaluateShape with these.
-  bool Evaluate(const double* previous_point, const double* current_point, double* residuals,
-                double* d_previous, double* d_current) const {
-    return EvaluateShape(previous_point, current_point, target_normal, inv_sigma, residuals,
-                         d_previous, d_current);
+ private:
+  // Row by row; nowhere if that is null.
+  static void Store(const Eigen::Matrix2d& derivative, double* values) {
+    if (values == nullptr) return;
+    for (int i = 0; i < 4; ++i) values[i] = derivative(i / 2, i % 2);
+  }
+  // The segment's normal, and its derivative by `previous`.
+  static bool Linearize(const double* previous, const double* current, Eigen::Vector2d* normal,
+                        Eigen::Matrix2d* by_previous) {
+    const Eigen::Vector2d d(previous[0] - current[0], previous[1] - current[1]);
+    const double squared_length = d.squaredNorm();
+    if (!(squared_length >= std::numeric_limits<double>::min()) || !std::isfinite(squared_length)) {
+      return false;
+    }
+    const double inv_length = 1.0 / std::sqrt(squared_length);
+    const Eigen::Vector2d u = inv_length * d;
+    *normal << -u.y(), u.x();
+    *by_previous = -inv_length * u * normal->transpose();
+    return true;
   }
 };
 
-using ShapeFactor = AnalyticFactor<ShapeResidual, 2, 2, 2>;
+using ShapeFactor = AnalyticFactor<ShapeResidual, 2, 2, 2, 2, 2>;
 
 }  // namespace plumbline
 

@@ -15,8 +15,7 @@ Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
   associations.lines = options.neighborhood == NeighborhoodType::kRadius
                            ? LinesFromRadius(graph, state.poses, surface, options, radius_m, pool)
                            : LinesFromNearest(graph, state, surface.normals, options, pool);
-  associations.shape_pairs =
-      FindShapePairs(graph, state.points, surface.normals, associations.lines, options, pool);
+  associations.shape_pairs = FindShapePairs(graph, state.points, surface.normals, options, pool);
   return associations;
 }
 

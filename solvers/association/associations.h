@@ -22,12 +22,13 @@ namespace plumbline {
 /// it.
 constexpr double kMaxNormalAngleRad = 1.0471975511965976;
 
-/// One shape term: the segment from point `previous` to point `current` of one surface against the
-/// fixed normal of an adjacent region.
+/// One shape term: a segment of one surface, between two of its points, against a segment of an
+/// adjacent region.
 struct ShapePair {
-  std::size_t previous = 0;                                   ///< return id
-  std::size_t current = 0;                                    ///< return id
-  Eigen::Vector2d adjacent_normal = Eigen::Vector2d::Zero();  ///< unit, world frame
+  std::size_t previous = 0;                    ///< return id
+  std::size_t current = 0;                     ///< return id
+  std::size_t adjacent_previous = 0;           ///< return id
+  std::size_t adjacent_current = 0;            ///< return id
   ShapeCategory category = ShapeCategory::k0;  ///< parallel or orthogonal, and which way
 };
 
@@ -53,6 +54,8 @@ Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
 
 /// The parts of BuildAssociations. LinesFromRadius is fitted to the measured ends of the beams,
 /// placed by the poses, (x, y, yaw) each; the other two see the state's points, (x, y) each.
+/// Without normals (empty) LinesFromNearest has a line for every point, and no face of a wall or
+/// side of a corner stays apart.
 std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
                                          const MeasuredSurface& surface,
                                          const AssociationOptions& options, double radius_m,
@@ -62,7 +65,6 @@ std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph, const MapState
                                           const AssociationOptions& options, ThreadPool* pool);
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<Eigen::Vector2f>& normals,
-                                      const std::vector<TangentLine>& lines,
                                       const AssociationOptions& options, ThreadPool* pool);
 
 }  // namespace plumbline

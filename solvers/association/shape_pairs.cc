@@ -5,14 +5,13 @@
 // the rest. Regions are disjoint, so that a return takes part in one segment at most. Two regions
 // are adjacent if they follow each other in a run, or, around a corner, where returns have no
 // normal, if joined returns lead from one to the other over no more than min_segment_length_m.
-// Regions depend on the measurements alone and stay the same while the map moves; their normals are
-// those of the current map.
+// Regions depend on the measurements alone and stay the same while the map moves; which pairs are
+// parallel or orthogonal is seen on the current map.
 
 #include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/joined_returns.h"
-#include "plumbline/core/line_fit.h"
 #include "plumbline/solvers/association/associations.h"
 
 namespace plumbline {
@@ -27,12 +26,10 @@ struct Region {
 class ScanShapePairs {
  public:
   ScanShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                 const std::vector<Eigen::Vector2f>& normals, const std::vector<TangentLine>& lines,
-                 const AssociationOptions& options)
+                 const std::vector<Eigen::Vector2f>& normals, const AssociationOptions& options)
       : graph_(graph),
         points_(points),
         normals_(normals),
-        lines_(lines),
         options_(options),
         min_normal_cosine_(std::cos(kMaxNormalAngleRad)) {}
 
@@ -91,33 +88,14 @@ class ScanShapePairs {
     linked_ = true;
   }
 
-  // The segment of `region` against the normal of the region after it.
+  // The segment of `region` against that of the region after it.
   bool MakePair(const Region& region, const Region& next, ShapePair* pair) const {
     pair->previous = first_return_ + region.first;
     pair->current = first_return_ + region.last;
-    pair->adjacent_normal = MapNormal(next);
-    return ClassifyShape(MapSegmentNormal(region), pair->adjacent_normal, options_.shape_margin_rad,
-                         &pair->category);
-  }
-
-  // Normal of a region of the current map, on the side of its segment's normal: that way two
-  // regions of a straight wall look the same way whatever the direction of the beams.
-  Eigen::Vector2d MapNormal(const Region& region) const {
-    const TangentLine& line = lines_[first_return_ + (region.first + region.last) / 2];
-    const Eigen::Vector2d normal = Associations::HasLine(line)
-                                       ? Eigen::Vector2d(line.normal_x, line.normal_y)
-                                       : FittedNormal(region);
-    return normal.dot(MapSegmentNormal(region)) >= 0.0 ? normal : Eigen::Vector2d(-normal);
-  }
-
-  Eigen::Vector2d FittedNormal(const Region& region) const {
-    PointMoments moments;
-    const Eigen::Vector2d origin = MapPoint(region.first);
-    for (std::size_t k = region.first; k <= region.last; ++k) {
-      const Eigen::Vector2d offset = MapPoint(k) - origin;
-      moments.Add(offset.x(), offset.y());
-    }
-    return FitLine(moments).normal;
+    pair->adjacent_previous = first_return_ + next.first;
+    pair->adjacent_current = first_return_ + next.last;
+    return ClassifyShape(MapSegmentNormal(region), MapSegmentNormal(next),
+                         options_.shape_margin_rad, &pair->category);
   }
 
   Eigen::Vector2d MapSegmentNormal(const Region& region) const {
@@ -134,7 +112,6 @@ class ScanShapePairs {
   const SlamGraph& graph_;
   const std::vector<double>& points_;
   const std::vector<Eigen::Vector2f>& normals_;
-  const std::vector<TangentLine>& lines_;
   const AssociationOptions& options_;
   const double min_normal_cosine_;
   // Of the current scan.
@@ -149,14 +126,13 @@ class ScanShapePairs {
 
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<Eigen::Vector2f>& normals,
-                                      const std::vector<TangentLine>& lines,
                                       const AssociationOptions& options, ThreadPool* pool) {
   constexpr std::size_t kScansPerChunk = 64;
   const std::size_t num_scans = graph.num_scans();
   std::vector<std::vector<ShapePair>> chunks(ThreadPool::NumChunks(num_scans, kScansPerChunk));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ScanShapePairs finder(graph, points, normals, lines, options);
+                       ScanShapePairs finder(graph, points, normals, options);
                        for (std::size_t s = begin; s < end; ++s) {
                          finder.Find(static_cast<int>(s), &chunks[chunk]);
                        }

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "plumbline/factors/analytic_factor.h"
-#include "plumbline/factors/landmark_shape_factor.h"
 #include "plumbline/factors/line_observation_factor.h"
 #include "plumbline/solvers/terms/term_parts.h"
 #include "plumbline/solvers/terms/terms.h"
@@ -123,26 +122,16 @@ LandmarkProblem BuildLandmarkProblem(const LineObservations& observations,
   }
   result.problem = std::make_unique<ceres::Problem>(ProblemOptions());
   TermAdder(terms.terms, poses->data(), nullptr, result.problem.get(), &result.losses).AddOthers();
-  const auto symmetric = [](double xx, double xy, double yy) {
-    return (Eigen::Matrix2d() << xx, xy, xy, yy).finished();
-  };
   for (const LineObservation& observation : observations.observations) {
     if (observation.weight <= 0.0) continue;
-    const Eigen::Matrix2d scatter = symmetric(observation.xx, observation.xy, observation.yy);
+    Eigen::Matrix2d scatter;
+    scatter << observation.xx, observation.xy, observation.xy, observation.yy;
     const LineObservationResidual residual{std::sqrt(observation.weight), observation.centroid,
                                            SqrtScatter(scatter),
                                            landmarks[observation.landmark].origin};
     result.problem->AddResidualBlock(new LineObservationFactor(residual), nullptr,
                                      poses->data() + 3 * observation.pose,
                                      result.lines.data() + 2 * observation.landmark);
-  }
-  for (std::size_t p = 0; p < landmarks.size(); ++p) {
-    const Eigen::Matrix2d terms_of_landmark =
-        symmetric(landmarks[p].shape_xx, landmarks[p].shape_xy, landmarks[p].shape_yy);
-    double* line = result.lines.data() + 2 * p;
-    if (terms_of_landmark.isZero(0.0) || !result.problem->HasParameterBlock(line)) continue;
-    result.problem->AddResidualBlock(new LandmarkShapeFactor({SqrtScatter(terms_of_landmark)}),
-                                     nullptr, line);
   }
   for (std::size_t pose = 0; pose < terms.is_constant.size(); ++pose) {
     if (terms.is_constant[pose]) Hold(&(*poses)[3 * pose], result.problem.get());

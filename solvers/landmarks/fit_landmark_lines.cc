@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::size_t kLandmarksPerChunk = 256;
 
-// Moments of the observations of landmark `p` in the world, about the landmark's origin, and what
-// its shape terms add to them.
+// Moments of the observations of landmark `p` in the world, about the landmark's origin.
 PointMoments WorldMoments(const LineObservations& observations, std::size_t p,
                           const LineLandmark& landmark, const std::vector<PoseFrame>& frames) {
   PointMoments moments;
@@ -27,10 +26,6 @@ PointMoments WorldMoments(const LineObservations& observations, std::size_t p,
     moments.xy += cs * (s.xx - s.yy) + (cc - ss) * s.xy;
     moments.yy += ss * s.xx + 2.0 * cs * s.xy + cc * s.yy;
   }
-  // The shape terms are quadratic in the normal, as the scatter is.
-  moments.xx += landmark.shape_xx;
-  moments.xy += landmark.shape_xy;
-  moments.yy += landmark.shape_yy;
   return moments;
 }
 

@@ -20,15 +20,10 @@ struct LineLandmark {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();   ///< near the landmark, world [m]; fixed
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();  ///< unit, world
   double offset_m = 0.0;
-  /// Shape terms, 1/2 normal^T [xx xy; xy yy] normal; see landmark_shape.h.
-  double shape_xx = 0.0, shape_xy = 0.0, shape_yy = 0.0;
 
   /// Of a point of the world from the line [m], positive where the normal points to.
   double Distance(const Eigen::Vector2d& point) const {
     return normal.dot(point - origin) - offset_m;
-  }
-  Eigen::Vector2d ShapeTimes(const Eigen::Vector2d& v) const {
-    return {shape_xx * v.x() + shape_xy * v.y(), shape_xy * v.x() + shape_yy * v.y()};
   }
 };
 

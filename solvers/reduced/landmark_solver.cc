@@ -105,8 +105,8 @@ class LandmarkRun final : public JointRun {
         RecoverPoints(graph_, state_.poses, *surface_, associations->lines, factors_, &pool_);
     summary_.displacements = Displacements();
     if (factors_.shape.enabled) {
-      associations->shape_pairs = FindShapePairs(graph_, state_.points, surface_->normals,
-                                                 associations->lines, options_.association, &pool_);
+      associations->shape_pairs =
+          FindShapePairs(graph_, state_.points, surface_->normals, options_.association, &pool_);
     }
     const Energy energy(graph_, *associations, factors_, &pool_);
     RecordTerms(energy, seed_, &TermSummary::initial_cost);

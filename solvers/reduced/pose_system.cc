@@ -170,9 +170,7 @@ void PoseSystem::AddObservations(const LineObservations& observations,
     for (std::size_t p = FirstLandmarkOfPart(observations, part); p < end; ++p) {
       const std::size_t first = observations.first_of_landmark[p];
       const std::size_t last = observations.first_of_landmark[p + 1];
-      const Eigen::Vector2d tangent = TurnedLeft(landmarks[p].normal);
       Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
-      line_block(0, 0) = tangent.dot(landmarks[p].ShapeTimes(tangent));
       for (std::size_t i = first; i < last; ++i) {
         const LineObservation& observation = observations.observations[i];
         const Linearized linear(observation, landmarks[p], frames[observation.pose]);

@@ -105,7 +105,8 @@ class LandmarkMinimizer {
       frames_ = FramesOf(poses_);
       compressor_.Weigh(landmarks_, frames_, loss, &observations_);
       if (factors_.shape.enabled) {
-        SetShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, &landmarks_);
+        AddShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, landmarks_, frames_,
+                      &observations_);
       }
       if (row.steps == 0 && !options_.lines_follow) {
         FitLandmarkLines(observations_, frames_, pool_, &landmarks_);

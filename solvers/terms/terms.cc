@@ -112,7 +112,7 @@ class ManifoldTerm final : public TermOf<ManifoldTerm, ManifoldFactor, PointId> 
   const ManifoldOptions options_;
 };
 
-class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId> {
+class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId, PointId, PointId> {
  public:
   ShapeTerm(const SlamGraph& graph, const Associations& associations, const ShapeOptions& options)
       : pairs_(associations.shape_pairs), options_(options), first_pair_(graph.num_scans() + 1, 0) {
@@ -131,8 +131,11 @@ class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId> 
   bool ForEach(int scan_id, const double* /*poses*/, const Visit& visit) const {
     for (std::size_t p = first_pair_[scan_id]; p < first_pair_[scan_id + 1]; ++p) {
       const ShapePair& pair = pairs_[p];
-      const ShapeResidual residual(pair.adjacent_normal, pair.category, options_.sigma_rad);
-      if (!visit(p, residual, PointId{pair.previous}, PointId{pair.current})) return false;
+      const ShapeResidual residual{pair.category, 1.0 / options_.sigma_rad};
+      if (!visit(p, residual, PointId{pair.previous}, PointId{pair.current},
+                 PointId{pair.adjacent_previous}, PointId{pair.adjacent_current})) {
+        return false;
+      }
     }
     return true;
   }

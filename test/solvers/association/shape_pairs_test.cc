@@ -12,16 +12,20 @@
 namespace plumbline {
 namespace {
 
-constexpr TangentLine kNoLine{0.0, 0.0, 0.0};
-
 std::vector<ShapePair> PairsOf(const SlamGraph& graph, int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return FindShapePairs(graph, graph.InitialState().points, NormalsOf(graph),
-                        std::vector<TangentLine>(graph.num_returns(), kNoLine),
-                        AssociationOptions(), &pool);
+  return FindShapePairs(graph, graph.InitialState().points, NormalsOf(graph), AssociationOptions(),
+                        &pool);
 }
 
 std::vector<ShapePair> PairsOf(const SyntheticScene& scene) { return PairsOf(MakeGraph(scene)); }
+
+Eigen::Vector2d AdjacentNormal(const MapState& state, const ShapePair& pair) {
+  const auto point = [&](std::size_t id) {
+    return Eigen::Vector2d(state.points[2 * id], state.points[2 * id + 1]);
+  };
+  return SegmentNormal(point(pair.adjacent_previous), point(pair.adjacent_current));
+}
 
 int Count(const std::vector<ShapePair>& pairs, ShapeCategory category) {
   return static_cast<int>(std::count_if(
@@ -61,7 +65,8 @@ TEST(ShapePairsTest, AStraightWallIsParallelToItself) {
       const Eigen::Vector2d current = MapPoint(state, pair.current);
       EXPECT_GE((previous - current).norm(), 0.2);
       EXPECT_LE((previous - current).norm(), 0.24);
-      EXPECT_NEAR((pair.adjacent_normal - SegmentNormal(previous, current)).norm(), 0.0, 1e-9);
+      EXPECT_NEAR((AdjacentNormal(state, pair) - SegmentNormal(previous, current)).norm(), 0.0,
+                  1e-9);
     }
   }
 }
@@ -120,7 +125,8 @@ TEST(ShapePairsTest, WallsAtThirtyDegreesAreNotTiedTogether) {
   EXPECT_EQ(Count(pairs, ShapeCategory::k0), static_cast<int>(pairs.size()));
   bool below = false, above = false;
   for (const ShapePair& pair : pairs) {
-    const double turn_rad = std::atan2(pair.adjacent_normal.y(), pair.adjacent_normal.x());
+    const Eigen::Vector2d adjacent = AdjacentNormal(state, pair);
+    const double turn_rad = std::atan2(adjacent.y(), adjacent.x());
     const bool is_above = MapPoint(state, pair.previous).y() > bend.y();
     // The region across the bend itself may lean either way, its neighbours by no more than 10 deg.
     EXPECT_LE(std::abs(turn_rad - (is_above ? DegToRad(30.0) : 0.0)), DegToRad(11.0));
@@ -147,23 +153,6 @@ TEST(ShapePairsTest, NothingIsTiedAcrossAGapOrAStep) {
   EXPECT_TRUE(PairsOf(Scene({left, stepped})).empty());
 }
 
-TEST(ShapePairsTest, TheAdjacentNormalIsThatOfTheTangentLine) {
-  const SlamGraph graph = MakeGraph(Scene({kWall}));
-  const std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
-  // Lines turned by 2 deg and of the other sign: the wall's segment normals point to +x.
-  const TangentLine line{-std::cos(DegToRad(2.0)), -std::sin(DegToRad(2.0)), -1.5};
-  ThreadPool pool(1);
-  const std::vector<ShapePair> pairs = FindShapePairs(
-      graph, graph.InitialState().points, normals,
-      std::vector<TangentLine>(graph.num_returns(), line), AssociationOptions(), &pool);
-  ASSERT_GE(pairs.size(), 14u);
-  for (const ShapePair& pair : pairs) {
-    EXPECT_EQ(pair.category, ShapeCategory::k0);
-    EXPECT_EQ(pair.adjacent_normal.x(), -line.normal_x);
-    EXPECT_EQ(pair.adjacent_normal.y(), -line.normal_y);
-  }
-}
-
 TEST(ShapePairsTest, AllThreadCountsAgree) {
   SyntheticScene scene = Scene({{{2.0, -1.0}, {2.0, 2.0}}, {{2.0, 2.0}, {-1.0, 2.0}}}, 0.01);
   scene.laser = PanoramicLaser(360);
@@ -176,7 +165,8 @@ TEST(ShapePairsTest, AllThreadCountsAgree) {
     EXPECT_EQ(one[i].previous, three[i].previous);
     EXPECT_EQ(one[i].current, three[i].current);
     EXPECT_EQ(one[i].category, three[i].category);
-    EXPECT_EQ(one[i].adjacent_normal, three[i].adjacent_normal);
+    EXPECT_EQ(one[i].adjacent_previous, three[i].adjacent_previous);
+    EXPECT_EQ(one[i].adjacent_current, three[i].adjacent_current);
   }
 }
 

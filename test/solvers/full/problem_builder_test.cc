@@ -68,10 +68,11 @@ TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
   DisturbPoses(0.01, room.graph, &room.state);
   Associations associations = AssociationsOf(room.graph, room.state);
   associations.shape_pairs.clear();
+  std::size_t next = 200;
   const auto join = [&](std::size_t previous, std::size_t current) {
-    const Eigen::Vector2d normal =
-        SegmentNormal(MapPoint(room.state, previous), MapPoint(room.state, current));
-    associations.shape_pairs.push_back({previous, current, normal, ShapeCategory::k0});
+    // The other segment, of points that no other pair has, makes it a term of four.
+    associations.shape_pairs.push_back({previous, current, next, next + 1, ShapeCategory::k0});
+    next += 2;
   };
   for (std::size_t r = 0; r < 20; ++r) join(r, r + 1);   // a chain
   for (std::size_t r = 60; r > 40; --r) join(r, r - 1);  // one that runs back

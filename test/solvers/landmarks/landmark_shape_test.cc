@@ -22,49 +22,107 @@ LineLandmark LandmarkFacing(double degrees) {
   return landmark;
 }
 
-double ShapeCost(const LineLandmark& landmark, double degrees) {
-  const Eigen::Vector2d normal = LandmarkFacing(degrees).normal;
-  return 0.5 * normal.dot(landmark.ShapeTimes(normal));
-}
+// What some poses, all of this heading, observed of two landmarks: nothing yet.
+struct Observed {
+  std::vector<PoseFrame> frames;
+  std::vector<LineLandmark> landmarks;
+  std::vector<AdjacentLandmarks> adjacent;
+  LineObservations observations;
 
-// The terms between two landmarks that face these directions, seen together by some scans.
-std::vector<LineLandmark> TermsBetween(double first_deg, double second_deg, int num_scans = 1) {
-  std::vector<LineLandmark> landmarks = {LandmarkFacing(first_deg), LandmarkFacing(second_deg)};
-  SetShapeTerms({{0, 1, num_scans}}, ShapeOptions(), kMarginRad, &landmarks);
-  return landmarks;
-}
+  Observed(double first_deg, double second_deg, int num_poses = 1, double heading_deg = 0.0)
+      : frames(num_poses, PoseFrame(Pose2(1.0, 2.0, DegToRad(heading_deg)))),
+        landmarks{LandmarkFacing(first_deg), LandmarkFacing(second_deg)} {
+    observations.first_of_landmark = {0, frames.size(), 2 * frames.size()};
+    observations.first_of_pose = {0};
+    for (int landmark = 0; landmark < 2; ++landmark) {
+      for (int pose = 0; pose < num_poses; ++pose) {
+        observations.observations.push_back({pose, landmark});
+      }
+    }
+    for (int pose = 0; pose < num_poses; ++pose) {
+      adjacent.push_back({pose, 0, 1});
+      observations.of_pose.insert(observations.of_pose.end(), {pose, pose + num_poses});
+      observations.first_of_pose.push_back(observations.of_pose.size());
+    }
+  }
+
+  Observed AddTerms() const {
+    Observed with_terms = *this;
+    AddShapeTerms(adjacent, ShapeOptions(), kMarginRad, landmarks, frames,
+                  &with_terms.observations);
+    return with_terms;
+  }
+
+  // Of the terms on a landmark, if it faced this direction.
+  double Cost(int landmark, double degrees) const {
+    const Eigen::Vector2d normal = LandmarkFacing(degrees).normal;
+    double cost = 0.0;
+    for (const LineObservation& observation : observations.observations) {
+      if (observation.landmark != landmark) continue;
+      const Eigen::Vector2d in_robot = frames[observation.pose].RotateBack(normal);
+      cost += 0.5 * in_robot.dot(observation.ScatterTimes(in_robot));
+    }
+    return cost;
+  }
+};
 
 TEST(LandmarkShapeTest, DrawsToTheNearestMultipleOfARightAngle) {
   for (const double category : {0.0, 90.0, 180.0, 270.0}) {
-    const std::vector<LineLandmark> landmarks = TermsBetween(20.0, 20.0 + category + 4.0);
+    const Observed observed = Observed(20.0, 20.0 + category + 4.0, 1, 33.0).AddTerms();
     // Cheapest where the two are exactly parallel or orthogonal, each given the other.
-    EXPECT_NEAR(ShapeCost(landmarks[0], 24.0), 0.0, 1e-9) << category;
-    EXPECT_NEAR(ShapeCost(landmarks[1], 20.0 + category), 0.0, 1e-9) << category;
+    EXPECT_NEAR(observed.Cost(0, 24.0), 0.0, 1e-9) << category;
+    EXPECT_NEAR(observed.Cost(1, 20.0 + category), 0.0, 1e-9) << category;
     // And as it is: sine over sigma, squared, with the robust weight of that error.
     const double error = std::sin(DegToRad(4.0)) / ShapeOptions().sigma_rad;
     const double gate = ShapeOptions().robust_gate_sigmas;
     const double weight = std::pow(gate * gate / (gate * gate + error * error), 2);
-    EXPECT_NEAR(ShapeCost(landmarks[0], 20.0), 0.5 * weight * error * error, 1e-9) << category;
+    EXPECT_NEAR(observed.Cost(0, 20.0), 0.5 * weight * error * error, 1e-9) << category;
   }
 }
 
 TEST(LandmarkShapeTest, LeavesSlantedSurfacesAlone) {
   for (const double angle : {11.0, 45.0, 79.0, 101.0}) {
-    const std::vector<LineLandmark> landmarks = TermsBetween(0.0, angle);
-    for (const LineLandmark& landmark : landmarks) {
-      EXPECT_EQ(landmark.shape_xx, 0.0) << angle;
-      EXPECT_EQ(landmark.shape_xy, 0.0) << angle;
-      EXPECT_EQ(landmark.shape_yy, 0.0) << angle;
+    const Observed observed = Observed(0.0, angle).AddTerms();
+    for (const LineObservation& observation : observed.observations.observations) {
+      EXPECT_EQ(observation.xx, 0.0) << angle;
+      EXPECT_EQ(observation.xy, 0.0) << angle;
+      EXPECT_EQ(observation.yy, 0.0) << angle;
     }
   }
 }
 
-TEST(LandmarkShapeTest, CountsOncePerScanAndNotFromCallToCall) {
-  std::vector<LineLandmark> landmarks = TermsBetween(0.0, 5.0, 3);
-  const double three = ShapeCost(landmarks[0], 0.0);
-  EXPECT_NEAR(three, 3.0 * ShapeCost(TermsBetween(0.0, 5.0)[0], 0.0), 1e-12);
-  SetShapeTerms({{0, 1, 3}}, ShapeOptions(), kMarginRad, &landmarks);
-  EXPECT_EQ(ShapeCost(landmarks[0], 0.0), three);
+TEST(LandmarkShapeTest, CountsOncePerScan) {
+  const double one = Observed(0.0, 5.0).AddTerms().Cost(0, 0.0);
+  EXPECT_GT(one, 0.1);
+  EXPECT_NEAR(Observed(0.0, 5.0, 3).AddTerms().Cost(0, 0.0), 3.0 * one, 1e-12);
+}
+
+TEST(LandmarkShapeTest, WhatNoReturnPutsOnALandmarkIsNoTerm) {
+  Observed observed(0.0, 5.0);
+  observed.adjacent = {{0, 0, 2}};
+  observed.landmarks.push_back(LandmarkFacing(3.0));
+  EXPECT_EQ(observed.AddTerms().Cost(0, 0.0), 0.0);
+}
+
+// The energy is one of the map: poses and lines that turn together change nothing, and the pulls of
+// a pair on the pose that saw it cancel.
+TEST(LandmarkShapeTest, TurnsWithTheMap) {
+  const double cost = Observed(20.0, 116.0).AddTerms().Cost(0, 20.0);
+  EXPECT_GT(cost, 0.1);
+  for (const double turn_deg : {1.0, 45.0, 170.0}) {
+    const Observed turned = Observed(20.0 + turn_deg, 116.0 + turn_deg, 1, turn_deg).AddTerms();
+    EXPECT_NEAR(turned.Cost(0, 20.0 + turn_deg), cost, 1e-9 * cost);
+  }
+  const Observed observed = Observed(20.0, 116.0).AddTerms();
+  double pull = 0.0;
+  for (int landmark = 0; landmark < 2; ++landmark) {
+    const double facing = landmark == 0 ? 20.0 : 116.0, step = 1e-3;
+    const double of_line =
+        observed.Cost(landmark, facing + step) - observed.Cost(landmark, facing - step);
+    EXPECT_GT(std::abs(of_line), 1e-5);
+    pull -= of_line;
+  }
+  EXPECT_NEAR(pull, 0.0, 1e-9);
 }
 
 TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
@@ -88,12 +146,14 @@ TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
   ThreadPool pool(1);
   const std::vector<AdjacentLandmarks> adjacent =
       FindAdjacentLandmarks(graph, SurfaceOf(graph), landmarks, 0.2, &pool);
-  ASSERT_EQ(adjacent.size(), 2u);
-  EXPECT_EQ(adjacent[0].first, 0);
-  EXPECT_EQ(adjacent[0].second, 1);
-  EXPECT_EQ(adjacent[0].num_scans, 2);
-  EXPECT_EQ(adjacent[1].first, 1);
-  EXPECT_EQ(adjacent[1].second, 2);
+  ASSERT_EQ(adjacent.size(), 4u);
+  for (int pose = 0; pose < 2; ++pose) {
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(adjacent[2 * pose + i].pose, pose);
+      EXPECT_EQ(adjacent[2 * pose + i].first, i);
+      EXPECT_EQ(adjacent[2 * pose + i].second, i + 1);
+    }
+  }
 }
 
 TEST(LandmarkShapeTest, AStrongTermTurnsTheLine) {
@@ -112,9 +172,10 @@ TEST(LandmarkShapeTest, AStrongTermTurnsTheLine) {
   FitLandmarkLines(observations, frames, &pool, &landmarks);
   EXPECT_NEAR(std::abs(landmarks[0].normal.y()), 1.0, 1e-9);
   const Eigen::Vector2d tangent(std::cos(DegToRad(5.0)), std::sin(DegToRad(5.0)));
-  landmarks[0].shape_xx = 1e6 * tangent.x() * tangent.x();
-  landmarks[0].shape_xy = 1e6 * tangent.x() * tangent.y();
-  landmarks[0].shape_yy = 1e6 * tangent.y() * tangent.y();
+  // As a neighbour would that has a million scans to say so.
+  observations.observations[0].xx += 1e6 * tangent.x() * tangent.x();
+  observations.observations[0].xy += 1e6 * tangent.x() * tangent.y();
+  observations.observations[0].yy += 1e6 * tangent.y() * tangent.y();
   const double cost = FitLandmarkLines(observations, frames, &pool, &landmarks);
   EXPECT_NEAR(landmarks[0].normal.dot(tangent), 0.0, 1e-4);
   // What it costs the observation to be seen aslant.
