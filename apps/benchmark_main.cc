@@ -248,12 +248,14 @@ Status MapLogByAll(HtmlReport* page) {
 }
 
 Status Synthetic(HtmlReport* page) {
-  SolverOptions solver;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  ThreadPool pool(solver.num_threads);
+  MapLogOptions options;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
+  PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options.solver, &options.start));
+  ThreadPool pool(options.solver.num_threads);
   const std::vector<SyntheticNoise> noises = SyntheticNoises();
   std::vector<SyntheticOutcome> outcomes;
-  PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, &pool, &outcomes));
+  PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, options, &pool, &outcomes));
   Print("Short drives with few scans", SyntheticTable(noises, outcomes), page);
   constexpr int kCharted = 1;  // the middle one of the levels of range noise
   const OutputFolder output(FLAGS_output_dir);
@@ -267,7 +269,7 @@ Status Synthetic(HtmlReport* page) {
   page->pictures.push_back({"Errors of the poses", output.File("synthetic_pose_error.png")});
   page->pictures.push_back({"Errors of the map points", output.File("synthetic_map_error.png")});
   page->pictures.push_back({"The maps of one drive", output.File("synthetic_maps.png")});
-  return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted]);
+  return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted], options);
 }
 
 Status Ablation(HtmlReport* page) {

@@ -82,6 +82,7 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options_.solver));
     PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(options_.solver));
     PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options_.seeding));
+    PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options_.solver, &options_.start));
     outputs_.picture_side_px = FLAGS_picture_side_px;
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
     const Status memory = ParseMemorySize(FLAGS_max_memory, &max_memory_);
@@ -215,10 +216,23 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(
         RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
     const bool by_pose_graph = options_.solver.MovesPosesOnly();
-    PLUMBLINE_RETURN_IF_ERROR(
-        RecordMap(by_pose_graph ? "Sequential matching" : "Seed", "map_seed.png", mapping_.state));
+    PLUMBLINE_RETURN_IF_ERROR(RecordMap(StartTitle(by_pose_graph), "map_seed.png", mapping_.state));
     if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
     return Trajectory("trajectory_seed.tum");
+  }
+
+  std::string StartTitle(bool by_pose_graph) const {
+    switch (options_.start) {
+      case StartType::kOdometry:
+        return "Start: odometry";
+      case StartType::kIcp:
+        return "Start: ICP, point to point";
+      case StartType::kIcpPointToLine:
+        return "Start: ICP, point to line";
+      case StartType::kSeed:
+        break;
+    }
+    return by_pose_graph ? "Sequential matching" : "Seed";
   }
 
   Status Refine() {

@@ -51,14 +51,14 @@ struct RangeBeamOptions {
 /// Manifold potential: how far a point may lie from its tangent line.
 struct ManifoldOptions {
   double sigma_m = 0.008;  ///< thickness of a surface [m]
-  /// Geman-McClure scale, in standard deviations. Real surfaces have long tails (frames, handles,
-  /// cables): a tighter gate throws away what they know.
+  /// Geman-McClure scale, in standard deviations; infinity: Gaussian. Real surfaces have long tails
+  /// (frames, handles, cables): a tighter gate throws away what they know.
   double robust_gate_sigmas = 4.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
     PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >, 0.0);
     return true;
   }
 };
@@ -67,14 +67,15 @@ struct ManifoldOptions {
 /// simulated buildings and on real logs it gains nothing beside the returns themselves, and a
 /// strong one bends what is not at right angles.
 struct ShapeOptions {
-  bool enabled = false;             ///< whether there is such a term at all
-  double sigma_rad = 0.1;           ///< deviation of a normal from its category's direction [rad]
-  double robust_gate_sigmas = 3.0;  ///< Geman-McClure scale, in standard deviations
+  bool enabled = false;    ///< whether there is such a term at all
+  double sigma_rad = 0.1;  ///< deviation of a normal from its category's direction [rad]
+  /// Geman-McClure scale, in standard deviations; infinity: Gaussian.
+  double robust_gate_sigmas = 3.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
     PLUMBLINE_CHECK_FINITE_OPTION(sigma_rad, >, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(robust_gate_sigmas, >, 0.0);
+    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >, 0.0);
     return true;
   }
 };

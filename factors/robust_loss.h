@@ -1,6 +1,8 @@
 #ifndef PLUMBLINE_FACTORS_ROBUST_LOSS_H_
 #define PLUMBLINE_FACTORS_ROBUST_LOSS_H_
 
+#include <algorithm>
+
 namespace plumbline {
 
 /// What a robust loss makes of one residual.
@@ -17,8 +19,17 @@ struct RobustTerm {
 struct GemanMcClure {
   double scale_squared = 1.0;  ///< a
 
-  /// Gate in standard deviations, > 0.
-  static GemanMcClure FromGate(double gate_sigmas) { return {gate_sigmas * gate_sigmas}; }
+  /// Gate in standard deviations, > 0; infinity gives the Gaussian loss, rho(s) = s to rounding.
+  static GemanMcClure FromGate(double gate_sigmas) {
+    constexpr double kGaussian =
+        1e40;  // a s below the largest double for any s that is below 1e268
+    return {std::min(gate_sigmas * gate_sigmas, kGaussian)};
+  }
+
+  /// What a return costs that no surface explains, as rho: as much as one far off its line, but no
+  /// more than with a gate of four. Otherwise a loss that is nearly Gaussian would prize any line
+  /// above all that lines are good for.
+  double ClutterRho() const { return std::min(scale_squared, 16.0); }
 
   double Rho(double s) const { return scale_squared * s / (scale_squared + s); }
   /// rho'(s): the factor on the residual's information in iteratively re-weighted least squares.

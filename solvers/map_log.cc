@@ -9,6 +9,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/frozen_laser.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/pairwise_icp.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/seed.h"
@@ -35,6 +36,35 @@ void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMap
   calibration.corrections = MeasurementCorrections();  // the graph has them, and they are large
   mapping->before_from_after = mounting * mapping->graph.laser(0).robot_from_laser.Inverse();
   mapping->start_poses = Carried(mapping->start_poses, mapping->before_from_after);
+}
+
+// The poses of the odometry, or of a chain of scan matches.
+Status FindPlainStart(const MapLogOptions& options, ThreadPool* pool, const LogMapping& mapping,
+                      std::vector<double>* poses) {
+  if (options.start == StartType::kOdometry) {
+    *poses = mapping.graph.initial_poses();
+    return Status::Ok();
+  }
+  const IcpMetric metric =
+      options.start == StartType::kIcp ? IcpMetric::kPointToPoint : IcpMetric::kPointToLine;
+  MapState chain;
+  PairwiseIcpReport report;
+  PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(options.solver.factors.beam, metric),
+                                       mapping.surface.normals, pool, mapping.graph, &chain,
+                                       &report));
+  *poses = std::move(chain.poses);
+  return Status::Ok();
+}
+
+SeedingReport ReportOfPlainStart(const SlamGraph& graph, const std::vector<double>& poses,
+                                 ThreadPool* pool) {
+  SeedingReport report;
+  report.sequential_poses = PosesOf(poses);
+  report.consistency = MeasureMapConsistency(graph, report.sequential_poses, pool);
+  for (const OdometryConstraint& step : graph.odometry()) {
+    report.corrections.odometry.push_back(step.from_from_to);
+  }
+  return report;
 }
 
 Status CheckSize(const char* name, std::size_t size, std::size_t expected) {
@@ -76,15 +106,21 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
                LogMapping* mapping) {
   return CatchExceptions([&] {
     SeedingReport seeding;
-    MapState seed;
-    PLUMBLINE_RETURN_IF_ERROR(SeedGraph(options.seeding, options.solver.factors.motion,
-                                        mapping->surface.normals, progress, pool, mapping->graph,
-                                        &seed, &seeding));
-    // A solver of pose graphs has the work still to do that the seeding did by its own.
-    std::vector<double> start_poses = options.solver.MovesPosesOnly()
-                                          ? PoseArray(seeding.sequential_poses)
-                                          : std::move(seed.poses);
-    seed = MapState();
+    std::vector<double> start_poses;
+    const bool needs_pose_graph = options.solver.MovesPosesOnly();
+    if (options.start == StartType::kSeed || needs_pose_graph) {
+      MapState seed;
+      PLUMBLINE_RETURN_IF_ERROR(SeedGraph(options.seeding, options.solver.factors.motion,
+                                          mapping->surface.normals, progress, pool, mapping->graph,
+                                          &seed, &seeding));
+      // A solver of pose graphs has the work still to do that the seeding did by its own.
+      start_poses = needs_pose_graph ? PoseArray(seeding.sequential_poses) : std::move(seed.poses);
+    }
+    if (options.start != StartType::kSeed) {
+      PLUMBLINE_RETURN_IF_ERROR(FindPlainStart(options, pool, *mapping, &start_poses));
+      if (!needs_pose_graph) seeding = ReportOfPlainStart(mapping->graph, start_poses, pool);
+      seeding.start = options.start;
+    }
     return StartFromSeed(options, std::move(start_poses), std::move(seeding), mapping);
   });
 }

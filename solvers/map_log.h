@@ -22,7 +22,10 @@ class ThreadPool;
 
 /// How a log is mapped.
 struct MapLogOptions {
-  SeedingOptions seeding;          ///< from odometry and scans to a start
+  /// Where the joint estimation starts. kSeed is the one that SeedGraph finds, or the matching
+  /// before loops were closed for solvers that close the loops themselves.
+  StartType start = StartType::kSeed;
+  SeedingOptions seeding;          ///< how the seed is found
   SolverOptions solver;            ///< the joint estimation, and the noise of the sensors
   CalibrationOptions calibration;  ///< nothing to estimate: Solve
 
@@ -50,8 +53,8 @@ struct LogMapping {
   /// (Calibration::corrections is empty then).
   SlamGraph graph;
   MeasuredSurface surface;  ///< what its scans saw; empty after RefineLog
-  /// The estimate: first the initial guesses of the log; then where the solver starts, which is the
-  /// seed, or the sequential matching for solvers that close the loops themselves; then the map.
+  /// The estimate: first the initial guesses of the log; then where the solver starts
+  /// (MapLogOptions::start); then the map.
   MapState state;
   /// The start, (x, y, yaw) each. After a calibration of the mounting they are the poses of the
   /// calibrated robot that leave the lasers where they were.
@@ -76,7 +79,8 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 
-/// Finds the seed of a log that PrepareLog took over and that has none yet. Fails like SeedGraph.
+/// Finds the start for a log that PrepareLog took over and that has none yet. Fails like
+/// SeedGraph.
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping);
 

@@ -41,7 +41,7 @@ class Experiment {
   Experiment(const LogExperimentInputs& inputs,
              std::function<void(const LogStart&, const LogStage&)> done)
       : inputs_(inputs),
-        options_{inputs.seeding, inputs.solver, {}},
+        options_{StartType::kSeed, inputs.seeding, inputs.solver, {}},
         done_(std::move(done)),
         pool_(inputs.solver.num_threads) {}
 

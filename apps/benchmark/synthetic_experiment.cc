@@ -20,16 +20,15 @@ namespace plumbline {
 namespace {
 
 // What a user would tell of the laser.
-FactorOptions FactorsFor(const SyntheticNoise& noise) {
-  FactorOptions factors;
-  factors.beam.sigma_range_m = noise.sigma_range_m;
-  factors.beam.sigma_bearing_rad = noise.sigma_bearing_rad;
-  return factors;
+MapLogOptions OptionsFor(const SyntheticNoise& noise, MapLogOptions options) {
+  options.solver.factors.beam.sigma_range_m = noise.sigma_range_m;
+  options.solver.factors.beam.sigma_bearing_rad = noise.sigma_bearing_rad;
+  options.solver.num_threads = 1;
+  return options;
 }
 
 // The odometry's true noise too, its systematic errors taken as random ones.
-FactorOptions ExactFactorsFor(const SyntheticNoise& noise) {
-  FactorOptions factors = FactorsFor(noise);
+FactorOptions ExactFactorsFor(const SyntheticNoise& noise, FactorOptions factors) {
   const OdometryNoise odometry = noise.Odometry();
   factors.motion.rotation_per_rotation = odometry.rotation_per_rotation;
   factors.motion.rotation_per_translation_rad_m =
@@ -42,31 +41,27 @@ FactorOptions ExactFactorsFor(const SyntheticNoise& noise) {
   return factors;
 }
 
-// Both points of a correspondence are noisy, and the gate has to let three sigmas of that through.
-PairwiseIcpOptions IcpFor(const SyntheticNoise& noise, IcpMetric metric) {
-  PairwiseIcpOptions icp;
-  icp.metric = metric;
-  icp.sigma_m = std::sqrt(2.0) * noise.sigma_range_m;
-  icp.fine_gate_m = std::max(icp.fine_gate_m, 3.0 * icp.sigma_m);
-  icp.gate_m = std::max(icp.gate_m, icp.fine_gate_m);
-  return icp;
-}
-
 class MapMaker {
  public:
-  MapMaker(const SyntheticDrive& drive, const SyntheticNoise& noise,
+  MapMaker(const SyntheticDrive& drive, const SyntheticNoise& noise, const MapLogOptions& options,
            std::array<MapEstimate, kNumMappers>* maps)
-      : drive_(drive), noise_(noise), factors_(FactorsFor(noise)), maps_(*maps) {}
+      : drive_(drive),
+        noise_(noise),
+        options_(OptionsFor(noise, options)),
+        factors_(options_.solver.factors),
+        maps_(*maps) {}
 
   Status Run() {
     normals_ = EstimateReturnNormals(drive_.graph, NormalOptionsFor(factors_.beam), &pool_);
     PutRaw(Mapper::kOdometry, PosesOf(drive_.graph.initial_poses()));
     PutRaw(Mapper::kTruePoses, drive_.truth.poses);
-    Map(Mapper::kKnownWalls) = LocaliseAgainstTruth(drive_, ExactFactorsFor(noise_));
+    Map(Mapper::kKnownWalls) = LocaliseAgainstTruth(drive_, ExactFactorsFor(noise_, factors_));
     PLUMBLINE_RETURN_IF_ERROR(Chain(IcpMetric::kPointToPoint, Mapper::kPointToPoint));
     PLUMBLINE_RETURN_IF_ERROR(Chain(IcpMetric::kPointToLine, Mapper::kPointToLine));
     OptimiseGraph();
-    return Refine();
+    PLUMBLINE_RETURN_IF_ERROR(Refine());
+    PLUMBLINE_RETURN_IF_ERROR(RunPublished(Mapper::kPointToPoint, Mapper::kPublished));
+    return RunPublished(Mapper::kSeed, Mapper::kPublishedFromSeed);
   }
 
  private:
@@ -79,8 +74,8 @@ class MapMaker {
   Status Chain(IcpMetric metric, Mapper mapper) {
     MapState state;
     PairwiseIcpReport report;
-    PLUMBLINE_RETURN_IF_ERROR(
-        ChainPairs(IcpFor(noise_, metric), normals_, &pool_, drive_.graph, &state, &report));
+    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(factors_.beam, metric), normals_, &pool_,
+                                         drive_.graph, &state, &report));
     PutRaw(mapper, PosesOf(state.poses));
     return Status::Ok();
   }
@@ -88,7 +83,7 @@ class MapMaker {
   // Two back ends on one front end.
   void OptimiseGraph() {
     MatchGraphOptions options;
-    options.icp = IcpFor(noise_, IcpMetric::kPointToLine);
+    options.icp = IcpOptionsFor(factors_.beam, IcpMetric::kPointToLine);
     const std::vector<SurfacePoints> surfaces =
         ThinnedSurfacePoints(drive_.graph, normals_, kPointSpacingM, &pool_);
     const MatchGraph matches = BuildMatchGraph(drive_.graph, surfaces, factors_.motion, options);
@@ -101,18 +96,28 @@ class MapMaker {
   }
 
   Status Refine() {
-    MapLogOptions options;
-    options.solver.factors = factors_;
-    options.solver.num_threads = 1;
     LogMapping mapping;
-    PLUMBLINE_RETURN_IF_ERROR(MapLog(options, drive_.graph, {}, &mapping));
+    PLUMBLINE_RETURN_IF_ERROR(MapLog(options_, drive_.graph, {}, &mapping));
     PutRaw(Mapper::kSeed, PosesOf(mapping.start_poses));
     Map(Mapper::kPlumbline) = {PosesOf(mapping.state.poses), mapping.state.points};
     return Status::Ok();
   }
 
+  Status RunPublished(Mapper start, Mapper mapper) {
+    SolverOptions options = options_.solver;
+    options.type = SolverType::kPublished;
+    MapState state;
+    state.poses = PoseArray(Map(start).poses);
+    state.points = drive_.graph.MeasuredMap(state.poses);
+    const SolverSummary summary = Solve(options, drive_.graph, &state);
+    if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
+    Map(mapper) = {PosesOf(state.poses), state.points};
+    return Status::Ok();
+  }
+
   const SyntheticDrive& drive_;
   const SyntheticNoise& noise_;
+  const MapLogOptions options_;
   const FactorOptions factors_;
   std::array<MapEstimate, kNumMappers>& maps_;
   ThreadPool pool_{1};
@@ -163,6 +168,10 @@ const char* ToString(Mapper mapper) {
       return "pose graph, SGD";
     case Mapper::kPoseGraph:
       return "pose graph, Gauss-Newton";
+    case Mapper::kPublished:
+      return "published method";
+    case Mapper::kPublishedFromSeed:
+      return "published, from seed";
     case Mapper::kSeed:
       return "Plumbline, seed";
     case Mapper::kPlumbline:
@@ -190,12 +199,13 @@ std::vector<SyntheticNoise> SyntheticNoises() {
 }
 
 Status MakeMaps(const SyntheticDrive& drive, const SyntheticNoise& noise,
-                std::array<MapEstimate, kNumMappers>* maps) {
-  return MapMaker(drive, noise, maps).Run();
+                const MapLogOptions& options, std::array<MapEstimate, kNumMappers>* maps) {
+  return MapMaker(drive, noise, options, maps).Run();
 }
 
 Status RunSyntheticExperiment(int num_seeds, const std::vector<SyntheticNoise>& noises,
-                              ThreadPool* pool, std::vector<SyntheticOutcome>* outcomes) {
+                              const MapLogOptions& options, ThreadPool* pool,
+                              std::vector<SyntheticOutcome>* outcomes) {
   const std::size_t num_drives = noises.size() * static_cast<std::size_t>(num_seeds);
   std::vector<SyntheticOutcome> results(num_drives * kNumMappers);
   std::vector<Status> statuses(num_drives);
@@ -204,7 +214,7 @@ Status RunSyntheticExperiment(int num_seeds, const std::vector<SyntheticNoise>& 
     SyntheticDrive drive;
     std::array<MapEstimate, kNumMappers> maps;
     statuses[i] = MakeSyntheticDrive(seed, noises[noise], &drive);
-    if (statuses[i].ok()) statuses[i] = MakeMaps(drive, noises[noise], &maps);
+    if (statuses[i].ok()) statuses[i] = MakeMaps(drive, noises[noise], options, &maps);
     if (!statuses[i].ok()) return;
     for (int m = 0; m < kNumMappers; ++m) {
       SyntheticOutcome& outcome = results[i * kNumMappers + m];

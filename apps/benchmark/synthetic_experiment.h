@@ -10,6 +10,7 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
 
@@ -20,21 +21,24 @@ enum class Mapper {
   kPointToLine,   ///< pairwise ICP, point to line
   kStochasticDescent,  ///< pose graph by stochastic gradient descent, Olson et al. (2006)
   kPoseGraph,          ///< the same edges by Gauss-Newton
+  kPublished,          ///< the published method, from point-to-point ICP as in its paper
+  kPublishedFromSeed,  ///< the same from Plumbline's starting point
   kSeed,               ///< Plumbline's starting point
   kPlumbline,          ///< poses and points
   kKnownWalls,         ///< what no mapper can beat, see LocaliseAgainstTruth
   kTruePoses,          ///< raw ranges placed by the true poses
 };
-constexpr int kNumMappers = 9;
+constexpr int kNumMappers = 11;
 const char* ToString(Mapper mapper);
 
 /// Three levels of range noise, one at which pairwise ICP errs as much as it was published to, and
 /// one beyond.
 std::vector<SyntheticNoise> SyntheticNoises();
 
-/// The map of every mapper, in order of the enum. InvalidArgument if a mapper refuses the drive.
+/// The map of every mapper, in order of the enum. options: those of kPlumbline, and what the others
+/// share with it, but for the noise of the laser. InvalidArgument if a mapper refuses the drive.
 Status MakeMaps(const SyntheticDrive& drive, const SyntheticNoise& noise,
-                std::array<MapEstimate, kNumMappers>* maps);
+                const MapLogOptions& options, std::array<MapEstimate, kNumMappers>* maps);
 
 /// What one mapper made of one drive.
 struct SyntheticOutcome {
@@ -58,7 +62,8 @@ struct SyntheticOutcome {
 /// Spreads the drives over the threads; the result does not depend on their number. Fails with the
 /// first drive that fails.
 Status RunSyntheticExperiment(int num_seeds, const std::vector<SyntheticNoise>& noises,
-                              ThreadPool* pool, std::vector<SyntheticOutcome>* outcomes);
+                              const MapLogOptions& options, ThreadPool* pool,
+                              std::vector<SyntheticOutcome>* outcomes);
 
 /// The figures of one mapper at one noise, over the seeds. Failures are among them, and counted.
 struct SyntheticSummary {

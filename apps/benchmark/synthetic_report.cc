@@ -26,13 +26,15 @@ constexpr Published kPublished[] = {
 // What charts show: not the raw ranges at true poses, nor the seed, which is not a result.
 constexpr Mapper kCharted[] = {
     Mapper::kOdometry,  Mapper::kPointToPoint, Mapper::kPointToLine, Mapper::kStochasticDescent,
-    Mapper::kPoseGraph, Mapper::kPlumbline,    Mapper::kKnownWalls};
+    Mapper::kPoseGraph, Mapper::kPublished,    Mapper::kPlumbline,   Mapper::kKnownWalls};
 struct Pictured {
   Mapper mapper;
   const char* title;
 };
-constexpr Pictured kPictured[] = {{Mapper::kPointToPoint, "pairwise ICP"},
-                                  {Mapper::kPoseGraph, "pose graph"},
+constexpr Pictured kPictured[] = {{Mapper::kTruePoses, "true poses, raw ranges"},
+                                  {Mapper::kPointToPoint, "pairwise ICP"},
+                                  {Mapper::kStochasticDescent, "pose graph, SGD"},
+                                  {Mapper::kPublished, "published method"},
                                   {Mapper::kPlumbline, "Plumbline"}};
 
 std::string Describe(const SyntheticNoise& noise) {
@@ -214,13 +216,13 @@ Status WriteMapErrorChart(const std::string& path, const SyntheticNoise& noise, 
   return WriteLineChart(path, chart, kChartWidthPx, kChartHeightPx);
 }
 
-Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed,
-                          const SyntheticNoise& noise) {
+Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed, const SyntheticNoise& noise,
+                          const MapLogOptions& options) {
   constexpr double kDetailM = 2.5;
   SyntheticDrive drive;
   std::array<MapEstimate, kNumMappers> maps;
   PLUMBLINE_RETURN_IF_ERROR(MakeSyntheticDrive(seed, noise, &drive));
-  PLUMBLINE_RETURN_IF_ERROR(MakeMaps(drive, noise, &maps));
+  PLUMBLINE_RETURN_IF_ERROR(MakeMaps(drive, noise, options, &maps));
   MapFigure figure;
   for (const auto& [mapper, title] : kPictured) {
     MapEstimate& map = maps[static_cast<int>(mapper)];

@@ -32,7 +32,8 @@ Status WriteMapErrorChart(const std::string& path, const SyntheticNoise& noise, 
 
 /// The maps of one drive side by side, with the two places magnified where the pose graph's and
 /// Plumbline's differ most.
-Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed, const SyntheticNoise& noise);
+Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed, const SyntheticNoise& noise,
+                          const MapLogOptions& options);
 
 }  // namespace plumbline
 

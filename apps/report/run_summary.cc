@@ -98,7 +98,8 @@ Json FrozenLaserJson(const std::vector<FrozenStretch>& frozen) {
 
 Json SeedingJson(const RunSummary& summary) {
   const SequentialSeedingReport& sequential = summary.mapping.seeding.sequential;
-  return {{"keyframes", sequential.num_keyframes},
+  return {{"start", ToString(summary.mapping.seeding.start)},
+          {"keyframes", sequential.num_keyframes},
           {"recovered_scans", sequential.num_recovered},
           {"unmatched_scans", sequential.num_unmatched},
           {"odometry_sign_lost", sequential.odometry_sign.sign_lost},

@@ -23,6 +23,12 @@ std::string Count(int number, const std::string& singular, const std::string& pl
 // "1 scan", "2 scans".
 std::string Count(int number, const std::string& noun) { return Count(number, noun, noun + "s"); }
 
+std::string StartText(StartType start) {
+  if (start == StartType::kOdometry) return "  The solver starts at the odometry as it is.\n";
+  return std::string("  The solver starts where each scan was matched to the one before it, ") +
+         (start == StartType::kIcp ? "point to point.\n" : "point to line.\n");
+}
+
 std::string MatchingText(const SequentialSeedingReport& report, int num_scans) {
   std::string text =
       "  " + Count(report.num_keyframes, "keyframe") + " among " + Count(num_scans, "scan") + ".\n";
@@ -221,7 +227,11 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
                         const std::vector<double>& poses) {
   if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
-  std::string text = MatchingText(report.sequential, graph.num_scans());
+  if (report.start != StartType::kSeed && report.sequential.num_keyframes == 0) {
+    return StartText(report.start) + "  No loop was closed.\n";
+  }
+  std::string text = report.start == StartType::kSeed ? "" : StartText(report.start);
+  text += MatchingText(report.sequential, graph.num_scans());
   if (report.sequential.num_keyframes <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);

@@ -139,10 +139,10 @@ void Visit(Archive& archive, MeasurementCorrections* corrections) {
 
 template <typename Archive>
 void Visit(Archive& archive, SeedingReport* report) {
-  auto& [sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections, poses,
-         alarm] = *report;
-  archive(sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections,
-          poses, alarm);
+  auto& [start, sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections,
+         poses, alarm] = *report;
+  archive(start, sequential, odometry_noise, loops, consistency, hypotheses, pose_graph,
+          corrections, poses, alarm);
 }
 
 template <typename Archive>
@@ -154,7 +154,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 3\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 4\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {

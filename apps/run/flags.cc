@@ -26,8 +26,13 @@ const plumbline::SeedingOptions& SeedingDefaults() {
 
 DEFINE_string(
     solver, ToString(Defaults().type),
-    "Minimiser of the joint energy: reduced, alternating_cg or ceres; or of the pose graph "
-    "alone, points riding along: pose_graph (Gauss-Newton) or sgd");
+    "Minimiser of the joint energy: reduced, alternating_cg or ceres; published, the method to the "
+    "letter of its paper; or of the pose graph alone, points riding along: pose_graph "
+    "(Gauss-Newton) or sgd");
+DEFINE_string(start, "",
+              "Where the solver starts: seed (matching against local maps, loops closed), odometry "
+              "(as it is), icp (each scan matched to the one before it, point to point) or "
+              "icp_point_to_line; empty: icp for --solver=published, seed for all others");
 DEFINE_int32(threads, Defaults().num_threads,
              "Threads; the result does not depend on it, but for the last digits of ceres");
 
@@ -131,6 +136,16 @@ DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
               "alternating_cg: ends a round when a sweep gains less [fraction of the cost]; for "
               "the others see --reduced_cg_tolerance and --ceres_function_tolerance");
 
+// --solver=published
+DEFINE_int32(published_max_passes, Defaults().published.max_passes,
+             "published: most passes; each finds the prior of the map anew");
+DEFINE_int32(published_sweeps, Defaults().published.sweeps_per_pass,
+             "published: iterations on the map, and as many on the poses, per pass");
+DEFINE_double(published_tolerance, Defaults().published.relative_tolerance,
+              "published: ends when a pass gains less [fraction of the cost]");
+DEFINE_bool(published_precondition, Defaults().published.precondition,
+            "published: precondition the conjugate gradients, which the paper does not");
+
 // --solver=ceres
 DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres->minimizer),
               "ceres: trust_region or line_search");
@@ -194,8 +209,15 @@ Status CheckValues(const Options& options) {
 }
 
 bool UsesReturns(const SolverOptions& options) { return !options.MovesPosesOnly(); }
+bool IsPublished(const SolverOptions& options) { return options.type == SolverType::kPublished; }
 bool IsInRounds(const SolverOptions& options) {
-  return UsesReturns(options) && !options.IsOverLandmarks();
+  return UsesReturns(options) && !options.IsOverLandmarks() && !IsPublished(options);
+}
+bool HasChoices(const SolverOptions& options) {
+  return UsesReturns(options) && !IsPublished(options);
+}
+bool TakesNearest(const SolverOptions& options) {
+  return IsInRounds(options) || IsPublished(options);
 }
 bool IsReduced(const SolverOptions& options) { return options.type == SolverType::kReduced; }
 bool IsCeres(const SolverOptions& options) { return options.type == SolverType::kCeres; }
@@ -217,16 +239,17 @@ struct FlagReaders {
 constexpr FlagReaders kFlagReaders[] = {
     {"sigma_bearing_rad", UsesReturns},
     {"sigma_manifold_m", UsesReturns},
-    {"manifold_gate", UsesReturns},
-    {"shape", UsesReturns},
+    {"manifold_gate", HasChoices},
+    {"shape", HasChoices},
     {"sigma_shape_rad", UsesReturns},
+    {"shape_gate", HasChoices},
     {"shape_", UsesReturns},
-    {"neighborhood", UsesReturns},
+    {"neighborhood", HasChoices},
     {"min_neighbors", UsesReturns},
-    {"max_neighbors", IsInRounds},
-    {"several_poses", UsesReturns},
+    {"max_neighbors", TakesNearest},
+    {"several_poses", HasChoices},
     {"landmark_size_m", UsesReturns},
-    {"max_eigenvalue_ratio", UsesReturns},
+    {"max_eigenvalue_ratio", HasChoices},
     {"min_segment_length_m", UsesReturns},
     {"coarse_radius_m", UsesReturns},
     {"fine_radius_m", UsesReturns},
@@ -241,6 +264,7 @@ constexpr FlagReaders kFlagReaders[] = {
     {"ceres_", IsCeres},
     {"cg_max_sweeps", IsAlternatingCg},
     {"cg_", SweepsByCg},
+    {"published_", IsPublished},
     {"sgd_", IsSgd},
 };
 
@@ -321,6 +345,15 @@ AlternatingCgOptions AlternatingCgOptionsFromFlags() {
   return cg;
 }
 
+PublishedOptions PublishedOptionsFromFlags() {
+  PublishedOptions published;
+  published.max_passes = FLAGS_published_max_passes;
+  published.sweeps_per_pass = FLAGS_published_sweeps;
+  published.relative_tolerance = FLAGS_published_tolerance;
+  published.precondition = FLAGS_published_precondition;
+  return published;
+}
+
 Status CeresOptionsFromFlags(CeresOptions* options) {
   PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_minimizer", FLAGS_ceres_minimizer,
                                       ceres::StringToMinimizerType, &options->minimizer));
@@ -362,6 +395,7 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->rounds = RoundOptionsFromFlags();
   options->reduced = ReducedOptionsFromFlags();
   options->alternating_cg = AlternatingCgOptionsFromFlags();
+  options->published = PublishedOptionsFromFlags();
   options->sgd.max_iterations = FLAGS_sgd_iterations;
   return CheckValues(*options);
 }
@@ -376,6 +410,16 @@ Status CheckNoFlagIsIgnored(const SolverOptions& options) {
                                    ToString(options.type) + (ceres_reduced ? " --reduced" : ""));
   }
   return Status::Ok();
+}
+
+Status StartFromFlags(const SolverOptions& solver, StartType* start) {
+  if (FLAGS_start.empty()) {
+    *start = solver.type == SolverType::kPublished ? StartType::kIcp : StartType::kSeed;
+    return Status::Ok();
+  }
+  return ParseName(
+      "start", FLAGS_start,
+      [](const std::string& name, StartType* type) { return FromString(name, type); }, start);
 }
 
 Status SeedingOptionsFromFlags(SeedingOptions* options) {

@@ -17,6 +17,10 @@ Status CheckNoFlagIsIgnored(const SolverOptions& options);
 /// The seeding options that the command line asks for. InvalidArgument names the option.
 Status SeedingOptionsFromFlags(SeedingOptions* options);
 
+/// Where --start says that the solver starts; if it does not, where this one starts by default.
+/// InvalidArgument on an unknown name.
+Status StartFromFlags(const SolverOptions& solver, StartType* start);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_RUN_FLAGS_H_

@@ -1,15 +1,13 @@
-// Tangent lines from the nearest neighbours of each point, their number by a density estimate.
+// Tangent lines from the nearest neighbours of each point, their number in proportion to the
+// density of the map.
 //
-// Points of a map lie along surfaces, so their density f is counted per metre of surface. Pilot
-// estimate: with r the distance to the k-th nearest point, f ~ k / (2 r), k = max_points
-// (Loftsgaarden & Quesenberry 1965). The neighbourhood's radius follows Abramson's square-root law
-// (Annals of Statistics 10, 1982; Silverman 1986, section 5.3): h = h_0 (f / g)^(-1/2), g the
-// geometric mean of f over the map. With G, the geometric mean of r, that is
-//   h = h_0 sqrt(r / G),      h_0 = G sqrt(min_points / max_points).
-// So a point of typical density gets about sqrt(min_points max_points) neighbours; dense surface
-// gets a smaller radius with more points in it, sparse surface a larger one with fewer, and the
-// number runs through all of [min_points, max_points] for densities from g times to g over
-// max_points / min_points. It is clamped to that interval beyond.
+// Points of a map lie along surfaces, so their density f is counted per metre of surface. It is
+// estimated by the distance r to the k-th nearest point, f ~ k / (2 r), k = max_points: a kernel
+// estimate whose kernel is constant up to that distance (Loftsgaarden & Quesenberry 1965). With G,
+// the geometric mean of r over the map, the neighbourhood has
+//   n = sqrt(min_points max_points) G / r
+// points, at least min_points and at most max_points: a point of typical density gets the geometric
+// mean of the two. So far from these limits all neighbourhoods have the same length.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -25,12 +23,13 @@ namespace {
 constexpr std::size_t kMaxSampleSize = 10000;
 constexpr std::size_t kPointsPerChunk = 4096;
 
-// The map's points that have a normal, in order of their return ids.
+// The map's points that have a normal, or all where normals have no say, in order of their return
+// ids.
 struct SurfaceMap {
   std::vector<std::size_t> return_ids;
   std::vector<int> scans;
   std::vector<double> points;            // x, y [m], world
-  std::vector<Eigen::Vector2f> normals;  // unit, world
+  std::vector<Eigen::Vector2f> normals;  // unit, world; empty where they have no say
 
   std::size_t size() const { return return_ids.size(); }
   Eigen::Vector2d point(std::size_t i) const { return {points[2 * i], points[2 * i + 1]}; }
@@ -44,11 +43,11 @@ SurfaceMap CollectSurface(const SlamGraph& graph, const MapState& state,
     const Eigen::Matrix2f rotation =
         Eigen::Rotation2Dd(state.WorldFromRobot(scan.pose).yaw).toRotationMatrix().cast<float>();
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (normals[r].isZero()) continue;
+      if (!normals.empty() && normals[r].isZero()) continue;
       map.return_ids.push_back(r);
       map.scans.push_back(s);
       map.points.insert(map.points.end(), {state.points[2 * r], state.points[2 * r + 1]});
-      map.normals.push_back(rotation * normals[r]);
+      if (!normals.empty()) map.normals.push_back(rotation * normals[r]);
     }
   }
   return map;
@@ -67,16 +66,13 @@ class NearestLineFitter {
   /// The line of point `i`, zero if there is none. `neighbors` is scratch space.
   TangentLine Fit(std::size_t i, std::vector<PointIndex::Neighbor>* neighbors) const {
     index_.FindNearest(map_.point(i), options_.max_points, neighbors);
-    const double radius_squared =
-        neighborhood_scale_m_ * std::sqrt(neighbors->back().squared_distance);
+    const double num_points = typical_neighbors_ / std::sqrt(neighbors->back().squared_distance);
     PointMoments moments;  // about the point itself
     bool enough_poses = !options_.several_poses;
     for (const PointIndex::Neighbor& neighbor : *neighbors) {
       const std::size_t j = neighbor.point;
-      if (neighbor.squared_distance > radius_squared && moments.weight >= options_.min_points) {
-        break;
-      }
-      if (map_.normals[i].dot(map_.normals[j]) < min_normal_cosine_) continue;
+      if (moments.weight >= options_.min_points && moments.weight >= num_points) break;
+      if (!FaceTheSameWay(i, j)) continue;
       const Eigen::Vector2d offset = map_.point(j) - map_.point(i);
       moments.Add(offset.x(), offset.y());
       enough_poses = enough_poses || map_.scans[j] != map_.scans[i];
@@ -86,7 +82,11 @@ class NearestLineFitter {
   }
 
  private:
-  // h^2 = neighborhood_scale_m_ * r, see the top of the file.
+  bool FaceTheSameWay(std::size_t i, std::size_t j) const {
+    return map_.normals.empty() || map_.normals[i].dot(map_.normals[j]) >= min_normal_cosine_;
+  }
+
+  // n = typical_neighbors_ / r, see the top of the file.
   void EstimateTypicalRadius(ThreadPool* pool) {
     const std::size_t stride = (map_.size() + kMaxSampleSize - 1) / kMaxSampleSize;
     const std::size_t sample_size = stride == 0 ? 0 : (map_.size() + stride - 1) / stride;
@@ -105,13 +105,15 @@ class NearestLineFitter {
       count += 1.0;
     }
     const double typical_radius_m = count > 0.0 ? std::exp(sum / count) : 0.0;
-    neighborhood_scale_m_ = typical_radius_m * options_.min_points / options_.max_points;
+    typical_neighbors_ = std::sqrt(static_cast<double>(options_.min_points) * options_.max_points) *
+                         typical_radius_m;
   }
 
   TangentLine LineThrough(const PointMoments& moments, std::size_t i) const {
     const LineFit fit = FitLine(moments);
     if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return {0.0, 0.0, 0.0};
-    const bool same_side = fit.normal.dot(map_.normals[i].cast<double>()) >= 0.0;
+    const bool same_side =
+        map_.normals.empty() || fit.normal.dot(map_.normals[i].cast<double>()) >= 0.0;
     const Eigen::Vector2d normal = same_side ? fit.normal : Eigen::Vector2d(-fit.normal);
     return {normal.x(), normal.y(), normal.dot(map_.point(i) + fit.centroid)};
   }
@@ -120,7 +122,7 @@ class NearestLineFitter {
   const AssociationOptions& options_;
   double min_normal_cosine_;
   PointIndex index_;
-  double neighborhood_scale_m_ = 0.0;
+  double typical_neighbors_ = 0.0;  // number times distance [m]
 };
 
 }  // namespace

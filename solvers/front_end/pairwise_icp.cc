@@ -162,6 +162,15 @@ bool FromString(const std::string& name, IcpMetric* metric) {
   return false;
 }
 
+PairwiseIcpOptions IcpOptionsFor(const RangeBeamOptions& beam, IcpMetric metric) {
+  PairwiseIcpOptions icp;
+  icp.metric = metric;
+  icp.sigma_m = std::sqrt(2.0) * beam.sigma_range_m;
+  icp.fine_gate_m = std::max(icp.fine_gate_m, 3.0 * icp.sigma_m);
+  icp.gate_m = std::max(icp.gate_m, icp.fine_gate_m);
+  return icp;
+}
+
 bool PairwiseIcpOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(fine_gate_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(gate_m, >=, fine_gate_m);

@@ -10,6 +10,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/surface_points.h"
 
 namespace plumbline {
@@ -39,6 +40,10 @@ struct PairwiseIcpOptions {
 
   bool Check(std::string* error) const;
 };
+
+/// The options that suit the noise of a laser: both points of a correspondence are noisy, and the
+/// gate has to let three standard deviations of that through.
+PairwiseIcpOptions IcpOptionsFor(const RangeBeamOptions& beam, IcpMetric metric);
 
 /// Below this share of matched points a match of two scans has failed, and the odometry stands.
 constexpr double kMinPairInlierRatio = 0.4;

@@ -1,11 +1,12 @@
 #include "plumbline/solvers/full/alternating_cg.h"
 
-#include <chrono>
+#include <cstddef>
 #include <sstream>
 #include <vector>
 
-#include "plumbline/solvers/full/block_jacobi.h"
+#include "plumbline/solvers/full/cg_rows.h"
 #include "plumbline/solvers/full/nonlinear_cg.h"
+#include "plumbline/solvers/full/partial_objective.h"
 #include "plumbline/solvers/full/rounds_solver.h"
 #include "plumbline/solvers/full/scan_objective.h"
 #include "plumbline/solvers/interface/built_in_solvers.h"
@@ -13,148 +14,80 @@
 namespace plumbline {
 namespace {
 
-// The energy as a function of the points (N = 2) at fixed poses, or of the poses (N = 3) at fixed
-// points.
-template <int N>
-class PartialObjective final : public CgObjective {
+// The energy as a function of all poses and points: (x, y, yaw) per pose, then (x, y) per point.
+// The step of its preconditioner is a sweep of the alternation.
+class JointObjective final : public CgObjective {
  public:
-  PartialObjective(const Energy& energy, const std::vector<double>& fixed)
-      : energy_(energy), fixed_(fixed) {}
+  JointObjective(const Energy& energy, const AlternatingCgOptions& options, const MapState& state)
+      : energy_(energy),
+        options_(options),
+        num_pose_values_(state.poses.size()),
+        map_(energy, state_.poses, true),
+        poses_(energy, state_.points, true),
+        scans_(energy) {}
+
+  static std::vector<double> Join(const MapState& state) {
+    std::vector<double> x;
+    x.reserve(state.poses.size() + state.points.size());
+    x.insert(x.end(), state.poses.begin(), state.poses.end());
+    x.insert(x.end(), state.points.begin(), state.points.end());
+    return x;
+  }
+  void Split(const std::vector<double>& x, MapState* state) const {
+    const auto first_point = x.begin() + static_cast<std::ptrdiff_t>(num_pose_values_);
+    state->poses.assign(x.begin(), first_point);
+    state->points.assign(first_point, x.end());
+  }
 
   bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override {
-    TermCosts costs;
-    std::vector<double> blocks;
-    const auto fixed = [](const Term& term) { return !Moves(term); };
-    if (!energy_.Evaluate(Poses(x), Points(x), &costs, {}, fixed)) return false;
-    fixed_cost_ = costs.Total();
-    if (!Evaluate(x, cost, gradient, &blocks)) return false;
-    preconditioner_.Set(blocks, energy_.pool());
-    return true;
+    return Evaluate(x, cost, gradient);
   }
   bool Evaluate(const std::vector<double>& x, double* cost,
                 std::vector<double>* gradient) override {
-    return Evaluate(x, cost, gradient, nullptr);
-  }
-  double Curvature(const std::vector<double>& x, const std::vector<double>& d) override {
-    return energy_.Curvature(Poses(x), Points(x), kPoints ? nullptr : &d, kPoints ? &d : nullptr,
-                             Moves);
-  }
-  void Precondition(const std::vector<double>& gradient, std::vector<double>* result) override {
-    preconditioner_.Apply(gradient, energy_.pool(), result);
-  }
-
- private:
-  static constexpr bool kPoints = N == 2;
-
-  // Whether a term depends on what moves.
-  static bool Moves(const Term& term) { return kPoints ? term.SeesPoints() : term.SeesPoses(); }
-  const std::vector<double>& Poses(const std::vector<double>& x) const {
-    return kPoints ? fixed_ : x;
-  }
-  const std::vector<double>& Points(const std::vector<double>& x) const {
-    return kPoints ? x : fixed_;
-  }
-  bool Evaluate(const std::vector<double>& x, double* cost, std::vector<double>* gradient,
-                std::vector<double>* blocks) const {
+    Split(x, &state_);
     TermCosts costs;
     EnergyDerivatives derivatives;
-    (kPoints ? derivatives.point_gradient : derivatives.pose_gradient) = gradient;
-    (kPoints ? derivatives.point_blocks : derivatives.pose_blocks) = blocks;
-    const bool ok = energy_.Evaluate(Poses(x), Points(x), &costs, derivatives, Moves);
-    *cost = fixed_cost_ + costs.Total();
-    return ok;
+    derivatives.pose_gradient = &other_.poses;
+    derivatives.point_gradient = &other_.points;
+    if (!energy_.Evaluate(state_.poses, state_.points, &costs, derivatives)) return false;
+    *cost = costs.Total();
+    *gradient = Join(other_);
+    return true;
   }
-
-  const Energy& energy_;
-  const std::vector<double>& fixed_;
-  double fixed_cost_ = 0.0;
-  BlockJacobi<N> preconditioner_;
-};
-
-class Alternation {
- public:
-  Alternation(const Energy& energy, const AlternatingCgOptions& options,
-              const ProgressCallback& report, MapState* state)
-      : energy_(energy),
-        options_(options),
-        report_(report),
-        state_(state),
-        map_(energy, state->poses),
-        poses_(energy, state->points),
-        scans_(energy) {}
-
-  InnerResult Run(double initial_cost) {
-    result_.usable = true;
-    result_.initial_cost = result_.final_cost = initial_cost;
-    std::ostringstream reason;
-    for (int sweep = 0; sweep < options_.max_sweeps; ++sweep) {
-      const double before = result_.final_cost;
-      Sweep();
-      if (result_.stopped) {
-        result_.stop_reason = "stopped by the callback";
-        return result_;
-      }
-      const double change = before - result_.final_cost;
-      if (change <= options_.relative_cost_tolerance * before) {
-        reason << "a sweep lowered the cost of " << before << " by " << change
-               << ", a fraction <= " << options_.relative_cost_tolerance;
-        result_.converged = true;
-        result_.stop_reason = reason.str();
-        return result_;
-      }
+  double Curvature(const std::vector<double>& x, const std::vector<double>& direction) override {
+    Split(x, &state_);
+    Split(direction, &other_);
+    return energy_.Curvature(state_.poses, state_.points, &other_.poses, &other_.points);
+  }
+  void Precondition(const std::vector<double>& x, const std::vector<double>& /*gradient*/,
+                    std::vector<double>* result) override {
+    Split(x, &state_);
+    Turn(options_.map_iterations_per_sweep, &map_, &state_.points);
+    Turn(options_.pose_iterations_per_sweep, &poses_, &state_.poses);
+    if (options_.scan_iterations_per_sweep > 0) {
+      scans_.AttachPoints(state_);
+      Turn(options_.scan_iterations_per_sweep, &scans_, &state_.poses);
+      scans_.PlacePoints(state_.poses, &state_.points);
     }
-    reason << "max_sweeps = " << options_.max_sweeps << " reached";
-    result_.stop_reason = reason.str();
-    return result_;
+    *result = Join(state_);
+    for (std::size_t i = 0; i < x.size(); ++i) (*result)[i] = x[i] - (*result)[i];
   }
 
  private:
-  void Sweep() {
-    Phase("map", options_.map_iterations_per_sweep, &map_, &state_->points);
-    if (result_.stopped) return;
-    Phase("poses", options_.pose_iterations_per_sweep, &poses_, &state_->poses);
-    if (result_.stopped || options_.scan_iterations_per_sweep == 0) return;
-    scans_.AttachPoints(*state_);
-    Phase("scans", options_.scan_iterations_per_sweep, &scans_, &state_->poses);
-    scans_.PlacePoints(state_->poses, &state_->points);
-  }
-
-  void Phase(const char* phase, int max_iterations, CgObjective* objective,
-             std::vector<double>* state) {
-    NonlinearCgOptions cg_options;
-    cg_options.max_iterations = max_iterations;
-    cg_options.relative_cost_tolerance = options_.relative_cost_tolerance;
-    auto start = std::chrono::steady_clock::now();
-    const auto on_iteration = [&](const CgIteration& cg) {
-      IterationSummary iteration;
-      iteration.phase = phase;
-      iteration.cost = cg.cost;
-      iteration.cost_change = cg.cost_change;
-      iteration.gradient_max_norm = cg.gradient_max_norm;
-      iteration.step_norm = cg.step_norm;
-      iteration.step_size = cg.step_size;
-      iteration.beta = cg.beta;
-      iteration.evaluations = cg.evaluations;
-      const auto now = std::chrono::steady_clock::now();
-      iteration.iteration_time_s = std::chrono::duration<double>(now - start).count();
-      start = now;
-      result_.stopped = report_ && !report_(iteration);
-      return !result_.stopped;
-    };
-    const CgResult cg = MinimizeByCg(cg_options, objective, on_iteration, energy_.pool(), state);
-    if (cg.termination == CgTermination::kFailure) return;
-    result_.final_cost = cg.cost;
-    result_.iterations += cg.iterations;
+  void Turn(int max_iterations, CgObjective* objective, std::vector<double>* x) {
+    NonlinearCgOptions options;
+    options.max_iterations = max_iterations;
+    options.relative_cost_tolerance = options_.relative_cost_tolerance;
+    MinimizeByCg(options, objective, nullptr, energy_.pool(), x);
   }
 
   const Energy& energy_;
   const AlternatingCgOptions& options_;
-  const ProgressCallback& report_;
-  MapState* state_;
+  const std::size_t num_pose_values_;
+  MapState state_, other_;  // kept, for they are large
   PartialObjective<2> map_;
   PartialObjective<3> poses_;
   ScanObjective scans_;
-  InnerResult result_;
 };
 
 class AlternatingCg final : public RoundsSolver {
@@ -175,13 +108,45 @@ const Solver& AlternatingCgSolver() {
 
 InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOptions& options,
                                  const ProgressCallback& report, MapState* state) {
+  InnerResult result;
   TermCosts costs;
   if (!energy.Evaluate(state->poses, state->points, &costs)) {
-    InnerResult failure;
-    failure.stop_reason = "the energy is not finite at the given state";
-    return failure;
+    result.stop_reason = "the energy is not finite at the given state";
+    return result;
   }
-  return Alternation(energy, options, report, state).Run(costs.Total());
+  result.usable = true;
+  result.initial_cost = costs.Total();
+  NonlinearCgOptions cg_options;
+  cg_options.max_iterations = options.max_sweeps;
+  cg_options.relative_cost_tolerance = options.relative_cost_tolerance;
+  JointObjective objective(energy, options, *state);
+  std::vector<double> x = JointObjective::Join(*state);
+  double change = 0.0;
+  CgRows rows("joint", report);
+  const CgResult cg = MinimizeByCg(
+      cg_options, &objective,
+      [&](const CgIteration& iteration) {
+        change = iteration.cost_change;
+        objective.Split(x, state);  // what the callback is shown
+        return rows.Add(iteration);
+      },
+      energy.pool(), &x);
+  objective.Split(x, state);
+  result.final_cost = cg.cost;
+  result.iterations = cg.iterations;
+  result.stopped = cg.termination == CgTermination::kStopped;
+  result.converged = !result.stopped && cg.termination != CgTermination::kMaxIterations;
+  std::ostringstream reason;
+  if (result.stopped) {
+    reason << "stopped by the callback";
+  } else if (result.converged) {
+    reason << "a sweep lowered the cost of " << cg.cost + change << " by " << change
+           << ", a fraction <= " << options.relative_cost_tolerance;
+  } else {
+    reason << "max_sweeps = " << options.max_sweeps << " reached";
+  }
+  result.stop_reason = reason.str();
+  return result;
 }
 
 }  // namespace plumbline

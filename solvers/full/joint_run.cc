@@ -52,7 +52,7 @@ SolverSummary JointRun::Run(MapState* result) {
   FindStart();
   Refine();
   Conclude();
-  if (summary_.acceptance.IsBetter()) *result = std::move(state_);
+  if (IsAccepted()) *result = std::move(state_);
   return std::move(summary_);
 }
 
@@ -156,7 +156,7 @@ void JointRun::Conclude() {
   if (summary_.started_from_constraints) {
     message << ", started from odometry and relative poses, which the seed contradicts";
   }
-  if (!summary_.acceptance.IsBetter()) {
+  if (!IsAccepted()) {
     message << ": the seed is returned as it was";
   } else {
     message << ", best in round " << best_round_ << " of "
@@ -167,7 +167,7 @@ void JointRun::Conclude() {
 }
 
 TerminationType JointRun::Termination() const {
-  const bool better = summary_.acceptance.IsBetter();
+  const bool better = IsAccepted();
   if (!better && !last_inner_.usable) return TerminationType::kFailure;
   if (last_inner_.stopped) return TerminationType::kUserStopped;
   if (!better) return TerminationType::kNoImprovement;

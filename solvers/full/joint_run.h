@@ -35,6 +35,9 @@ class JointRun {
   /// Goes from state_.poses, the start, to the result in state_, by way of the acceptance test, and
   /// sets best_energy_ and best_round_.
   virtual void Refine() = 0;
+  /// Whether state_ is to be the result: it passes the acceptance test, unless the derived class
+  /// only reports that.
+  virtual bool IsAccepted() const { return summary_.acceptance.IsBetter(); }
 
   CandidateEvaluator Evaluator() {
     return {graph_, *surface_, factors_, {seed_.poses, seed_landmarks_}, &pool_};

@@ -28,7 +28,7 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const TangentLine& line = lines[r];
     if (!Associations::HasLine(line)) {
-      cost += 0.5 * loss.scale_squared;
+      cost += 0.5 * loss.ClutterRho();
       continue;
     }
     const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/full/nonlinear_cg.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -16,8 +17,6 @@ constexpr std::size_t kEntriesPerChunk = 1 << 14;
 // The larger of the two; NaN if one is, so that a broken gradient does not pass for a small one.
 double Larger(double a, double b) { return b > a || std::isnan(b) ? b : a; }
 
-// Consecutive gradients of a quadratic are P^-1-orthogonal; beyond this share they are not.
-constexpr double kPowellShare = 0.2;
 // Ends where no component of the gradient is larger than this [cost per unit].
 constexpr double kGradientTolerance = 1e-10;
 // Largest number of halvings of a step that does not lower the cost.
@@ -26,8 +25,8 @@ constexpr int kMaxHalvings = 20;
 class CgMinimizer {
  public:
   CgMinimizer(const NonlinearCgOptions& options, CgObjective* objective, ThreadPool* pool,
-              Vector* x)
-      : options_(options), objective_(objective), pool_(pool), x_(x) {}
+              Vector* x, CgMemory* memory)
+      : options_(options), objective_(objective), pool_(pool), x_(x), memory_(*memory) {}
 
   CgResult Run(const CgCallback& callback) {
     result_.termination = Minimize(callback);
@@ -36,11 +35,16 @@ class CgMinimizer {
 
  private:
   CgTermination Minimize(const CgCallback& callback) {
-    if (!objective_->Start(*x_, &result_.cost, &gradient_)) return CgTermination::kFailure;
-    objective_->Precondition(gradient_, &preconditioned_);
-    decrease_rate_ = Dot(gradient_, preconditioned_);
+    if (memory_.direction.empty()) {
+      if (!objective_->Start(*x_, &result_.cost, &gradient_)) return CgTermination::kFailure;
+      objective_->Precondition(*x_, gradient_, &memory_.preconditioned);
+      memory_.decrease_rate = Dot(gradient_, memory_.preconditioned);
+      Restart();
+    } else {
+      if (!objective_->Resume(*x_, &result_.cost, &trial_gradient_)) return CgTermination::kFailure;
+      UpdateDirection();
+    }
     gradient_max_norm_ = MaxNorm(gradient_);
-    Restart();
     for (;;) {
       if (gradient_max_norm_ <= kGradientTolerance) {
         return CgTermination::kGradientConverged;
@@ -101,24 +105,25 @@ class CgMinimizer {
 
   // direction = -P^-1 gradient + beta direction.
   void SetDirection() {
-    direction_.resize(x_->size(), 0.0);
+    memory_.direction.resize(x_->size(), 0.0);
     ForEachRange([this](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        direction_[i] = -preconditioned_[i] + beta_ * direction_[i];
+        memory_.direction[i] = -memory_.preconditioned[i] + beta_ * memory_.direction[i];
       }
     });
   }
 
   // Moves x along the direction if that lowers the cost, and evaluates the gradient there.
   bool TakeStep(CgIteration* iteration) {
-    const double slope = Dot(gradient_, direction_);
-    const double curvature = objective_->Curvature(*x_, direction_);
+    const Vector& direction = memory_.direction;
+    const double slope = Dot(gradient_, direction);
+    const double curvature = objective_->Curvature(*x_, direction);
     if (!(slope < 0.0) || !(curvature > 0.0)) return false;
     double step = -slope / curvature;
     trial_.resize(x_->size());
     for (int halving = 0; halving <= kMaxHalvings; ++halving, step *= 0.5) {
-      ForEachRange([this, step](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) trial_[i] = (*x_)[i] + step * direction_[i];
+      ForEachRange([&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) trial_[i] = (*x_)[i] + step * direction[i];
       });
       ++iteration->evaluations;
       double trial_cost = 0.0;
@@ -127,7 +132,7 @@ class CgMinimizer {
         iteration->cost = trial_cost;
         iteration->cost_change = result_.cost - trial_cost;
         iteration->step_size = step;
-        iteration->step_norm = step * std::sqrt(Dot(direction_, direction_));
+        iteration->step_norm = step * std::sqrt(Dot(direction, direction));
         iteration->beta = beta_;
         iteration->gradient_max_norm = gradient_max_norm_ = MaxNorm(trial_gradient_);
         x_->swap(trial_);
@@ -139,18 +144,26 @@ class CgMinimizer {
   }
 
   void UpdateDirection() {
-    const double mixed = Dot(trial_gradient_, preconditioned_);
+    const double mixed = Dot(trial_gradient_, memory_.preconditioned);
     gradient_.swap(trial_gradient_);
-    objective_->Precondition(gradient_, &preconditioned_);
-    const double previous_rate = decrease_rate_;
-    decrease_rate_ = Dot(gradient_, preconditioned_);
-    if (std::abs(mixed) >= kPowellShare * decrease_rate_) {
+    objective_->Precondition(*x_, gradient_, &memory_.preconditioned);
+    const double previous_rate = memory_.decrease_rate;
+    memory_.decrease_rate = Dot(gradient_, memory_.preconditioned);
+    const double beta = Beta(memory_.decrease_rate, mixed, previous_rate);
+    if (beta == 0.0) {
       Restart();
       return;
     }
-    beta_ = previous_rate > 0.0 ? decrease_rate_ / previous_rate : 0.0;
+    beta_ = beta;
     SetDirection();
-    if (!(Dot(gradient_, direction_) < 0.0)) Restart();
+    if (!(Dot(gradient_, memory_.direction) < 0.0)) Restart();
+  }
+
+  // rate, previous_rate: g.z now and before; mixed: g.z_before.
+  double Beta(double rate, double mixed, double previous_rate) const {
+    if (!(previous_rate > 0.0)) return 0.0;
+    const double shared = options_.formula == CgFormula::kPolakRibiere ? mixed : 0.0;
+    return std::max(0.0, (rate - shared) / previous_rate);
   }
 
   const NonlinearCgOptions& options_;
@@ -158,9 +171,9 @@ class CgMinimizer {
   ThreadPool* pool_;
   Vector* x_;
   CgResult result_;
-  Vector gradient_, preconditioned_, direction_, trial_, trial_gradient_;
-  Vector partial_;              // results of chunks
-  double decrease_rate_ = 0.0;  // gradient^T P^-1 gradient
+  CgMemory& memory_;
+  Vector gradient_, trial_, trial_gradient_;
+  Vector partial_;  // results of chunks
   double gradient_max_norm_ = 0.0;
   double beta_ = 0.0;
 };
@@ -174,8 +187,10 @@ bool NonlinearCgOptions::Check(std::string* error) const {
 }
 
 CgResult MinimizeByCg(const NonlinearCgOptions& options, CgObjective* objective,
-                      const CgCallback& callback, ThreadPool* pool, std::vector<double>* x) {
-  return CgMinimizer(options, objective, pool, x).Run(callback);
+                      const CgCallback& callback, ThreadPool* pool, std::vector<double>* x,
+                      CgMemory* memory) {
+  CgMemory own;
+  return CgMinimizer(options, objective, pool, x, memory != nullptr ? memory : &own).Run(callback);
 }
 
 }  // namespace plumbline

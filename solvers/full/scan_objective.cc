@@ -90,9 +90,6 @@ bool ScanObjective::Start(const std::vector<double>& x, double* cost,
                           std::vector<double>* gradient) {
   PlacePoints(x, &points_);
   TermCosts costs;
-  const auto stays = [](const Term& term) { return term.RidesAlong(); };
-  if (!energy_.Evaluate(x, points_, &costs, {}, stays)) return false;
-  fixed_cost_ = costs.Total();
   std::vector<double> blocks;
   EnergyDerivatives derivatives;
   derivatives.pose_blocks = &blocks;
@@ -100,6 +97,16 @@ bool ScanObjective::Start(const std::vector<double>& x, double* cost,
   if (!energy_.Evaluate(x, points_, &costs, derivatives, sees_poses_only)) return false;
   energy_.AddCarriedBlocks(x, points_, &blocks);
   preconditioner_.Set(blocks, energy_.pool());
+  return Resume(x, cost, gradient);
+}
+
+bool ScanObjective::Resume(const std::vector<double>& x, double* cost,
+                           std::vector<double>* gradient) {
+  PlacePoints(x, &points_);
+  TermCosts costs;
+  const auto stays = [](const Term& term) { return term.RidesAlong(); };
+  if (!energy_.Evaluate(x, points_, &costs, {}, stays)) return false;
+  fixed_cost_ = costs.Total();
   return Evaluate(x, cost, gradient);
 }
 
@@ -119,7 +126,8 @@ double ScanObjective::Curvature(const std::vector<double>& x,
   return energy_.Curvature(x, points_, &direction, &point_direction_, Moves);
 }
 
-void ScanObjective::Precondition(const std::vector<double>& gradient, std::vector<double>* result) {
+void ScanObjective::Precondition(const std::vector<double>& /*x*/,
+                                 const std::vector<double>& gradient, std::vector<double>* result) {
   preconditioner_.Apply(gradient, energy_.pool(), result);
 }
 

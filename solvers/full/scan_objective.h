@@ -27,9 +27,11 @@ class ScanObjective final : public CgObjective {
   void PlacePoints(const std::vector<double>& x, std::vector<double>* points) const;
 
   bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override;
+  bool Resume(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override;
   bool Evaluate(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override;
   double Curvature(const std::vector<double>& x, const std::vector<double>& direction) override;
-  void Precondition(const std::vector<double>& gradient, std::vector<double>* result) override;
+  void Precondition(const std::vector<double>& x, const std::vector<double>& gradient,
+                    std::vector<double>* result) override;
 
  private:
   const Energy& energy_;

@@ -11,11 +11,10 @@ struct BuiltInSolver {
   SolverType type;
   const Solver& (*solver)();
 };
-constexpr BuiltInSolver kSolvers[] = {{SolverType::kReduced, ReducedSolver},
-                                      {SolverType::kAlternatingCg, AlternatingCgSolver},
-                                      {SolverType::kCeres, CeresSolver},
-                                      {SolverType::kPoseGraph, PoseGraphSolver},
-                                      {SolverType::kSgd, SgdSolver}};
+constexpr BuiltInSolver kSolvers[] = {
+    {SolverType::kReduced, ReducedSolver},     {SolverType::kAlternatingCg, AlternatingCgSolver},
+    {SolverType::kPublished, PublishedSolver}, {SolverType::kCeres, CeresSolver},
+    {SolverType::kPoseGraph, PoseGraphSolver}, {SolverType::kSgd, SgdSolver}};
 
 const Solver& SolverOf(SolverType type) {
   for (const BuiltInSolver& built_in : kSolvers) {

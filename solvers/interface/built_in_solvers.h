@@ -11,12 +11,13 @@ struct SolverOptions;
 /// The solvers that come with the library.
 enum class SolverType {
   kReduced,        ///< points and lines eliminated exactly; poses by Gauss-Newton
-  kAlternatingCg,  ///< the published minimiser: map and poses in turn, by conjugate gradients
+  kAlternatingCg,  ///< conjugate gradients, preconditioned by moving map and poses in turn
+  kPublished,      ///< the method as published: see published_method.cc
   kCeres,          ///< one ceres::Problem over all poses and points
   kPoseGraph,      ///< poses by relative poses alone: Gauss-Newton
   kSgd,            ///< the same by stochastic gradient descent
 };
-/// "reduced", "alternating_cg", "ceres", "pose_graph" or "sgd".
+/// "reduced", "alternating_cg", "published", "ceres", "pose_graph" or "sgd".
 const char* ToString(SolverType type);
 /// The inverse; false, with *type unchanged, for another name.
 bool FromString(const std::string& name, SolverType* type);
@@ -28,6 +29,7 @@ const Solver& SolverOf(const SolverOptions& options);
 /// Each is defined beside its minimiser.
 const Solver& ReducedSolver();
 const Solver& AlternatingCgSolver();
+const Solver& PublishedSolver();
 const Solver& CeresSolver();
 const Solver& CeresReducedSolver();  ///< kCeres with CeresOptions::reduced
 /// @}

@@ -17,7 +17,19 @@ struct SequentialSeedingOptions {
   bool Check(std::string* error) const;
 };
 
-/// The starting point of the joint estimation, from odometry and scans alone.
+/// Where the joint estimation starts.
+enum class StartType {
+  kOdometry,        ///< the odometry as it is
+  kIcp,             ///< each scan matched to the one before it, point to point (Besl & McKay 1992)
+  kIcpPointToLine,  ///< likewise, point to line (Chen & Medioni 1991)
+  kSeed,            ///< matching against local maps, and loop closure: SeedGraph
+};
+/// "odometry", "icp", "icp_point_to_line" or "seed".
+const char* ToString(StartType type);
+/// The inverse; false, with *type unchanged, for another name.
+bool FromString(const std::string& name, StartType* type);
+
+/// How SeedGraph goes about it: matching and loop closure from odometry and scans alone.
 struct SeedingOptions {
   SequentialSeedingOptions sequential;  ///< scan matching
 

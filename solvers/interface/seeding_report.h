@@ -7,6 +7,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/odometry_report.h"
+#include "plumbline/solvers/interface/seeding_options.h"
 
 namespace plumbline {
 
@@ -129,6 +130,9 @@ struct WeighedHypothesis {
 
 /// What the seeding found, and whether to trust it.
 struct SeedingReport {
+  /// Where the solver starts. Without kSeed only what else needs it was sought: for solvers of pose
+  /// graphs all, for the others nothing but the consistency of the start.
+  StartType start = StartType::kSeed;
   SequentialSeedingReport sequential;         ///< scan matching
   OdometryNoiseReport odometry_noise;         ///< how the odometry errs, by what the scans say
   LoopClosingReport loops;                    ///< loops closed and refused, and suspect steps

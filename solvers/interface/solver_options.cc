@@ -54,6 +54,13 @@ bool AlternatingCgOptions::Check(std::string* error) const {
   return true;
 }
 
+bool PublishedOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_passes, >, 0);
+  PLUMBLINE_CHECK_OPTION(sweeps_per_pass, >, 0);
+  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  return true;
+}
+
 CeresOptionsValue::CeresOptionsValue() : options_(std::make_unique<CeresOptions>()) {}
 
 CeresOptionsValue::CeresOptionsValue(const CeresOptionsValue& other)
@@ -100,6 +107,7 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(rounds);
   PLUMBLINE_CHECK_NESTED_OPTIONS(reduced);
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(published);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
   PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
   const Solver& solver = SolverOf(*this);

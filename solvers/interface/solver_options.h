@@ -60,6 +60,23 @@ struct AlternatingCgOptions {
   bool Check(std::string* error) const;
 };
 
+/// The method as it was published (published_method.cc says what is taken from where).
+struct PublishedOptions {
+  /// Passes, at most. Each finds the tangent lines and shape pairs of the map anew.
+  int max_passes = 50;
+  /// Iterations on the map, and as many on the poses, in turn, per pass. The paper has one. More
+  /// cost little beside finding the lines.
+  int sweeps_per_pass = 1;
+  /// Ends when a pass lowers the energy of its lines and pairs by less than this fraction.
+  double relative_tolerance = 1e-3;
+  /// Preconditions both kinds of iterations by diagonal blocks of the Gauss-Newton Hessian. The
+  /// paper's directions are made of plain gradients, in metres and radians.
+  bool precondition = false;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
 struct CeresOptions;
 
 /// Holds a CeresOptions by value, so that only those who look into it, by `->` or `*`, have to
@@ -132,6 +149,7 @@ struct SolverOptions {
   RoundOptions rounds;                  ///< kAlternatingCg, and kCeres over points
   ReducedOptions reduced;               ///< kReduced, and kCeres over landmarks
   AlternatingCgOptions alternating_cg;  ///< kAlternatingCg
+  PublishedOptions published;           ///< kPublished
   CeresOptionsValue ceres;              ///< kCeres; see ceres_options.h
   StochasticDescentOptions sgd;         ///< kSgd
   /// Threads, the calling one included. Results do not depend on it, but for the last digits of

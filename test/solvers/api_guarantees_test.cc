@@ -114,7 +114,8 @@ class EveryWay : public testing::TestWithParam<Way> {};
 INSTANTIATE_TEST_SUITE_P(
     ApiGuarantees, EveryWay,
     testing::Values(Way{"Reduced"}, Way{"AlternatingCg", SolverType::kAlternatingCg},
-                    Way{"Ceres", SolverType::kCeres}, Way{"CeresReduced", SolverType::kCeres, true},
+                    Way{"Published", SolverType::kPublished}, Way{"Ceres", SolverType::kCeres},
+                    Way{"CeresReduced", SolverType::kCeres, true},
                     Way{"PoseGraph", SolverType::kPoseGraph}, Way{"Sgd", SolverType::kSgd},
                     Way{"Window", SolverType::kReduced, false, true},
                     Way{"Calibration", SolverType::kReduced, false, false, true}),

@@ -22,7 +22,8 @@ namespace plumbline {
 namespace {
 
 constexpr SolverType kSolvers[] = {SolverType::kReduced, SolverType::kAlternatingCg,
-                                   SolverType::kPoseGraph, SolverType::kSgd};
+                                   SolverType::kPublished, SolverType::kPoseGraph,
+                                   SolverType::kSgd};
 
 // The first metres of a drive through an office, as a host has it before it calls the library.
 const SlamGraph& ShortLog() {

@@ -31,7 +31,7 @@ TEST(SyntheticExperiment, TheJointEstimateIsBetterThanMatchingScans) {
   ThreadPool pool(2);
   std::vector<SyntheticOutcome> outcomes;
   constexpr int kNumSeeds = 30;
-  ASSERT_TRUE(RunSyntheticExperiment(kNumSeeds, {kNoise}, &pool, &outcomes).ok());
+  ASSERT_TRUE(RunSyntheticExperiment(kNumSeeds, {kNoise}, MapLogOptions(), &pool, &outcomes).ok());
   ASSERT_EQ(outcomes.size(), static_cast<std::size_t>(kNumSeeds * kNumMappers));
   const std::vector<SyntheticSummary> summaries = SummariseOutcomes(outcomes);
   const auto of = [&](Mapper mapper) { return summaries[static_cast<int>(mapper)]; };
@@ -49,8 +49,8 @@ TEST(SyntheticExperiment, TheJointEstimateIsBetterThanMatchingScans) {
 TEST(SyntheticExperiment, IsTheSameOnAnyNumberOfThreads) {
   std::vector<SyntheticOutcome> expected, outcomes;
   ThreadPool one(1), three(3);
-  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, &one, &expected).ok());
-  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, &three, &outcomes).ok());
+  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, MapLogOptions(), &one, &expected).ok());
+  ASSERT_TRUE(RunSyntheticExperiment(2, {kNoise}, MapLogOptions(), &three, &outcomes).ok());
   ASSERT_EQ(outcomes.size(), expected.size());
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     EXPECT_EQ(outcomes[i].seed, expected[i].seed);
@@ -62,7 +62,9 @@ TEST(SyntheticExperiment, IsTheSameOnAnyNumberOfThreads) {
 TEST(SyntheticExperiment, FailsWithADriveThatFails) {
   ThreadPool pool(1);
   std::vector<SyntheticOutcome> outcomes(1);
-  EXPECT_FALSE(RunSyntheticExperiment(1, {{"bad", -1.0, 0.002, 1.0}}, &pool, &outcomes).ok());
+  EXPECT_FALSE(
+      RunSyntheticExperiment(1, {{"bad", -1.0, 0.002, 1.0}}, MapLogOptions(), &pool, &outcomes)
+          .ok());
   EXPECT_EQ(outcomes.size(), 1u);
 }
 

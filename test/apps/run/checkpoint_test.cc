@@ -129,7 +129,7 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
   Write();
   std::string newer = ReadFile(path_);
-  newer.replace(newer.find('3'), 1, "4");
+  newer.replace(newer.find('4'), 1, "5");
   WriteFile(path_, newer);
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }

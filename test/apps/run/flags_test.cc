@@ -83,6 +83,9 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"cg_scan_iterations",
        [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
       {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
+      {"published_max_passes", [](O o) { return double(o.solver.published.max_passes); }},
+      {"published_sweeps", [](O o) { return double(o.solver.published.sweeps_per_pass); }},
+      {"published_tolerance", [](O o) { return o.solver.published.relative_tolerance; }},
       {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
       {"ceres_max_iterations", [](O o) { return double(o.solver.ceres->max_iterations); }},
       {"ceres_function_tolerance", [](O o) { return o.solver.ceres->function_tolerance; }},
@@ -193,6 +196,26 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
               HasSubstr("reduced.lines_follow = false"));
   SetFlag("reduced_lines_follow", "true");
   EXPECT_TRUE(FromFlags().solver.ceres->reduced);
+  SetFlag("published_precondition", "true");
+  EXPECT_TRUE(FromFlags().solver.published.precondition);
+}
+
+TEST_F(FlagsTest, TheStartIsTheSolversUnlessItIsSaid) {
+  const auto start = [](SolverType type) {
+    SolverOptions options;
+    options.type = type;
+    StartType start = StartType::kOdometry;
+    EXPECT_TRUE(StartFromFlags(options, &start).ok());
+    return start;
+  };
+  EXPECT_EQ(start(SolverType::kReduced), StartType::kSeed);
+  EXPECT_EQ(start(SolverType::kPublished), StartType::kIcp);
+  for (const StartType said :
+       {StartType::kOdometry, StartType::kIcp, StartType::kIcpPointToLine, StartType::kSeed}) {
+    SetFlag("start", ToString(said));
+    EXPECT_EQ(start(SolverType::kReduced), said);
+    EXPECT_EQ(start(SolverType::kPublished), said);
+  }
 }
 
 // Those of flags.cc, among others that other sources share between programs.
@@ -206,8 +229,14 @@ std::vector<gflags::CommandLineFlagInfo> FlagsOfFlagsFile() {
 
 // A flag that these tests do not know may be one that nothing reads.
 TEST_F(FlagsTest, EveryFlagIsTestedHere) {
-  std::vector<std::string> known = {"solver", "reduced",       "neighborhood",
-                                    "shape",  "several_poses", "reduced_lines_follow"};
+  std::vector<std::string> known = {"solver",
+                                    "start",
+                                    "reduced",
+                                    "neighborhood",
+                                    "shape",
+                                    "several_poses",
+                                    "reduced_lines_follow",
+                                    "published_precondition"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
   for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
@@ -222,7 +251,9 @@ TEST_F(FlagsTest, AWrongNameIsReportedWithItsFlag) {
     const gflags::FlagSaver saver;
     SetFlag(flag.name, "nonsense");
     SolverOptions options;
-    const Status status = SolverOptionsFromFlags(&options);
+    StartType start;
+    const Status status =
+        flag.name == "start" ? StartFromFlags(options, &start) : SolverOptionsFromFlags(&options);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr("--" + flag.name + "=nonsense"));
   }
@@ -261,9 +292,11 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
     const char* flag;
     std::vector<std::string> readers;
   };
-  const std::vector<std::string> all = {"reduced",         "alternating_cg", "ceres",
-                                        "ceres --reduced", "pose_graph",     "sgd"};
-  const std::vector<std::string> of_returns(all.begin(), all.begin() + 4);
+  const std::vector<std::string> all = {"reduced",   "alternating_cg", "ceres", "ceres --reduced",
+                                        "published", "pose_graph",     "sgd"};
+  const std::vector<std::string> of_returns(all.begin(), all.begin() + 5);
+  // The published method leaves no choice of these.
+  const std::vector<std::string> with_choices(all.begin(), all.begin() + 4);
   const std::vector<std::string> in_rounds = {"alternating_cg", "ceres"};
   const std::vector<std::string> over_landmarks = {"reduced", "ceres --reduced"};
   const std::vector<std::string> by_ceres = {"ceres", "ceres --reduced"};
@@ -271,7 +304,14 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
                         {"sigma_range_m", all},
                         {"odom_rotation_floor_rad", all},
                         {"sigma_manifold_m", of_returns},
-                        {"shape_gate", of_returns},
+                        {"sigma_shape_rad", of_returns},
+                        {"shape", with_choices},
+                        {"shape_gate", with_choices},
+                        {"manifold_gate", with_choices},
+                        {"neighborhood", with_choices},
+                        {"several_poses", with_choices},
+                        {"max_neighbors", {"alternating_cg", "ceres", "published"}},
+                        {"published_sweeps", {"published"}},
                         {"fine_radius_m", of_returns},
                         {"coarse_rounds", in_rounds},
                         {"coarse_gate_factor", in_rounds},

@@ -53,16 +53,17 @@ class Oracle {
     const TangentLine none{0.0, 0.0, 0.0};
     if (normals_[r].isZero()) return none;
     const std::vector<std::size_t> nearest = ByDistance(r);
-    const double radius_m =
-        std::sqrt(static_cast<double>(options_.min_points) / options_.max_points *
-                  typical_radius_m_ * PilotRadius(nearest, r));
+    const double typical_number =
+        std::sqrt(static_cast<double>(options_.min_points) * options_.max_points);
+    const double number = typical_number * typical_radius_m_ / PilotRadius(nearest, r);
     std::vector<std::size_t> members;
     bool several_scans = false;
     for (const std::size_t q : nearest) {
       const double cosine = std::clamp(normals_[q].dot(normals_[r]), -1.0, 1.0);
       if (std::acos(cosine) > kMaxNormalAngleRad) continue;
-      const bool enough = static_cast<int>(members.size()) >= options_.min_points;
-      if (enough && Distance(q, r) > radius_m) continue;
+      const bool enough = static_cast<int>(members.size()) >= options_.min_points &&
+                          static_cast<double>(members.size()) >= number;
+      if (enough) break;
       members.push_back(q);
       several_scans = several_scans || graph_.returns().scan[q] != graph_.returns().scan[r];
     }
@@ -144,6 +145,19 @@ TEST(NearestLinesTest, FollowTheRule) {
       ASSERT_NEAR(lines[r].offset, expected.offset, 1e-6) << r;
     }
   }
+}
+
+TEST(NearestLinesTest, EveryPointHasOneWithoutNormals) {
+  const SlamGraph graph = MakeGraph(Room(0.01), 1);
+  AssociationOptions options;
+  options.several_poses = false;
+  options.max_eigenvalue_ratio = 1.0;
+  ThreadPool pool(1);
+  const std::vector<TangentLine> lines =
+      LinesFromNearest(graph, graph.InitialState(), {}, options, &pool);
+  EXPECT_EQ(CountLines(lines), graph.num_returns());
+  // With normals the points around corners, which have none, go without.
+  EXPECT_LT(CountLines(LinesOf(graph, options)), graph.num_returns());
 }
 
 TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {

@@ -41,7 +41,7 @@ class Quadratic : public CgObjective {
   double Curvature(const Vector&, const Vector& d) override {
     return AsEigen(d).dot(a_ * AsEigen(d));
   }
-  void Precondition(const Vector& gradient, Vector* result) override {
+  void Precondition(const Vector& /*x*/, const Vector& gradient, Vector* result) override {
     const Eigen::VectorXd p = inverse_ * AsEigen(gradient);
     result->assign(p.data(), p.data() + p.size());
   }
@@ -70,7 +70,9 @@ class Univariate : public CgObjective {
   double Curvature(const Vector& x, const Vector& d) override {
     return curvature_(x[0]) * d[0] * d[0];
   }
-  void Precondition(const Vector& gradient, Vector* result) override { *result = gradient; }
+  void Precondition(const Vector& /*x*/, const Vector& gradient, Vector* result) override {
+    *result = gradient;
+  }
 
  private:
   Function f_, slope_, curvature_;
@@ -93,7 +95,9 @@ class Rosenbrock : public CgObjective {
     const double j2 = 10.0 * d[1] - 20.0 * x[0] * d[0];
     return 2.0 * (d[0] * d[0] + j2 * j2);
   }
-  void Precondition(const Vector& gradient, Vector* result) override { *result = gradient; }
+  void Precondition(const Vector& /*x*/, const Vector& gradient, Vector* result) override {
+    *result = gradient;
+  }
 };
 
 /// n x n with eigenvalues 1 to `condition`, geometric, along random directions.
@@ -135,6 +139,44 @@ TEST(NonlinearCgTest, SolvesAQuadraticInAsManyStepsAsItHasVariables) {
   };
   EXPECT_LE(error_after(kSize, 1e2), 1e-6);
   EXPECT_LE(error_after(kSize + kSize / 2, 1e4), 1e-6);
+}
+
+TEST(NonlinearCgTest, BothFormulasAgreeOnAQuadratic) {
+  const Eigen::MatrixXd a = RandomSpd(8, 1e2);
+  const Eigen::VectorXd expected = Eigen::VectorXd::LinSpaced(8, -1.0, 2.0);
+  Vector results[2];
+  for (const CgFormula formula : {CgFormula::kFletcherReeves, CgFormula::kPolakRibiere}) {
+    Quadratic objective(a, a * expected);
+    NonlinearCgOptions options = Exhaustive(5);
+    options.formula = formula;
+    Vector& x = results[static_cast<int>(formula)];
+    x.assign(8, 0.0);
+    EXPECT_EQ(Minimize(options, &objective, &x).iterations, 5);
+  }
+  EXPECT_LE((AsEigen(results[0]) - AsEigen(results[1])).norm(), 1e-9);
+  EXPECT_GE((AsEigen(results[0]) - expected).norm(), 1e-6);
+}
+
+TEST(NonlinearCgTest, GoesOnFromItsMemoryAsIfItHadNotStopped) {
+  const Eigen::MatrixXd a = RandomSpd(8, 1e2);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(8, -1.0, 2.0);
+  Quadratic objective(a, b);
+  Vector at_once(8, 0.0), bit_by_bit(8, 0.0);
+  EXPECT_EQ(Minimize(Exhaustive(6), &objective, &at_once).iterations, 6);
+  ThreadPool pool(1);
+  CgMemory memory;
+  for (int i = 0; i < 6; ++i) {
+    double beta = 0.0;
+    MinimizeByCg(
+        Exhaustive(1), &objective,
+        [&](const CgIteration& iteration) {
+          beta = iteration.beta;
+          return true;
+        },
+        &pool, &bit_by_bit, &memory);
+    EXPECT_EQ(beta > 0.0, i > 0) << i;
+  }
+  EXPECT_EQ(at_once, bit_by_bit);
 }
 
 TEST(NonlinearCgTest, SolvesAQuadraticInOneStepWithItsInverse) {
@@ -320,7 +362,9 @@ TEST(NonlinearCgTest, AnyNumberOfThreadsGivesTheSameBits) {
       for (std::size_t i = 1; i < d.size(); ++i) sum += std::pow(d[i] - 0.9 * d[i - 1], 2);
       return sum;
     }
-    void Precondition(const Vector& gradient, Vector* result) override { *result = gradient; }
+    void Precondition(const Vector& /*x*/, const Vector& gradient, Vector* result) override {
+      *result = gradient;
+    }
   };
   Vector one;
   for (const int num_threads : {1, 2, 3, 8}) {

@@ -142,7 +142,7 @@ TEST(ScanObjectiveTest, PreconditionerIsTheDiagonalOfTheCurvature) {
         column[3 * pose + i] =
             i == j ? unit(i, -1) : 0.5 * (unit(i, j) - unit(i, -1) - unit(j, -1));
       }
-      objective.Precondition(column, &result);
+      objective.Precondition(x, column, &result);
       for (int i = 0; i < 3; ++i) EXPECT_NEAR(result[3 * pose + i], i == j ? 1.0 : 0.0, 1e-6);
     }
   }

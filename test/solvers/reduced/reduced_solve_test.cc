@@ -427,7 +427,7 @@ TEST(ReducedSolveTest, PolishingDoesNotRaiseTheEnergy) {
   const SolverSummary with = SolveSoundly(options, polished.graph, &polished.state);
   EXPECT_LE(with.final_marginal_energy, without.final_marginal_energy);
   EXPECT_GT(with.iterations.size(), without.iterations.size());
-  EXPECT_EQ(with.iterations.back().phase, "scans");
+  EXPECT_EQ(with.iterations.back().phase, "joint");
 }
 
 TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {

@@ -1,0 +1,188 @@
+// The method as published: B. Pitzer, C. Stiller, Probabilistic mapping for mobile robots using
+// spatial correlation models, ICRA 2010. What each step is taken from, and where the paper leaves a
+// choice:
+//
+//   Algorithm 1, lines 1-7   the start: motion model, observation model, ICP. The caller brings it
+//                            (MapLogOptions::start).
+//   line 9                   the prior p(m) of the map at hand, eq. (5):
+//     section VI.A, (6), (7)   a tangent line for every map point, through the centroid of its 10
+//     to
+//                              50 nearest map points along their first principal component; their
+//                              number is proportional to an estimate of the density
+//                              (nearest_lines.cc); Gaussian.
+//     section VI.B, (8), (9)   pairs of adjacent surface segments that are parallel or orthogonal
+//                              to 10 degrees; Gaussian. The paper does not say how long a segment
+//                              is. Here it has at least AssociationOptions::min_segment_length_m:
+//                              between neighbouring points noise alone would give the direction.
+//   lines 10-11              an iteration of conjugate gradients on the map, poses fixed; lines
+//   lines 12-13              an iteration on the poses, map fixed. Section VII.B: Fletcher-Reeves,
+//                            directions carried on from pass to pass, plain gradients, the length
+//                            of a step by Newton-Raphson along the line: one step of it, by the
+//                            Gauss-Newton curvature, halved if the energy does not fall. Directions
+//                            restart where they are no descent.
+//   line 14                  until convergence: PublishedOptions::relative_tolerance.
+//
+// The prior of the first pose, (4), is a constant pose. Nothing is held out or put back, and no
+// gate or robust loss protects anything. The acceptance test is reported, and not applied.
+
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/solvers/full/cg_rows.h"
+#include "plumbline/solvers/full/joint_run.h"
+#include "plumbline/solvers/full/nonlinear_cg.h"
+#include "plumbline/solvers/full/partial_objective.h"
+#include "plumbline/solvers/interface/built_in_solvers.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+FactorOptions GaussianWithShape(FactorOptions factors) {
+  constexpr double kNoGate = std::numeric_limits<double>::infinity();
+  factors.manifold.robust_gate_sigmas = kNoGate;
+  factors.shape.enabled = true;
+  factors.shape.robust_gate_sigmas = kNoGate;
+  return factors;
+}
+
+AssociationOptions WithoutGates(AssociationOptions association) {
+  association.neighborhood = NeighborhoodType::kNearest;
+  association.several_poses = false;
+  association.max_eigenvalue_ratio = 1.0;
+  return association;
+}
+
+class PublishedRun final : public JointRun {
+ public:
+  PublishedRun(const char* name, const SolverProblem& problem, const MapState& seed)
+      : JointRun(name, problem, seed),
+        gaussian_(GaussianWithShape(factors_)),
+        association_(WithoutGates(options_.association)) {}
+
+ private:
+  bool IsAccepted() const override { return last_inner_.usable; }
+
+  void Refine() override {
+    state_ = seed_;
+    for (int pass = 0; pass < options_.published.max_passes && !converged_; ++pass) {
+      RunPass();
+      if (Ended()) break;
+    }
+    best_round_ = static_cast<int>(summary_.rounds.size());
+    best_energy_ = MarginalEnergyUnder(CurrentLines());
+    seed_landmarks_ = CutSurfaces(seed_.poses);
+    summary_.acceptance =
+        CompareWithSeed(graph_, *surface_, factors_, {seed_.poses, seed_landmarks_},
+                        {state_.poses, CutSurfaces(state_.poses)}, &pool_);
+    summary_.displacements = Displacements();
+  }
+
+  // Lines 9 to 13.
+  void RunPass() {
+    auto start = Clock::now();
+    const Associations prior = BuildPrior();
+    summary_.association_time_s += SecondsSince(start);
+    start = Clock::now();
+    const Energy energy(graph_, prior, gaussian_, &pool_);
+    RecordTerms(energy, state_, &TermSummary::initial_cost);
+    RoundSummary row;
+    row.gate_sigmas = gaussian_.manifold.robust_gate_sigmas;
+    row.num_lines = prior.CountLines();
+    row.num_shape_pairs = prior.shape_pairs.size();
+    last_inner_ = Minimize(energy);
+    RecordTerms(energy, state_, &TermSummary::final_cost);
+    summary_.solve_time_s += SecondsSince(start);
+    row.initial_cost = last_inner_.initial_cost;
+    row.final_cost = last_inner_.final_cost;
+    row.iterations = last_inner_.iterations;
+    row.stop_reason = last_inner_.stop_reason;
+    row.marginal_energy = std::numeric_limits<double>::quiet_NaN();  // of the last pass only
+    row.kept = last_inner_.usable;
+    converged_ = last_inner_.converged;
+    summary_.rounds.push_back(row);
+  }
+
+  Associations BuildPrior() {
+    Associations prior;
+    prior.lines = LinesFromNearest(graph_, state_, {}, association_, &pool_);
+    prior.shape_pairs =
+        FindShapePairs(graph_, state_.points, surface_->normals, association_, &pool_);
+    return prior;
+  }
+
+  InnerResult Minimize(const Energy& energy) {
+    InnerResult result;
+    TermCosts costs;
+    if (!energy.Evaluate(state_.poses, state_.points, &costs)) {
+      result.stop_reason = "the energy is not finite";
+      return result;
+    }
+    result.usable = true;
+    result.initial_cost = result.final_cost = costs.Total();
+    PartialObjective<2> map(energy, state_.poses, options_.published.precondition);
+    PartialObjective<3> poses(energy, state_.points, options_.published.precondition);
+    for (int sweep = 0; sweep < options_.published.sweeps_per_pass && !result.stopped; ++sweep) {
+      Iterate("map", &map, &map_memory_, &state_.points, &result);
+      if (!result.stopped) Iterate("poses", &poses, &pose_memory_, &state_.poses, &result);
+    }
+    const double change = result.initial_cost - result.final_cost;
+    const double tolerance = options_.published.relative_tolerance;
+    result.converged = !result.stopped && change <= tolerance * result.initial_cost;
+    std::ostringstream reason;
+    if (result.stopped) {
+      reason << "stopped by the callback";
+    } else {
+      reason << "a pass lowered the cost of " << result.initial_cost << " by " << change
+             << (result.converged ? ", a fraction <= " : ", a fraction > ") << tolerance;
+    }
+    result.stop_reason = reason.str();
+    return result;
+  }
+
+  // One iteration on what moves, along a direction that goes on from the last one.
+  void Iterate(const char* phase, CgObjective* objective, CgMemory* memory,
+               std::vector<double>* moves, InnerResult* result) {
+    NonlinearCgOptions options;
+    options.formula = CgFormula::kFletcherReeves;
+    options.max_iterations = 1;
+    const ProgressCallback report = ReportCallback();
+    CgRows rows(phase, report);
+    const CgResult cg = MinimizeByCg(
+        options, objective, [&](const CgIteration& iteration) { return rows.Add(iteration); },
+        &pool_, moves, memory);
+    if (cg.termination == CgTermination::kFailure) return;
+    result->final_cost = cg.cost;
+    result->iterations += cg.iterations;
+    result->stopped = cg.termination == CgTermination::kStopped;
+  }
+
+  const FactorOptions gaussian_;
+  const AssociationOptions association_;
+  CgMemory map_memory_, pose_memory_;
+};
+
+class PublishedMethod final : public Solver {
+ public:
+  const char* name() const override { return "published"; }
+  SolverSummary Solve(const SolverProblem& problem, MapState* state) const override {
+    // The start is the start, whatever odometry and relative poses say of it.
+    const std::optional<std::vector<double>> no_other_start;
+    return PublishedRun(name(), {problem.options, problem.graph, problem.surface, no_other_start},
+                        *state)
+        .Run(state);
+  }
+};
+
+}  // namespace
+
+const Solver& PublishedSolver() {
+  static const PublishedMethod solver;
+  return solver;
+}
+
+}  // namespace plumbline
