@@ -124,7 +124,8 @@ class JointCeresSolver final : public RoundsSolver {
   InnerResult Minimize(const RoundProblem& problem, const ProgressCallback& report,
                        MapState* state) const override {
     return SolveWithCeres(problem.graph, problem.associations, problem.factors,
-                          *problem.options.ceres, problem.options.num_threads, report, state);
+                          *problem.options.ceres, problem.options.num_threads, report, state,
+                          &problem.energy.constants());
   }
 };
 
@@ -149,9 +150,11 @@ Status CheckCeresOptions(const CeresOptions& options) {
 
 InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,
                            const FactorOptions& factors, const CeresOptions& options,
-                           int num_threads, const ProgressCallback& report, MapState* state) {
-  return BuildAndMinimize([&] { return BuildJointProblem(graph, associations, factors, state); },
-                          options, num_threads, report);
+                           int num_threads, const ProgressCallback& report, MapState* state,
+                           const std::vector<FixedPose>* constants) {
+  return BuildAndMinimize(
+      [&] { return BuildJointProblem(graph, associations, factors, state, constants); }, options,
+      num_threads, report);
 }
 
 InnerResult SolveLandmarksWithCeres(const LineObservations& observations,

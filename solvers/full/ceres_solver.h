@@ -16,10 +16,11 @@
 namespace plumbline {
 
 /// Minimises the joint energy over all poses and points with Ceres. *state is the best one on
-/// return.
+/// return. constants: poses that do not move; null: the fixed poses of the graph.
 InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,
                            const FactorOptions& factors, const CeresOptions& options,
-                           int num_threads, const ProgressCallback& report, MapState* state);
+                           int num_threads, const ProgressCallback& report, MapState* state,
+                           const std::vector<FixedPose>* constants = nullptr);
 
 /// Minimises the energy over all poses and the lines of landmarks, points eliminated, for the
 /// observations' weights. `poses`, (x, y, yaw) each, hold the best state on return; the landmarks

@@ -44,11 +44,16 @@ double TermCosts::Total() const {
 
 Energy::Energy(const SlamGraph& graph, const Associations& associations,
                const FactorOptions& options, ThreadPool* pool)
+    : Energy(graph, associations, options, pool, graph.fixed_poses()) {}
+
+Energy::Energy(const SlamGraph& graph, const Associations& associations,
+               const FactorOptions& options, ThreadPool* pool, std::vector<FixedPose> constants)
     : graph_(graph),
       associations_(associations),
       options_(options),
       pool_(pool),
-      terms_(MakeTerms(graph, associations, options)) {}
+      terms_(MakeTerms(graph, associations, options)),
+      constants_(std::move(constants)) {}
 
 Energy::Chosen Energy::Choose(const TermChoice& choice) const {
   Chosen chosen;
@@ -124,7 +129,7 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
 }
 
 void Energy::HoldConstants(std::vector<double>* gradient) const {
-  for (const FixedPose& fixed : graph_.fixed_poses()) {
+  for (const FixedPose& fixed : constants_) {
     std::fill_n(gradient->begin() + 3 * fixed.pose, 3, 0.0);
   }
 }

@@ -41,9 +41,13 @@ struct EnergyDerivatives {
 /// linear algebra. Bitwise the same for any number of threads.
 class Energy {
  public:
-  /// Keeps references to all its arguments. Its terms are those of MakeTerms.
+  /// Keeps references to all its arguments but the last. Its terms are those of MakeTerms.
+  /// Poses that do not move are the fixed poses of the graph.
   Energy(const SlamGraph& graph, const Associations& associations, const FactorOptions& options,
          ThreadPool* pool);
+  /// The same with other poses that do not move.
+  Energy(const SlamGraph& graph, const Associations& associations, const FactorOptions& options,
+         ThreadPool* pool, std::vector<FixedPose> constants);
 
   /// poses: (x, y, yaw) per pose; points: (x, y) per return. Returns false where a residual is
   /// undefined (a point on top of its laser) or not finite. Terms that are not asked for count as
@@ -59,13 +63,14 @@ class Energy {
                    const std::vector<double>* point_direction,
                    const TermChoice& choice = nullptr) const;
 
-  /// Sets the entries of fixed poses to zero: they are constants. gradient: 3 per pose.
+  /// Sets the entries of constant poses to zero. gradient: 3 per pose.
   void HoldConstants(std::vector<double>* gradient) const;
-  const SlamGraph& graph() const { return graph_; }                   ///< as given
-  const Associations& associations() const { return associations_; }  ///< as given
-  const FactorOptions& options() const { return options_; }           ///< as given
-  const TermList& terms() const { return terms_; }                    ///< in the order of costs
-  ThreadPool* pool() const { return pool_; }                          ///< as given
+  const SlamGraph& graph() const { return graph_; }                       ///< as given
+  const Associations& associations() const { return associations_; }      ///< as given
+  const FactorOptions& options() const { return options_; }               ///< as given
+  const TermList& terms() const { return terms_; }                        ///< in the order of costs
+  const std::vector<FixedPose>& constants() const { return constants_; }  ///< as given
+  ThreadPool* pool() const { return pool_; }                              ///< as given
 
   /// Adds, to the pose blocks (upper triangles) of Evaluate, those of terms on single points if
   /// every scan carries its points along.
@@ -90,6 +95,7 @@ class Energy {
   const FactorOptions& options_;
   ThreadPool* pool_;
   const TermList terms_;
+  const std::vector<FixedPose> constants_;
 };
 
 }  // namespace plumbline

@@ -91,7 +91,8 @@ std::vector<bool> PointsToKeep(const TermList& terms, const JointProblem& joint,
 }  // namespace
 
 JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& associations,
-                               const FactorOptions& options, MapState* state) {
+                               const FactorOptions& options, MapState* state,
+                               const std::vector<FixedPose>* constants) {
   JointProblem joint;
   joint.problem = std::make_unique<ceres::Problem>(ProblemOptions());
   const TermList terms = MakeTerms(graph, associations, options);
@@ -100,7 +101,7 @@ JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& assoc
   adder.AddOthers();
   adder.AddScans(graph.num_scans());
   joint.residual_blocks = adder.Take();
-  for (const FixedPose& fixed : graph.fixed_poses()) {
+  for (const FixedPose& fixed : constants != nullptr ? *constants : graph.fixed_poses()) {
     Hold(&state->poses[3 * fixed.pose], joint.problem.get());
   }
   const std::vector<bool> keep = PointsToKeep(terms, joint, state);

@@ -33,9 +33,11 @@ struct JointProblem {
 /// its size.
 ///
 /// A point may be eliminated if no term joins it to another eliminated point. Of the points that a
-/// residual joins, all but one stay with the poses.
+/// residual joins, all but one stay with the poses. constants: poses that do not move; null: the
+/// fixed poses of the graph.
 JointProblem BuildJointProblem(const SlamGraph& graph, const Associations& associations,
-                               const FactorOptions& options, MapState* state);
+                               const FactorOptions& options, MapState* state,
+                               const std::vector<FixedPose>* constants = nullptr);
 
 /// The energy over poses and the lines of landmarks, points eliminated and weights fixed, as a
 /// ceres::Problem whose pose blocks are the caller's own array.

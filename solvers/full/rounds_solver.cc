@@ -6,9 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/full/joint_run.h"
+#include "plumbline/solvers/pose_graph/pose_sets.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 namespace {
@@ -128,11 +131,12 @@ class RoundsRun final : public JointRun {
     row.num_shape_pairs = associations.shape_pairs.size();
 
     start = Clock::now();
-    const Energy energy(graph_, associations, factors, &pool_);
+    const Energy energy(graph_, associations, factors, &pool_, Constants());
     RecordTerms(energy, state_, &TermSummary::initial_cost);
     last_inner_ = solver_.Minimize({options_, graph_, associations, factors, energy},
                                    ReportCallback(), &state_);
     RecordTerms(energy, state_, &TermSummary::final_cost);
+    PutAtFixedPoses(graph_, &state_);
     summary_.setup_time_s += last_inner_.setup_time_s;
     summary_.solve_time_s += SecondsSince(start) - last_inner_.setup_time_s;
     row.initial_cost = last_inner_.initial_cost;
@@ -149,6 +153,24 @@ class RoundsRun final : public JointRun {
       state_ = best_;
     }
     return row.kept;
+  }
+
+  // A single pose that is held cannot take the map along, since the lines of a round are where the
+  // map is: the pose would be torn off. Where other poses hang together with it, it need not be
+  // held.
+  std::vector<FixedPose> Constants() const {
+    const bool is_gauge =
+        graph_.fixed_poses().size() == 1 && factors_.own_terms.empty() && AllPosesAreTied();
+    return is_gauge ? std::vector<FixedPose>() : graph_.fixed_poses();
+  }
+  bool AllPosesAreTied() const {
+    PoseSets sets(graph_.num_poses());
+    std::vector<char> tied(graph_.num_poses(), false);
+    for (const auto& term : PoseTerms(graph_, factors_).terms) term->TiePoses(&sets, &tied);
+    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
+      if (sets.Find(pose) != 0) return false;
+    }
+    return true;
   }
 
   // Lines are fitted to the measured ends of the beams at the current poses, not to the points:

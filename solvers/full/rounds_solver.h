@@ -17,7 +17,11 @@ struct RoundProblem {
   const SlamGraph& graph;            ///< as given to Solve
   const Associations& associations;  ///< of this round: lines and pairs, fixed
   const FactorOptions& factors;      ///< of this round: early ones have wider robust gates
-  const Energy& energy;              ///< of the graph, the associations and the factors above
+  /// Of the graph, the associations and the factors above. Its constants are the fixed poses of the
+  /// graph. But there are none if a single pose is fixed, constraints tie all others to it, and no
+  /// own term says where the map lies: then the tangent lines hold the map for the round, which is
+  /// moved as a whole afterwards, so that the pose is in place.
+  const Energy& energy;
 };
 
 /// A solver that works in rounds (RoundOptions): each finds what belongs together in the map, and
@@ -32,7 +36,7 @@ class RoundsSolver : public Solver {
 
   /// Lowers the energy. *state is where to start, and on return the best state seen. Calls `report`
   /// after each iteration, if it is not empty; once that returns false, ends with
-  /// InnerResult::stopped. Fixed poses of the graph are constants: their entries must not change.
+  /// InnerResult::stopped. The poses of Energy::constants must not change.
   virtual InnerResult Minimize(const RoundProblem& problem, const ProgressCallback& report,
                                MapState* state) const = 0;
 };

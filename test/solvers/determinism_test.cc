@@ -96,6 +96,7 @@ Result RunAll(SolverType type, int num_threads) {
   result.seed_poses = state.poses;
   SolverOptions options;
   options.type = type;
+  options.published.max_passes = 2;
   options.num_threads = num_threads;
   // Enough to come through every line of them.
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
