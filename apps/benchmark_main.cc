@@ -359,13 +359,14 @@ struct Experiment {
   Status (*run)(HtmlReport* page);
   bool needs_log;
   bool needs_output_dir;
-  bool runs_other_solvers;  // whichever --solver names
+  bool runs_other_solvers;   // whichever --solver names
+  bool reads_start = false;  // --start
 };
 constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy, false, false, false},
                                        {"solver_comparison", CompareAllSolvers, false, true, true},
                                        {"scaling", Scaling, false, false, false},
-                                       {"log", MapLogByAll, true, true, false},
-                                       {"synthetic", Synthetic, false, true, false},
+                                       {"log", MapLogByAll, true, true, true},
+                                       {"synthetic", Synthetic, false, true, true, true},
                                        {"ablation", Ablation, false, true, true},
                                        {"replay", ReplayDrive, false, true, false},
                                        {"adversarial", Adversarial, false, false, false},
@@ -421,6 +422,12 @@ Status CheckFlags() {
     return wants->runs_other_solvers;
   });
   if (one_solver) PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(solver));
+  for (const Experiment* experiment : wanted) {
+    if (!experiment->reads_start && !gflags::GetCommandLineFlagInfoOrDie("start").is_default) {
+      return Status::InvalidArgument(std::string("--start is ignored by --experiment=") +
+                                     experiment->name);
+    }
+  }
   return SeedingOptionsFromFlags(&seeding);
 }
 

@@ -143,10 +143,9 @@ std::vector<AblationVariant> AblationVariants(const SolverOptions& full) {
   variants.push_back(Scaled("neighbourhoods of half the size", full, 0.5));
   variants.push_back(Scaled("neighbourhoods of twice the size", full, 2.0));
   add("alternating CG").type = SolverType::kAlternatingCg;
-  SolverOptions& published = add("alternating CG, as published");
-  published.type = SolverType::kAlternatingCg;
-  published.alternating_cg.scan_iterations_per_sweep = 0;
-  published.association.neighborhood = NeighborhoodType::kNearest;
+  add("alternating CG without the scans' turn").type = SolverType::kAlternatingCg;
+  variants.back().options.alternating_cg.scan_iterations_per_sweep = 0;
+  add("published method, from the seed").type = SolverType::kPublished;
   return variants;
 }
 
@@ -209,11 +208,12 @@ Status AblateLog(const std::string& name, AblationInput input, AblationTable* ta
 std::string AblationText(const AblationTable& table) {
   std::ostringstream text;
   text << table.inputs << ", medians over " << table.outcomes.size()
-       << "\n                                     pose mm    map mm  relat. mm   wall mm   entropy "
+       << "\n                                         pose mm    map mm  relat. mm   wall mm   "
+          "entropy "
           "   "
           "  energy\n";
   for (std::size_t row = 0; row < table.names.size(); ++row) {
-    text << "  " << std::left << std::setw(32) << table.names[row] << std::right << std::fixed;
+    text << "  " << std::left << std::setw(36) << table.names[row] << std::right << std::fixed;
     for (const Figure& figure : kFigures) {
       const double value = figure.unit * MedianOf(table, row, figure);
       text << std::setw(figure.precision == 0 ? 12 : 10) << std::setprecision(figure.precision);

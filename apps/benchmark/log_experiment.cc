@@ -74,6 +74,7 @@ class Experiment {
     MapState chain;
     PLUMBLINE_RETURN_IF_ERROR(
         ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &chain));
+    PLUMBLINE_RETURN_IF_ERROR(RunPublished("published method, from that", chain));
     PLUMBLINE_RETURN_IF_ERROR(
         ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line", &chain));
     AddPanel("pairwise ICP", chain);
@@ -82,6 +83,7 @@ class Experiment {
     AddDescent(mapping_.report.seeding);
     AddStage("seed (pose graph)", mapping_.state, seed_time_s);
     AddPanel("pose graph, Plumbline's seed", mapping_.state);
+    PLUMBLINE_RETURN_IF_ERROR(RunPublished("published method, from the seed", mapping_.state));
     PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &pool_, &mapping_));
     AddRefined(mapping_.report.solver);
     AddPanel("Plumbline, poses and points", mapping_.state);
@@ -136,6 +138,15 @@ class Experiment {
     return Status::Ok();
   }
 
+  Status RunPublished(const std::string& name, MapState state) {
+    SolverOptions options = inputs_.solver;
+    options.type = SolverType::kPublished;
+    const SolverSummary summary = Solve(options, mapping_.surface, mapping_.graph, &state);
+    if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
+    AddOptimised(name, state, summary.total_time_s);
+    return Status::Ok();
+  }
+
   void AddDescent(const SeedingReport& seeding) {
     std::vector<Pose2> poses = seeding.sequential_poses;
     const auto start = Clock::now();
@@ -149,10 +160,15 @@ class Experiment {
   }
 
   void AddRefined(const SolverSummary& summary) {
-    MapState raw = mapping_.state;
+    AddOptimised("refined", mapping_.state, summary.total_time_s);
+  }
+
+  // With optimised points beside the measured ones.
+  void AddOptimised(const std::string& name, const MapState& state, double time_s) {
+    MapState raw = state;
     raw.points = mapping_.graph.MeasuredMap(raw.poses);
-    LogStage* stage = Measure("refined", raw, summary.total_time_s);
-    stage->points = MeasureSharpness(mapping_.state.points, &pool_);
+    LogStage* stage = Measure(name, raw, time_s);
+    stage->points = MeasureSharpness(state.points, &pool_);
     Report();
   }
 

@@ -80,8 +80,7 @@ std::vector<ComparedSolver> ComparedSolvers(const SolverOptions& options) {
   };
   add("reduced", SolverType::kReduced);
   add("alternating_cg", SolverType::kAlternatingCg);
-  add("alternating_cg, as published", SolverType::kAlternatingCg)
-      ->alternating_cg.scan_iterations_per_sweep = 0;
+  add("published", SolverType::kPublished);
   const auto add_ceres = [&](const char* name, ceres::LinearSolverType linear_solver,
                              bool reduced) {
     CeresOptions* ceres = &*add(name, SolverType::kCeres)->ceres;

@@ -26,9 +26,10 @@ const plumbline::SeedingOptions& SeedingDefaults() {
 
 DEFINE_string(
     solver, ToString(Defaults().type),
-    "Minimiser of the joint energy: reduced, alternating_cg or ceres; published, the method to the "
-    "letter of its paper; or of the pose graph alone, points riding along: pose_graph "
-    "(Gauss-Newton) or sgd");
+    "Minimiser of the joint energy: reduced (of the poses alone, points and tangent lines "
+    "eliminated: see solvers/reduced/README.md), alternating_cg or ceres (of poses and points); "
+    "published, the method to the letter of its paper; or of the pose graph alone, points riding "
+    "along: pose_graph (Gauss-Newton) or sgd");
 DEFINE_string(start, "",
               "Where the solver starts: seed (matching against local maps, loops closed), odometry "
               "(as it is), icp (each scan matched to the one before it, point to point) or "
@@ -70,13 +71,15 @@ DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_
               "Odometry noise of a step without turning [rad]");
 
 // Associations and rounds.
-DEFINE_string(
-    neighborhood, ToString(Defaults().association.neighborhood),
-    "Neighbourhood of a tangent line: radius, or nearest (the published form; not over landmarks)");
+DEFINE_string(neighborhood, ToString(Defaults().association.neighborhood),
+              "Neighbourhood of a tangent line: radius, or nearest (a number of points in "
+              "proportion to their "
+              "density; not over landmarks)");
 DEFINE_int32(min_neighbors, Defaults().association.min_points,
              "Fewest points of a tangent line's neighbourhood");
-DEFINE_int32(max_neighbors, Defaults().association.max_points,
-             "In rounds: most points of a neighbourhood with --neighborhood=nearest");
+DEFINE_int32(
+    max_neighbors, Defaults().association.max_points,
+    "Most points of a neighbourhood with --neighborhood=nearest, and of the published method");
 DEFINE_bool(several_poses, Defaults().association.several_poses,
             "A tangent line of single points needs those of more than one pose");
 DEFINE_double(
@@ -131,7 +134,7 @@ DEFINE_int32(cg_map_iterations, Defaults().alternating_cg.map_iterations_per_swe
 DEFINE_int32(cg_pose_iterations, Defaults().alternating_cg.pose_iterations_per_sweep,
              "alternating_cg: iterations on the poses per sweep");
 DEFINE_int32(cg_scan_iterations, Defaults().alternating_cg.scan_iterations_per_sweep,
-             "alternating_cg: iterations on poses that carry their points; 0: as published");
+             "alternating_cg: iterations on poses that carry their points; 0: map and poses only");
 DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
               "alternating_cg: ends a round when a sweep gains less [fraction of the cost]; for "
               "the others see --reduced_cg_tolerance and --ceres_function_tolerance");

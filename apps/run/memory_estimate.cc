@@ -1,5 +1,7 @@
 #include "plumbline/apps/run/memory_estimate.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -27,11 +29,51 @@ constexpr double kJointBytesPerScan = 2e3;
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
   double bytes_per_return = solver.IsOverLandmarks() ? 140.0 : 300.0;
+  if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 360.0;
   if (solver.type == SolverType::kCeres) {
     const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
     bytes_per_return = !solver.ceres->reduced ? 1600.0 : iterates ? 280.0 : 1300.0;
   }
   return {bytes_per_return, kJointBytesPerScan};
+}
+
+// Of the matrices of Ceres' dense linear solvers, beside what Rates say.
+double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
+  if (solver.type != SolverType::kCeres) return 0.0;
+  const auto num_returns = static_cast<double>(graph.num_returns());
+  const double pose_columns = 3.0 * graph.num_poses();
+  // Over landmarks: about what the first minute of a drive has.
+  constexpr double kReturnsPerLandmark = 60.0, kReturnsPerObservation = 5.0;
+  const bool reduced = solver.ceres->reduced;
+  const double other_columns = 2.0 * num_returns / (reduced ? kReturnsPerLandmark : 1.0);
+  const double rows = pose_columns + 3.0 * num_returns / (reduced ? kReturnsPerObservation : 1.0);
+  const double columns = pose_columns + other_columns;
+  double entries = 0.0;
+  switch (solver.ceres->linear_solver) {
+    case ceres::DENSE_QR:
+      entries = rows * columns;
+      break;
+    case ceres::DENSE_NORMAL_CHOLESKY:
+      entries = columns * columns;
+      break;
+    case ceres::DENSE_SCHUR:
+      entries = pose_columns * pose_columns;
+      break;
+    default:
+      break;
+  }
+  return sizeof(double) * entries;
+}
+
+bool IsDense(const SolverOptions& solver) {
+  const ceres::LinearSolverType type = solver.ceres->linear_solver;
+  return solver.type == SolverType::kCeres &&
+         (type == ceres::DENSE_QR || type == ceres::DENSE_NORMAL_CHOLESKY ||
+          type == ceres::DENSE_SCHUR);
+}
+
+double PhysicalMemory() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
 // Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.
@@ -78,7 +120,7 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   };
   MemoryEstimate estimate;
   estimate.seeding = kBytesOfProgram + bytes(kSeeding);
-  estimate.joint = kBytesOfProgram + bytes(JointRates(solver));
+  estimate.joint = kBytesOfProgram + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
   estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(state, picture_side_px);
   return estimate;
@@ -99,6 +141,14 @@ Status ParseMemorySize(const std::string& text, double* bytes) {
 
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
                    const SolverOptions& solver) {
+  // A dense matrix grows with the square of the log: what does not fit is not tried.
+  if (limit == 0.0 && IsDense(solver) && estimate.Peak() > PhysicalMemory()) {
+    return Status::InvalidArgument(std::string("--ceres_linear_solver=") +
+                                   ceres::LinearSolverTypeToString(solver.ceres->linear_solver) +
+                                   " needs about " + MbText(estimate.Peak()) +
+                                   " of memory, but this machine has " + MbText(PhysicalMemory()) +
+                                   "; sparse_schur or iterative_schur would need less");
+  }
   if (limit == 0.0 || estimate.Peak() <= limit) return Status::Ok();
   return Status::InvalidArgument("the run needs about " + MbText(estimate.Peak()) +
                                  " of memory, but --max_memory allows " + MbText(limit) +

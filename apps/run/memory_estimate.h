@@ -19,14 +19,16 @@ namespace plumbline {
 ///   results                    75              12      and 20 bytes per pixel of a picture
 ///   pose_graph, sgd            75              12
 ///   reduced                   140               2
-///   alternating_cg            300               2
+///   alternating_cg            360               2
+///   published                 300               2
 ///   ceres                    1600               2
 ///   ceres, reduced           1300               2      or 280 bytes with iterative_schur
 ///   calibration              + 50
 ///
 /// Measured with fr079, parts of it, intel and simulated logs. Most are right to a quarter, all to
 /// a factor of two; where few places are revisited, the reduced problem takes ceres less than this.
-/// Ceres' dense linear solvers take more, and so may an occupancy grid of more than 10 million
+/// With Ceres' dense linear solvers the matrices come on top, by their size. More may take an
+/// occupancy grid of more than 10 million
 /// cells, see OccupancyGridOptions.
 struct MemoryEstimate {
   double seeding = 0.0;
@@ -47,8 +49,8 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
 /// else.
 Status ParseMemorySize(const std::string& text, double* bytes);
 
-/// InvalidArgument if more is needed than the limit allows [bytes, 0: no limit]; the message says
-/// what would need less.
+/// InvalidArgument if more is needed than the limit allows [bytes, 0: no limit, but the machine's
+/// for Ceres' dense linear solvers]; the message says what would need less.
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
                    const SolverOptions& solver);
 

@@ -43,6 +43,28 @@ TEST_F(MemoryEstimateTest, SolversDiffer) {
   EXPECT_LT(joint(false) - 20e6, 0.5 * (explicit_points - 20e6));
 }
 
+TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
+  solver_.type = SolverType::kCeres;
+  const auto joint = [&](ceres::LinearSolverType type, const SlamGraph& graph) {
+    solver_.ceres->linear_solver = type;
+    return EstimateMemory(graph, graph.InitialState(), solver_, false, 50).joint;
+  };
+  const double sparse = joint(ceres::SPARSE_SCHUR, graph_);
+  const double columns = 3.0 * graph_.num_poses() + 2.0 * static_cast<double>(graph_.num_returns());
+  EXPECT_NEAR(joint(ceres::DENSE_NORMAL_CHOLESKY, graph_) - sparse, 8.0 * columns * columns, 1.0);
+  EXPECT_GT(joint(ceres::DENSE_QR, graph_), joint(ceres::DENSE_NORMAL_CHOLESKY, graph_));
+  EXPECT_LT(joint(ceres::DENSE_SCHUR, graph_) - sparse, 1e5);
+  EXPECT_EQ(ErrorAt(0.0), "");  // 12 scans
+  NoisyRoomOptions many;
+  many.num_poses = 400;
+  many.num_beams = 360;
+  const SlamGraph large = MakeNoisyRoom(many).graph;
+  solver_.ceres->linear_solver = ceres::DENSE_QR;
+  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
+  EXPECT_THAT(CheckMemory(estimate, 0.0, large, solver_).message(),
+              AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
+}
+
 TEST_F(MemoryEstimateTest, ReadsSizes) {
   double bytes = -1.0;
   ASSERT_TRUE(ParseMemorySize("4GB", &bytes).ok());

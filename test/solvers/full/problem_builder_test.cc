@@ -63,6 +63,25 @@ TEST(ProblemBuilderTest, EliminatedPointsShareNoResidual) {
   ExpectSparseSchurLowersTheCost(joint);
 }
 
+TEST(ProblemBuilderTest, CeresGetsABlockPerPosePointAndMeasurement) {
+  NoisyRoom room = MakeNoisyRoom();
+  const Associations associations = AssociationsOf(room.graph, room.state);
+  const JointProblem joint = BuildJointProblem(room.graph, associations, EveryTerm(), &room.state);
+  EXPECT_EQ(static_cast<std::size_t>(joint.problem->NumParameterBlocks()),
+            room.graph.num_poses() + room.graph.num_returns());
+  const std::size_t counts[] = {room.graph.odometry().size(), room.graph.relative_poses().size(),
+                                room.graph.num_returns(), associations.CountLines(),
+                                associations.shape_pairs.size()};
+  ASSERT_EQ(joint.residual_blocks.size(), std::size(counts));
+  std::size_t total = 0;
+  for (std::size_t term = 0; term < std::size(counts); ++term) {
+    EXPECT_GT(counts[term], 0u) << term;
+    EXPECT_EQ(joint.residual_blocks[term].size(), counts[term]) << term;
+    total += counts[term];
+  }
+  EXPECT_EQ(static_cast<std::size_t>(joint.problem->NumResidualBlocks()), total);
+}
+
 TEST(ProblemBuilderTest, PairsThatChainAndRingAreOrderedToo) {
   NoisyRoom room = MakeNoisyRoom();
   DisturbPoses(0.01, room.graph, &room.state);
