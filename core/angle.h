@@ -16,7 +16,7 @@ constexpr double RadToDeg(double radians) { return radians * (180.0 / kPi); }
 template <typename T>
 T NormalizeAngle(const T& angle) {
   using std::floor;
-  const T wrapped = angle - T(2.0 * kPi) * floor((angle + T(kPi)) / T(2.0 * kPi));
+  T wrapped = angle - T(2.0 * kPi) * floor((angle + T(kPi)) / T(2.0 * kPi));
   // Rounding can choose the neighbouring turn for an angle at the cut.
   if (wrapped >= T(kPi)) return wrapped - T(2.0 * kPi);
   if (wrapped < T(-kPi)) return wrapped + T(2.0 * kPi);

@@ -80,7 +80,7 @@ Status MapProblem(const AdversarialProblem& problem, const SolverOptions& solver
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, problem.graph, pool, &mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, pool, &mapping));
   outcome->before = Measure(mapping.graph, mapping.state.poses, problem.truth, pool);
-  const Status refined = RefineLog(options, pool, &mapping);
+  Status refined = RefineLog(options, pool, &mapping);
   if (!refined.ok() && !IsDueRefusal(mapping.graph, mapping.state.poses)) return refined;
   outcome->alarm = !refined.ok() || !mapping.report.alarms.empty();
   outcome->after = Measure(mapping.graph, mapping.state.poses, problem.truth, pool);

@@ -96,6 +96,7 @@ class System {
   // The lower triangle: per column of blocks its diagonal block and those below it.
   void LayPattern() {
     std::vector<std::pair<int, int>> blocks;  // column, row
+    blocks.reserve(edges_.size() + size_ / 3);
     for (int p = 0; p < size_ / 3; ++p) blocks.emplace_back(p, p);
     for (const Edge& edge : edges_) {
       if (edge.from > 0 && edge.to > 0) blocks.push_back(std::minmax(edge.from - 1, edge.to - 1));

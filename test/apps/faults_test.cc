@@ -31,7 +31,7 @@ class FaultsTest : public ProgramTest {
  protected:
   std::vector<std::string> Command(const std::string& log,
                                    const std::vector<std::string>& flags = {}) const {
-    std::vector<std::string> command = {PLUMBLINE_PROGRAMS_DIR "/plumbline_slam",
+    std::vector<std::string> command = {std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_slam",
                                         "--log=" + folder_ + log, "--output_dir=" + folder_ + "out",
                                         "--picture_side_px=200", "--threads=1"};
     command.insert(command.end(), flags.begin(), flags.end());

@@ -30,7 +30,7 @@ class KillTest : public ProgramTest {
  protected:
   // Runs over more or fewer scans differ in every result.
   std::vector<std::string> Command(int max_scans) const {
-    return {PLUMBLINE_PROGRAMS_DIR "/plumbline_slam",
+    return {std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_slam",
             "--log=" + folder_ + "a.clf",
             "--output_dir=" + folder_ + "out",
             "--picture_side_px=200",

@@ -94,10 +94,10 @@ sensor_msgs::LaserScan Scan(double stamp_s, const std::vector<double>& ranges,
   sensor_msgs::LaserScan message;
   message.header.stamp = ros::Time(stamp_s);
   message.header.frame_id = "laser";
-  message.angle_min = laser.first_bearing_rad;
-  message.angle_increment = laser.bearing_step_rad;
-  message.range_min = laser.min_range_m;
-  message.range_max = laser.max_range_m;
+  message.angle_min = static_cast<float>(laser.first_bearing_rad);
+  message.angle_increment = static_cast<float>(laser.bearing_step_rad);
+  message.range_min = static_cast<float>(laser.min_range_m);
+  message.range_max = static_cast<float>(laser.max_range_m);
   message.ranges.assign(ranges.begin(), ranges.end());
   return message;
 }

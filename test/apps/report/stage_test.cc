@@ -66,7 +66,8 @@ TEST(MeasureStageTest, MeasuresTheMapAsItStands) {
 
   state.points[1] += 0.3;
   const Stage moved = MeasureStage("moved", state, &truth, &pool);
-  EXPECT_NEAR(moved.error->mean_point_error_m, 0.3 / (state.points.size() / 2), 1e-9);
+  EXPECT_NEAR(moved.error->mean_point_error_m,
+              0.3 / (0.5 * static_cast<double>(state.points.size())), 1e-9);
   EXPECT_FALSE(MeasureStage("no truth", state, nullptr, &pool).error.has_value());
 }
 

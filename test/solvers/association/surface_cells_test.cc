@@ -33,7 +33,8 @@ ScatteredReturns ScatterReturns(int num_scans) {
     EXPECT_TRUE(scattered.graph.AddPose(random.Pose(), i, &id).ok());
   }
   for (int s = 0; s < num_scans; ++s) {
-    std::vector<double> ranges(kNumBeams, s % 10 == 9 ? kInfinity : 1.0);
+    const double longest_m = s % 10 == 9 ? kInfinity : 1.0;
+    std::vector<double> ranges(kNumBeams, longest_m);
     for (double& range : ranges) range *= random.Uniform(0.1, 4.0);
     EXPECT_TRUE(scattered.graph.AddScan((7 * s) % kNumPoses, laser, ranges).ok());
   }
@@ -176,6 +177,7 @@ TEST(SurfaceCellsTest, AnyNumberOfThreadsGivesTheSameBits) {
       for (std::size_t i = 0; i < cells.size(); ++i) {
         EXPECT_EQ(ToKey(cells[i].key), ToKey(expected[i].key));
         EXPECT_EQ(cells[i].pose, expected[i].pose);
+        // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): to the last bit
         EXPECT_EQ(0, std::memcmp(&cells[i].moments, &expected[i].moments, sizeof(PointMoments)));
       }
       EXPECT_EQ(DominantDirection(scattered.graph, scattered.poses, scattered.surface, &pool),

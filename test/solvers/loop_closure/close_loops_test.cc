@@ -189,7 +189,8 @@ TEST(CloseLoops, ReportsTheLocalClosuresThatWereRefused) {
   // matches: the share of the rest is enough for the search, but not for a closure.
   SurfacePoints& surface = lap.surfaces[kWrongEdge + 1];
   for (int i = 0; i < 1000; ++i) {
-    const Eigen::Vector2d point(9.0 + 0.1 * (i % 24), 0.1 * static_cast<double>(i / 24));
+    const int row = i / 24, column = i % 24;
+    const Eigen::Vector2d point(9.0 + 0.1 * column, 0.1 * row);
     surface.push_back({point, Eigen::Vector2d::UnitX()});
   }
   ThreadPool pool(2);
