@@ -80,9 +80,9 @@ class SlamRun {
       return Status::InvalidArgument("--hits needs --truth");
     }
     PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options_.solver));
-    PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(options_.solver));
-    PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options_.seeding));
     PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options_.solver, &options_.start));
+    PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(options_.solver, options_.start));
+    PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options_.seeding));
     outputs_.picture_side_px = FLAGS_picture_side_px;
     outputs_.map_resolution_m = FLAGS_map_resolution_m;
     const Status memory = ParseMemorySize(FLAGS_max_memory, &max_memory_);

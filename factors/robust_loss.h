@@ -26,9 +26,9 @@ struct GemanMcClure {
     return {std::min(gate_sigmas * gate_sigmas, kGaussian)};
   }
 
-  /// What a return costs that no surface explains, as rho: as much as one far off its line, but no
-  /// more than with a gate of four. Otherwise a loss that is nearly Gaussian would prize any line
-  /// above all that lines are good for.
+  /// The most that a return may cost where maps are compared, as rho, and the cost of one that has
+  /// no line: that of a gate of four, or less. Otherwise, with a wide gate, to have any line would
+  /// be worth more than to fit it.
   double ClutterRho() const { return std::min(scale_squared, 16.0); }
 
   double Rho(double s) const { return scale_squared * s / (scale_squared + s); }

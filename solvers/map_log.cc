@@ -39,8 +39,10 @@ void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMap
 }
 
 // The poses of the odometry, or of a chain of scan matches.
-Status FindPlainStart(const MapLogOptions& options, ThreadPool* pool, const LogMapping& mapping,
-                      std::vector<double>* poses) {
+Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progress,
+                      ThreadPool* pool, const LogMapping& mapping, std::vector<double>* poses) {
+  const auto goes_on = [&] { return !progress || progress(SeedingPhase::kMatchingScans, 0, 0); };
+  if (!goes_on()) return Status::Unavailable("seeding was stopped by its caller");
   if (options.start == StartType::kOdometry) {
     *poses = mapping.graph.initial_poses();
     return Status::Ok();
@@ -53,7 +55,7 @@ Status FindPlainStart(const MapLogOptions& options, ThreadPool* pool, const LogM
                                        mapping.surface.normals, pool, mapping.graph, &chain,
                                        &report));
   *poses = std::move(chain.poses);
-  return Status::Ok();
+  return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }
 
 SeedingReport ReportOfPlainStart(const SlamGraph& graph, const std::vector<double>& poses,
@@ -117,7 +119,7 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
       start_poses = needs_pose_graph ? PoseArray(seeding.sequential_poses) : std::move(seed.poses);
     }
     if (options.start != StartType::kSeed) {
-      PLUMBLINE_RETURN_IF_ERROR(FindPlainStart(options, pool, *mapping, &start_poses));
+      PLUMBLINE_RETURN_IF_ERROR(FindPlainStart(options, progress, pool, *mapping, &start_poses));
       if (!needs_pose_graph) seeding = ReportOfPlainStart(mapping->graph, start_poses, pool);
       seeding.start = options.start;
     }

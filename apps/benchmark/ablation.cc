@@ -9,6 +9,7 @@
 
 #include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
+#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/report/report_json.h"
@@ -16,6 +17,7 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
 
@@ -42,11 +44,21 @@ void SwitchOffMotion(MotionOptions* motion) {
   }
 }
 
+double FittedPoseError(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
+  const Pose2 motion = AlignTrajectories(poses, truth);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    sum += (motion * poses[i].translation() - truth[i].translation()).norm();
+  }
+  return sum / static_cast<double>(poses.size());
+}
+
 AblationOutcome Measure(const AblationInput& input, const MapState& state, ThreadPool* pool) {
   AblationOutcome outcome;
   if (!input.truth.poses.empty()) {
     const MapErrors errors = MeasureMapErrors({PosesOf(state.poses), state.points}, input.truth);
     outcome.pose_m = MeanAndVarianceOf(errors.pose_m).mean;
+    outcome.fitted_pose_m = FittedPoseError(PosesOf(state.poses), input.truth.poses);
     outcome.point_m = MeanAndVarianceOf(errors.point_m).mean;
   }
   if (!input.relations.empty()) {
@@ -110,6 +122,7 @@ struct Figure {
   int precision;
 };
 constexpr Figure kFigures[] = {{"pose_error_m", &AblationOutcome::pose_m, 1e3, 2},
+                               {"fitted_pose_error_m", &AblationOutcome::fitted_pose_m, 1e3, 2},
                                {"map_error_m", &AblationOutcome::point_m, 1e3, 2},
                                {"relations_m", &AblationOutcome::relations_m, 1e3, 2},
                                {"wall_thickness_m", &AblationOutcome::thickness_m, 1e3, 2},
@@ -143,9 +156,16 @@ std::vector<AblationVariant> AblationVariants(const SolverOptions& full) {
   variants.push_back(Scaled("neighbourhoods of half the size", full, 0.5));
   variants.push_back(Scaled("neighbourhoods of twice the size", full, 2.0));
   add("alternating CG").type = SolverType::kAlternatingCg;
+  add("alternating CG, shape potential").type = SolverType::kAlternatingCg;
+  variants.back().options.factors.shape.enabled = true;
   add("alternating CG without the scans' turn").type = SolverType::kAlternatingCg;
   variants.back().options.alternating_cg.scan_iterations_per_sweep = 0;
   add("published method, from the seed").type = SolverType::kPublished;
+  add("Ceres over points, iterative Schur").type = SolverType::kCeres;
+  variants.back().options.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
+  variants.back().options.ceres->preconditioner = ceres::SCHUR_JACOBI;
+  variants.push_back({"Ceres over lines, iterative Schur", variants.back().options});
+  variants.back().options.ceres->reduced = true;
   return variants;
 }
 
@@ -208,7 +228,8 @@ Status AblateLog(const std::string& name, AblationInput input, AblationTable* ta
 std::string AblationText(const AblationTable& table) {
   std::ostringstream text;
   text << table.inputs << ", medians over " << table.outcomes.size()
-       << "\n                                         pose mm    map mm  relat. mm   wall mm   "
+       << "\n                                         pose mm fitted mm    map mm  relat. mm   "
+          "wall mm   "
           "entropy "
           "   "
           "  energy\n";

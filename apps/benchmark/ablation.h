@@ -38,7 +38,9 @@ struct AblationInput {
 struct AblationOutcome {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-  double pose_m = kUnknown;       ///< mean error
+  double pose_m = kUnknown;  ///< mean error
+  /// The same after the best rigid fit: much less than pose_m where the first pose is off its map.
+  double fitted_pose_m = kUnknown;
   double point_m = kUnknown;      ///< mean error
   double relations_m = kUnknown;  ///< mean error
   double thickness_m = kUnknown;

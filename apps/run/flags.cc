@@ -71,10 +71,10 @@ DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_
               "Odometry noise of a step without turning [rad]");
 
 // Associations and rounds.
-DEFINE_string(neighborhood, ToString(Defaults().association.neighborhood),
-              "Neighbourhood of a tangent line: radius, or nearest (a number of points in "
-              "proportion to their "
-              "density; not over landmarks)");
+DEFINE_string(
+    neighborhood, ToString(Defaults().association.neighborhood),
+    "Neighbourhood of a tangent line: radius, or nearest (not over landmarks), a number of "
+    "points in proportion to their density");
 DEFINE_int32(min_neighbors, Defaults().association.min_points,
              "Fewest points of a tangent line's neighbourhood");
 DEFINE_int32(
@@ -403,10 +403,15 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   return CheckValues(*options);
 }
 
-Status CheckNoFlagIsIgnored(const SolverOptions& options) {
+Status CheckNoFlagIsIgnored(const SolverOptions& options, StartType start) {
+  const bool is_seeded = start == StartType::kSeed || options.MovesPosesOnly();
   std::vector<gflags::CommandLineFlagInfo> flags;
   gflags::GetAllFlags(&flags);
   for (const gflags::CommandLineFlagInfo& flag : flags) {
+    if (!flag.is_default && !is_seeded && flag.name.find("keyframe_") == 0) {
+      return Status::InvalidArgument("--" + flag.name +
+                                     " is ignored by --start=" + ToString(start));
+    }
     if (flag.is_default || !IsIgnored(flag.name, options)) continue;
     const bool ceres_reduced = IsCeres(options) && options.IsOverLandmarks();
     return Status::InvalidArgument("--" + flag.name + " is ignored by --solver=" +

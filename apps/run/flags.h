@@ -11,8 +11,9 @@ namespace plumbline {
 /// the flag), a value out of range (naming the option) or switches that Ceres refuses together.
 Status SolverOptionsFromFlags(SolverOptions* options);
 
-/// InvalidArgument names a flag on the command line that the solver of these options does not read.
-Status CheckNoFlagIsIgnored(const SolverOptions& options);
+/// InvalidArgument names a flag on the command line that the solver of these options does not read,
+/// or that nothing reads with this start.
+Status CheckNoFlagIsIgnored(const SolverOptions& options, StartType start = StartType::kSeed);
 
 /// The seeding options that the command line asks for. InvalidArgument names the option.
 Status SeedingOptionsFromFlags(SeedingOptions* options);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
@@ -48,6 +49,10 @@ double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
   const double other_columns = 2.0 * num_returns / (reduced ? kReturnsPerLandmark : 1.0);
   const double rows = pose_columns + 3.0 * num_returns / (reduced ? kReturnsPerObservation : 1.0);
   const double columns = pose_columns + other_columns;
+  // A pair of segments keeps up to three of its points from being eliminated.
+  constexpr double kReturnsPerShapePair = 40.0;
+  const bool keeps_points = !reduced && solver.factors.shape.enabled;
+  const double kept_columns = keeps_points ? 6.0 * num_returns / kReturnsPerShapePair : 0.0;
   double entries = 0.0;
   switch (solver.ceres->linear_solver) {
     case ceres::DENSE_QR:
@@ -57,7 +62,7 @@ double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
       entries = columns * columns;
       break;
     case ceres::DENSE_SCHUR:
-      entries = pose_columns * pose_columns;
+      entries = std::pow(pose_columns + kept_columns, 2);
       break;
     default:
       break;
@@ -72,8 +77,11 @@ bool IsDense(const SolverOptions& solver) {
           type == ceres::DENSE_SCHUR);
 }
 
+// Infinite if the system does not say.
 double PhysicalMemory() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  const auto num_pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGE_SIZE);
+  if (num_pages <= 0 || page_size <= 0) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(num_pages) * static_cast<double>(page_size);
 }
 
 // Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.

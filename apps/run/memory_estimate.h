@@ -27,9 +27,8 @@ namespace plumbline {
 ///
 /// Measured with fr079, parts of it, intel and simulated logs. Most are right to a quarter, all to
 /// a factor of two; where few places are revisited, the reduced problem takes ceres less than this.
-/// With Ceres' dense linear solvers the matrices come on top, by their size. More may take an
-/// occupancy grid of more than 10 million
-/// cells, see OccupancyGridOptions.
+/// With Ceres' dense linear solvers the matrices come on top, by their size. An occupancy grid of
+/// more than 10 million cells may take more, see OccupancyGridOptions.
 struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;

@@ -135,15 +135,27 @@ InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOption
   result.final_cost = cg.cost;
   result.iterations = cg.iterations;
   result.stopped = cg.termination == CgTermination::kStopped;
-  result.converged = !result.stopped && cg.termination != CgTermination::kMaxIterations;
+  result.converged = cg.termination == CgTermination::kCostConverged ||
+                     cg.termination == CgTermination::kGradientConverged;
   std::ostringstream reason;
-  if (result.stopped) {
-    reason << "stopped by the callback";
-  } else if (result.converged) {
-    reason << "a sweep lowered the cost of " << cg.cost + change << " by " << change
-           << ", a fraction <= " << options.relative_cost_tolerance;
-  } else {
-    reason << "max_sweeps = " << options.max_sweeps << " reached";
+  switch (cg.termination) {
+    case CgTermination::kStopped:
+      reason << "stopped by the callback";
+      break;
+    case CgTermination::kMaxIterations:
+      reason << "max_sweeps = " << options.max_sweeps << " reached";
+      break;
+    case CgTermination::kCostConverged:
+      reason << "a sweep lowered the cost of " << cg.cost + change << " by " << change
+             << ", a fraction <= " << options.relative_cost_tolerance;
+      break;
+    case CgTermination::kGradientConverged:
+      reason << "the gradient is zero";
+      break;
+    case CgTermination::kNoDescent:
+    case CgTermination::kFailure:
+      reason << "no step along a sweep lowers the cost of " << cg.cost;
+      break;
   }
   result.stop_reason = reason.str();
   return result;

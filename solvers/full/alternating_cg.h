@@ -9,9 +9,10 @@
 
 namespace plumbline {
 
-/// Minimises the joint energy by turns: conjugate gradients on the map with the poses fixed, then
-/// on the poses with the map fixed, then on the poses with each scan carrying its points along. All
-/// are preconditioned with the diagonal blocks of the Gauss-Newton Hessian (2x2 per point, 3x3 per
+/// Minimises the joint energy by conjugate gradients over all poses and points. The preconditioner
+/// is a sweep of an alternation: iterations on the map with the poses fixed, then on the poses with
+/// the map fixed, then on the poses with each scan carrying its points along. All of these are
+/// preconditioned with the diagonal blocks of the Gauss-Newton Hessian (2x2 per point, 3x3 per
 /// pose), which takes out the difference between metres and radians and between near and far
 /// points. The cost never rises; *state is the best one on return.
 InnerResult SolveByAlternatingCg(const Energy& energy, const AlternatingCgOptions& options,

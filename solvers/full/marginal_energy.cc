@@ -1,5 +1,6 @@
 #include "plumbline/solvers/full/marginal_energy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -37,7 +38,7 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
     const double variance = noise.surface_variance + noise.BeamVariance(point - laser, normal);
     const double distance =
         normal.dot(point) + line.normal_x * pose.x + line.normal_y * pose.y - line.offset;
-    cost += 0.5 * loss.Rho(distance * distance / variance);
+    cost += 0.5 * std::min(loss.Rho(distance * distance / variance), loss.ClutterRho());
   }
   return cost;
 }

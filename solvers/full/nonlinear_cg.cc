@@ -105,10 +105,11 @@ class CgMinimizer {
 
   // direction = -P^-1 gradient + beta direction.
   void SetDirection() {
-    memory_.direction.resize(x_->size(), 0.0);
+    memory_.direction.resize(x_->size());
     ForEachRange([this](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        memory_.direction[i] = -memory_.preconditioned[i] + beta_ * memory_.direction[i];
+        const double carried = beta_ == 0.0 ? 0.0 : beta_ * memory_.direction[i];
+        memory_.direction[i] = carried - memory_.preconditioned[i];
       }
     });
   }

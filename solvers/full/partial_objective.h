@@ -20,13 +20,17 @@ class PartialObjective final : public CgObjective {
       : energy_(energy), fixed_(fixed), precondition_(precondition) {}
 
   bool Start(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override {
-    if (!precondition_) return Resume(x, cost, gradient);
+    if (!EvaluateFixed(x)) return false;
+    if (!precondition_) return Evaluate(x, cost, gradient, nullptr);
     std::vector<double> blocks;
-    if (!EvaluateFixed(x) || !Evaluate(x, cost, gradient, &blocks)) return false;
+    if (!Evaluate(x, cost, gradient, &blocks)) return false;
     preconditioner_.Set(blocks, energy_.pool());
+    is_preconditioned_ = true;
     return true;
   }
   bool Resume(const std::vector<double>& x, double* cost, std::vector<double>* gradient) override {
+    // What is resumed may have begun with another energy.
+    if (precondition_ && !is_preconditioned_) return Start(x, cost, gradient);
     return EvaluateFixed(x) && Evaluate(x, cost, gradient, nullptr);
   }
   bool Evaluate(const std::vector<double>& x, double* cost,
@@ -78,7 +82,8 @@ class PartialObjective final : public CgObjective {
   const Energy& energy_;
   const std::vector<double>& fixed_;
   const bool precondition_;
-  double fixed_cost_ = 0.0;  // of the terms that do not move
+  double fixed_cost_ = 0.0;         // of the terms that do not move
+  bool is_preconditioned_ = false;  // preconditioner_ is set
   BlockJacobi<N> preconditioner_;
 };
 

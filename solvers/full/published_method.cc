@@ -7,9 +7,9 @@
 //   line 9                   the prior p(m) of the map at hand, eq. (5):
 //     section VI.A, (6), (7)   a tangent line for every map point, through the centroid of its 10
 //     to
-//                              50 nearest map points along their first principal component; their
-//                              number is proportional to an estimate of the density
-//                              (nearest_lines.cc); Gaussian.
+//                              50 nearest map points and along their first principal component;
+//                              the number is proportional to the density (nearest_lines.cc). The
+//                              potential is Gaussian.
 //     section VI.B, (8), (9)   pairs of adjacent surface segments that are parallel or orthogonal
 //                              to 10 degrees; Gaussian. The paper does not say how long a segment
 //                              is. Here it has at least AssociationOptions::min_segment_length_m:
@@ -75,6 +75,7 @@ class PublishedRun final : public JointRun {
     }
     best_round_ = static_cast<int>(summary_.rounds.size());
     best_energy_ = MarginalEnergyUnder(CurrentLines());
+    if (!summary_.rounds.empty()) summary_.rounds.back().marginal_energy = best_energy_;
     seed_landmarks_ = CutSurfaces(seed_.poses);
     summary_.acceptance =
         CompareWithSeed(graph_, *surface_, factors_, {seed_.poses, seed_landmarks_},
@@ -101,7 +102,6 @@ class PublishedRun final : public JointRun {
     row.final_cost = last_inner_.final_cost;
     row.iterations = last_inner_.iterations;
     row.stop_reason = last_inner_.stop_reason;
-    row.marginal_energy = std::numeric_limits<double>::quiet_NaN();  // of the last pass only
     row.kept = last_inner_.usable;
     converged_ = last_inner_.converged;
     summary_.rounds.push_back(row);

@@ -136,7 +136,7 @@ struct SeedingReport {
   SequentialSeedingReport sequential;         ///< scan matching
   OdometryNoiseReport odometry_noise;         ///< how the odometry errs, by what the scans say
   LoopClosingReport loops;                    ///< loops closed and refused, and suspect steps
-  MapConsistency consistency;                 ///< of the seed
+  MapConsistency consistency;                 ///< of the seed, or of another start
   std::vector<WeighedHypothesis> hypotheses;  ///< in the order in which they were weighed
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;

@@ -50,8 +50,8 @@ struct AlternatingCgOptions {
   int max_sweeps = 10;
   int map_iterations_per_sweep = 1;   ///< of the first part
   int pose_iterations_per_sweep = 1;  ///< of the second part
-  /// 0 gives the published alternation of map and poses only. It resolves a pose that its beams
-  /// hold to its points, but the map hardly holds (along a corridor), in hundreds of sweeps.
+  /// Of the third part; 0: without it. A pose that its beams hold to its points, but the map hardly
+  /// holds (along a corridor), then takes many sweeps.
   int scan_iterations_per_sweep = 4;
   /// Ends when a sweep lowers the cost by less than this fraction.
   double relative_cost_tolerance = 1e-3;

@@ -11,7 +11,8 @@
 
 namespace plumbline {
 
-/// How a solve ended.
+/// How a solve ended. What is said of the state compared with the seed does not hold for
+/// kPublished, which returns what it comes to.
 enum class TerminationType {
   /// Bad input, an energy that cannot be evaluated, or an exception (memory, a callback): the state
   /// is unchanged.
@@ -41,7 +42,8 @@ struct IterationSummary {
   double iteration_time_s = 0.0;     ///< of this iteration
   double total_time_s = 0.0;         ///< since the solver was called
   /// The poses after it, (x, y, yaw) each, while a callback is called; null elsewhere, and in phase
-  /// "sensors".
+  /// "sensors". Solvers in rounds may show a single fixed pose a little off its place: they move
+  /// the map back as a whole at the end of a round.
   const std::vector<double>* poses = nullptr;
 };
 
@@ -53,15 +55,17 @@ std::string ProgressRow(const IterationSummary& iteration);
 /// One outer round: associations rebuilt, then an inner solve with them fixed.
 struct RoundSummary {
   double radius_m = 0.0;            ///< smallest neighbourhood
-  double gate_sigmas = 0.0;         ///< robust gate of the map terms
+  double gate_sigmas = 0.0;         ///< robust gate of the map terms; infinite: Gaussian
   std::size_t num_lines = 0;        ///< returns with a tangent line
   std::size_t num_shape_pairs = 0;  ///< terms of the shape potential
   double initial_cost = 0.0;        ///< of the joint energy
   double final_cost = 0.0;          ///< of the same associations
-  double marginal_energy = 0.0;     ///< of the poses after this round, comparable between rounds
-  bool kept = false;                ///< false: it did not lower the marginal energy and was undone
-  int iterations = 0;               ///< of the inner solve
-  std::string stop_reason;          ///< of the inner solve
+  /// Of the poses after this round, comparable between rounds. 0: not measured (kPublished, but for
+  /// the last pass).
+  double marginal_energy = 0.0;
+  bool kept = false;        ///< false: it did not lower the marginal energy and was undone
+  int iterations = 0;       ///< of the inner solve
+  std::string stop_reason;  ///< of the inner solve
 };
 
 /// One round of the reduced solver: surfaces cut into landmarks anew, then Gauss-Newton steps.

@@ -91,14 +91,17 @@ void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, const ShapeOp
     const double cosine = a.dot(b), sine = a.dot(TurnedLeft(b));
     const bool parallel = std::abs(sine) <= max_sine;
     if (!parallel && std::abs(cosine) > max_sine) continue;
+    // b, turned by the right angles that bring it next to a.
+    const Eigen::Vector2d turned =
+        parallel ? std::copysign(1.0, cosine) * b : std::copysign(1.0, sine) * TurnedLeft(b);
+    const Eigen::Vector2d middle = (a + turned).normalized();
     // Held-out returns alone are no observation.
     LineObservation* of_a = FindObservation(pair.pose, pair.first, observations);
     LineObservation* of_b = FindObservation(pair.pose, pair.second, observations);
     if (of_a == nullptr || of_b == nullptr) continue;
-    const double error = parallel ? sine : cosine;
-    const double weight = information * loss.Weight(error * error * information);
-    AddTerm(parallel ? TurnedLeft(b) : b, weight, of_a);
-    AddTerm(parallel ? TurnedLeft(a) : a, weight, of_b);
+    const double weight = information * loss.Weight((a - turned).squaredNorm() * information);
+    AddTerm(TurnedLeft(middle), 2.0 * weight, of_a);
+    AddTerm(parallel ? TurnedLeft(middle) : middle, 2.0 * weight, of_b);
   }
 }
 

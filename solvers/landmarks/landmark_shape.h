@@ -28,13 +28,13 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
                                                      double max_gap_m, ThreadPool* pool);
 
 /// Adds the shape terms of pairs that are within margin_rad of parallel or orthogonal,
-///   1/2 w sin(angle)^2 / sigma^2,
-/// w the robust weight, to what the pose observed of both landmarks. Each landmark of a pair is
-/// told a direction t by the other one's normal as it is now, in the frame of the pose:
-/// 1/2 w (n_r . t)^2 / sigma^2, n_r the landmark's normal in that frame, is of the form of a
-/// scatter. So the terms turn along with the map. Their gradients on the pose cancel, and those on
-/// the two landmarks are those of the term: where no line and no pose wants to move, that is an
-/// optimum of the terms with both directions free.
+///   1/2 w |n* - n|^2 / sigma^2,
+/// n and n* the normals of the two, n* turned by right angles next to n, w the robust weight. They
+/// go to what the pose observed of the two landmarks: each is drawn to the direction midway between
+/// n and n* as they are now, in the frame of the pose, with twice the weight. That is of the form
+/// of a scatter; its cost and its gradients, here, are those of the term, so the terms turn along
+/// with the map, and their pulls on the pose cancel. Where nothing wants to move, that is a
+/// stationary point of the terms with both directions free.
 void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, const ShapeOptions& options,
                    double margin_rad, const std::vector<LineLandmark>& landmarks,
                    const std::vector<PoseFrame>& frames, LineObservations* observations);

@@ -79,7 +79,7 @@ TEST(Ablation, TableAndFilesHoldMediansAndLeaveOutWhatIsUnknown) {
   ASSERT_TRUE(WriteAblationCsv(folder + "a.csv", {table}).ok());
   const std::string csv = ReadFile(folder + "a.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
-  EXPECT_THAT(csv, testing::HasSubstr("\"rooms\",2,\"full\",0.005,,,,,\n"));
+  EXPECT_THAT(csv, testing::HasSubstr("\"rooms\",2,\"full\",0.005,,,,,,\n"));
   ASSERT_TRUE(WriteAblationJson(folder + "a.json", {table}).ok());
   EXPECT_THAT(ReadFile(folder + "a.json"), testing::HasSubstr("\"pose_error_m\": 0.002"));
   EXPECT_EQ(WriteAblationCsv(folder + "missing/a", {table}).code(), StatusCode::kUnavailable);

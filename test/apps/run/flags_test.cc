@@ -347,6 +347,16 @@ TEST_F(FlagsTest, SweepsAfterTheReducedSolverReadTheFlagsOfSweeps) {
   EXPECT_EQ(Refusal(), "--cg_max_sweeps is ignored by --solver=reduced");
 }
 
+TEST_F(FlagsTest, APlainStartReadsNoFlagsOfTheSeeding) {
+  SetFlag("keyframe_distance_m", "0.5");
+  const SolverOptions options = FromFlags().solver;
+  EXPECT_TRUE(CheckNoFlagIsIgnored(options, StartType::kSeed).ok());
+  EXPECT_EQ(CheckNoFlagIsIgnored(options, StartType::kIcp).message(),
+            "--keyframe_distance_m is ignored by --start=icp");
+  SetFlag("solver", "pose_graph");  // which has its edges from the seeding
+  EXPECT_TRUE(CheckNoFlagIsIgnored(FromFlags().solver, StartType::kIcp).ok());
+}
+
 TEST_F(FlagsTest, TheReducedFormBelongsToCeres) {
   SetFlag("reduced", "true");
   for (const char* other : {"reduced", "alternating_cg"}) {

@@ -49,7 +49,6 @@ void ExpectNeverRises(const AlternatingCgOptions& options) {
   double previous = initial_cost;
   int calls = 0;
   const InnerResult result = problem.Solve(options, [&](const IterationSummary& it) {
-    // Scans that carry their points along move them by rounding.
     EXPECT_LE(it.cost, previous * (1.0 + 1e-12)) << it.phase;
     EXPECT_GE(it.cost_change, 0.0) << it.phase;
     previous = it.cost;
@@ -77,7 +76,7 @@ double CostAfterCeres() {
 
 TEST(AlternatingCgTest, CostNeverRises) { ExpectNeverRises(AlternatingCgOptions()); }
 
-TEST(AlternatingCgTest, CostNeverRisesInThePublishedForm) {
+TEST(AlternatingCgTest, CostNeverRisesWithoutTheThirdTurn) {
   AlternatingCgOptions options;
   options.scan_iterations_per_sweep = 0;
   options.max_sweeps = 100;
@@ -144,7 +143,7 @@ TEST(AlternatingCgTest, ASweepIsOneIteration) {
   EXPECT_NE(result.stop_reason.find("max_sweeps = 1"), std::string::npos) << result.stop_reason;
 }
 
-TEST(AlternatingCgTest, StopsInEveryPhaseWithTheStateThatItReports) {
+TEST(AlternatingCgTest, StopsAfterAnySweepWithTheStateThatItReports) {
   for (int stop_at = 1; stop_at <= 6; ++stop_at) {
     Problem problem;
     int calls = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <vector>
 
 #include "plumbline/factors/manifold_factor.h"
@@ -73,7 +74,7 @@ TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
       cost = 0.5 * residuals.squaredNorm();
       point -= (jacobian.transpose() * jacobian).ldlt().solve(jacobian.transpose() * residuals);
     }
-    expected += cost;
+    expected += std::min(cost, 0.5 * 16.0);
   }
   EXPECT_NEAR(MarginalEnergyOf(graph, poses, factors), expected, 1e-3 * expected);
 }

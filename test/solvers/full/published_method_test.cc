@@ -87,6 +87,26 @@ TEST(PublishedMethodTest, PassesEndWhenOneGainsLittle) {
   EXPECT_LE(last.initial_cost - last.final_cost, 0.5 * last.initial_cost);
 }
 
+// Each pass has another energy, and needs the preconditioner of that.
+TEST(PublishedMethodTest, IsFasterWithAPreconditioner) {
+  double gain[2];
+  for (const bool precondition : {false, true}) {
+    NoisyRoom room = DisturbedRoom();
+    SolverOptions options = Published();
+    options.published.precondition = precondition;
+    options.published.max_passes = 4;
+    options.published.relative_tolerance = 0.0;
+    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    ASSERT_EQ(summary.rounds.size(), 4u);
+    gain[precondition] = summary.acceptance.seed_energy - summary.acceptance.final_energy;
+    for (const IterationSummary& iteration : summary.iterations) {
+      EXPECT_GT(iteration.cost_change, 0.0);
+    }
+  }
+  EXPECT_GT(gain[true], 1.2 * gain[false]);
+  EXPECT_GT(gain[true], 0.0);
+}
+
 TEST(PublishedMethodTest, StopsWhenTheCallbackSaysSo) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = Published();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -69,14 +70,17 @@ struct Observed {
 TEST(LandmarkShapeTest, DrawsToTheNearestMultipleOfARightAngle) {
   for (const double category : {0.0, 90.0, 180.0, 270.0}) {
     const Observed observed = Observed(20.0, 20.0 + category + 4.0, 1, 33.0).AddTerms();
-    // Cheapest where the two are exactly parallel or orthogonal, each given the other.
-    EXPECT_NEAR(observed.Cost(0, 24.0), 0.0, 1e-9) << category;
-    EXPECT_NEAR(observed.Cost(1, 20.0 + category), 0.0, 1e-9) << category;
-    // And as it is: sine over sigma, squared, with the robust weight of that error.
-    const double error = std::sin(DegToRad(4.0)) / ShapeOptions().sigma_rad;
+    // Cheapest where the two are exactly parallel or orthogonal, midway.
+    EXPECT_NEAR(observed.Cost(0, 22.0), 0.0, 1e-9) << category;
+    EXPECT_NEAR(observed.Cost(1, 22.0 + category), 0.0, 1e-9) << category;
+    // And as it is, both together: the distance of the normals over sigma, squared, with the robust
+    // weight of that error.
+    const double error = 2.0 * std::sin(DegToRad(2.0)) / ShapeOptions().sigma_rad;
     const double gate = ShapeOptions().robust_gate_sigmas;
     const double weight = std::pow(gate * gate / (gate * gate + error * error), 2);
-    EXPECT_NEAR(observed.Cost(0, 20.0), 0.5 * weight * error * error, 1e-9) << category;
+    EXPECT_NEAR(observed.Cost(0, 20.0) + observed.Cost(1, 24.0 + category),
+                0.5 * weight * error * error, 1e-9)
+        << category;
   }
 }
 
@@ -156,30 +160,33 @@ TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
   }
 }
 
-TEST(LandmarkShapeTest, AStrongTermTurnsTheLine) {
-  // One observation of a stretch along x, and a neighbour that asks for a direction 5 degrees off.
-  LineObservations observations;
-  observations.observations.resize(1);
-  observations.observations[0].weight = 100.0;
-  observations.observations[0].xx = 10.0;
-  observations.observations[0].yy = 0.01;
-  observations.first_of_landmark = {0, 1};
-  observations.of_pose = {0};
-  observations.first_of_pose = {0, 1};
+// Two lines that two poses see 8 degrees apart, with a prior that is much stronger than what they
+// see: both turn halfway, at once.
+TEST(LandmarkShapeTest, AStrongTermTurnsBothLines) {
+  Observed observed(90.0, 98.0);
+  for (LineObservation& observation : observed.observations.observations) {
+    const double facing = DegToRad(observation.landmark == 0 ? 90.0 : 98.0);
+    const Eigen::Vector2d along(-std::sin(facing), std::cos(facing));
+    observation.weight = 100.0;
+    observation.xx = 10.0 * along.x() * along.x();
+    observation.xy = 10.0 * along.x() * along.y();
+    observation.yy = 10.0 * along.y() * along.y();
+  }
+  ShapeOptions strong;
+  strong.sigma_rad = 1e-3;
+  strong.robust_gate_sigmas = std::numeric_limits<double>::infinity();
   ThreadPool pool(1);
-  std::vector<LineLandmark> landmarks = {LandmarkFacing(90.0)};
-  const std::vector<PoseFrame> frames(1);
-  FitLandmarkLines(observations, frames, &pool, &landmarks);
-  EXPECT_NEAR(std::abs(landmarks[0].normal.y()), 1.0, 1e-9);
-  const Eigen::Vector2d tangent(std::cos(DegToRad(5.0)), std::sin(DegToRad(5.0)));
-  // As a neighbour would that has a million scans to say so.
-  observations.observations[0].xx += 1e6 * tangent.x() * tangent.x();
-  observations.observations[0].xy += 1e6 * tangent.x() * tangent.y();
-  observations.observations[0].yy += 1e6 * tangent.y() * tangent.y();
-  const double cost = FitLandmarkLines(observations, frames, &pool, &landmarks);
-  EXPECT_NEAR(landmarks[0].normal.dot(tangent), 0.0, 1e-4);
-  // What it costs the observation to be seen aslant.
-  EXPECT_NEAR(cost, 0.5 * 10.0 * std::pow(std::sin(DegToRad(5.0)), 2), 0.01);
+  const auto angle_between = [&] {
+    return std::acos(std::abs(observed.landmarks[0].normal.dot(observed.landmarks[1].normal)));
+  };
+  for (int step = 0; step < 3; ++step) {
+    LineObservations with_terms = observed.observations;
+    AddShapeTerms(observed.adjacent, strong, kMarginRad, observed.landmarks, observed.frames,
+                  &with_terms);
+    FitLandmarkLines(with_terms, observed.frames, &pool, &observed.landmarks);
+    EXPECT_LT(angle_between(), DegToRad(0.01)) << step;
+    EXPECT_NEAR(std::abs(observed.landmarks[0].normal.dot(LandmarkFacing(94.0).normal)), 1.0, 1e-6);
+  }
 }
 
 }  // namespace
