@@ -1,28 +1,28 @@
 // The method as published: B. Pitzer, C. Stiller, Probabilistic mapping for mobile robots using
-// spatial correlation models, ICRA 2010. What each step is taken from, and where the paper leaves a
-// choice:
+// spatial correlation models, ICRA 2010. What each step is taken from, by the lines of its
+// Algorithm 1, and where the paper leaves a choice:
 //
-//   Algorithm 1, lines 1-7   the start: motion model, observation model, ICP. The caller brings it
-//                            (MapLogOptions::start).
-//   line 9                   the prior p(m) of the map at hand, eq. (5):
-//     section VI.A, (6), (7)   a tangent line for every map point, through the centroid of its 10
-//     to
-//                              50 nearest map points and along their first principal component;
-//                              the number is proportional to the density (nearest_lines.cc). The
-//                              potential is Gaussian.
-//     section VI.B, (8), (9)   pairs of adjacent surface segments that are parallel or orthogonal
-//                              to 10 degrees; Gaussian. The paper does not say how long a segment
-//                              is. Here it has at least AssociationOptions::min_segment_length_m:
-//                              between neighbouring points noise alone would give the direction.
-//   lines 10-11              an iteration of conjugate gradients on the map, poses fixed; lines
-//   lines 12-13              an iteration on the poses, map fixed. Section VII.B: Fletcher-Reeves,
-//                            directions carried on from pass to pass, plain gradients, the length
-//                            of a step by Newton-Raphson along the line: one step of it, by the
-//                            Gauss-Newton curvature, halved if the energy does not fall. Directions
-//                            restart where they are no descent.
-//   line 14                  until convergence: PublishedOptions::relative_tolerance.
+// Lines 1-7, the start: motion model, observation model, ICP. The caller brings it
+// (MapLogOptions::start).
 //
-// The prior of the first pose, (4), is a constant pose. Nothing is held out or put back, and no
+// Line 9, the prior p(m) of the map at hand, eq. (5):
+// - Section VI.A, eq. (6) and (7): a tangent line for every map point, through the centroid of its
+//   10 to 50 nearest map points and along their first principal component. Their number is
+//   proportional to the density (nearest_lines.cc). The potential is Gaussian.
+// - Section VI.B, eq. (8) and (9): pairs of adjacent surface segments that are parallel or
+//   orthogonal to 10 degrees, Gaussian. The paper does not say how long a segment is. Here it has
+//   at least AssociationOptions::min_segment_length_m: between neighbouring points noise alone
+//   would give the direction.
+//
+// Lines 10-11, an iteration of conjugate gradients on the map with the poses fixed, and lines
+// 12-13, one on the poses with the map fixed. Section VII.B: Fletcher-Reeves, plain gradients,
+// directions carried on from pass to pass. The length of a step is by Newton-Raphson along the
+// line: one step of it, by the Gauss-Newton curvature, halved if the energy does not fall.
+// Directions restart where they are no descent.
+//
+// Line 14, until convergence: PublishedOptions::relative_tolerance.
+//
+// The prior of the first pose, eq. (4), is a constant pose. Nothing is held out or put back, and no
 // gate or robust loss protects anything. The acceptance test is reported, and not applied.
 
 #include <limits>

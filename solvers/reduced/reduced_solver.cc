@@ -7,6 +7,8 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/pose2.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/held_out_returns.h"
@@ -199,15 +201,32 @@ class LandmarkMinimizer {
   }
 
   void MoveByCeres(const CeresOptions& options) {
+    // A single constant is only the gauge. Ceres' iterative solvers, which end early, would rather
+    // tear that pose off its map than turn the map, so all poses move, and then the map as a whole.
+    PoseTerms terms = terms_;
+    const auto gauge = std::find(terms.is_constant.begin(), terms.is_constant.end(), true);
+    const bool is_gauge =
+        factors_.own_terms.empty() && std::count(gauge, terms.is_constant.end(), true) == 1;
+    if (is_gauge) *gauge = false;
     std::vector<double> poses = poses_;
     const InnerResult inner = SolveLandmarksWithCeres(
-        observations_, landmarks_, terms_, options, pool_->num_threads(),
+        observations_, landmarks_, terms, options, pool_->num_threads(),
         [this](const IterationSummary& iteration) { return Report(iteration); }, &poses_);
     poses_.swap(poses);
+    if (is_gauge) MoveBack(static_cast<int>(gauge - terms.is_constant.begin()), &poses);
     MoveIfBetter(poses);
     result_.setup_time_s += inner.setup_time_s;
     result_.usable = inner.usable;
     if (!inner.usable) result_.stop_reason = inner.stop_reason;
+  }
+
+  // Moves all poses so that one is where it is in poses_, to the bit.
+  void MoveBack(int in_place, std::vector<double>* poses) const {
+    const Pose2 motion = Pose2(&poses_[3 * in_place]) * Pose2(&(*poses)[3 * in_place]).Inverse();
+    std::vector<Pose2> moved = PosesOf(*poses);
+    for (Pose2& pose : moved) pose = motion * pose;
+    *poses = PoseArray(moved);
+    std::copy_n(&poses_[3 * in_place], 3, &(*poses)[3 * in_place]);
   }
 
   bool MoveIfBetter(const std::vector<double>& poses) {
