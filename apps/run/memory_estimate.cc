@@ -30,7 +30,7 @@ constexpr double kJointBytesPerScan = 2e3;
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
   double bytes_per_return = solver.IsOverLandmarks() ? 140.0 : 300.0;
-  if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 360.0;
+  if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 500.0;
   if (solver.type == SolverType::kCeres) {
     const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
     bytes_per_return = !solver.ceres->reduced ? 1600.0 : iterates ? 280.0 : 1300.0;

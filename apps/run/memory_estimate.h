@@ -19,7 +19,7 @@ namespace plumbline {
 ///   results                    75              12      and 20 bytes per pixel of a picture
 ///   pose_graph, sgd            75              12
 ///   reduced                   140               2
-///   alternating_cg            360               2
+///   alternating_cg            500               2
 ///   published                 300               2
 ///   ceres                    1600               2
 ///   ceres, reduced           1300               2      or 280 bytes with iterative_schur
