@@ -114,9 +114,11 @@ class SlamRun {
  private:
   Status RefinePoseGraphFile() const {
     if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || options_.calibration.IsOn() ||
-        !FLAGS_checkpoint.empty() || !FLAGS_resume.empty()) {
+        !FLAGS_checkpoint.empty() || !FLAGS_resume.empty() ||
+        !gflags::GetCommandLineFlagInfoOrDie("start").is_default) {
       return Status::InvalidArgument(
-          "--max_scans, --truth, --calibrate, --checkpoint and --resume go with a log, but " +
+          "--start, --max_scans, --truth, --calibrate, --checkpoint and --resume go with a log, "
+          "but " +
           FLAGS_log + " is a pose graph");
     }
     return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, options_.solver, max_memory_});

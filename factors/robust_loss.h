@@ -21,8 +21,8 @@ struct GemanMcClure {
 
   /// Gate in standard deviations, > 0; infinity gives the Gaussian loss, rho(s) = s to rounding.
   static GemanMcClure FromGate(double gate_sigmas) {
-    constexpr double kGaussian =
-        1e40;  // a s below the largest double for any s that is below 1e268
+    // So large that a / (a + s) is 1, and so small that a s is a double.
+    constexpr double kGaussian = 1e40;
     return {std::min(gate_sigmas * gate_sigmas, kGaussian)};
   }
 

@@ -9,7 +9,7 @@
 
 #include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
-#include "plumbline/apps/evaluation/alignment.h"
+#include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/report/report_json.h"
@@ -44,21 +44,14 @@ void SwitchOffMotion(MotionOptions* motion) {
   }
 }
 
-double FittedPoseError(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
-  const Pose2 motion = AlignTrajectories(poses, truth);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    sum += (motion * poses[i].translation() - truth[i].translation()).norm();
-  }
-  return sum / static_cast<double>(poses.size());
-}
-
 AblationOutcome Measure(const AblationInput& input, const MapState& state, ThreadPool* pool) {
   AblationOutcome outcome;
   if (!input.truth.poses.empty()) {
     const MapErrors errors = MeasureMapErrors({PosesOf(state.poses), state.points}, input.truth);
     outcome.pose_m = MeanAndVarianceOf(errors.pose_m).mean;
-    outcome.fitted_pose_m = FittedPoseError(PosesOf(state.poses), input.truth.poses);
+    PoseErrors fitted(StatisticsConvention::kEvo);
+    fitted.AddFitted(input.truth.poses, PosesOf(state.poses));
+    outcome.fitted_pose_m = fitted.Statistics().translation_m.mean;
     outcome.point_m = MeanAndVarianceOf(errors.point_m).mean;
   }
   if (!input.relations.empty()) {
@@ -229,9 +222,7 @@ std::string AblationText(const AblationTable& table) {
   std::ostringstream text;
   text << table.inputs << ", medians over " << table.outcomes.size()
        << "\n                                         pose mm fitted mm    map mm  relat. mm   "
-          "wall mm   "
-          "entropy "
-          "   "
+          "wall mm   entropy    "
           "  energy\n";
   for (std::size_t row = 0; row < table.names.size(); ++row) {
     text << "  " << std::left << std::setw(36) << table.names[row] << std::right << std::fixed;

@@ -7,7 +7,6 @@
 
 #include "plumbline/apps/benchmark/adversarial_problem.h"
 #include "plumbline/apps/benchmark/map_errors.h"
-#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/core/angle.h"
@@ -44,10 +43,8 @@ const std::vector<AttackLevels>& AllAttacks() {
 
 MapFigures Measure(const SlamGraph& graph, const std::vector<double>& pose_array,
                    const std::vector<Pose2>& truth, ThreadPool* pool) {
-  const std::vector<Pose2> poses = PosesOf(pose_array);
-  const Pose2 truth_from_world = AlignTrajectories(poses, truth);
   PoseErrors errors(StatisticsConvention::kEvo);
-  for (std::size_t i = 0; i < truth.size(); ++i) errors.Add(truth[i], truth_from_world * poses[i]);
+  errors.AddFitted(truth, PosesOf(pose_array));
   const PoseErrorStatistics statistics = errors.Statistics();
   const MapQuality quality =
       MeasureMapQuality(graph.MeasuredMap(pose_array), MapQualityOptions(), pool);

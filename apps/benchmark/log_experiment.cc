@@ -165,8 +165,7 @@ class Experiment {
 
   // With optimised points beside the measured ones.
   void AddOptimised(const std::string& name, const MapState& state, double time_s) {
-    MapState raw = state;
-    raw.points = mapping_.graph.MeasuredMap(raw.poses);
+    const MapState raw{state.poses, mapping_.graph.MeasuredMap(state.poses)};
     LogStage* stage = Measure(name, raw, time_s);
     stage->points = MeasureSharpness(state.points, &pool_);
     Report();

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/simulation/log_graph.h"
@@ -125,12 +124,9 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
 // Of the poses from `first` to before `end`, after the rigid motion that fits them best.
 void AddErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated, std::size_t first,
                std::size_t end, PoseErrors* errors) {
-  if (first == end) return;
   std::vector<Pose2> truth;
   for (std::size_t i = first; i < end; ++i) truth.push_back(log.scans[i].world_from_robot);
-  const std::vector<Pose2> part(estimated.begin() + first, estimated.begin() + end);
-  const Pose2 truth_from_world = AlignTrajectories(part, truth);
-  for (std::size_t i = 0; i < part.size(); ++i) errors->Add(truth[i], truth_from_world * part[i]);
+  errors->AddFitted(truth, {estimated.begin() + first, estimated.begin() + end});
 }
 
 // first_scan: as SimulateWithFault has it.

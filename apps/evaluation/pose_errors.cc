@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -33,6 +34,12 @@ ErrorStatistics Summarise(std::vector<double> errors, StatisticsConvention conve
 void PoseErrors::Add(const Pose2& expected, const Pose2& actual) {
   translations_m_.push_back((actual.translation() - expected.translation()).norm());
   rotations_deg_.push_back(RadToDeg(std::abs(NormalizeAngle(actual.yaw - expected.yaw))));
+}
+
+void PoseErrors::AddFitted(const std::vector<Pose2>& truth, const std::vector<Pose2>& estimate) {
+  if (truth.empty()) return;
+  const Pose2 truth_from_world = AlignTrajectories(estimate, truth);
+  for (std::size_t i = 0; i < truth.size(); ++i) Add(truth[i], truth_from_world * estimate[i]);
 }
 
 PoseErrorStatistics PoseErrors::Statistics() const {

@@ -45,6 +45,9 @@ class PoseErrors {
   /// The motion from one to the other: its length, and its rotation without sign.
   void Add(const Pose2& expected, const Pose2& actual);
   void AddUnmatched() { ++num_unmatched_; }
+  /// Adds all poses of an estimate, after the rigid motion that fits it to the truth best. The two
+  /// are paired by index.
+  void AddFitted(const std::vector<Pose2>& truth, const std::vector<Pose2>& estimate);
 
   PoseErrorStatistics Statistics() const;
 

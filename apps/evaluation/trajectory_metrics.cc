@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <numeric>
 
-#include "plumbline/apps/evaluation/alignment.h"
 #include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/core/options_check.h"
 
@@ -55,11 +54,7 @@ PosePairs PairByOrder(const std::vector<TimedPose>& estimate, const std::vector<
 PoseErrorStatistics AbsoluteErrors(const PosePairs& pairs) {
   PoseErrors errors(StatisticsConvention::kEvo);
   for (std::size_t i = 0; i < pairs.num_unmatched; ++i) errors.AddUnmatched();
-  if (pairs.estimate.empty()) return errors.Statistics();
-  const Pose2 truth_from_world = AlignTrajectories(pairs.estimate, pairs.truth);
-  for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
-    errors.Add(pairs.truth[i], truth_from_world * pairs.estimate[i]);
-  }
+  errors.AddFitted(pairs.truth, pairs.estimate);
   return errors.Statistics();
 }
 

@@ -41,11 +41,11 @@ struct EnergyDerivatives {
 /// linear algebra. Bitwise the same for any number of threads.
 class Energy {
  public:
-  /// Keeps references to all its arguments but the last. Its terms are those of MakeTerms.
-  /// Poses that do not move are the fixed poses of the graph.
+  /// Keeps references to all its arguments. Its terms are those of MakeTerms. The poses that do not
+  /// move are the fixed poses of the graph.
   Energy(const SlamGraph& graph, const Associations& associations, const FactorOptions& options,
          ThreadPool* pool);
-  /// The same with other poses that do not move.
+  /// The same with these poses that do not move.
   Energy(const SlamGraph& graph, const Associations& associations, const FactorOptions& options,
          ThreadPool* pool, std::vector<FixedPose> constants);
 

@@ -36,7 +36,7 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
 class RoundsRun final : public JointRun {
  public:
   RoundsRun(const RoundsSolver& solver, const SolverProblem& problem, const MapState& seed)
-      : JointRun(solver.name(), problem, seed), solver_(solver) {}
+      : JointRun(solver.name(), problem, seed), solver_(solver), constants_(Constants()) {}
 
  private:
   void Refine() override {
@@ -131,7 +131,7 @@ class RoundsRun final : public JointRun {
     row.num_shape_pairs = associations.shape_pairs.size();
 
     start = Clock::now();
-    const Energy energy(graph_, associations, factors, &pool_, Constants());
+    const Energy energy(graph_, associations, factors, &pool_, constants_);
     RecordTerms(energy, state_, &TermSummary::initial_cost);
     last_inner_ = solver_.Minimize({options_, graph_, associations, factors, energy},
                                    ReportCallback(), &state_);
@@ -188,6 +188,7 @@ class RoundsRun final : public JointRun {
   }
 
   const RoundsSolver& solver_;
+  const std::vector<FixedPose> constants_;       // of every round
   const MeasuredSurface* associated_ = nullptr;  // what takes part in the rounds
   bool ended_ = false;  // by the callback, or because the energy cannot be evaluated
   MapState best_;       // of all rounds

@@ -27,11 +27,11 @@ const char* ToString(TerminationType type);
 
 /// One iteration of any solver, in one format for all.
 struct IterationSummary {
-  int iteration = 0;  ///< counts through all rounds
-  int round = 0;      ///< round of associations, from 1
-  std::string phase;  ///< what moved: "map", "poses", "scans", "joint", or "sensors" (calibration)
-  double cost = 0.0;  ///< after it
-  double cost_change = 0.0;          ///< positive: the cost fell
+  int iteration = 0;         ///< counts through all rounds
+  int round = 0;             ///< round of associations, from 1
+  std::string phase;         ///< what moved: "map", "poses", "joint", or "sensors" (calibration)
+  double cost = 0.0;         ///< after it
+  double cost_change = 0.0;  ///< positive: the cost fell
   double gradient_max_norm = 0.0;    ///< largest absolute component before it
   double step_norm = 0.0;            ///< length of the step in all parameters [m and rad]
   double step_size = 0.0;            ///< line searches: length along the direction
