@@ -108,22 +108,23 @@ Status AblateEach(int num_inputs, const MakeInput& make_input, ThreadPool* pool,
   return Status::Ok();
 }
 
-struct Figure {
+struct OutcomeFigure {
   const char* name;
   double AblationOutcome::*value;
   double unit;  // of the text; files are in m
   int precision;
 };
-constexpr Figure kFigures[] = {{"pose_error_m", &AblationOutcome::pose_m, 1e3, 2},
-                               {"fitted_pose_error_m", &AblationOutcome::fitted_pose_m, 1e3, 2},
-                               {"map_error_m", &AblationOutcome::point_m, 1e3, 2},
-                               {"relations_m", &AblationOutcome::relations_m, 1e3, 2},
-                               {"wall_thickness_m", &AblationOutcome::thickness_m, 1e3, 2},
-                               {"mean_map_entropy", &AblationOutcome::entropy, 1.0, 3},
-                               {"marginal_energy", &AblationOutcome::energy, 1.0, 0}};
+constexpr OutcomeFigure kOutcomeFigures[] = {
+    {"pose_error_m", &AblationOutcome::pose_m, 1e3, 2},
+    {"fitted_pose_error_m", &AblationOutcome::fitted_pose_m, 1e3, 2},
+    {"map_error_m", &AblationOutcome::point_m, 1e3, 2},
+    {"relations_m", &AblationOutcome::relations_m, 1e3, 2},
+    {"wall_thickness_m", &AblationOutcome::thickness_m, 1e3, 2},
+    {"mean_map_entropy", &AblationOutcome::entropy, 1.0, 3},
+    {"marginal_energy", &AblationOutcome::energy, 1.0, 0}};
 
 // Over the inputs, of one row.
-double MedianOf(const AblationTable& table, std::size_t row, const Figure& figure) {
+double MedianOf(const AblationTable& table, std::size_t row, const OutcomeFigure& figure) {
   std::vector<double> values;
   for (const std::vector<AblationOutcome>& input : table.outcomes) {
     if (!std::isnan(input[row].*figure.value)) values.push_back(input[row].*figure.value);
@@ -226,7 +227,7 @@ std::string AblationText(const AblationTable& table) {
           "  energy\n";
   for (std::size_t row = 0; row < table.names.size(); ++row) {
     text << "  " << std::left << std::setw(36) << table.names[row] << std::right << std::fixed;
-    for (const Figure& figure : kFigures) {
+    for (const OutcomeFigure& figure : kOutcomeFigures) {
       const double value = figure.unit * MedianOf(table, row, figure);
       text << std::setw(figure.precision == 0 ? 12 : 10) << std::setprecision(figure.precision);
       if (std::isnan(value)) {
@@ -245,13 +246,13 @@ Status WriteAblationCsv(const std::string& path, const std::vector<AblationTable
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   std::ostream& out = file.stream();
   out << "inputs,input,variant";
-  for (const Figure& figure : kFigures) out << ',' << figure.name;
+  for (const OutcomeFigure& figure : kOutcomeFigures) out << ',' << figure.name;
   out << '\n' << std::setprecision(8);
   for (const AblationTable& table : tables) {
     for (std::size_t input = 0; input < table.outcomes.size(); ++input) {
       for (std::size_t row = 0; row < table.names.size(); ++row) {
         out << '"' << table.inputs << "\"," << input + 1 << ",\"" << table.names[row] << '"';
-        for (const Figure& figure : kFigures) {
+        for (const OutcomeFigure& figure : kOutcomeFigures) {
           const double value = table.outcomes[input][row].*figure.value;
           out << ',';
           if (!std::isnan(value)) out << value;
@@ -269,7 +270,8 @@ Status WriteAblationJson(const std::string& path, const std::vector<AblationTabl
     Json rows = Json::array();
     for (std::size_t row = 0; row < table.names.size(); ++row) {
       Json figures = {{"variant", table.names[row]}};
-      for (const Figure& figure : kFigures) figures[figure.name] = MedianOf(table, row, figure);
+      for (const OutcomeFigure& figure : kOutcomeFigures)
+        figures[figure.name] = MedianOf(table, row, figure);
       rows.push_back(figures);
     }
     json.push_back({{"inputs", table.inputs}, {"runs", table.outcomes.size()}, {"medians", rows}});

@@ -11,16 +11,16 @@
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/units.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kBytesPerMb = 1e6, kMmPerM = 1e3;
 // The radius at which the README and plumbline_slam give the sharpness of a map [m].
 constexpr double kTableRadius = 0.15;
 
 // A number of a fixed width, or a dash.
-std::string Cell(const std::optional<double>& value, int width, int precision) {
+std::string TableCell(const std::optional<double>& value, int width, int precision) {
   std::ostringstream cell;
   cell << std::fixed << std::setprecision(precision) << std::setw(width);
   if (value) {
@@ -47,13 +47,16 @@ std::string TableRow(const SolverFigures& figures, double best_energy) {
   const MapQuality& quality = QualityAt(run.points, kTableRadius);
   std::ostringstream row;
   row << name << std::setw(7) << run.num_rounds << std::setw(7) << run.num_iterations
-      << Cell(figures.time_s, 9, 2) << Cell(run.cpu_time_s(), 8, 2)
-      << Cell(figures.final_energy, 13, 1)
-      << Cell(100.0 * (figures.final_energy / best_energy - 1.0), 9, 3)
-      << Cell(figures.time_ratio, 8, 1) << Cell(figures.peak_memory_bytes / kBytesPerMb, 9, 0)
-      << Cell(figures.memory_ratio, 8, 2)
-      << Cell(run.relations ? std::optional<double>(run.relations->mean_m) : std::nullopt, 11, 4)
-      << Cell(kMmPerM * quality.wall_thickness_m, 10, 2) << Cell(quality.mean_map_entropy, 9, 3);
+      << TableCell(figures.time_s, 9, 2) << TableCell(run.cpu_time_s(), 8, 2)
+      << TableCell(figures.final_energy, 13, 1)
+      << TableCell(100.0 * (figures.final_energy / best_energy - 1.0), 9, 3)
+      << TableCell(figures.time_ratio, 8, 1)
+      << TableCell(figures.peak_memory_bytes / kBytesPerMb, 9, 0)
+      << TableCell(figures.memory_ratio, 8, 2)
+      << TableCell(run.relations ? std::optional<double>(run.relations->mean_m) : std::nullopt, 11,
+                   4)
+      << TableCell(kMmPerM * quality.wall_thickness_m, 10, 2)
+      << TableCell(quality.mean_map_entropy, 9, 3);
   if (!figures.failures.empty()) row << "  (" << figures.failures.size() << " runs failed)";
   row << "  " << run.termination << '\n';
   return row.str();
@@ -105,16 +108,6 @@ ReportTable PageTable(const Comparison& comparison) {
 
 Json OptionalJson(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-Json SharpnessJson(const MapSharpness& sharpness) {
-  Json json = Json::array();
-  for (const SharpnessAtRadius& at : sharpness.radii) {
-    json.push_back({{"radius_m", at.radius_m},
-                    {"wall_thickness_m", at.quality.wall_thickness_m},
-                    {"mean_map_entropy", at.quality.mean_map_entropy}});
-  }
-  return json;
-}
-
 Json RelationsJson(const std::optional<RelationsFigures>& relations) {
   if (!relations) return nullptr;
   return {{"mean_m", relations->mean_m},
@@ -143,8 +136,8 @@ Json FiguresJson(const SolverFigures& figures, const std::vector<ComparedSolver>
                {"peak_memory_bytes", figures.peak_memory_bytes},
                {"memory_over_reduced", OptionalJson(figures.memory_ratio)},
                {"relations", RelationsJson(run.relations)},
-               {"sharpness_of_raw_ranges", SharpnessJson(run.raw_ranges)},
-               {"sharpness_of_points", SharpnessJson(run.points)}});
+               {"sharpness_of_raw_ranges", SharpnessJson(run.raw_ranges.radii)},
+               {"sharpness_of_points", SharpnessJson(run.points.radii)}});
   return json;
 }
 

@@ -2,26 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report/format.h"
 #include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/units.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kMmPerM = 1e3;
 constexpr int kNameWidth = 46;
-
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
 
 std::string NameCell(const std::string& name) { return Format("%-*s", kNameWidth, name.c_str()); }
 
@@ -128,16 +121,6 @@ Json ErrorsJson(const PoseErrorStatistics& errors) {
           {"matched", errors.num_matched},        {"unmatched", errors.num_unmatched}};
 }
 
-Json SharpnessJson(const MapSharpness& map) {
-  Json json = Json::array();
-  for (const SharpnessAtRadius& at : map.radii) {
-    json.push_back({{"radius_m", at.radius_m},
-                    {"wall_thickness_m", at.quality.wall_thickness_m},
-                    {"mean_map_entropy", at.quality.mean_map_entropy}});
-  }
-  return json;
-}
-
 Json StageJson(const LogStage& stage) {
   Json json = {{"stage", stage.name}};
   if (stage.relations) {
@@ -145,8 +128,8 @@ Json StageJson(const LogStage& stage) {
                          {"local", ErrorsJson(stage.relations->local)},
                          {"revisits", ErrorsJson(stage.relations->revisits)}};
   }
-  json["sharpness_of_raw_ranges"] = SharpnessJson(stage.raw_ranges);
-  if (stage.points) json["sharpness_of_points"] = SharpnessJson(*stage.points);
+  json["sharpness_of_raw_ranges"] = SharpnessJson(stage.raw_ranges.radii);
+  if (stage.points) json["sharpness_of_points"] = SharpnessJson(stage.points->radii);
   return json;
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 constexpr ReplayedSolve kKinds[] = {ReplayedSolve::kWindow, ReplayedSolve::kLoops,
                                     ReplayedSolve::kFinal};
-constexpr int kChartWidthPx = 1200, kChartHeightPx = 600;
 
 void WriteTimes(const std::string& name, std::vector<double> times_s, std::ostream* table) {
   *table << std::left << std::setw(10) << name << std::right << std::setw(8) << times_s.size();
@@ -80,7 +79,7 @@ Status WriteReplayChart(const std::string& path, const Replay& replay) {
     }
     chart.series.push_back(std::move(series));
   }
-  return WriteLineChart(path, chart, kChartWidthPx, kChartHeightPx);
+  return WriteLineChart(path, chart, 1200, 600);
 }
 
 }  // namespace plumbline

@@ -17,6 +17,7 @@
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/report/run_summary.h"
+#include "plumbline/apps/report/units.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
@@ -30,7 +31,6 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kBytesPerMb = 1e6, kMmPerM = 1e3;
 constexpr double kScanSpacing = 0.11;      // [m]
 constexpr std::uint64_t kSeed = 1;         // of building, drive and drift
 constexpr std::uint32_t kDriftStream = 6;  // 0 to 5 belong to simulator, buildings and jumps

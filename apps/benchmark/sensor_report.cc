@@ -9,21 +9,20 @@
 #include "plumbline/apps/benchmark/map_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/units.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kMmPerM = 1e3;
-
 // A figure of a stage, in the units of the table and under the name of the files.
-struct Figure {
+struct StageFigure {
   const char* name;
   double (*of)(const Stage& stage);
   double table_unit;
   int precision;
 };
-constexpr Figure kFigures[] = {
+constexpr StageFigure kStageFigures[] = {
     {"pose_error_m", [](const Stage& s) { return s.error->mean_pose_error_m; }, kMmPerM, 1},
     {"pose_error_max_m", [](const Stage& s) { return s.error->max_pose_error_m; }, kMmPerM, 1},
     {"heading_error_rad", [](const Stage& s) { return s.error->mean_pose_error_rad; }, 180.0 / kPi,
@@ -42,7 +41,7 @@ std::vector<const SensorOutcome*> RunsOf(const std::vector<SensorOutcome>& outco
 }
 
 std::vector<double> ValuesOf(const std::vector<const SensorOutcome*>& runs,
-                             Stage SensorOutcome::*stage, const Figure& figure) {
+                             Stage SensorOutcome::*stage, const StageFigure& figure) {
   std::vector<double> values;
   values.reserve(runs.size());
   for (const SensorOutcome* run : runs) values.push_back(figure.of(run->*stage));
@@ -63,10 +62,10 @@ void WriteRow(const SensorCase& sensor, const std::vector<const SensorOutcome*>&
   };
   *table << "  " << std::left << std::setw(34) << sensor.name << std::right;
   cell(1e2 * outlier_share, 6, 1);
-  for (const Figure& figure : kFigures) {
-    if (&figure == &kFigures[kMaxPoseError]) {
+  for (const StageFigure& figure : kStageFigures) {
+    if (&figure == &kStageFigures[kMaxPoseError]) {
       const std::vector<double> poses =
-          ValuesOf(runs, &SensorOutcome::refined, kFigures[kPoseError]);
+          ValuesOf(runs, &SensorOutcome::refined, kStageFigures[kPoseError]);
       cell(*std::max_element(poses.begin(), poses.end()) * kMmPerM, 9, 1);
       continue;
     }
@@ -90,7 +89,7 @@ void WriteFailure(const SensorCase& sensor, const SensorOutcome& run, std::ostre
 
 Json StageJson(const Stage& stage) {
   Json json;
-  for (const Figure& figure : kFigures) json[figure.name] = figure.of(stage);
+  for (const StageFigure& figure : kStageFigures) json[figure.name] = figure.of(stage);
   return json;
 }
 
@@ -148,7 +147,7 @@ Status WriteSensorCsv(const std::string& path, const std::vector<SensorCase>& ca
   std::ostream& out = file.stream();
   out << "group,case,seed,scans,outlier_share";
   for (const char* stage : {"seed", "refined"}) {
-    for (const Figure& figure : kFigures) out << ',' << stage << '_' << figure.name;
+    for (const StageFigure& figure : kStageFigures) out << ',' << stage << '_' << figure.name;
   }
   out << ",floor_pose_error_m,alarm,worse,silently_lost\n" << std::setprecision(6);
   for (const SensorOutcome& run : outcomes) {
@@ -156,7 +155,7 @@ Status WriteSensorCsv(const std::string& path, const std::vector<SensorCase>& ca
     out << '"' << sensor.group << "\",\"" << sensor.name << "\"," << run.seed << ','
         << run.num_scans << ',' << run.outlier_share;
     for (const Stage* stage : {&run.seeded, &run.refined}) {
-      for (const Figure& figure : kFigures) out << ',' << figure.of(*stage);
+      for (const StageFigure& figure : kStageFigures) out << ',' << figure.of(*stage);
     }
     out << ',' << run.floor_m << ',' << run.alarm << ',' << run.IsWorse() << ','
         << run.IsSilentlyLost() << '\n';

@@ -15,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The larger of two middle values, so that a median with half of its values infinite is so, too.
 // Infinity if there are none.
-double Median(std::vector<double> values) {
+double UpperMedian(std::vector<double> values) {
   if (values.empty()) return kInfinity;
   const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
@@ -36,7 +36,7 @@ template <typename Figure>
 double MedianOf(const Runs& runs, const Figure& figure) {
   std::vector<double> values;
   for (const SolverRun* run : runs) values.push_back(figure(*run));
-  return Median(values);
+  return UpperMedian(values);
 }
 
 // Without what needs the figures of other solvers.

@@ -19,9 +19,9 @@ constexpr double kMaxLineRatio = 0.15;    // of eigenvalues; rounder is no surfa
 constexpr double kMinDifferenceM = 1e-3;  // less is rounding, and not to be seen
 constexpr int kBlocksPerWindow = 4;       // windows lie on a grid of this fraction of their size
 
-using Cell = std::pair<double, double>;  // place on a grid, in whole cells
+using GridCell = std::pair<double, double>;  // place on a grid, in whole cells
 
-Cell CellOf(double x, double y, double size) {
+GridCell CellOf(double x, double y, double size) {
   return {std::floor(x / size), std::floor(y / size)};
 }
 
@@ -33,13 +33,13 @@ struct CellReturns {
 
 double Thickness(const LineFit& fit) { return std::sqrt(std::max(0.0, fit.smaller_eigenvalue)); }
 
-std::map<Cell, CellReturns> CollectCells(const std::vector<double>& before,
-                                         const std::vector<double>& after) {
-  std::map<Cell, CellReturns> cells;
+std::map<GridCell, CellReturns> CollectCells(const std::vector<double>& before,
+                                             const std::vector<double>& after) {
+  std::map<GridCell, CellReturns> cells;
   for (std::size_t i = 0; i + 1 < after.size(); i += 2) {
     const Eigen::Vector2d from(before[i], before[i + 1]), to(after[i], after[i + 1]);
     if (!from.allFinite() || !to.allFinite()) continue;
-    const Cell cell = CellOf(to.x(), to.y(), kCellM);
+    const GridCell cell = CellOf(to.x(), to.y(), kCellM);
     CellReturns* returns = &cells[cell];
     if (returns->after.weight == 0.0) returns->before_origin = from;
     returns->after.Add(to.x() - kCellM * cell.first, to.y() - kCellM * cell.second);
@@ -50,8 +50,8 @@ std::map<Cell, CellReturns> CollectCells(const std::vector<double>& before,
 }
 
 // Differences summed over the blocks of the windows' grid.
-std::map<Cell, double> SumBlocks(const std::map<Cell, CellReturns>& cells, double size_m) {
-  std::map<Cell, double> blocks;
+std::map<GridCell, double> SumBlocks(const std::map<GridCell, CellReturns>& cells, double size_m) {
+  std::map<GridCell, double> blocks;
   for (const auto& [cell, returns] : cells) {
     if (returns.after.weight < kMinPoints) continue;
     const LineFit after = FitLine(returns.after);
@@ -65,8 +65,8 @@ std::map<Cell, double> SumBlocks(const std::map<Cell, CellReturns>& cells, doubl
 }
 
 // By the block at their lower left corner; only windows with a difference.
-std::map<Cell, double> SumWindows(const std::map<Cell, double>& blocks) {
-  std::map<Cell, double> windows;
+std::map<GridCell, double> SumWindows(const std::map<GridCell, double>& blocks) {
+  std::map<GridCell, double> windows;
   for (const auto& [block, difference] : blocks) {
     for (int dx = 0; dx < kBlocksPerWindow; ++dx) {
       for (int dy = 0; dy < kBlocksPerWindow; ++dy) {
@@ -81,13 +81,13 @@ bool Overlap(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double size_m) 
   return (a - b).cwiseAbs().maxCoeff() < size_m * (1.0 - 1e-9);
 }
 
-Eigen::Vector2d CenterOf(const Cell& window, double size_m) {
+Eigen::Vector2d CenterOf(const GridCell& window, double size_m) {
   const double block_m = size_m / kBlocksPerWindow;
   return {window.first * block_m + 0.5 * size_m, window.second * block_m + 0.5 * size_m};
 }
 
 // Where the differences in a window are, in the mean: what is to be seen is better not at its edge.
-Eigen::Vector2d Centroid(const std::map<Cell, double>& blocks, const Eigen::Vector2d& center,
+Eigen::Vector2d Centroid(const std::map<GridCell, double>& blocks, const Eigen::Vector2d& center,
                          double size_m) {
   const double block_m = size_m / kBlocksPerWindow;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -105,14 +105,14 @@ Eigen::Vector2d Centroid(const std::map<Cell, double>& blocks, const Eigen::Vect
 
 std::vector<MapWindow> ChooseDetails(const std::vector<double>& before,
                                      const std::vector<double>& after, int count, double size_m) {
-  const std::map<Cell, double> blocks = SumBlocks(CollectCells(before, after), size_m);
-  std::map<Cell, double> windows = SumWindows(blocks);
+  const std::map<GridCell, double> blocks = SumBlocks(CollectCells(before, after), size_m);
+  std::map<GridCell, double> windows = SumWindows(blocks);
   std::vector<MapWindow> chosen;
   while (static_cast<int>(chosen.size()) < count && !windows.empty()) {
     const auto best =
         std::max_element(windows.begin(), windows.end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    const Cell at = best->first;
+    const GridCell at = best->first;
     const Eigen::Vector2d on_grid = CenterOf(at, size_m);
     const Eigen::Vector2d centered = Centroid(blocks, on_grid, size_m);
     const bool is_free = std::none_of(chosen.begin(), chosen.end(), [&](const MapWindow& other) {

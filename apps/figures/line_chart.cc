@@ -64,9 +64,9 @@ Status CheckChart(const LineChart& chart, int width_px, int height_px) {
   return empty ? Status::InvalidArgument("there is no point to draw") : Status::Ok();
 }
 
-class Painter {
+class ChartPainter {
  public:
-  Painter(const LineChart& chart, int width_px, int height_px, cairo_t* context)
+  ChartPainter(const LineChart& chart, int width_px, int height_px, cairo_t* context)
       : chart_(chart), width_px_(width_px), height_px_(height_px), context_(context) {
     frame_.font_px = PrintFontPx(width_px);
     SelectFont(frame_.font_px, context);
@@ -163,7 +163,7 @@ Status WriteLineChart(const std::string& path, const LineChart& chart, int width
   if (!input.ok()) return refuse(input);
   const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px));
   const CairoContext context(cairo_create(surface.get()));
-  const Status painted = Painter(chart, width_px, height_px, context.get()).Paint();
+  const Status painted = ChartPainter(chart, width_px, height_px, context.get()).Paint();
   if (!painted.ok()) return refuse(painted);
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));

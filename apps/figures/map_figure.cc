@@ -20,10 +20,10 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxCoordinateM = 1e9;
+constexpr double kMaxFigureM = 1e9;
 constexpr std::size_t kMaxDetails = 26;  // letters
 
-bool IsPlace(double value) { return std::abs(value) <= kMaxCoordinateM; }  // false for NaN
+bool IsPlace(double value) { return std::abs(value) <= kMaxFigureM; }  // false for NaN
 
 bool IsPlace(const Eigen::Vector2d& point) { return IsPlace(point.x()) && IsPlace(point.y()); }
 
@@ -94,9 +94,9 @@ std::string Letter(std::size_t index, char first) {
   return std::string(1, static_cast<char>(first + index % kMaxDetails));
 }
 
-class Painter {
+class FigurePainter {
  public:
-  Painter(const MapFigure& figure, const MapLayout& layout, cairo_t* context)
+  FigurePainter(const MapFigure& figure, const MapLayout& layout, cairo_t* context)
       : figure_(figure), layout_(layout), context_(context) {
     SelectFont(layout.font_px, context);
   }
@@ -262,7 +262,7 @@ Status WriteMapFigure(const std::string& path, const MapFigure& figure,
   const CairoSurface surface(
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, options.width_px, layout.height_px));
   const CairoContext context(cairo_create(surface.get()));
-  Painter(figure, layout, context.get()).Paint();
+  FigurePainter(figure, layout, context.get()).Paint();
   return CommitPng(path, surface.get(), context.get(), &file);
 }
 

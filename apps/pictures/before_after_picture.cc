@@ -10,6 +10,7 @@
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/picture_layout.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
 
@@ -18,11 +19,7 @@ namespace {
 
 constexpr double kPixelM = 0.02;
 constexpr double kCropShare = 1e-3;
-constexpr int kTitlePx = 44;      // strip above each map
-constexpr int kFooterPx = 56;     // strip of the scale bar
-constexpr int kBorderPx = 20;     // around the maps
 constexpr int kMinPanelPx = 300;  // room for a title and the scale bar
-constexpr double kFontPx = 18.0;
 
 Status CheckInput(const MapState& state, const std::vector<double>& poses_before,
                   const BeforeAfterOptions& options) {

@@ -11,18 +11,15 @@
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/picture_layout.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
 namespace {
 
-constexpr int kHeaderPx = 44;     // strip of the title
-constexpr int kFooterPx = 56;     // strip of the scale bar
-constexpr int kBorderPx = 20;     // left and right of the map
 constexpr int kMinWidthPx = 640;  // room for title and scale bar
 constexpr int kLegendRowPx = 30;
-constexpr double kFontPx = 18.0;
 constexpr double kFadedStrength = 0.75;  // of a map that is the background of overlays
 
 /// Fills the canvas white and puts the density image with its upper left corner at (left, top), its
@@ -65,14 +62,14 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
   const std::string numbers = WithThousands(graph.num_scans()) + " scans, " +
                               WithThousands(graph.num_returns()) + " returns";
   cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-  DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kHeaderPx,
+  DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kTitlePx,
            TextAnchor::kLeft, context);
 }
 
 /// The lines and marks on the map area, which cuts them off.
 void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
              const MapRaster& raster, int left, cairo_t* context) {
-  cairo_translate(context, left, kHeaderPx);
+  cairo_translate(context, left, kTitlePx);
   cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
   cairo_clip(context);
   if (overlays.empty()) {
@@ -130,7 +127,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   const bool has_overlays = !options.overlays.empty();
   const int width = std::max(raster.width + 2 * kBorderPx, kMinWidthPx);
   const int legend_height = kLegendRowPx * static_cast<int>(options.overlays.size());
-  const int height = kHeaderPx + raster.height + kFooterPx + legend_height;
+  const int height = kTitlePx + raster.height + kFooterPx + legend_height;
   const int map_left = (width - raster.width) / 2;
   const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
@@ -138,12 +135,12 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   }
   const std::vector<std::uint32_t> hits = CountHits(state.points, raster);
   DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
-              map_left, kHeaderPx, surface.get());
+              map_left, kTitlePx, surface.get());
 
   const CairoContext context(cairo_create(surface.get()));
   SelectFont(kFontPx, context.get());
   DrawTitle(graph, options.title, context.get());
-  const int footer_top = kHeaderPx + raster.height;
+  const int footer_top = kTitlePx + raster.height;
   const double bar_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
   DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
@@ -151,7 +148,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   DrawMap(state, options.overlays, raster, map_left, context.get());
 
   PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
-  if (area != nullptr) *area = {raster, map_left, kHeaderPx};
+  if (area != nullptr) *area = {raster, map_left, kTitlePx};
   return Status::Ok();
 }
 

@@ -1,20 +1,13 @@
 #include "plumbline/apps/report/evaluation_report.h"
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report/format.h"
 #include "plumbline/apps/report/report_json.h"
 
 namespace plumbline {
 namespace {
-
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
 
 std::string StatisticsRow(const char* name, const char* unit, const ErrorStatistics& statistics) {
   return Format("%-26s%-6s%10.4f%10.4f%10.4f%10.4f%10.4f%10.4f", name, unit, statistics.mean,
@@ -76,15 +69,8 @@ Json ErrorsJson(const PoseErrorStatistics& errors) {
           {"rotation_deg", StatisticsJson(errors.rotation_deg)}};
 }
 
-Json SharpnessJson(const MapSharpness& map) {
-  Json json = {{"points", map.num_points}};
-  for (const SharpnessAtRadius& at : map.radii) {
-    json["radii"].push_back({{"radius_m", at.radius_m},
-                             {"wall_thickness_m", at.quality.wall_thickness_m},
-                             {"mean_map_entropy", at.quality.mean_map_entropy},
-                             {"samples", at.quality.num_samples}});
-  }
-  return json;
+Json MapJson(const MapSharpness& map) {
+  return {{"points", map.num_points}, {"radii", SharpnessJson(map.radii)}};
 }
 
 Json EvaluationJson(const Evaluation& evaluation) {
@@ -101,12 +87,12 @@ Json EvaluationJson(const Evaluation& evaluation) {
                         {"metres", ErrorsJson(evaluation.trajectory->relative_metres)}};
   }
   if (evaluation.raw_ranges) {
-    json["map_raw_ranges"] = SharpnessJson(*evaluation.raw_ranges);
+    json["map_raw_ranges"] = MapJson(*evaluation.raw_ranges);
     json["map_raw_ranges"]["scans_without_pose"] = evaluation.num_scans_without_pose;
     json["map_raw_ranges"]["paired_by_order"] = evaluation.log_by_order;
   }
   if (evaluation.consistency) json["map_consistency"] = ConsistencyJson(*evaluation.consistency);
-  if (evaluation.points) json["map_points"] = SharpnessJson(*evaluation.points);
+  if (evaluation.points) json["map_points"] = MapJson(*evaluation.points);
   return json;
 }
 

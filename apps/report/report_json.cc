@@ -165,6 +165,17 @@ Json StagesJson(const std::vector<Stage>& stages) {
   return json;
 }
 
+Json SharpnessJson(const std::vector<SharpnessAtRadius>& radii) {
+  Json json = Json::array();
+  for (const SharpnessAtRadius& at : radii) {
+    json.push_back({{"radius_m", at.radius_m},
+                    {"wall_thickness_m", at.quality.wall_thickness_m},
+                    {"mean_map_entropy", at.quality.mean_map_entropy},
+                    {"samples", at.quality.num_samples}});
+  }
+  return json;
+}
+
 Json ConsistencyJson(const MapConsistency& map) {
   Json json = {{"within_pass", ConflictJson(map.within_pass)},
                {"between_passes", ConflictJson(map.between_passes)},

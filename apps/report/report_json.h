@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/evaluation/map_sharpness.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/alarm.h"
@@ -22,6 +23,9 @@ Json SolverJson(const SolverSummary& solver);
 
 /// One object per stage; errors only where the truth is known, null for what cannot be measured.
 Json StagesJson(const std::vector<Stage>& stages);
+
+/// One object per radius.
+Json SharpnessJson(const std::vector<SharpnessAtRadius>& radii);
 
 Json ConsistencyJson(const MapConsistency& map);
 

@@ -6,12 +6,11 @@
 
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/program/command_line.h"
+#include "plumbline/apps/report/units.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
-
-constexpr double kMmPerM = 1e3, kPercent = 1e2;
 
 std::string Mm(double length_m) {
   return std::isfinite(length_m) ? FixedText(kMmPerM * length_m, 1) + " mm" : "-";

@@ -10,6 +10,7 @@
 #include "plumbline/apps/report/calibration_report.h"
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/apps/report/units.h"
 
 namespace plumbline {
 namespace {
@@ -51,7 +52,6 @@ void AddHypotheses(const std::vector<WeighedHypothesis>& hypotheses, HtmlReport*
 }  // namespace
 
 HtmlReport MakeRunReport(const RunSummary& summary) {
-  constexpr double kBytesPerMb = 1e6;
   HtmlReport report;
   report.title = std::filesystem::path(summary.log).filename().string();
   report.subtitle = WithThousands(summary.num_scans) + " scans, " +

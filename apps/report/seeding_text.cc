@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 
+#include "plumbline/apps/report/format.h"
+#include "plumbline/apps/report/units.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/solvers/alarm.h"
 
 namespace plumbline {
 namespace {
-
-template <typename... Values>
-std::string Format(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof(text), format, values...);
-  return text;
-}
 
 std::string Count(int number, const std::string& singular, const std::string& plural) {
   return std::to_string(number) + ' ' + (number == 1 ? singular : plural);
@@ -60,7 +54,6 @@ std::string RandomText(const RandomError& error, double factor, const char* unit
 }
 
 std::string OdometryText(const OdometryNoiseReport& noise) {
-  constexpr double kPercent = 1e2, kMmPerM = 1e3;
   std::string text =
       FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +
       FaultText(noise.rotation_scale, kPercent, "reads %+.2f +- %.2f %% in turns") +

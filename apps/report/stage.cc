@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "plumbline/apps/report/units.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -18,7 +19,6 @@ Stage MeasureStage(const std::string& name, const MapState& state, const Truth* 
 }
 
 std::string StageTable(const std::vector<Stage>& stages) {
-  constexpr double kMmPerM = 1e3;
   const bool with_truth = !stages.empty() && stages.front().error.has_value();
   std::ostringstream table;
   table << std::left << std::setw(26) << "" << std::right << std::setw(15) << "wall thickness"

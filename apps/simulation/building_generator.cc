@@ -12,28 +12,24 @@ namespace {
 
 constexpr std::uint32_t kStyleStream = 2;  // the simulator has 0 and 1
 
-double Draw(double low, double high, NoiseSource* source) {
-  return low + (high - low) * source->Uniform();
-}
-
 // Two or three cross corridors; the wings at both ends are as wide as one room.
 FloorStyle RandomStyle(NoiseSource* source) {
   FloorStyle style;
   const int num_cores = source->Uniform() < 0.5 ? 1 : 2;
-  style.block_widths_m = {Draw(3.0, 5.0, source), Draw(3.0, 5.0, source)};
+  style.block_widths_m = {source->Uniform(3.0, 5.0), source->Uniform(3.0, 5.0)};
   for (int i = 0; i < num_cores; ++i) {
-    const double width = Draw(9.0, 14.0, source) / (num_cores == 1 ? 1.0 : 1.5);
+    const double width = source->Uniform(9.0, 14.0) / (num_cores == 1 ? 1.0 : 1.5);
     style.block_widths_m.insert(style.block_widths_m.begin() + 1, width);
   }
-  for (double& depth : style.row_depths_m) depth = Draw(2.8, 4.6, source);
-  style.corridor_width_m = Draw(2.0, 2.6, source);
-  style.cross_corridor_width_m = Draw(1.8, 2.6, source);
-  style.room_width_m = Draw(3.6, 5.0, source);
+  for (double& depth : style.row_depths_m) depth = source->Uniform(2.8, 4.6);
+  style.corridor_width_m = source->Uniform(2.0, 2.6);
+  style.cross_corridor_width_m = source->Uniform(1.8, 2.6);
+  style.room_width_m = source->Uniform(3.6, 5.0);
   style.irregularity = style.slant = 1.0;
   style.furniture_per_room = 6;
   style.furniture_per_corridor_m = 0.15;
   style.visit_probability = 0.5;
-  style.drive_length_m = Draw(65.0, 110.0, source);
+  style.drive_length_m = source->Uniform(65.0, 110.0);
   return style;
 }
 
@@ -41,19 +37,19 @@ FloorStyle RandomStyle(NoiseSource* source) {
 // rooms throughout. Half of the floors are not furnished at all.
 FloorStyle RepetitiveStyle(NoiseSource* source) {
   FloorStyle style;
-  const double pitch = Draw(3.2, 4.4, source);
+  const double pitch = source->Uniform(3.2, 4.4);
   const int num_cores = source->Uniform() < 0.5 ? 1 : 2;
   const int rooms_per_core = num_cores == 1 ? 3 + static_cast<int>(2.0 * source->Uniform()) : 2;
   style.block_widths_m.assign(num_cores + 2, pitch * rooms_per_core);
   style.block_widths_m.front() = style.block_widths_m.back() = pitch;
-  const double depth = Draw(3.0, 4.2, source);
+  const double depth = source->Uniform(3.0, 4.2);
   for (double& row_depth : style.row_depths_m) row_depth = depth;
-  style.corridor_width_m = Draw(2.0, 2.4, source);
+  style.corridor_width_m = source->Uniform(2.0, 2.4);
   style.cross_corridor_width_m = 0.5 * pitch;
   style.room_width_m = pitch;
   style.furniture_per_room = source->Uniform() < 0.5 ? 0 : 4;
   style.visit_probability = 0.5;
-  style.drive_length_m = Draw(65.0, 110.0, source);
+  style.drive_length_m = source->Uniform(65.0, 110.0);
   return style;
 }
 
@@ -63,7 +59,7 @@ FloorStyle LongCorridorStyle(NoiseSource* source) {
   style.room_width_m = 4.0;
   style.block_widths_m = {4.0, 28 * 4.0, 31 * 4.0, 4.0};
   for (double& depth : style.row_depths_m) depth = 0.5;
-  style.core_depth_m = Draw(30.0, 45.0, source);
+  style.core_depth_m = source->Uniform(30.0, 45.0);
   style.corridor_wall_m = 0.4;
   style.corridor_width_m = style.cross_corridor_width_m = 2.4;
   style.door_width_m = 1.2;
@@ -109,7 +105,7 @@ Building GenerateLargeBuilding(double drive_length_m, std::uint64_t seed) {
   const int num_blocks =
       std::max(1, static_cast<int>(std::lround(drive_length_m / kDrivePerBlock)));
   style.block_widths_m.assign(num_blocks + 2, wing_m);
-  for (int i = 1; i <= num_blocks; ++i) style.block_widths_m[i] = Draw(9.0, 14.0, &source);
+  for (int i = 1; i <= num_blocks; ++i) style.block_widths_m[i] = source.Uniform(9.0, 14.0);
   style.route = RouteKind::kTour;
   style.drive_length_m = drive_length_m;
   Building building = MakeFloor(style, seed);

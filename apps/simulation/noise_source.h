@@ -23,6 +23,9 @@ class NoiseSource {
   /// Uniform on [0, 1), with the 53 bits that a double resolves.
   double Uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
 
+  /// Uniform on [low, high).
+  double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
+
   /// Standard normal (Box & Muller 1958).
   double Gaussian() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - Uniform()));

@@ -16,10 +16,6 @@ using Eigen::Vector2d;
 
 constexpr double kWallM = 0.2, kDoorM = 1.0;
 
-double Draw(double low, double high, NoiseSource* source) {
-  return low + (high - low) * source->Uniform();
-}
-
 double DistanceToSegment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
   const double share = (point - a).dot(b - a) / (b - a).squaredNorm();
   return (a + std::clamp(share, 0.0, 1.0) * (b - a) - point).norm();
@@ -57,9 +53,10 @@ class Ring {
       plan_.AddWall(At(i, 0.0, kOutsideM), At(i, 1.0, kOutsideM), kWallM);
     }
     for (int room = 0; room < rooms; ++room) {
-      const double place = (room + Draw(-0.25, 0.25, source_)) * num_sides() / rooms + num_sides();
+      const double place =
+          (room + source_->Uniform(-0.25, 0.25)) * num_sides() / rooms + num_sides();
       AddPartition(place);
-      AddDoor(place + (0.5 + Draw(-0.1, 0.1, source_)) * num_sides() / rooms);
+      AddDoor(place + (0.5 + source_->Uniform(-0.1, 0.1)) * num_sides() / rooms);
       AddFurniture(place + 0.3 * num_sides() / rooms);
       AddFurniture(place + 0.7 * num_sides() / rooms);
       AddPillar(place);
@@ -103,13 +100,15 @@ class Ring {
   }
 
   void AddFurniture(double place) {
-    const Vector2d at = At(place, Draw(2.4, 4.2, source_));
-    plan_.AddBox(Pose2(at.x(), at.y(), Draw(0.0, kPi, source_)),
-                 {Draw(0.5, 1.6, source_), Draw(0.4, 0.7, source_)});
+    const Vector2d at = At(place, source_->Uniform(2.4, 4.2));
+    plan_.AddBox(Pose2(at.x(), at.y(), source_->Uniform(0.0, kPi)),
+                 {source_->Uniform(0.5, 1.6), source_->Uniform(0.4, 0.7)});
   }
 
   // At the inner wall.
-  void AddPillar(double place) { plan_.AddDisc(At(place, -kHalfWidthM), Draw(0.15, 0.4, source_)); }
+  void AddPillar(double place) {
+    plan_.AddDisc(At(place, -kHalfWidthM), source_->Uniform(0.15, 0.4));
+  }
 
   std::vector<Vector2d> Path() const {
     std::vector<Vector2d> path = {At(0, 0.5, 0.0)};
@@ -132,7 +131,7 @@ Building MakeHall(NoiseSource* source) {
   plan.AddRoom({0.0, 0.0}, {kWidthM, kDepthM}, kWallM);
   std::vector<Vector2d> path;
   const auto add = [&](double x, double y) {
-    path.emplace_back(x + Draw(-2.0, 2.0, source), y + Draw(-2.0, 2.0, source));
+    path.emplace_back(x + source->Uniform(-2.0, 2.0), y + source->Uniform(-2.0, 2.0));
   };
   for (int round = 0; round < 2; ++round) {
     add(7.0, 7.0);
@@ -144,9 +143,9 @@ Building MakeHall(NoiseSource* source) {
     add(7.0, 23.0);
   }
   for (int i = 0; i < 60; ++i) {
-    const Vector2d at(Draw(1.0, kWidthM - 1.0, source), Draw(1.0, kDepthM - 1.0, source));
-    const double kind = source->Uniform(), size = Draw(0.3, 1.5, source);
-    const double turn = Draw(0.0, kPi, source);
+    const Vector2d at(source->Uniform(1.0, kWidthM - 1.0), source->Uniform(1.0, kDepthM - 1.0));
+    const double kind = source->Uniform(), size = source->Uniform(0.3, 1.5);
+    const double turn = source->Uniform(0.0, kPi);
     if (DistanceToPath(at, path) < kClearM) continue;
     if (kind < 0.5) {
       plan.AddDisc(at, 0.3 * size);

@@ -83,7 +83,7 @@ class ChunkSorter {
   std::vector<int>& cell_of_return_;
 };
 
-constexpr std::size_t kScansPerChunk = 256;
+constexpr std::size_t kScansPerBatch = 256;
 
 }  // namespace
 
@@ -130,8 +130,8 @@ void SurfaceCells::Grow() {
 double DominantDirection(const SlamGraph& graph, const std::vector<double>& poses,
                          const MeasuredSurface& surface, ThreadPool* pool) {
   // The fourth power of a normal, as a complex number, is the same for all four directions.
-  std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk));
-  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+  std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerBatch));
+  pool->ForEachChunk(graph.num_scans(), kScansPerBatch,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        std::complex<double> sum = 0.0;
                        for (std::size_t s = begin; s < end; ++s) {
@@ -159,9 +159,9 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
                            ThreadPool* pool, std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
-  std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk),
+  std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerBatch),
                                   SurfaceCells(grid.cell_m));
-  pool->ForEachChunk(num_scans, kScansPerChunk,
+  pool->ForEachChunk(num_scans, kScansPerBatch,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
                        for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
@@ -178,7 +178,7 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
     }
   }
   pool->ForEachChunk(
-      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      num_scans, kScansPerBatch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         const std::size_t first = graph.scan(static_cast<int>(begin)).first_return;
         const ScanEntry& last_scan = graph.scan(static_cast<int>(end) - 1);
         for (std::size_t r = first; r < last_scan.first_return + last_scan.num_returns; ++r) {

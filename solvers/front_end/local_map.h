@@ -14,8 +14,12 @@ namespace plumbline {
 /// proportional to the number of their points.
 class LocalMap {
  public:
+  /// Side of a cell [m]: the points of all scans are then about as dense as those of a thinned
+  /// scan.
+  static constexpr double kCellM = 0.03;
+
   /// One averaged point per square of cell_m (1 cm and more) and octant of the normal.
-  explicit LocalMap(double cell_m);
+  explicit LocalMap(double cell_m = kCellM);
 
   /// Replaces the content: scans[i] is seen from world_from_robot[i].
   void Rebuild(const std::vector<const SurfacePoints*>& scans,

@@ -17,7 +17,7 @@ namespace {
 // Cells this small leave a thinned scan as it is, but for points that lie on one another.
 constexpr double kCellM = 0.01;
 // A gate's correspondences have settled when a step moves the points by less than this share of it.
-constexpr double kSettledGateShare = 0.02;
+constexpr double kConvergedGateShare = 0.02;
 // Fewer correspondences say nothing certain of a turn.
 constexpr int kMinMatches = 3;
 
@@ -87,22 +87,23 @@ bool MatchPoints(const LocalMap& map, const SurfacePoints& scan, const PairwiseI
     *pose = alignment.MapFromScan();
     const double moved_m = LargestMotion(before, *pose, reach_m);
     if (gate_m <= options.fine_gate_m && moved_m < kStepToleranceM) return true;
-    if (moved_m < kSettledGateShare * gate_m) gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
+    if (moved_m < kConvergedGateShare * gate_m)
+      gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
   }
   return false;
 }
 
 // A pose, the pose it is matched to, and what became of it.
-struct Pair {
+struct ScanPair {
   int from = -1;  // -1: it shows no surface, or nothing before it does
   Pose2 guess;
   PairMatch match;
 };
 
 // Pairs every pose that shows a surface with the last such one before it.
-std::vector<Pair> FindPairs(const SlamGraph& graph, const std::vector<int>& step_to_pose,
-                            const std::vector<int>& scan_of_pose) {
-  std::vector<Pair> pairs(graph.num_poses());
+std::vector<ScanPair> FindPairs(const SlamGraph& graph, const std::vector<int>& step_to_pose,
+                                const std::vector<int>& scan_of_pose) {
+  std::vector<ScanPair> pairs(graph.num_poses());
   int last = -1;
   Pose2 since_last;
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
@@ -117,12 +118,13 @@ std::vector<Pair> FindPairs(const SlamGraph& graph, const std::vector<int>& step
 }
 
 void MatchPairs(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
-                const std::vector<int>& scan_of_pose, ThreadPool* pool, std::vector<Pair>* pairs) {
+                const std::vector<int>& scan_of_pose, ThreadPool* pool,
+                std::vector<ScanPair>* pairs) {
   constexpr std::size_t kPairsPerChunk = 32;
   pool->ForEachChunk(pairs->size(), kPairsPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        for (std::size_t to = begin; to < end; ++to) {
-                         Pair& pair = (*pairs)[to];
+                         ScanPair& pair = (*pairs)[to];
                          if (pair.from < 0) continue;
                          pair.match = MatchPair(surfaces[scan_of_pose[pair.from]],
                                                 surfaces[scan_of_pose[to]], pair.guess, options);
@@ -130,7 +132,7 @@ void MatchPairs(const PairwiseIcpOptions& options, const std::vector<SurfacePoin
                      });
 }
 
-PairwiseIcpReport Count(const std::vector<Pair>& pairs, const std::vector<int>& scan_of_pose) {
+PairwiseIcpReport Count(const std::vector<ScanPair>& pairs, const std::vector<int>& scan_of_pose) {
   PairwiseIcpReport report;
   for (std::size_t pose = 0; pose < pairs.size(); ++pose) {
     if (scan_of_pose[pose] < 0) ++report.num_without_scan;
@@ -213,11 +215,11 @@ Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Ve
   const std::vector<SurfacePoints> surfaces =
       ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
-  std::vector<Pair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
+  std::vector<ScanPair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
   MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);
   std::vector<Pose2> poses = PosesOf(graph.initial_poses());
   for (int pose = 1; pose < graph.num_poses(); ++pose) {
-    const Pair& pair = pairs[pose];
+    const ScanPair& pair = pairs[pose];
     const bool matched = pair.from >= 0 && pair.match.inlier_ratio >= kMinPairInlierRatio;
     poses[pose] = matched ? poses[pair.from] * pair.match.from_from_to
                           : poses[pose - 1] * graph.odometry()[step_to_pose[pose]].from_from_to;

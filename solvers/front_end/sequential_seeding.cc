@@ -39,9 +39,6 @@ constexpr double kMinSlipInlierRatio = 0.8;
 constexpr int kMaxKeyframesInMap = 40;
 // ... of the last stretch of this length [m] of the path: what is older may have drifted away.
 constexpr double kMapPathM = 12.0;
-// Size of a map cell, within which the points of all scans are averaged: a surface's points are
-// then about as dense as a thinned scan's.
-constexpr double kMapCellM = 0.03;
 
 Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, motion.yaw}; }
 
@@ -167,7 +164,7 @@ class SequentialMatcher {
   std::vector<Keyframe> keyframes_;
   std::vector<Pose2> key_poses_;
   std::vector<int> in_map_;  // indices of the keyframes in the local map
-  LocalMap map_{kMapCellM};
+  LocalMap map_;
 };
 
 }  // namespace

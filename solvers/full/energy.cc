@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "plumbline/solvers/full/pose_sums.h"
+#include "plumbline/solvers/full/scan_chunk.h"
 #include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
 namespace {
-
-constexpr std::size_t kScansPerChunk = 16;
 
 double* Data(std::vector<double>* values) { return values == nullptr ? nullptr : values->data(); }
 const double* Data(const std::vector<double>* values) {

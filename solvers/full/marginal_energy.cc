@@ -7,13 +7,12 @@
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/full/scan_chunk.h"
 #include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
 namespace {
-
-constexpr std::size_t kScansPerChunk = 16;
 
 // Cost of the returns of one scan, given the lines of the map.
 double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,

@@ -8,11 +8,10 @@
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/full/scan_chunk.h"
 
 namespace plumbline {
 namespace {
-
-constexpr std::size_t kScansPerChunk = 16;
 
 // Distance [m] from its line that a point keeps whose beam ended at `distance` from it.
 double RemainingDistance(double distance, double beam_variance, double surface_variance,

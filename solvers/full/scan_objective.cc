@@ -4,11 +4,10 @@
 #include <cstddef>
 
 #include "plumbline/solvers/full/pose_sums.h"
+#include "plumbline/solvers/full/scan_chunk.h"
 
 namespace plumbline {
 namespace {
-
-constexpr std::size_t kScansPerChunk = 16;
 
 // Calls body(scan) for all scans of the graph, on all threads.
 template <typename Body>

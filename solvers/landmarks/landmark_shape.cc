@@ -10,8 +10,6 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kScansPerChunk = 64;
-
 // What the pose observed of the landmark; null if nothing.
 LineObservation* FindObservation(int pose, int landmark, LineObservations* observations) {
   const auto begin = observations->of_pose.begin();
@@ -36,6 +34,7 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
                                                      const MeasuredSurface& surface,
                                                      const LineLandmarks& landmarks,
                                                      double max_gap_m, ThreadPool* pool) {
+  constexpr std::size_t kScansPerChunk = 64;
   const std::size_t num_scans = graph.num_scans();
   std::vector<std::vector<AdjacentLandmarks>> parts(
       ThreadPool::NumChunks(num_scans, kScansPerChunk));

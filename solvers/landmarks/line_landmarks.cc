@@ -15,7 +15,7 @@ namespace {
 
 // By default from 0.1 m, since shorter stretches of surface have no direction beside a laser's
 // noise, up to 0.8 m.
-constexpr int kNumLevels = 4;
+constexpr int kNumFitLevels = 4;
 constexpr double kLargestOverFinest = 8.0;
 // Fewest returns of a landmark.
 constexpr int kMinPoints = 5;
@@ -43,7 +43,7 @@ class Quadtree {
  public:
   Quadtree(const SurfaceCells& finest, const LineLandmarkOptions& options) : options_(options) {
     levels_.push_back(finest);
-    while (static_cast<int>(levels_.size()) < kNumLevels) {
+    while (static_cast<int>(levels_.size()) < kNumFitLevels) {
       levels_.push_back(Coarsened(&levels_.back()));
     }
   }

@@ -14,7 +14,7 @@ namespace plumbline {
 namespace {
 
 // From viewpoint to viewpoint.
-constexpr double kSpacingM = 0.5;
+constexpr double kViewpointSpacingM = 0.5;
 constexpr double kSpacingRad = 0.5;
 
 // Scans of one pass differ by what moves and by noise, hardly by the drift between them.
@@ -23,7 +23,7 @@ constexpr double kMaxWithinM = 5.0;
 constexpr std::size_t kPartnersWithin = 4;
 // Another pass has left the room or turned round since, and stands where it sees the same surfaces.
 constexpr double kMinBetweenM = 8.0;
-constexpr double kReachM = 4.0;
+constexpr double kPartnerReachM = 4.0;
 constexpr std::size_t kPartnersBetween = 8;
 
 // A wrong closure bends a part of the map only: a mean over all of it would hide the part.
@@ -46,7 +46,8 @@ std::vector<int> ChooseScans(const SlamGraph& graph, const std::vector<Pose2>& p
     if (!scans.empty()) {
       const Pose2 step =
           Between(poses[graph.scan(scans.back()).pose], poses[graph.scan(scan).pose]);
-      if (step.translation().norm() < kSpacingM && std::abs(step.yaw) < kSpacingRad) continue;
+      if (step.translation().norm() < kViewpointSpacingM && std::abs(step.yaw) < kSpacingRad)
+        continue;
     }
     scans.push_back(scan);
   }
@@ -70,7 +71,7 @@ std::vector<Viewpoint> PlaceViewpoints(const SlamGraph& graph, const std::vector
 }
 
 // Two viewpoints, `first` before `second`, both ways.
-struct Pair {
+struct ViewpointPair {
   int first, second;
   bool between_passes;
   FreeSpaceConflict first_views = {}, second_views = {};
@@ -99,7 +100,7 @@ class ViewpointGrid {
   // At most kPartnersBetween of the viewpoints around `viewpoint` that were added and belong to
   // earlier passes, evenly spread over places and passes.
   std::vector<int> Partners(int viewpoint) const {
-    constexpr std::int64_t kReachCells = static_cast<std::int64_t>(kReachM);
+    constexpr std::int64_t kReachCells = static_cast<std::int64_t>(kPartnerReachM);
     const Pose2& pose = viewpoints_[viewpoint].world_from_robot;
     const std::int64_t x = CellOf(viewpoint, 0), y = CellOf(viewpoint, 1);
     std::vector<std::pair<const std::vector<int>*, std::size_t>> earlier;
@@ -110,7 +111,7 @@ class ViewpointGrid {
         if (cell == cells_.end()) continue;
         const double center_x = static_cast<double>(column) + 0.5;
         const double center_y = static_cast<double>(row) + 0.5;
-        if (std::hypot(center_x - pose.x, center_y - pose.y) > kReachM) continue;
+        if (std::hypot(center_x - pose.x, center_y - pose.y) > kPartnerReachM) continue;
         earlier.emplace_back(&cell->second, CountEarlier(cell->second, viewpoint));
         total += earlier.back().second;
       }
@@ -151,8 +152,8 @@ class ViewpointGrid {
   std::unordered_map<std::uint64_t, std::vector<int>> cells_;
 };
 
-std::vector<Pair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
-  std::vector<Pair> pairs;
+std::vector<ViewpointPair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
+  std::vector<ViewpointPair> pairs;
   const auto add = [&pairs](int first, int second, bool between_passes) {
     pairs.push_back({first, second, between_passes});
   };
@@ -173,12 +174,12 @@ std::vector<Pair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
 
 // scans: of the viewpoints.
 void ComparePairs(const std::vector<Viewpoint>& viewpoints, const std::vector<FreeSpaceScan>& scans,
-                  ThreadPool* pool, std::vector<Pair>* pairs) {
+                  ThreadPool* pool, std::vector<ViewpointPair>* pairs) {
   constexpr std::size_t kPairsPerChunk = 64;
   pool->ForEachChunk(
       pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          Pair& pair = (*pairs)[i];
+          ViewpointPair& pair = (*pairs)[i];
           const Pose2 first_from_second = Between(viewpoints[pair.first].world_from_robot,
                                                   viewpoints[pair.second].world_from_robot);
           const FreeSpaceScan &first = scans[pair.first], &second = scans[pair.second];
@@ -241,17 +242,17 @@ class PeakFinder {
   ConflictPeak peak_;
 };
 
-FreeSpaceConflict BothWays(const Pair& pair) {
+FreeSpaceConflict BothWays(const ViewpointPair& pair) {
   FreeSpaceConflict conflict = pair.first_views;
   conflict += pair.second_views;
   return conflict;
 }
 
 // Of the pairs of one pass, those that lie on either side of a viewpoint, or end there.
-ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
-                         double explicable_share) {
+ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints,
+                         const std::vector<ViewpointPair>& pairs, double explicable_share) {
   std::vector<FreeSpaceConflict> change(viewpoints.size());
-  for (const Pair& pair : pairs) {
+  for (const ViewpointPair& pair : pairs) {
     if (pair.between_passes) continue;
     change[pair.first] += BothWays(pair);
     change[pair.second] -= BothWays(pair);
@@ -266,10 +267,10 @@ ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints, const std::ve
 }
 
 // Of the stretches around each viewpoint.
-void FindWorstBetween(const std::vector<Viewpoint>& viewpoints, const std::vector<Pair>& pairs,
-                      MapConsistency* consistency) {
+void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
+                      const std::vector<ViewpointPair>& pairs, MapConsistency* consistency) {
   std::vector<FreeSpaceConflict> of_viewpoint(viewpoints.size());
-  for (const Pair& pair : pairs) {
+  for (const ViewpointPair& pair : pairs) {
     if (!pair.between_passes) continue;
     of_viewpoint[pair.first] += BothWays(pair);
     of_viewpoint[pair.second] += BothWays(pair);
@@ -304,14 +305,14 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
                                          ThreadPool* pool) const {
   const DefaultFloatEnvironment float_environment;
   const std::vector<Viewpoint> viewpoints = PlaceViewpoints(graph_, scans_, world_from_robot);
-  std::vector<Pair> pairs = ChoosePairs(viewpoints);
+  std::vector<ViewpointPair> pairs = ChoosePairs(viewpoints);
   ComparePairs(viewpoints, free_space_, pool, &pairs);
   MapConsistency consistency;
   for (const Viewpoint& viewpoint : viewpoints) {
     consistency.viewpoints.emplace_back();
     consistency.viewpoints.back().pose = viewpoint.pose;
   }
-  for (const Pair& pair : pairs) {
+  for (const ViewpointPair& pair : pairs) {
     const FreeSpaceConflict conflict = BothWays(pair);
     FreeSpaceConflict& sum =
         pair.between_passes ? consistency.between_passes : consistency.within_pass;
@@ -324,7 +325,7 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   }
   consistency.worst_within = WorstWithin(viewpoints, pairs, consistency.ExplicableShare());
   FindWorstBetween(viewpoints, pairs, &consistency);
-  for (const Pair& pair : pairs) {
+  for (const ViewpointPair& pair : pairs) {
     const Viewpoint &first = viewpoints[pair.first], &second = viewpoints[pair.second];
     AddPlace(first, second, pair.first_views, pair.seen_by_first, &consistency);
     AddPlace(second, first, pair.second_views, pair.seen_by_second, &consistency);

@@ -41,7 +41,7 @@ constexpr double kSuspectDriftRad = 1.75;
 constexpr double kLocalPathM = 4.0;
 constexpr double kLocalTurnRad = 0.5;
 // Keyframes this near to each other [m] see enough of the same surfaces.
-constexpr double kReachM = 2.0;
+constexpr double kOverlapReachM = 2.0;
 // Closures are looked for from one keyframe per this stretch of path [m], ...
 constexpr double kSpacingM = 0.5;
 // ... with at most this many earlier visits to the place, the nearest ones.
@@ -276,7 +276,7 @@ class CandidateFinder {
     const Pose2& a = graph_.world_from_key[first];
     const Pose2& b = graph_.world_from_key[second];
     const double distance_m = (a.translation() - b.translation()).norm();
-    if (distance_m <= kReachM + drift_m) {
+    if (distance_m <= kOverlapReachM + drift_m) {
       pair.cost = ViewDistanceM(distance_m, b.yaw - a.yaw);
     }
     return pair;

@@ -17,12 +17,11 @@ namespace plumbline {
 namespace {
 
 // What is matched: the keyframe with its neighbours up to kScanPathM of path [m] away, against the
-// surroundings of the other one up to kMapPathM of path [m] away. In wide searches both are of the
-// latter size: chance has more room there.
+// surroundings of the other one up to kSubmapPathM of path [m] away. In wide searches both are of
+// the latter size: chance has more room there.
 constexpr double kScanPathM = 0.5;
-constexpr double kMapPathM = 5.0;
+constexpr double kSubmapPathM = 5.0;
 constexpr double kScanCellM = 0.05;
-constexpr double kMapCellM = 0.03;
 // The map of a wide search ends here: a return kilometres away must not blow up its grid.
 constexpr double kSearchReachM = 150.0;
 // Cells [m] of the correlative search for the best place, and for all of them: there the fine
@@ -41,8 +40,8 @@ class CandidateTester {
 
   TestedCandidate Test(const LoopCandidate& candidate) const {
     const LocalMap scan = ScanOf(candidate);
-    LocalMap map(kMapCellM);
-    if (!candidate.wide()) map = SubmapAround(candidate.first, kMapPathM, kMapCellM);
+    LocalMap map;
+    if (!candidate.wide()) map = SubmapAround(candidate.first, kSubmapPathM, LocalMap::kCellM);
     const CorrelativeMatcher search(
         candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
         kSearchCellM, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
@@ -87,7 +86,7 @@ class CandidateTester {
   }
 
   LocalMap ScanOf(const LoopCandidate& candidate) const {
-    return SubmapAround(candidate.second, candidate.wide() ? kMapPathM : kScanPathM, kScanCellM);
+    return SubmapAround(candidate.second, candidate.wide() ? kSubmapPathM : kScanPathM, kScanCellM);
   }
 
   static TestedCandidate NoMatch(const LoopCandidate& candidate) {
@@ -102,7 +101,8 @@ class CandidateTester {
                             const Pose2& first_from_scan) const {
     TestedCandidate tested = NoMatch(candidate);
     tested.edge.from = NearestKey(candidate.surroundings, candidate.first, first_from_scan);
-    return TestFit(candidate, tested, SubmapAround(tested.edge.from, kMapPathM, kMapCellM), scan,
+    return TestFit(candidate, tested,
+                   SubmapAround(tested.edge.from, kSubmapPathM, LocalMap::kCellM), scan,
                    KeyFromKey(tested.edge.from, candidate.first) * first_from_scan);
   }
 
@@ -212,7 +212,7 @@ class CandidateTester {
 
   // The keyframe and the ones right before and after it, as far as they are of the same visit.
   std::vector<int> NextTo(int center) const {
-    std::vector<int> keys = Neighbours(center, kMapPathM);
+    std::vector<int> keys = Neighbours(center, kSubmapPathM);
     keys.erase(
         std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
         keys.end());

@@ -15,13 +15,12 @@ namespace plumbline {
 namespace {
 
 // All of this was tuned on the floors of the seeding study (apps/benchmark).
-constexpr double kMapCellM = 0.03;
 // Past this much path [m] beyond a break the sequential matching had a map of the new place.
 constexpr double kSpoiltM = 2.0;
 // The map is made of the sound keyframes of this much path [m] to either side.
-constexpr double kMapPathM = 8.0;
+constexpr double kBreakMapPathM = 8.0;
 // Below this share of matched points the odometry alone says where the scan was.
-constexpr double kMinInlierRatio = 0.5;
+constexpr double kMinBreakInlierRatio = 0.5;
 // Where the sequential matching saw the break counts as this much of a scan.
 constexpr double kTrustInFirstPose = 0.2;
 
@@ -128,7 +127,7 @@ class Rematcher {
     for (int k = 0; k < keys_.size(); ++k) {
       const int anchor = k <= edge ? edge : sound;
       const double path_m = std::abs(keys_.keyframes[k].path_m - keys_.keyframes[anchor].path_m);
-      if (is_spoilt_[k] || path_m > kMapPathM) continue;
+      if (is_spoilt_[k] || path_m > kBreakMapPathM) continue;
       points.push_back(&surfaces_[keys_.keyframes[k].scan]);
       poses.push_back(keys_.world_from_key[k]);
     }
@@ -142,7 +141,7 @@ class Rematcher {
     start.world_from_robot = predicted;
     const ScanMatch match = MatchScan(map_, surfaces_[scan], start, ScanMatchOptions());
     Placed placed{predicted, match.inlier_ratio};
-    if (match.inlier_ratio >= kMinInlierRatio) placed.pose = match.world_from_robot;
+    if (match.inlier_ratio >= kMinBreakInlierRatio) placed.pose = match.world_from_robot;
     const FreeSpaceScan free_space(graph_, scan);
     FreeSpaceConflict conflict;
     for (const Witness& witness : witnesses_) {
@@ -179,7 +178,7 @@ class Rematcher {
   const std::vector<Pose2>& odometry_;
   std::vector<Pose2>& poses_;
   const std::vector<int> scan_of_pose_;
-  LocalMap map_{kMapCellM};
+  LocalMap map_;
   std::vector<bool> is_spoilt_;     // per keyframe, by any break
   std::vector<Witness> witnesses_;  // the keyframes next to the break, on both sides
 };

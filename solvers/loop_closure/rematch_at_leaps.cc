@@ -14,9 +14,8 @@ namespace plumbline {
 namespace {
 
 // All of this was tuned on the slips of the seeding study (apps/benchmark).
-constexpr double kMapCellM = 0.03;
 // The map is made of the keyframes of this much path [m] to either side.
-constexpr double kMapPathM = 6.0;
+constexpr double kLeapMapPathM = 6.0;
 // Poses before and after a leap that may hang behind, ...
 constexpr int kPosesBefore = 8, kPosesAfter = 1;
 // ... and those of them that hang behind so often that they are no good as a map.
@@ -24,7 +23,7 @@ constexpr int kPosesBeforeInMap = 2;
 // A new pose must fit this much more of the scan than the old one, ...
 constexpr double kMinGain = 0.05;
 // ... and all but all of it, ...
-constexpr double kMinInlierRatio = 0.8;
+constexpr double kMinLeapInlierRatio = 0.8;
 // ... or by this much more and at least half of it, if it makes the steps of the robot more even.
 constexpr double kMinGainEven = 0.1;
 constexpr double kMinInlierRatioEven = 0.5;
@@ -84,15 +83,16 @@ LocalMap MapAround(int pose, const KeyframeGraph& keys, const std::vector<Surfac
   const double path_m = after == keys.keyframes.begin() ? 0.0 : std::prev(after)->path_m;
   std::vector<const SurfacePoints*> scans;
   std::vector<Pose2> places;
-  const auto first =
-      std::partition_point(keys.keyframes.begin(), keys.keyframes.end(),
-                           [&](const Keyframe& key) { return key.path_m < path_m - kMapPathM; });
-  for (auto key = first; key != keys.keyframes.end() && key->path_m <= path_m + kMapPathM; ++key) {
+  const auto first = std::partition_point(
+      keys.keyframes.begin(), keys.keyframes.end(),
+      [&](const Keyframe& key) { return key.path_m < path_m - kLeapMapPathM; });
+  for (auto key = first; key != keys.keyframes.end() && key->path_m <= path_m + kLeapMapPathM;
+       ++key) {
     if (key->pose == pose || leaps.IsNear(key->pose, kPosesBeforeInMap)) continue;
     scans.push_back(&surfaces[key->scan]);
     places.push_back(poses[key->pose]);
   }
-  LocalMap map(kMapCellM);
+  LocalMap map;
   map.Rebuild(scans, places);
   return map;
 }
@@ -157,7 +157,7 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
     const ScanMatch match =
         BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
-    fits_well[p] = match.inlier_ratio >= kMinInlierRatio && gain >= kMinGain;
+    fits_well[p] = match.inlier_ratio >= kMinLeapInlierRatio && gain >= kMinGain;
     if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain >= kMinGainEven)) {
       after[p] = match.world_from_robot;
     }

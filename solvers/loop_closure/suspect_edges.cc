@@ -13,7 +13,6 @@ namespace {
 
 // Keyframes on either side that are compared with those of the other one.
 constexpr int kKeysPerSide = 3;
-constexpr double kMapCellM = 0.03;
 // A point of one side is seen by the other if a surface is this near: more than matching leaves,
 // less than a jump that matters.
 constexpr double kSeenM = 0.15;
@@ -44,7 +43,7 @@ double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, con
     points.push_back(&surfaces[other.scan]);
     poses.push_back(other.world_from_robot);
   }
-  LocalMap map(kMapCellM);
+  LocalMap map;
   map.Rebuild(points, poses);
   const SurfacePoints& surface = surfaces[side.front().scan];
   const auto num_seen = std::count_if(surface.begin(), surface.end(), [&](const SurfacePoint& p) {

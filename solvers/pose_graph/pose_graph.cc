@@ -11,14 +11,14 @@
 #include "plumbline/factors/analytic_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
+#include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
 namespace plumbline {
 namespace {
 
-// Uncertain edges bend away from three standard deviations on, ...
-constexpr double kCauchyScale = 3.0;
-// ... but not from the start, where a right one may be hundreds of them off: the loss begins wide
-// enough for all and narrows by this factor (graduated non-convexity, Blake & Zisserman 1987).
+// A right edge may be hundreds of standard deviations off at the start: the loss begins wide enough
+// for all and narrows by this factor down to kCauchyScale (graduated non-convexity, Blake &
+// Zisserman 1987).
 constexpr double kNarrowing = 4.0;
 constexpr int kMaxIterations = 50;
 

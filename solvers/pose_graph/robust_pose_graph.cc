@@ -11,6 +11,7 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
+#include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
 namespace plumbline {
 namespace {
@@ -18,17 +19,15 @@ namespace {
 using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Uncertain edges bend away from three standard deviations on.
-constexpr double kCauchyScale = 3.0;
 // The loss narrows by this factor from step to step.
-constexpr double kNarrowing = 2.0;
+constexpr double kStepNarrowing = 2.0;
 // Steps at the final width, at most, ...
 constexpr int kMaxFinalSteps = 15;
 // ... which end once none of the poses moves by this much [m], [rad]: a tenth of what a scan match
 // knows.
 constexpr double kTolerance = 3e-4;
 
-struct Edge {
+struct ResidualEdge {
   int from = 0, to = 0;
   bool uncertain = false;
   RelativePoseResidual residual;
@@ -48,7 +47,7 @@ class System {
   // Largest whitened error of an uncertain edge.
   double WorstError(const std::vector<Pose2>& poses) const {
     double worst = 0.0;
-    for (const Edge& edge : edges_) {
+    for (const ResidualEdge& edge : edges_) {
       if (edge.uncertain) worst = std::max(worst, Error(edge, poses).norm());
     }
     return worst;
@@ -58,7 +57,7 @@ class System {
   double Cost(double cauchy_scale, const std::vector<Pose2>& poses) const {
     const double scale_squared = cauchy_scale * cauchy_scale;
     double cost = 0.0;
-    for (const Edge& edge : edges_) {
+    for (const ResidualEdge& edge : edges_) {
       const double chi2 = Error(edge, poses).squaredNorm();
       cost += edge.uncertain ? scale_squared * std::log1p(chi2 / scale_squared) : chi2;
     }
@@ -85,7 +84,7 @@ class System {
  private:
   void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain) {
     for (const RelativePoseConstraint& constraint : constraints) {
-      Edge edge{constraint.from, constraint.to, uncertain, {}};
+      ResidualEdge edge{constraint.from, constraint.to, uncertain, {}};
       edge.residual.a_from_b = constraint.from_from_to;
       if (SqrtInformation(constraint.covariance, &edge.residual.sqrt_information)) {
         edges_.push_back(edge);
@@ -98,7 +97,7 @@ class System {
     std::vector<std::pair<int, int>> blocks;  // column, row
     blocks.reserve(edges_.size() + size_ / 3);
     for (int p = 0; p < size_ / 3; ++p) blocks.emplace_back(p, p);
-    for (const Edge& edge : edges_) {
+    for (const ResidualEdge& edge : edges_) {
       if (edge.from > 0 && edge.to > 0) blocks.push_back(std::minmax(edge.from - 1, edge.to - 1));
     }
     std::sort(blocks.begin(), blocks.end());
@@ -116,7 +115,7 @@ class System {
     solver_.analyzePattern(matrix_);
   }
 
-  static Eigen::Vector3d Error(const Edge& edge, const std::vector<Pose2>& poses) {
+  static Eigen::Vector3d Error(const ResidualEdge& edge, const std::vector<Pose2>& poses) {
     Eigen::Vector3d error;
     const Pose2 &a = poses[edge.from], &b = poses[edge.to];
     const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
@@ -127,7 +126,7 @@ class System {
   void Linearize(double cauchy_scale, const std::vector<Pose2>& poses) {
     std::fill(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros(), 0.0);
     right_ = Eigen::VectorXd::Zero(size_);
-    for (const Edge& edge : edges_) {
+    for (const ResidualEdge& edge : edges_) {
       const Pose2 &a = poses[edge.from], &b = poses[edge.to];
       const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
       Eigen::Vector3d error;
@@ -163,7 +162,7 @@ class System {
   }
 
   int size_;  // of the system
-  std::vector<Edge> edges_;
+  std::vector<ResidualEdge> edges_;
   SparseMatrix matrix_;
   Eigen::VectorXd right_;
   Eigen::SimplicialLDLT<SparseMatrix> solver_;
@@ -180,8 +179,8 @@ void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
   std::vector<Pose2> poses = *world_from_pose;
   double scale = kCauchyScale;
   const double worst = system.WorstError(poses);
-  while (scale < worst) scale *= kNarrowing;
-  for (; scale > kCauchyScale; scale /= kNarrowing) {
+  while (scale < worst) scale *= kStepNarrowing;
+  for (; scale > kCauchyScale; scale /= kStepNarrowing) {
     if (system.Step(scale, &poses) < 0.0) return;
   }
   std::vector<Pose2> best = poses;

@@ -37,7 +37,7 @@ struct Path {
   int size() const { return minus.size() + plus.size(); }
 };
 
-struct Edge {
+struct PathEdge {
   int from;
   int to;
   Pose2 from_from_to;
@@ -162,7 +162,7 @@ class Descent {
     ShareSums sums(InverseOfM(&gamma));
     const Array3d rate = 1.0 / (gamma * iteration);
     double largest = 0.0;
-    for (const Edge& edge : edges_) {
+    for (const PathEdge& edge : edges_) {
       const Pose2 from = PoseNow(edge.from, sums);
       const Pose2 wanted = from * edge.from_from_to, to = PoseNow(edge.to, sums);
       const Array3d residual(wanted.x - to.x, wanted.y - to.y, NormalizeAngle(wanted.yaw - to.yaw));
@@ -189,7 +189,7 @@ class Descent {
     for (std::size_t e = edges_.size(); e > 1; --e) std::swap(edges_[e - 1], edges_[random_() % e]);
   }
 
-  static Eigen::Matrix3d InWorld(const Edge& edge, double yaw) {
+  static Eigen::Matrix3d InWorld(const PathEdge& edge, double yaw) {
     return RotateAxes(edge.information, yaw);
   }
 
@@ -207,7 +207,7 @@ class Descent {
     gamma->setConstant(std::numeric_limits<double>::infinity());
     std::vector<Array3d> change(num_differences + 1, Array3d::Zero());  // of M from one to the next
     std::vector<int> spans(num_differences + 1, 0);
-    for (const Edge& edge : edges_) {
+    for (const PathEdge& edge : edges_) {
       const Array3d weight = InWorld(edge, poses_[edge.from].yaw).diagonal();
       *gamma = gamma->min(weight);
       for (const Range& range : {edge.path.minus, edge.path.plus}) {
@@ -230,7 +230,7 @@ class Descent {
 
   std::vector<Pose2> poses_;
   std::vector<Range> ranges_;  // per pose
-  std::vector<Edge> edges_;
+  std::vector<PathEdge> edges_;
   std::mt19937 random_;
 };
 
