@@ -3,15 +3,18 @@
 #include <ceres/crs_matrix.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <array>
 #include <cstdlib>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/solvers/full/nonlinear_cg.h"
 #include "plumbline/solvers/full/problem_builder.h"
 #include "plumbline/solvers/terms/terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
@@ -208,6 +211,87 @@ TEST(EnergyTest, CostsAndGradientsOfARealLogAreThoseOfCeres) {
   MapState state = graph.InitialState();
   DisturbPoints(0.01, &state);
   ExpectSameAsCeres(graph, EveryTerm(), false, &state);
+}
+
+/// x^T H x / 2 + g^T x, without a preconditioner.
+class Quadratic final : public CgObjective {
+ public:
+  Quadratic(SparseMatrix hessian, Eigen::VectorXd gradient)
+      : hessian_(std::move(hessian)), gradient_(std::move(gradient)) {}
+
+  bool Evaluate(const Vector& x, double* cost, Vector* gradient) override {
+    const Eigen::VectorXd g = hessian_ * AsEigen(x) + gradient_;
+    *cost = 0.5 * AsEigen(x).dot(g + gradient_);
+    gradient->assign(g.data(), g.data() + g.size());
+    return true;
+  }
+  bool Start(const Vector& x, double* cost, Vector* gradient) override {
+    return Evaluate(x, cost, gradient);
+  }
+  double Curvature(const Vector&, const Vector& d) override {
+    return AsEigen(d).dot(hessian_ * AsEigen(d));
+  }
+  void Precondition(const Vector&, const Vector& gradient, Vector* result) override {
+    *result = gradient;
+  }
+
+  /// How far x is from the minimum, as a share of what x = 0 is.
+  double Error(const Vector& x) const {
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(hessian_);
+    const Eigen::VectorXd minimum = solver.solve(-gradient_);
+    return (AsEigen(x) - minimum).norm() / minimum.norm();
+  }
+
+ private:
+  SparseMatrix hessian_;
+  Eigen::VectorXd gradient_;
+};
+
+/// Minimises by the formula of Fletcher and Reeves.
+void MinimizeQuadratic(int max_steps, Quadratic* quadratic, Vector* x) {
+  NonlinearCgOptions options;
+  options.formula = CgFormula::kFletcherReeves;
+  options.max_iterations = max_steps;
+  options.relative_cost_tolerance = 0.0;
+  ThreadPool pool(1);
+  MinimizeByCg(options, quadratic, nullptr, &pool, x);
+}
+
+// The turns of the published method: poses while the map rests, and the map while they rest, with
+// the association and the linearisation held.
+TEST(EnergyTest, ConjugateGradientsSolveTheTurnsOfARealLogInAtMostAsManyStepsAsVariables) {
+  const char* const datasets = std::getenv("PLUMBLINE_DATASETS");
+  if (datasets == nullptr) GTEST_SKIP() << "PLUMBLINE_DATASETS is not set";
+  CarmenLog log;
+  ASSERT_TRUE(
+      ReadCarmenLog(std::string(datasets) + "/fr079.clf.gz", CarmenReadOptions(), &log).ok());
+  SlamGraph graph;
+  constexpr int kNumPoses = 20;
+  ASSERT_TRUE(BuildGraph(log, kNumPoses, &graph).ok());
+  MapState state = graph.InitialState();
+  DisturbPoints(0.01, &state);
+  const Associations associations = AssociationsOf(graph, state);
+  const SparseMatrix hessian = GaussNewtonHessian(graph, associations, EveryTerm(), &state);
+  Oracle oracle(graph, associations, EveryTerm(), &state);
+  oracle.SetAllVariable();
+  double cost = 0.0;
+  Vector gradient;
+  ASSERT_TRUE(oracle.joint.problem->Evaluate(oracle.all, &cost, nullptr, &gradient, nullptr));
+  const int num_pose_entries = 3 * kNumPoses, num_point_entries = hessian.rows() - num_pose_entries;
+
+  Quadratic poses(hessian.topLeftCorner(num_pose_entries, num_pose_entries),
+                  AsEigen(gradient).head(num_pose_entries));
+  Vector x(num_pose_entries, 0.0);
+  MinimizeQuadratic(num_pose_entries, &poses, &x);
+  EXPECT_LE(poses.Error(x), 1e-6);
+
+  Quadratic points(hessian.bottomRightCorner(num_point_entries, num_point_entries),
+                   AsEigen(gradient).tail(num_point_entries));
+  x.assign(num_point_entries, 0.0);
+  // Far fewer than there are variables: the points of one surface have nearly the same eigenvalues.
+  ASSERT_GT(num_point_entries, 10000);
+  MinimizeQuadratic(200, &points, &x);
+  EXPECT_LE(points.Error(x), 1e-6);
 }
 
 TEST(EnergyTest, CurvatureIsThatOfTheGaussNewtonHessian) {
