@@ -8,7 +8,10 @@
 #include "plumbline/apps/convert/convert.h"
 #include "plumbline/apps/program/command_line.h"
 
-DEFINE_string(input, "", "CARMEN log (.clf, .log) or pose graph (g2o, TORO); plain or .gz");
+DEFINE_string(
+    input, "",
+    "CARMEN log (.clf, .log), plain or .gz; bag of ROS 1 or ROS 2, file or folder; or pose graph "
+    "(g2o, TORO), plain or .gz");
 DEFINE_string(output, "",
               "File to write, or several, separated by commas. The extension tells what it is: "
               ".tum .g2o .toro .graph .ply .pcd .pgm .yaml");

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Usage: apps/demo.sh [LOG] [--plumbline_slam_flag...]
-# Builds the programs and maps the CARMEN log LOG (plain or .gz). Without LOG, simulates a drive
+# Builds the programs and maps LOG: a CARMEN log (plain or .gz), or a ROS bag. Without LOG, simulates a drive
 # through a small building first and compares the map with the truth. Results: demo_output/.
 set -euo pipefail
 
@@ -10,8 +10,8 @@ log=
 if (($# > 0)) && [[ $1 != -* ]]; then
   log=$1
   shift
-  if [[ ! -f $log || ! -r $log ]]; then
-    echo "demo.sh: cannot read a log file at '$log'" >&2
+  if [[ ! -r $log ]]; then
+    echo "demo.sh: cannot read a log at '$log'" >&2
     exit 1
   fi
 fi

@@ -24,7 +24,8 @@ DEFINE_string(relations, "",
               "True relative poses ('t1 t2 x y z roll pitch yaw'): relations metric");
 DEFINE_string(truth, "", "True trajectory (TUM): absolute and relative error, as evo has them");
 DEFINE_string(log, "",
-              "CARMEN log, plain or .gz, or ROS bag: sharpness of its ranges at the trajectory's "
+              "CARMEN log, plain or .gz, or bag of ROS 1 or ROS 2: sharpness of its ranges at the "
+              "trajectory's "
               "poses, and whether "
               "its passes contradict each other about free space");
 DEFINE_string(points, "", "Map points (PLY of plumbline_slam): their sharpness");

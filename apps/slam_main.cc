@@ -43,7 +43,8 @@
 
 DEFINE_string(
     log, "",
-    "Log to map (CARMEN, or ROS bag), or pose graph to refine (g2o, TORO); text plain or .gz");
+    "Log to map (CARMEN, or bag of ROS 1 or ROS 2, file or folder), or pose graph to refine (g2o, "
+    "TORO); text plain or .gz");
 DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
 DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
@@ -396,7 +397,8 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
-      "Maps a raw log (CARMEN or ROS bag), or refines a pose graph: joint estimation of all poses "
+      "Maps a raw log (CARMEN, or bag of ROS 1 or ROS 2), or refines a pose graph: joint "
+      "estimation of all poses "
       "and all laser "
       "returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"

@@ -2,7 +2,7 @@
 # Usage: cmake/bootstrap.sh [--tests]
 # Installs what the build needs and the system lacks; with --tests also what tests can do without:
 # doxygen for the API reference, clang-format, clang-tidy, the browser that report.html is tested in
-# (300 MB), and the library for ROS bags (200 MB). Debian and its kin only: elsewhere it says what
+# (300 MB), and the library for bags of ROS 1 (200 MB). Debian and its kin only: elsewhere it says what
 # is wanted and leaves the rest to CMake.
 set -euo pipefail
 
@@ -10,6 +10,7 @@ packages=(
   g++ cmake make pkg-config
   libceres-dev libeigen3-dev libsuitesparse-dev libnanoflann-dev                    # library
   libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev      # programs
+  libsqlite3-dev liblz4-dev libzstd-dev libyaml-cpp-dev                             # bags of ROS 2
   libgtest-dev libgmock-dev                                                         # tests
 )
 browser=(chromium chromium-driver python3-selenium)
@@ -17,7 +18,7 @@ rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
-  echo "bootstrap: ROS bags want ${rosbag[*]}" >&2
+  echo "bootstrap: bags of ROS 1 want ${rosbag[*]}" >&2
   exit 0
 fi
 
@@ -51,5 +52,5 @@ if [[ ${1:-} == --tests ]]; then
   install_missing git clang-tidy-14 || echo "bootstrap: no clang-tidy-14; the test tidy is skipped" >&2
   install_missing clang-format-14 || echo "bootstrap: no clang-format-14; formatting is not tested" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
-  install_missing "${rosbag[@]}" || echo "bootstrap: no library for ROS bags; the build goes without" >&2
+  install_missing "${rosbag[@]}" || echo "bootstrap: no library for bags of ROS 1; the build goes without" >&2
 fi

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/convert/replace_poses.h"
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/io/pcd_writer.h"
@@ -31,7 +32,10 @@ std::string Identity(const std::string& path) {
 // Known before anything is written, so that a ROS map does not end up with one file of its two.
 Status CheckFiles(const ConvertOptions& options) {
   std::error_code ignored;
-  std::set<std::string> taken = {Identity(options.input)};
+  std::vector<std::string> inputs;
+  PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(options.input, &inputs));
+  std::set<std::string> taken;
+  for (const std::string& input : inputs) taken.insert(Identity(input));
   if (!options.trajectory.empty()) taken.insert(Identity(options.trajectory));
   for (const ConversionTarget& target : options.targets) {
     for (const std::string& file : target.Files()) {

@@ -25,11 +25,10 @@ bool ParseNumber(std::string_view word, double* value) {
 
 }  // namespace
 
-std::string Printable(std::string_view word) {
-  constexpr std::size_t kMaxShown = 40;
+std::string Printable(std::string_view word, std::size_t max_shown) {
   constexpr char kHexDigits[] = "0123456789abcdef";
   std::string shown;
-  for (const char c : word.substr(0, kMaxShown)) {
+  for (const char c : word.substr(0, max_shown)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte >= ' ' && byte <= '~') {
       shown += c;
@@ -37,7 +36,7 @@ std::string Printable(std::string_view word) {
       shown += {'\\', 'x', kHexDigits[byte / 16], kHexDigits[byte % 16]};
     }
   }
-  return shown + (word.size() > kMaxShown ? "..." : "");
+  return shown + (word.size() > max_shown ? "..." : "");
 }
 
 std::string Quote(std::string_view word) { return "'" + Printable(word) + "'"; }

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_IO_FIELD_READER_H_
 #define PLUMBLINE_APPS_IO_FIELD_READER_H_
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,8 +9,8 @@
 namespace plumbline {
 
 /// The start of a word from a file as a message may show it: on one line, and without codes that a
-/// terminal would obey.
-std::string Printable(std::string_view word);
+/// terminal would obey; up to `max_shown` bytes of it.
+std::string Printable(std::string_view word, std::size_t max_shown = 40);
 /// The same in quotation marks.
 std::string Quote(std::string_view word);
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "plumbline/apps/io/clock.h"
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
@@ -84,8 +85,10 @@ class GraphBuilder {
   RosGraphNotes&& notes() { return std::move(notes_); }
 
  private:
-  Status Error(const std::string& problem) const {
-    return Status::InvalidArgument(recording_.path + ": " + problem);
+  Status Error(const std::string& problem) const { return Status::InvalidArgument(Text(problem)); }
+  // For people. The names of topics and frames come from the file.
+  std::string Text(const std::string& problem) const {
+    return recording_.path + ": " + Printable(problem, 4000);
   }
   std::string ScanName(std::size_t index) const {
     return RosMessageName(recording_.scan_topic, index, recording_.scans[index].stamp_s);
@@ -195,9 +198,9 @@ class GraphBuilder {
     return Status::Ok();
   }
 
-  void Skip(std::string reason) {
+  void Skip(const std::string& reason) {
     if (++notes_.num_skipped_scans > kMaxNotes) return;
-    notes_.skipped_scans.push_back(recording_.path + ": " + std::move(reason));
+    notes_.skipped_scans.push_back(Text(reason));
   }
 
   // The first scan tells the mounting, the others must agree.
@@ -233,9 +236,9 @@ class GraphBuilder {
 
   void WarnOfUnknownMounting() {
     notes_.warnings.push_back(
-        recording_.path + ": no transform from the robot's frame '" + robot_frame_ +
-        "' to the laser's, '" + laser_frame() +
-        "': the laser is taken to sit upright at the robot's centre and to look ahead");
+        Text("no transform from the robot's frame '" + robot_frame_ + "' to the laser's, '" +
+             laser_frame() +
+             "': the laser is taken to sit upright at the robot's centre and to look ahead"));
   }
 
   const RosRecording& recording_;

@@ -8,13 +8,13 @@ DEFINE_string(
     odom_topic, "",
     "ROS bag: topic of the odometry (empty: the only nav_msgs/Odometry, or the transforms "
     "if there is none; /tf: the transforms)");
-DEFINE_string(odom_frame, plumbline::RosbagReadOptions().odom_frame,
+DEFINE_string(odom_frame, plumbline::BagReadOptions().odom_frame,
               "ROS bag: frame of the odometry in the transforms");
 
 namespace plumbline {
 
-RosbagReadOptions RosbagReadOptionsFromFlags() {
-  RosbagReadOptions options;
+BagReadOptions BagReadOptionsFromFlags() {
+  BagReadOptions options;
   options.scan_topic = FLAGS_scan_topic;
   options.odom_topic = FLAGS_odom_topic;
   options.odom_frame = FLAGS_odom_frame;

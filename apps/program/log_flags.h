@@ -1,12 +1,12 @@
 #ifndef PLUMBLINE_APPS_PROGRAM_LOG_FLAGS_H_
 #define PLUMBLINE_APPS_PROGRAM_LOG_FLAGS_H_
 
-#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/bags/bag_reader.h"
 
 namespace plumbline {
 
-/// What the command line says of the topics of a bag.
-RosbagReadOptions RosbagReadOptionsFromFlags();
+/// What the command line says of the topics of a bag of ROS.
+BagReadOptions BagReadOptionsFromFlags();
 
 }  // namespace plumbline
 

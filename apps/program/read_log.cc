@@ -1,16 +1,15 @@
 #include "plumbline/apps/program/read_log.h"
 
-#include <fstream>
 #include <iostream>
 #include <optional>
-#include <string_view>
 #include <utility>
 
+#include "plumbline/apps/bags/bag_reader.h"
+#include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
-#include "plumbline/apps/io/rosbag_reader.h"
 #include "plumbline/apps/program/log_flags.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 
@@ -36,16 +35,9 @@ Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, Sla
   return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
 }
 
-bool IsRosbag(const std::string& path) {
-  constexpr std::string_view kMagic = "#ROSBAG V";
-  std::string start(kMagic.size(), '\0');
-  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
-  return start == kMagic;
-}
-
-Status ReadBag(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+Status ReadRosLog(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
   RosRecording recording;
-  PLUMBLINE_RETURN_IF_ERROR(ReadRosbag(path, RosbagReadOptionsFromFlags(), &recording));
+  PLUMBLINE_RETURN_IF_ERROR(ReadBag(path, BagReadOptionsFromFlags(), &recording));
   RosGraphNotes notes;
   PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, RosGraphOptions(), max_scans, &notes, graph));
   for (const std::string& scan : notes.skipped_scans) std::cerr << "skipped " << scan << '\n';
@@ -61,8 +53,8 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   SlamGraph result;
   LogCounts result_counts;
-  PLUMBLINE_RETURN_IF_ERROR(IsRosbag(path) ? ReadBag(path, max_scans, &result_counts, &result)
-                                           : ReadCarmen(path, max_scans, &result_counts, &result));
+  PLUMBLINE_RETURN_IF_ERROR(IsBag(path) ? ReadRosLog(path, max_scans, &result_counts, &result)
+                                        : ReadCarmen(path, max_scans, &result_counts, &result));
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }

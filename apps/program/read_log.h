@@ -15,11 +15,11 @@ struct LogCounts {
   std::size_t num_out_of_order = 0;
 };
 
-/// Reads the first `max_scans` scans of a CARMEN log or of a ROS bag (0 = all) into a graph placed
-/// by odometry, for a program: log_flags.h says which topics of a bag; the first records that are
-/// skipped, and what is doubtful about the laser's mounting or the order of its beams, are named on
-/// standard error. Fails like the reader of the format and its BuildGraph, and with InvalidArgument
-/// if no scan has a return; what the pointers lead to is then untouched.
+/// Reads the first `max_scans` scans of a CARMEN log or of a bag of ROS 1 or ROS 2 (0 = all) into a
+/// graph placed by odometry, for a program: log_flags.h says which topics of a bag; the first
+/// records that are skipped, and what is doubtful about the laser's mounting or the order of its
+/// beams, are named on standard error. Fails like the reader of the format and its BuildGraph, and
+/// with InvalidArgument if no scan has a return; what the pointers lead to is then untouched.
 Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
                         SlamGraph* graph);
 

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <utility>
 
+#include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/binary_archive.h"
 #include "plumbline/apps/io/file_status.h"
@@ -186,21 +187,28 @@ Status ReadBytes(const std::string& path, std::string* bytes) {
   return Status::Ok();
 }
 
-// Size and checksum of a file of any size, into the fingerprint.
-Status AddContent(const std::string& path, RunFingerprint* fingerprint) {
+// Adds a file of any size to the size and the checksum of those before it.
+Status AddFile(const std::string& path, std::uintmax_t* size, std::uint32_t* crc) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return ReadError("open", path, errno);
   std::string block(std::size_t{1} << 18, '\0');
-  std::uintmax_t size = 0;
-  std::uint32_t crc = Crc("");
   while (file) {
     file.read(block.data(), static_cast<std::streamsize>(block.size()));
     const auto num_read = static_cast<std::size_t>(file.gcount());
-    size += num_read;
-    crc = Crc(std::string_view(block.data(), num_read), crc);
+    *size += num_read;
+    *crc = Crc(std::string_view(block.data(), num_read), *crc);
   }
-  if (file.bad()) return ReadError("read", path, errno);
+  return file.bad() ? ReadError("read", path, errno) : Status::Ok();
+}
+
+// Size and checksum of a log, into the fingerprint.
+Status AddContent(const std::string& log, RunFingerprint* fingerprint) {
+  std::vector<std::string> files;
+  PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(log, &files));
+  std::uintmax_t size = 0;
+  std::uint32_t crc = Crc("");
+  for (const std::string& file : files) PLUMBLINE_RETURN_IF_ERROR(AddFile(file, &size, &crc));
   fingerprint->emplace_back("the size of the log [bytes]", std::to_string(size));
   fingerprint->emplace_back("the checksum of the log", std::to_string(crc));
   return Status::Ok();

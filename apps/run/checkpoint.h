@@ -14,9 +14,9 @@ namespace plumbline {
 /// All that a seed depends on, as pairs of a name for people and a value.
 using RunFingerprint = std::vector<std::pair<std::string, std::string>>;
 
-/// Size and checksum of the log, and every flag of this program but those that change neither poses
-/// nor points (folders, pictures, threads, truth). Fails like a reader of the log if it cannot be
-/// read.
+/// Size and checksum of the log, of all its files, and every flag of this program but those that
+/// change neither poses nor points (folders, pictures, threads, truth). Fails like a reader of the
+/// log if it cannot be read.
 Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint);
 
 /// Keeps the poses that the seeding left, (x, y, yaw) each, and what it reported, so that another

@@ -11,15 +11,15 @@ namespace {
 
 TEST(LogFlagsTest, FlagsAreTheOptionsOfTheReader) {
   const gflags::FlagSaver saver;
-  EXPECT_EQ(RosbagReadOptionsFromFlags().scan_topic, "");
-  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_topic, "");
-  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_frame, "odom");
+  EXPECT_EQ(BagReadOptionsFromFlags().scan_topic, "");
+  EXPECT_EQ(BagReadOptionsFromFlags().odom_topic, "");
+  EXPECT_EQ(BagReadOptionsFromFlags().odom_frame, "odom");
   gflags::SetCommandLineOption("scan_topic", "/front");
   gflags::SetCommandLineOption("odom_topic", "/wheels");
   gflags::SetCommandLineOption("odom_frame", "start");
-  EXPECT_EQ(RosbagReadOptionsFromFlags().scan_topic, "/front");
-  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_topic, "/wheels");
-  EXPECT_EQ(RosbagReadOptionsFromFlags().odom_frame, "start");
+  EXPECT_EQ(BagReadOptionsFromFlags().scan_topic, "/front");
+  EXPECT_EQ(BagReadOptionsFromFlags().odom_topic, "/wheels");
+  EXPECT_EQ(BagReadOptionsFromFlags().odom_frame, "start");
 }
 
 TEST(LogFlagsTest, HelpListsThem) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/bags/ros1_bag.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
 #include "plumbline/apps/simulation/simulator.h"
@@ -74,15 +74,16 @@ TEST(ReadLogTest, ALogWithoutReturnsIsAnError) {
   EXPECT_EQ(graph.num_scans(), 0);
 }
 
-TEST(ReadLogTest, ARosbagIsToldByItsFirstLine) {
+TEST(ReadLogTest, ABagIsToldByItsFirstLine) {
   const std::string path = TempFolder() + "a.clf";
   WriteFile(path, "#ROSBAG V2.0\n");
   SlamGraph graph;
   LogCounts counts;
   const Status status = ReadLogIntoGraph(path, 0, &counts, &graph);
   EXPECT_FALSE(status.ok());
-  EXPECT_THAT(status.message(), HasSubstr(CanReadRosbags() ? path + ": cannot be read as a ROS bag"
-                                                           : path + ": a ROS bag, which this"));
+  EXPECT_THAT(status.message(),
+              HasSubstr(CanReadRos1Bags() ? path + ": cannot be read as a ROS bag"
+                                          : path + ": a bag of ROS 1, which this"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "plumbline/apps/io/rosbag_records.h"
+#include "plumbline/apps/bags/ros1_records.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,11 +43,11 @@ std::string Index(unsigned count, unsigned offset) {
   return Record({"op=\x04", "count=" + Number(count)}, "the time" + Number(offset));
 }
 
-class RosbagRecordsTest : public testing::Test {
+class Ros1RecordsTest : public testing::Test {
  protected:
   Status Check(const std::string& content) const {
     WriteFile(path_, content);
-    return CheckRosbagRecords(path_);
+    return CheckRos1Records(path_);
   }
 
   const std::string path_ = TempFolder() + "a.bag";
@@ -56,13 +56,13 @@ class RosbagRecordsTest : public testing::Test {
   const std::string connection_ = Part(8, Part(4, "op=\x07"));
 };
 
-TEST_F(RosbagRecordsTest, TakesWholeBags) {
+TEST_F(Ros1RecordsTest, TakesWholeBags) {
   EXPECT_TRUE(Check(bag_ + connection_ + Part(7, Part(3, "a=b"))).ok());
   EXPECT_TRUE(Check("#ROSBAG V2.0\n").ok());
 }
 
 // The library would read all but the last as bags.
-TEST_F(RosbagRecordsTest, RefusesOtherFormats) {
+TEST_F(Ros1RecordsTest, RefusesOtherFormats) {
   for (const std::string start : {"#ROSBGA V2.0\n", "#ROSBAG V2.00\n", "#ROSBAG V1.2\n", ""}) {
     const Status status = Check(start + Part(9, ""));
     EXPECT_EQ(status.code(), StatusCode::kDataLoss);
@@ -70,7 +70,7 @@ TEST_F(RosbagRecordsTest, RefusesOtherFormats) {
   }
 }
 
-TEST_F(RosbagRecordsTest, NamesWhereLengthsAreWrong) {
+TEST_F(Ros1RecordsTest, NamesWhereLengthsAreWrong) {
   const std::string at = "the record at byte " + std::to_string(bag_.size());
   for (const std::string& end :
        {Part(2, "x"), Part(0xffffffff, "xyz"), std::string("abc"), Part(0, ""), Part(3, "a=b"),
@@ -82,7 +82,7 @@ TEST_F(RosbagRecordsTest, NamesWhereLengthsAreWrong) {
   }
 }
 
-TEST_F(RosbagRecordsTest, NamesWhatPointsNowhere) {
+TEST_F(Ros1RecordsTest, NamesWhatPointsNowhere) {
   const std::string start = "#ROSBAG V2.0\n", connection = Record({"op=\x07"}, Part("a=b"));
   const std::string message = Record({"op=\x02"}, "content");
   const unsigned message_at = connection.size();
@@ -115,8 +115,8 @@ TEST_F(RosbagRecordsTest, NamesWhatPointsNowhere) {
   EXPECT_THAT(Check(start + beyond + chunk).message(), HasSubstr("the record at byte 13 is"));
 }
 
-TEST_F(RosbagRecordsTest, NamesAFileThatIsNotThere) {
-  EXPECT_EQ(CheckRosbagRecords(path_).code(), StatusCode::kNotFound);
+TEST_F(Ros1RecordsTest, NamesAFileThatIsNotThere) {
+  EXPECT_EQ(CheckRos1Records(path_).code(), StatusCode::kNotFound);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "plumbline/apps/io/rosbag_records.h"
+#include "plumbline/apps/bags/ros1_records.h"
 
 #include <cerrno>
 #include <cstddef>
@@ -191,7 +191,7 @@ class RecordChecker {
 
 }  // namespace
 
-Status CheckRosbagRecords(const std::string& path) {
+Status CheckRos1Records(const std::string& path) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   errno = 0;
   std::ifstream file(path, std::ios::binary | std::ios::ate);

@@ -1,4 +1,4 @@
-#include "plumbline/apps/io/rosbag_reader.h"
+#include "plumbline/apps/bags/ros1_bag.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,15 +12,16 @@
 namespace plumbline {
 namespace {
 
-TEST(RosbagReaderTest, WithoutTheLibraryABagIsAnErrorThatSaysSo) {
-  RosRecording recording;
-  const Status status = ReadRosbag("a.bag", RosbagReadOptions(), &recording);
+TEST(Ros1BagTest, WithoutTheLibraryABagIsAnErrorThatSaysSo) {
+  std::unique_ptr<BagContainer> bag;
+  const Status status = OpenRos1Bag("a.bag", &bag);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(status.message(), testing::HasSubstr("a.bag: a ROS bag, which this build cannot"));
+  EXPECT_THAT(status.message(),
+              testing::HasSubstr("a.bag: a bag of ROS 1, which this build cannot"));
   EXPECT_THAT(status.message(), testing::HasSubstr("librosbag-storage-dev"));
 }
 
-TEST(RosbagReaderTest, ReadsBags) {
+TEST(Ros1BagTest, ReadsBags) {
   GTEST_SKIP() << "built without librosbag_storage: nothing to read bags with";
 }
 
@@ -37,6 +38,7 @@ TEST(RosbagReaderTest, ReadsBags) {
 #include <cmath>
 #include <limits>
 
+#include "plumbline/apps/bags/bag_reader.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/angle.h"
@@ -103,7 +105,7 @@ sensor_msgs::LaserScan Scan(double stamp_s, const std::vector<double>& ranges,
 }
 
 // Writes bags and reads them again.
-class RosbagReaderTest : public ProgramTest {
+class Ros1BagTest : public ProgramTest {
  protected:
   // Writes with the stamp as time of arrival.
   template <typename Message>
@@ -133,16 +135,16 @@ class RosbagReaderTest : public ProgramTest {
     }
   }
 
-  RosRecording Read(const RosbagReadOptions& options = RosbagReadOptions()) const {
+  RosRecording Read(const BagReadOptions& options = BagReadOptions()) const {
     RosRecording recording;
-    const Status status = ReadRosbag(path_, options, &recording);
+    const Status status = ReadBag(path_, options, &recording);
     EXPECT_TRUE(status.ok()) << status.message();
     return recording;
   }
-  Status Fails(const RosbagReadOptions& options = RosbagReadOptions()) const {
+  Status Fails(const BagReadOptions& options = BagReadOptions()) const {
     RosRecording recording;
     recording.path = "as before";
-    const Status status = ReadRosbag(path_, options, &recording);
+    const Status status = ReadBag(path_, options, &recording);
     EXPECT_FALSE(status.ok());
     EXPECT_EQ(recording.path, "as before");
     EXPECT_THAT(status.message(), HasSubstr(path_));
@@ -153,7 +155,7 @@ class RosbagReaderTest : public ProgramTest {
   rosbag::Bag bag_;
 };
 
-TEST_F(RosbagReaderTest, ReadsWhatTheMessagesSay) {
+TEST_F(Ros1BagTest, ReadsWhatTheMessagesSay) {
   for (const rosbag::CompressionType compression :
        {rosbag::compression::Uncompressed, rosbag::compression::BZ2, rosbag::compression::LZ4}) {
     WriteSmallBag(compression);
@@ -181,7 +183,7 @@ TEST_F(RosbagReaderTest, ReadsWhatTheMessagesSay) {
   }
 }
 
-TEST_F(RosbagReaderTest, TransformsKeepNoLeadingSlash) {
+TEST_F(Ros1BagTest, TransformsKeepNoLeadingSlash) {
   Open();
   WriteSmallDrive("/scan");
   Write("/tf", kStart_s, Transform(kStart_s, "/base_link", "/laser", {0.1, 0.2, 0.3}, true));
@@ -194,7 +196,7 @@ TEST_F(RosbagReaderTest, TransformsKeepNoLeadingSlash) {
   EXPECT_NEAR(transform->linear()(2, 2), -1.0, 1e-12);
 }
 
-TEST_F(RosbagReaderTest, OneOfTwoScanTopicsHasToBeChosen) {
+TEST_F(Ros1BagTest, OneOfTwoScanTopicsHasToBeChosen) {
   Open();
   WriteSmallDrive("/front/scan");
   WriteSmallDrive("/rear/scan");
@@ -202,7 +204,7 @@ TEST_F(RosbagReaderTest, OneOfTwoScanTopicsHasToBeChosen) {
   EXPECT_THAT(Fails().message(),
               AllOf(HasSubstr("--scan_topic"), HasSubstr("/front/scan (sensor_msgs/LaserScan)"),
                     HasSubstr("/rear/scan"), HasSubstr("/odom (nav_msgs/Odometry)")));
-  RosbagReadOptions options;
+  BagReadOptions options;
   options.scan_topic = "rear/scan";
   EXPECT_EQ(Read(options).scan_topic, "/rear/scan");
   options.scan_topic = "/scan";
@@ -216,12 +218,12 @@ TEST_F(RosbagReaderTest, OneOfTwoScanTopicsHasToBeChosen) {
   EXPECT_FALSE(options.Check(nullptr));
 }
 
-TEST_F(RosbagReaderTest, TheTransformsTellTheOdometryIfAskedOrIfNothingElseDoes) {
+TEST_F(Ros1BagTest, TheTransformsTellTheOdometryIfAskedOrIfNothingElseDoes) {
   Open();
   WriteSmallDrive("/scan");
   Write("/tf", kStart_s, Transform(kStart_s, "wheels", "base_link", {}));
   bag_.close();
-  RosbagReadOptions options;
+  BagReadOptions options;
   options.odom_topic = "/tf";
   options.odom_frame = "/wheels";
   const RosRecording recording = Read(options);
@@ -230,7 +232,7 @@ TEST_F(RosbagReaderTest, TheTransformsTellTheOdometryIfAskedOrIfNothingElseDoes)
   EXPECT_THAT(recording.odometry, IsEmpty());
 }
 
-TEST_F(RosbagReaderTest, ABagWithoutScansListsItsTopics) {
+TEST_F(Ros1BagTest, ABagWithoutScansListsItsTopics) {
   Open();
   Write("/odom", kStart_s, Odometry(kStart_s, {}));
   bag_.close();
@@ -238,7 +240,7 @@ TEST_F(RosbagReaderTest, ABagWithoutScansListsItsTopics) {
                                        HasSubstr("the bag has /odom (nav_msgs/Odometry)")));
 }
 
-TEST_F(RosbagReaderTest, APoseThatIsNoneIsNamed) {
+TEST_F(Ros1BagTest, APoseThatIsNoneIsNamed) {
   Open();
   WriteSmallDrive("/scan");
   nav_msgs::Odometry odometry = Odometry(kStart_s + 2.0, {});
@@ -257,7 +259,7 @@ TEST_F(RosbagReaderTest, APoseThatIsNoneIsNamed) {
                         "'laser' is not finite"));
 }
 
-TEST_F(RosbagReaderTest, DamageIsAnError) {
+TEST_F(Ros1BagTest, DamageIsAnError) {
   WriteSmallBag(rosbag::compression::LZ4);
   const std::string whole = ReadFile(path_);
   for (const std::size_t size : {whole.size() / 2, whole.size() - 100, std::size_t{20}}) {
@@ -282,7 +284,7 @@ TEST_F(RosbagReaderTest, DamageIsAnError) {
 
 // A drive through the small building, with a laser that hangs upside down behind the robot's centre
 // and is mirrored, as its driver sends it. No odometry topic: all is told by transforms.
-class RosbagDriveTest : public RosbagReaderTest {
+class Ros1DriveTest : public Ros1BagTest {
  protected:
   static constexpr int kNumScans = 150;
 
@@ -357,7 +359,7 @@ class RosbagDriveTest : public RosbagReaderTest {
   SimulatedLog log_;
 };
 
-TEST_F(RosbagDriveTest, RangesPosesAndMountingAreThoseOfTheDrive) {
+TEST_F(Ros1DriveTest, RangesPosesAndMountingAreThoseOfTheDrive) {
   SimulateDrive();
   for (const bool as_transforms : {false, true}) {
     WriteDrive(as_transforms);
@@ -365,7 +367,7 @@ TEST_F(RosbagDriveTest, RangesPosesAndMountingAreThoseOfTheDrive) {
   }
 }
 
-TEST_F(RosbagDriveTest, TheExampleMapsOdometryMessages) {
+TEST_F(Ros1DriveTest, TheExampleMapsOdometryMessages) {
   SimulateDrive();
   log_.laser.robot_from_laser = {};  // as the example has it; the odometry then moves the laser
   for (SimulatedScan& scan : log_.scans) {
@@ -390,7 +392,7 @@ TEST_F(RosbagDriveTest, TheExampleMapsOdometryMessages) {
               HasSubstr("none.bag"));
 }
 
-TEST_F(RosbagDriveTest, TheProgramsMapAndMeasureABag) {
+TEST_F(Ros1DriveTest, TheProgramsMapAndMeasureABag) {
   SimulateDrive();
   WriteDrive(true);
   WriteTruth();

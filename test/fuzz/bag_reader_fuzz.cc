@@ -1,5 +1,5 @@
+#include "plumbline/apps/bags/bag_reader.h"
 #include "plumbline/apps/io/ros_recording.h"
-#include "plumbline/apps/io/rosbag_reader.h"
 #include "plumbline/test/fuzz/input_file.h"
 #include "plumbline/test/fuzz/map_graph.h"
 
@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace plumbline;
   static const InputFile file;
   RosRecording recording;
-  if (!ReadRosbag(file.Holding(data, size), RosbagReadOptions(), &recording).ok()) return 0;
+  if (!ReadBag(file.Holding(data, size), BagReadOptions(), &recording).ok()) return 0;
   RosGraphNotes notes;
   SlamGraph graph;
   if (!BuildGraph(recording, RosGraphOptions(), 0, &notes, &graph).ok()) return 0;

@@ -1,0 +1,258 @@
+#include "plumbline/apps/bags/bag_reader.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "plumbline/apps/bags/bag_container.h"
+#include "plumbline/apps/bags/compressed_frames.h"
+#include "plumbline/apps/bags/open_bag.h"
+#include "plumbline/apps/bags/ros_message.h"
+#include "plumbline/apps/io/field_reader.h"
+
+namespace plumbline {
+namespace {
+
+constexpr char kScanType[] = "sensor_msgs/LaserScan";
+constexpr char kOdometryType[] = "nav_msgs/Odometry";
+// Of a message that rosbag2 has compressed.
+constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 28;
+
+// "sensor_msgs/LaserScan" of "sensor_msgs/msg/LaserScan", as ROS 2 calls it.
+std::string TypeOf(const BagTopic& topic) {
+  constexpr std::string_view kOfRos2 = "/msg/";
+  std::string type = topic.type;
+  const std::size_t at = type.find(kOfRos2);
+  return at == type.npos ? type : type.replace(at, kOfRos2.size(), "/");
+}
+
+bool IsOfTransforms(const BagTopic& topic) {
+  const std::string type = TypeOf(topic);
+  return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage";  // equal but for the name
+}
+
+// "/scan" and "scan" are one topic, "/odom" and "odom" one frame.
+std::string WithoutSlash(const std::string& name) {
+  return name.empty() || name.front() != '/' ? name : name.substr(1);
+}
+
+// A name that the bag gives, for people.
+std::string Shown(const std::string& name) { return Printable(name, 200); }
+
+std::string Description(const BagTopic& topic) {
+  std::string text =
+      Shown(topic.name) + " (" + (topic.type.empty() ? "no type" : Shown(topic.type));
+  if (topic.encoding != "ros1" && topic.encoding != "cdr") {
+    text += ", encoding " + Quote(topic.encoding);
+  }
+  return text + ")";
+}
+
+// False if it is none; `fault` then says why.
+bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* fault) {
+  if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite()) {
+    *fault = "is not finite";
+  } else if (std::abs(pose.rotation.norm() - 1.0) > 0.01) {
+    *fault = "has a quaternion that is no rotation";
+  } else {
+    *transform = Eigen::Translation3d(pose.position) * pose.rotation.normalized();
+    return true;
+  }
+  return false;
+}
+
+// Reads one bag.
+class BagReader {
+ public:
+  BagReader(const std::string& path, const BagReadOptions& options) : options_(options) {
+    recording_.path = path;
+    recording_.odom_frame = WithoutSlash(options.odom_frame);
+  }
+
+  Status Read(BagContainer* bag) {
+    const auto list = [this](const BagTopic& topic) {
+      topics_.insert(topic);
+      return false;
+    };
+    const auto take = [this](const BagTopic& topic, double time_s, std::string_view bytes) {
+      PLUMBLINE_RETURN_IF_ERROR(TakeMessage({topic, time_s, bytes}));
+      ++num_messages_[topic.name];
+      return Status::Ok();
+    };
+    PLUMBLINE_RETURN_IF_ERROR(bag->ReadMessages(list, take));
+    PLUMBLINE_RETURN_IF_ERROR(ChooseTopics());
+    PLUMBLINE_RETURN_IF_ERROR(CheckEncodings());
+    return bag->ReadMessages([this](const BagTopic& topic) { return IsWanted(topic); }, take);
+  }
+
+  RosRecording&& recording() { return std::move(recording_); }
+
+ private:
+  struct Message {
+    const BagTopic& topic;
+    double time_s;
+    std::string_view bytes;
+  };
+
+  Status Error(const std::string& problem) const {
+    return Status::InvalidArgument(recording_.path + ": " + problem);
+  }
+
+  std::string TopicList() const {
+    std::string text;
+    for (const BagTopic& topic : topics_) text += (text.empty() ? "" : ", ") + Description(topic);
+    return "; the bag has " + (text.empty() ? "no topics" : text);
+  }
+
+  // The wanted topic, or the only one of the type; null if there is none.
+  Status ChooseTopic(const std::string& wanted, const std::string& type, const std::string& flag,
+                     const BagTopic** chosen) const {
+    for (const BagTopic& topic : topics_) {
+      if (wanted.empty() ? TypeOf(topic) != type
+                         : WithoutSlash(topic.name) != WithoutSlash(wanted)) {
+        continue;
+      }
+      if (*chosen != nullptr) {
+        return Error("there are several topics of type " + type + ": choose one by --" + flag +
+                     TopicList());
+      }
+      *chosen = &topic;
+    }
+    if (!wanted.empty() && *chosen == nullptr) {
+      return Error("there is no topic '" + wanted + "', as --" + flag + " asks for" + TopicList());
+    }
+    return Status::Ok();
+  }
+
+  Status ChooseTopics() {
+    const BagTopic* scans = nullptr;
+    PLUMBLINE_RETURN_IF_ERROR(ChooseTopic(options_.scan_topic, kScanType, "scan_topic", &scans));
+    if (scans == nullptr) {
+      return Error(std::string("there is no topic of type ") + kScanType + TopicList());
+    }
+    if (TypeOf(*scans) != kScanType) {
+      return Error(Shown(scans->name) + " is not of type " + kScanType + TopicList());
+    }
+    recording_.scan_topic = scans->name;
+    const BagTopic* odometry = nullptr;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChooseTopic(options_.odom_topic, kOdometryType, "odom_topic", &odometry));
+    if (odometry == nullptr || IsOfTransforms(*odometry)) return Status::Ok();
+    if (TypeOf(*odometry) != kOdometryType) {
+      return Error(Shown(odometry->name) + " is neither of type " + kOdometryType +
+                   " nor of transforms" + TopicList());
+    }
+    recording_.odom_topic = odometry->name;
+    return Status::Ok();
+  }
+
+  bool IsWanted(const BagTopic& topic) const {
+    return topic.name == recording_.scan_topic || topic.name == recording_.odom_topic ||
+           IsOfTransforms(topic);
+  }
+
+  Status CheckEncodings() const {
+    for (const BagTopic& topic : topics_) {
+      if (!IsWanted(topic) || topic.encoding == "ros1" || topic.encoding == "cdr") continue;
+      return Error(Shown(topic.name) + " has messages in the encoding " + Quote(topic.encoding) +
+                   "; only cdr and ros1 can be read" + TopicList());
+    }
+    return Status::Ok();
+  }
+
+  Status TakeMessage(Message message) {
+    // rosbag2 may compress each message. None of ours begins like that.
+    if (message.topic.encoding == "cdr" && StartsWithZstdFrame(message.bytes)) {
+      const Status status =
+          ExpandFrames(FrameFormat::kZstd, message.bytes, kMaxMessageBytes, &expanded_);
+      if (!status.ok()) return MessageError(message, status.message());
+      message.bytes = expanded_;
+    }
+    if (message.topic.name == recording_.scan_topic) return TakeScan(message);
+    if (message.topic.name == recording_.odom_topic) return TakeOdometry(message);
+    return TakeTransforms(message);
+  }
+
+  static RosEncoding EncodingOf(const Message& message) {
+    return message.topic.encoding == "ros1" ? RosEncoding::kRos1 : RosEncoding::kCdr;
+  }
+
+  Status MessageError(const Message& message, const std::string& problem) const {
+    const auto index = num_messages_.find(message.topic.name);
+    return Error(RosMessageName(Shown(message.topic.name),
+                                index == num_messages_.end() ? 0 : index->second, message.time_s) +
+                 problem);
+  }
+
+  Status TakeScan(const Message& message) {
+    RosScan scan;
+    std::string fault;
+    if (!DecodeScan(EncodingOf(message), message.bytes, &scan, &fault)) {
+      return MessageError(message, fault);
+    }
+    scan.frame = WithoutSlash(scan.frame);
+    recording_.scans.push_back(std::move(scan));
+    return Status::Ok();
+  }
+
+  Status TakeOdometry(const Message& message) {
+    RosOdometry odometry;
+    Eigen::Isometry3d odom_from_robot;
+    std::string fault;
+    if (!DecodeOdometry(EncodingOf(message), message.bytes, &odometry, &fault)) {
+      return MessageError(message, fault);
+    }
+    if (!ToIsometry(odometry.pose, &odom_from_robot, &fault)) {
+      return MessageError(message, "field 'pose.pose' " + fault);
+    }
+    recording_.odom_frame = WithoutSlash(odometry.frame);
+    recording_.robot_frame = WithoutSlash(odometry.child_frame);
+    recording_.odometry.push_back({odometry.stamp_s, InPlane(odom_from_robot)});
+    return Status::Ok();
+  }
+
+  Status TakeTransforms(const Message& message) {
+    std::vector<RosTransform> transforms;
+    std::string fault;
+    if (!DecodeTransforms(EncodingOf(message), message.bytes, &transforms, &fault)) {
+      return MessageError(message, fault);
+    }
+    for (const RosTransform& transform : transforms) {
+      StampedTransform sample;
+      sample.stamp_s = transform.stamp_s;
+      if (!ToIsometry(transform.pose, &sample.parent_from_child, &fault)) {
+        return MessageError(message, "the transform from " + Quote(transform.frame) + " to " +
+                                         Quote(transform.child_frame) + " " + fault);
+      }
+      recording_.transforms.Add(WithoutSlash(transform.frame), WithoutSlash(transform.child_frame),
+                                sample);
+    }
+    return Status::Ok();
+  }
+
+  const BagReadOptions& options_;
+  std::set<BagTopic> topics_;
+  std::map<std::string, std::size_t> num_messages_;  // read so far, by topic
+  std::string expanded_;
+  RosRecording recording_;
+};
+
+}  // namespace
+
+Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  std::unique_ptr<BagContainer> bag;
+  PLUMBLINE_RETURN_IF_ERROR(OpenBag(path, &bag));
+  BagReader reader(path, options);
+  PLUMBLINE_RETURN_IF_ERROR(reader.Read(bag.get()));
+  *recording = reader.recording();
+  return Status::Ok();
+}
+
+}  // namespace plumbline

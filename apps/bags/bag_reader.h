@@ -1,0 +1,40 @@
+#ifndef PLUMBLINE_APPS_BAGS_BAG_READER_H_
+#define PLUMBLINE_APPS_BAGS_BAG_READER_H_
+
+#include <string>
+
+#include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// Which topics of a bag to read.
+struct BagReadOptions {
+  /// Of type sensor_msgs/LaserScan; empty: the only one of that type.
+  std::string scan_topic;
+  /// Of type nav_msgs/Odometry, or a topic of transforms to take the odometry from; empty: the only
+  /// nav_msgs/Odometry, or the transforms if there is none.
+  std::string odom_topic;
+  /// The frame that the odometry moves in, to look for in the transforms.
+  std::string odom_frame = RosRecording().odom_frame;
+
+  bool Check(std::string* error) const {
+    if (odom_frame.empty() && error != nullptr) *error = "odom_frame is empty";
+    return !odom_frame.empty();
+  }
+};
+
+/// Reads scans, odometry and transforms from a bag of ROS 1 or ROS 2, see OpenBag. Transforms are
+/// all messages of type tf2_msgs/TFMessage or tf/tfMessage. The types of ROS 2,
+/// sensor_msgs/msg/LaserScan and so on, are the same as those of ROS 1.
+///
+/// InvalidArgument, listing what is there, if a topic is not, or is not of the type wanted, or has
+/// to be chosen, or its messages have another encoding than those of ROS; and, naming topic,
+/// message (from 0), time and field, on messages that are none of their type, and on poses or
+/// transforms that are none (a number that is not finite, a quaternion whose norm is off by more
+/// than 1 %). Fails like OpenBag and BagContainer. Replaces *recording on success only.
+Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_BAGS_BAG_READER_H_

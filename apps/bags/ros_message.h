@@ -1,0 +1,55 @@
+#ifndef PLUMBLINE_APPS_BAGS_ROS_MESSAGE_H_
+#define PLUMBLINE_APPS_BAGS_ROS_MESSAGE_H_
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plumbline/apps/io/ros_recording.h"
+
+namespace plumbline {
+
+/// How the bytes of a message hold its fields.
+enum class RosEncoding {
+  kRos1,  ///< one after the other, little-endian
+  kCdr,   ///< of ROS 2: OMG's plain CDR (XCDR1), aligned, in the byte order that its header names
+};
+
+/// Of geometry_msgs/Pose or Transform, as it stands in the message: of any length.
+struct RosPose {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+};
+
+/// What a nav_msgs/Odometry says of the pose.
+struct RosOdometry {
+  double stamp_s = 0.0;
+  std::string frame, child_frame;
+  RosPose pose;
+};
+
+/// A geometry_msgs/TransformStamped.
+struct RosTransform {
+  double stamp_s = 0.0;
+  std::string frame, child_frame;
+  RosPose pose;  ///< frame_from_child
+};
+
+// Each takes the bytes of one message. False if they are none of the type: `fault` then says why,
+// as "field 'ranges': its 400 elements are more than the message holds", and the output is
+// anything. Numbers are not looked at. Memory stays within a few times the bytes of the message.
+
+/// A sensor_msgs/LaserScan.
+bool DecodeScan(RosEncoding encoding, std::string_view bytes, RosScan* scan, std::string* fault);
+/// A nav_msgs/Odometry.
+bool DecodeOdometry(RosEncoding encoding, std::string_view bytes, RosOdometry* odometry,
+                    std::string* fault);
+/// A tf2_msgs/TFMessage.
+bool DecodeTransforms(RosEncoding encoding, std::string_view bytes,
+                      std::vector<RosTransform>* transforms, std::string* fault);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_BAGS_ROS_MESSAGE_H_

@@ -1,0 +1,241 @@
+#include "plumbline/apps/bags/bag_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "plumbline/test/apps/bags/bag_testing.h"
+#include "plumbline/test/apps/bags/mcap_writer.h"
+#include "plumbline/test/apps/bags/sqlite_writer.h"
+#include "plumbline/test/core/temp_file.h"
+
+namespace plumbline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Ways to write a bag.
+struct Container {
+  const char* name;
+  std::function<void(const std::string& path, const TestBag& bag)> write;
+};
+
+Container Mcap(const char* name, const McapLayout& layout) {
+  return {name, [layout](const std::string& path, const TestBag& bag) {
+            WriteFile(path, McapBytes(bag, layout));
+          }};
+}
+
+void ExpectSmallBag(const RosRecording& recording) {
+  EXPECT_EQ(recording.scan_topic, "/scan");
+  EXPECT_EQ(recording.odom_topic, "/odom");
+  EXPECT_EQ(recording.odom_frame, "odom");
+  EXPECT_EQ(recording.robot_frame, "base_link");
+  ASSERT_EQ(recording.scans.size(), 2u);
+  const RosScan& scan = recording.scans[1];
+  EXPECT_EQ(scan.stamp_s, 1500000000.25);
+  EXPECT_EQ(scan.frame, "laser");
+  EXPECT_EQ(scan.angle_min_rad, -0.5);
+  EXPECT_EQ(scan.angle_increment_rad, 0.5);
+  EXPECT_EQ(scan.range_min_m, 0.125);
+  EXPECT_EQ(scan.range_max_m, 30.0);
+  ASSERT_EQ(scan.ranges.size(), 3u);
+  EXPECT_EQ(scan.ranges[0], 1.25);
+  EXPECT_TRUE(std::isnan(scan.ranges[1]));
+  EXPECT_EQ(scan.ranges[2], 3.5);
+  ASSERT_EQ(recording.odometry.size(), 2u);
+  EXPECT_EQ(recording.odometry[1].timestamp_s, 1500000000.25);
+  EXPECT_NEAR(recording.odometry[1].world_from_robot.x, 0.1, 1e-12);
+  EXPECT_NEAR(recording.odometry[1].world_from_robot.yaw, 0.2, 1e-12);
+  std::optional<Eigen::Isometry3d> mounting;
+  ASSERT_TRUE(recording.transforms.Find("base_link", "laser", 1500000000.0, &mounting).ok());
+  ASSERT_TRUE(mounting);
+  EXPECT_NEAR(InPlane(*mounting).y, 0.2, 1e-12);
+  EXPECT_NEAR(InPlane(*mounting).yaw, 0.3, 1e-12);
+}
+
+class BagReaderTest : public testing::TestWithParam<Container> {
+ protected:
+  void Write(const TestBag& bag) const { GetParam().write(path_, bag); }
+
+  RosRecording Read(const BagReadOptions& options = BagReadOptions()) const {
+    RosRecording recording;
+    const Status status = ReadBag(path_, options, &recording);
+    EXPECT_TRUE(status.ok()) << status.message();
+    return recording;
+  }
+  Status Fails(const BagReadOptions& options = BagReadOptions()) const {
+    RosRecording recording;
+    recording.path = "as before";
+    const Status status = ReadBag(path_, options, &recording);
+    EXPECT_FALSE(status.ok());
+    EXPECT_EQ(recording.path, "as before");
+    EXPECT_THAT(status.message(), HasSubstr(path_));
+    return status;
+  }
+
+  const std::string path_ = TempFolder() + "a bag";
+};
+
+TEST_P(BagReaderTest, ReadsWhatTheMessagesSay) {
+  for (const TestEncoding encoding :
+       {TestEncoding::kCdr, TestEncoding::kBigEndianCdr, TestEncoding::kRos1}) {
+    Write(SmallBag(encoding));
+    ExpectSmallBag(Read());
+  }
+}
+
+TEST_P(BagReaderTest, ReadsMessagesThatAreCompressedOneByOne) {
+  TestBag bag = SmallBag();
+  for (TestMessage& message : bag) message.bytes = ZstdBytes(message.bytes);
+  Write(bag);
+  ExpectSmallBag(Read());
+
+  bag.back().bytes.pop_back();
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              HasSubstr("/scan message 1 (1500000000.250001 s): the compressed data are cut off"));
+}
+
+TEST_P(BagReaderTest, OneOfTwoScanTopicsHasToBeChosen) {
+  TestBag bag = SmallBag(TestEncoding::kCdr, "/front/scan");
+  const TestBag rear = SmallBag(TestEncoding::kCdr, "/rear/scan");
+  bag.insert(bag.end(), rear.begin(), rear.end());
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              AllOf(HasSubstr("there are several topics of type sensor_msgs/LaserScan: choose one "
+                              "by --scan_topic"),
+                    HasSubstr("/front/scan (sensor_msgs/msg/LaserScan), "),
+                    HasSubstr("/rear/scan (sensor_msgs/msg/LaserScan)")));
+  BagReadOptions options;
+  options.scan_topic = "rear/scan";
+  EXPECT_EQ(Read(options).scan_topic, "/rear/scan");
+  options.scan_topic = "/scan";
+  EXPECT_THAT(Fails(options).message(), HasSubstr("there is no topic '/scan'"));
+  options.scan_topic = "/odom";
+  EXPECT_THAT(Fails(options).message(), HasSubstr("/odom is not of type sensor_msgs/LaserScan"));
+  options.scan_topic = "/rear/scan";
+  options.odom_topic = "/image";
+  EXPECT_THAT(Fails(options).message(), HasSubstr("/image is neither of type nav_msgs/Odometry"));
+}
+
+TEST_P(BagReaderTest, TheTransformsTellTheOdometryIfAsked) {
+  Write(SmallBag());
+  BagReadOptions options;
+  options.odom_topic = "/tf_static";
+  options.odom_frame = "/wheels";
+  const RosRecording recording = Read(options);
+  EXPECT_EQ(recording.odom_topic, "");
+  EXPECT_EQ(recording.odom_frame, "wheels");
+  EXPECT_THAT(recording.odometry, IsEmpty());
+}
+
+TEST_P(BagReaderTest, OtherEncodingsAreRefusedByName) {
+  TestBag bag = SmallBag();
+  for (TestMessage& message : bag) {
+    if (message.topic == "/scan") message.encoding = "json";
+  }
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              AllOf(HasSubstr("/scan has messages in the encoding 'json'; only cdr and ros1"),
+                    HasSubstr("/scan (sensor_msgs/msg/LaserScan, encoding 'json')")));
+  for (TestMessage& message : bag) {
+    message.type = "foxglove.LaserScan";
+    message.encoding = "protobuf";
+  }
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              AllOf(HasSubstr("there is no topic of type sensor_msgs/LaserScan"),
+                    HasSubstr("/scan (foxglove.LaserScan, encoding 'protobuf')")));
+}
+
+TEST_P(BagReaderTest, ABagWithoutMessagesHasNoTopics) {
+  Write({});
+  EXPECT_THAT(Fails().message(), HasSubstr("; the bag has no topics"));
+}
+
+TEST_P(BagReaderTest, AMessageThatIsNoneOfItsTypeIsNamed) {
+  TestBag bag = SmallBag();
+  bag.back().bytes.resize(40);
+  Write(bag);
+  const Status status = Fails();
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("/scan message 1 (1500000000.250001 s): field '"));
+}
+
+TEST_P(BagReaderTest, APoseThatIsNoneIsNamed) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  TestBag bag = SmallBag();
+  bag.push_back(bag[1]);
+  bag.back().bytes = OdometryBytes(TestEncoding::kCdr, kStart_ns, {kNan, 0.0, 0.0});
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              HasSubstr("/odom message 2 (1500000000.000000 s): field 'pose.pose' is not finite"));
+  bag = SmallBag();
+  std::string& transform = bag[0].bytes;
+  transform.replace(transform.size() - 8, 8, 8, '\0');  // the w of the rotation
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              HasSubstr("/tf_static message 0 (1500000000.000000 s): the transform from "
+                        "'base_link' to 'laser' has a quaternion that is no rotation"));
+}
+
+TEST_P(BagReaderTest, NamesInMessagesCannotSpeakToATerminal) {
+  TestBag bag = SmallBag(TestEncoding::kCdr, "/\x1b[2J");
+  bag.push_back(bag[1]);
+  bag.back().topic = "/\x1b[1J";
+  Write(bag);
+  EXPECT_THAT(Fails().message(),
+              AllOf(HasSubstr("/\\x1b[2J (sensor_msgs"), testing::Not(HasSubstr("\x1b"))));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Containers, BagReaderTest,
+    testing::Values(Container{"Sqlite", WriteSqliteBag}, Mcap("Mcap", {0, "", true, true}),
+                    Mcap("McapBare", {0, "", false, false}), Mcap("Chunks", {3, "", true, true}),
+                    Mcap("Lz4Chunks", {2, "lz4", true, true}),
+                    Mcap("ZstdChunks", {1, "zstd", true, true}),
+                    Mcap("OneChunk", {1000, "zstd", false, false})),
+    [](const testing::TestParamInfo<Container>& info) { return info.param.name; });
+
+// By make_mcap_fixture.mjs, with npm's @mcap/core.
+TEST(McapFixtureTest, AFileOfAnotherWriterIsRead) {
+  RosRecording recording;
+  const Status status =
+      ReadBag(PLUMBLINE_CORPUS "/bag/by_mcap_core.mcap", BagReadOptions(), &recording);
+  ASSERT_TRUE(status.ok()) << status.message();
+  ASSERT_EQ(recording.scans.size(), 8u);
+  ASSERT_EQ(recording.odometry.size(), 8u);
+  for (int i = 0; i < 8; ++i) {
+    const RosScan& scan = recording.scans[i];
+    EXPECT_NEAR(scan.stamp_s, 1700000000.0 + 0.2 * i, 1e-6);
+    EXPECT_EQ(scan.frame, "laser");
+    EXPECT_EQ(scan.range_min_m, 0.125);
+    ASSERT_EQ(scan.ranges.size(), 120u);
+    EXPECT_NEAR(scan.ranges[60], 3.75 - 0.125 * i, 1e-6);  // ahead
+    EXPECT_NEAR(scan.ranges[90], 2.0, 1e-6);               // to the left
+    EXPECT_EQ(recording.odometry[i].world_from_robot.x, 0.125 * i);
+  }
+  std::optional<Eigen::Isometry3d> mounting;
+  ASSERT_TRUE(recording.transforms.Find("base_link", "laser", 0.0, &mounting).ok());
+  ASSERT_TRUE(mounting);
+  EXPECT_EQ(mounting->translation(), Eigen::Vector3d(0.25, 0.0, 0.5));
+}
+
+TEST(BagReadOptionsTest, TheFrameOfTheOdometryNeedsAName) {
+  BagReadOptions options;
+  EXPECT_TRUE(options.Check(nullptr));
+  options.odom_frame.clear();
+  std::string error;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_EQ(error, "odom_frame is empty");
+}
+
+}  // namespace
+}  // namespace plumbline
