@@ -14,8 +14,9 @@
 namespace plumbline {
 namespace {
 
-// Lists of a few hundred topics with their settings have less than 1 MB.
-constexpr std::size_t kMaxBytes = std::size_t{1} << 24;
+// A few hundred topics with their settings take less than 1 MB; yaml-cpp takes up to 300 times
+// that.
+constexpr std::size_t kMaxBytes = std::size_t{1} << 21;
 
 Status ReadText(const std::string& path, std::string* text) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));

@@ -11,6 +11,7 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBlockSize = std::size_t{1} << 17;
+constexpr std::size_t kLargeSize = std::size_t{1} << 26;
 
 // One call of a library: what it took and gave, and whether a frame has ended with it.
 struct Step {
@@ -84,6 +85,8 @@ Status ExpandWith(Expander expander, const std::function<std::string_view()>& ne
         return Status::DataLoss("the compressed data expand to more than " +
                                 std::to_string(max_size) + " bytes");
       }
+      // Growing by doubling would take twice the memory; what is reserved is not used before.
+      if (expanded->size() > kLargeSize) expanded->reserve(max_size);
       expanded->append(out.data(), step.num_given);
       block.remove_prefix(step.num_taken);
       at_end = step.at_end;

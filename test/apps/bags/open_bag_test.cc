@@ -159,8 +159,13 @@ TEST_F(OpenBagTest, DescriptionsThatAreNoneAreNamed) {
 }
 
 TEST_F(OpenBagTest, NestingWithoutEndIsNoCrash) {
-  WriteFile(folder_ + "metadata.yaml", "rosbag2_bagfile_information: " + std::string(1000000, '['));
+  WriteFile(folder_ + "metadata.yaml", "rosbag2_bagfile_information: " + std::string(100000, '['));
   ExpectRefused(folder_, folder_ + "metadata.yaml: cannot be read as YAML: ");
+}
+
+TEST_F(OpenBagTest, ADescriptionOfEndlessLengthIsRefused) {
+  WriteMetadata("    - a.db3\n", "#" + std::string(3000000, ' '));
+  ExpectRefused(folder_, folder_ + "metadata.yaml: too long for a description of a bag");
 }
 
 TEST_F(OpenBagTest, FilesThatAreNotThereOrNoBagsAreNamed) {
