@@ -49,7 +49,7 @@ std::string UriOf(const std::string& path) {
 }
 
 // The size of a database by its first bytes (SQLite: Database File Format, section 1.3); 0 if they
-// do not tell.
+// do not tell. At least that of these bytes.
 std::uint64_t StatedSize(std::string_view start) {
   constexpr std::size_t kHeaderBytes = 100;
   if (start.size() < kHeaderBytes) return kHeaderBytes;
