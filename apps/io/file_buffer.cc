@@ -17,10 +17,20 @@ FileBuffer::~FileBuffer() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-bool FileBuffer::Open(const std::string& path) {
-  constexpr mode_t kReadAndWriteForAll = 0666;  // less what the user's mask takes away
-  descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadAndWriteForAll);
-  if (descriptor_ < 0) return Fail();
+bool FileBuffer::OpenNew(const std::string& path, mode_t permissions) {
+  error_ = 0;  // a name that was taken may be followed by another one
+  return Take(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions));
+}
+
+bool FileBuffer::OpenExisting(const std::string& path) {
+  return Take(open(path.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
+}
+
+bool FileBuffer::OpenCopy(int descriptor) { return Take(fcntl(descriptor, F_DUPFD_CLOEXEC, 0)); }
+
+bool FileBuffer::Take(int descriptor) {
+  if (descriptor < 0) return Fail();
+  descriptor_ = descriptor;
   buffer_.resize(kBufferSize);
   setp(buffer_.data(), buffer_.data() + buffer_.size());
   return true;

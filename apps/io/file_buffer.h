@@ -1,6 +1,8 @@
 #ifndef PLUMBLINE_APPS_IO_FILE_BUFFER_H_
 #define PLUMBLINE_APPS_IO_FILE_BUFFER_H_
 
+#include <sys/types.h>
+
 #include <streambuf>
 #include <string>
 #include <vector>
@@ -16,13 +18,22 @@ class FileBuffer : public std::streambuf {
   FileBuffer(const FileBuffer&) = delete;
   FileBuffer& operator=(const FileBuffer&) = delete;
 
-  /// Makes the file, or empties the one that is there. False if the system refuses, see error().
-  bool Open(const std::string& path);
+  /// Each of these opens something for writing, once; false if the system refuses, see error().
+  /// A new file with these permissions, less what the user's mask takes away; EEXIST if the name is
+  /// taken.
+  bool OpenNew(const std::string& path, mode_t permissions);
+  /// What is there, without emptying it: a pipe or a device.
+  bool OpenExisting(const std::string& path);
+  /// Another name of an open descriptor, which stays open.
+  bool OpenCopy(int descriptor);
 
   /// Writes what is left, waits until the disk has it, and closes the file. False if this or
   /// anything before has failed, see error().
   bool Close();
 
+  bool is_open() const { return descriptor_ >= 0; }
+  /// Of the system, for its calls on open files; negative if none is open.
+  int descriptor() const { return descriptor_; }
   /// errno of the first failure; 0 if there was none.
   int error() const { return error_; }
 
@@ -31,6 +42,7 @@ class FileBuffer : public std::streambuf {
   int sync() override;
 
  private:
+  bool Take(int descriptor);  // false if it is negative
   bool Flush();
   bool Fail();  // keeps errno, unless there is an older one; false
 

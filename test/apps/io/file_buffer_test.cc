@@ -14,10 +14,9 @@ namespace {
 
 TEST(FileBufferTest, WritesTextAndBytesOfAnyLength) {
   const std::string path = TempFolder() + "a.bin";
-  WriteFile(path, "what was there before");
   const std::string bytes(1000003, '\xff');
   FileBuffer buffer;
-  ASSERT_TRUE(buffer.Open(path));
+  ASSERT_TRUE(buffer.OpenNew(path, 0644));
   std::ostream stream(&buffer);
   stream << "text " << 7 << '\n' << bytes << '\0' << std::flush << "end";
   EXPECT_TRUE(buffer.Close());
@@ -28,16 +27,40 @@ TEST(FileBufferTest, WritesTextAndBytesOfAnyLength) {
 
 TEST(FileBufferTest, TellsWhyAFileCannotBeMade) {
   FileBuffer buffer;
-  EXPECT_FALSE(buffer.Open(TempFolder() + "none/a.bin"));
+  EXPECT_FALSE(buffer.OpenNew(TempFolder() + "none/a.bin", 0644));
   EXPECT_EQ(buffer.error(), ENOENT);
-  EXPECT_FALSE(FileBuffer().Open(TempFolder()));
+  EXPECT_FALSE(FileBuffer().OpenExisting(TempFolder()));
+}
+
+TEST(FileBufferTest, ANewFileDoesNotReplaceAnother) {
+  const std::string folder = TempFolder(), path = folder + "a.txt";
+  WriteFile(path, "text");
+  FileBuffer buffer;
+  EXPECT_FALSE(buffer.OpenNew(path, 0644));
+  EXPECT_EQ(buffer.error(), EEXIST);
+  EXPECT_TRUE(buffer.OpenNew(folder + "b.txt", 0644));
+  EXPECT_EQ(buffer.error(), 0);
+  EXPECT_EQ(ReadFile(path), "text");
+}
+
+TEST(FileBufferTest, ACopyOfADescriptorWritesOnWhereItStands) {
+  const std::string path = TempFolder() + "a.txt";
+  FileBuffer buffer, copy;
+  ASSERT_TRUE(buffer.OpenNew(path, 0644));
+  ASSERT_TRUE(copy.OpenCopy(buffer.descriptor()));
+  std::ostream(&copy) << "first";
+  EXPECT_TRUE(copy.Close());
+  std::ostream(&buffer) << " second";
+  EXPECT_TRUE(buffer.Close());
+  EXPECT_EQ(ReadFile(path), "first second");
+  EXPECT_FALSE(FileBuffer().OpenCopy(-1));
 }
 
 TEST(FileBufferTest, RemembersWhyWritingFailed) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   for (const std::size_t size : {1, 1000000}) {
     FileBuffer buffer;
-    ASSERT_TRUE(buffer.Open("/dev/full"));
+    ASSERT_TRUE(buffer.OpenExisting("/dev/full"));
     std::ostream stream(&buffer);
     stream << std::string(size, 'x');
     errno = 0;
@@ -51,7 +74,7 @@ TEST(FileBufferTest, WhatIsNotClosedIsNotFlushed) {
   const std::string path = TempFolder() + "a.txt";
   {
     FileBuffer buffer;
-    ASSERT_TRUE(buffer.Open(path));
+    ASSERT_TRUE(buffer.OpenNew(path, 0644));
     std::ostream(&buffer) << "half";
   }
   EXPECT_EQ(ReadFile(path), "");

@@ -28,7 +28,7 @@ class RunOutputsTest : public testing::Test {
   Status Write(const std::string& folder, const MapConsistency* consistency, int num_threads) {
     const RefinedMap map{&room_.graph, &room_.state, &poses_before_, "seed",
                          consistency,  nullptr,      &warning_};
-    const OutputFolder output(folder_ + folder);
+    OutputFolder output(folder_ + folder);
     EXPECT_TRUE(output.Make().ok());
     ThreadPool pool(num_threads);
     return RunAll(MapWriteTasks(map, options_, output), &pool);
@@ -114,7 +114,7 @@ TEST_F(RunOutputsTest, WhatATaskThrowsIsAnError) {
 TEST_F(RunOutputsTest, AFileInTheWayLeavesTheOthersWhole) {
   std::filesystem::create_directories(folder_ + "out/points.ply/inside");
   const Status status = Write("out", nullptr, 2);
-  EXPECT_THAT(status.message(), HasSubstr("cannot replace '" + folder_ + "out/points.ply'"));
+  EXPECT_THAT(status.message(), HasSubstr("cannot write '" + folder_ + "out/points.ply'"));
   EXPECT_EQ(NumFilesIn(folder_ + "out"), 6);  // and nothing half-written
   EXPECT_EQ(ServeMap(folder_ + "out/map.yaml").resolution, 0.1);
 }
