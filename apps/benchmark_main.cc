@@ -27,6 +27,7 @@
 #include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/output_folder.h"
@@ -94,7 +95,7 @@ void Print(const std::string& title, const std::string& text, HtmlReport* page) 
   page->texts.push_back({title, text});
 }
 
-Status SeedingStudy(HtmlReport* page) {
+Status SeedingStudy(const OutputFolder&, HtmlReport* page) {
   SolverOptions solver;
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
@@ -112,7 +113,7 @@ Status SeedingStudy(HtmlReport* page) {
   return Status::Ok();
 }
 
-Status Adversarial(HtmlReport* page) {
+Status Adversarial(const OutputFolder&, HtmlReport* page) {
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   ThreadPool pool(solver.num_threads);
@@ -178,7 +179,7 @@ Status WriteComparison(const OutputFolder& output, const Comparison& comparison,
   return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
 }
 
-Status CompareAllSolvers(HtmlReport* page) {
+Status CompareAllSolvers(const OutputFolder& output, HtmlReport* page) {
   Comparison comparison;
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison.options));
@@ -189,8 +190,6 @@ Status CompareAllSolvers(HtmlReport* page) {
   }
   LogMapping seed;
   PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   comparison.input = FLAGS_log.empty() ? "simulated building" : FLAGS_log;
   comparison.num_scans = seed.graph.num_scans();
   comparison.num_returns = seed.graph.num_returns();
@@ -202,7 +201,7 @@ Status CompareAllSolvers(HtmlReport* page) {
   return WriteComparison(output, comparison, page);
 }
 
-Status Scaling(HtmlReport* page) {
+Status Scaling(const OutputFolder&, HtmlReport* page) {
   std::vector<int> counts;
   PLUMBLINE_RETURN_IF_ERROR(ParseScanCounts(FLAGS_scans, &counts));
   SolverOptions solver;
@@ -222,7 +221,7 @@ Status Scaling(HtmlReport* page) {
   return Status::Ok();
 }
 
-Status MapLogByAll(HtmlReport* page) {
+Status MapLogByAll(const OutputFolder& output, HtmlReport* page) {
   LogExperimentInputs inputs;
   inputs.log = FLAGS_log;
   inputs.relations = FLAGS_relations;
@@ -236,8 +235,6 @@ Status MapLogByAll(HtmlReport* page) {
         std::cout << "  " << start.name << ": " << stage.name << '\n' << std::flush;
       },
       &experiment));
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   Print("Mappers on one log", LogTables(experiment), page);
   PLUMBLINE_RETURN_IF_ERROR(WriteLogJson(output.File("log.json"), experiment));
   PLUMBLINE_RETURN_IF_ERROR(WriteLogRelationsCsv(output.File("log_relations.csv"), experiment));
@@ -247,7 +244,7 @@ Status MapLogByAll(HtmlReport* page) {
   return WriteMapFigure(output.File("log_maps.png"), experiment.maps, MapFigureOptions());
 }
 
-Status Synthetic(HtmlReport* page) {
+Status Synthetic(const OutputFolder& output, HtmlReport* page) {
   MapLogOptions options;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
@@ -258,8 +255,6 @@ Status Synthetic(HtmlReport* page) {
   PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, options, &pool, &outcomes));
   Print("Short drives with few scans", SyntheticTable(noises, outcomes), page);
   constexpr int kCharted = 1;  // the middle one of the levels of range noise
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticCsv(output.File("synthetic.csv"), noises, outcomes));
   PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticJson(output.File("synthetic.json"), noises, outcomes));
   PLUMBLINE_RETURN_IF_ERROR(WritePoseErrorChart(output.File("synthetic_pose_error.png"),
@@ -272,7 +267,7 @@ Status Synthetic(HtmlReport* page) {
   return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted], options);
 }
 
-Status Ablation(HtmlReport* page) {
+Status Ablation(const OutputFolder& output, HtmlReport* page) {
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   AblationInput log;
@@ -280,8 +275,6 @@ Status Ablation(HtmlReport* page) {
   if (!FLAGS_relations.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &log.relations));
   }
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   std::vector<AblationTable> tables;
   const auto add = [&](const AblationTable& table) {
     tables.push_back(table);
@@ -306,7 +299,7 @@ Status Ablation(HtmlReport* page) {
   return WriteAblationJson(output.File("ablation.json"), tables);
 }
 
-Status Sensors(HtmlReport* page) {
+Status Sensors(const OutputFolder& output, HtmlReport* page) {
   SolverOptions solver;
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
@@ -317,8 +310,6 @@ Status Sensors(HtmlReport* page) {
   PLUMBLINE_RETURN_IF_ERROR(
       RunSensorCases(cases, FLAGS_sensor_seeds, solver, seeding, &pool, &outcomes));
   Print("Other scanners and buildings", SensorTable(cases, outcomes), page);
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   PLUMBLINE_RETURN_IF_ERROR(WriteSensorCsv(output.File("sensors.csv"), cases, outcomes));
   return WriteSensorJson(output.File("sensors.json"), cases, outcomes);
 }
@@ -330,7 +321,7 @@ void PrintStep(const ReplayStep& step) {
             << std::flush;
 }
 
-Status ReplayDrive(HtmlReport* page) {
+Status ReplayDrive(const OutputFolder& output, HtmlReport* page) {
   ReplayOptions options;
   options.batch_poses = FLAGS_batch_scans;
   options.window.num_free_poses = FLAGS_window_free_poses;
@@ -339,8 +330,6 @@ Status ReplayDrive(HtmlReport* page) {
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   LogMapping seed;
   PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   Replay replay;
   PLUMBLINE_RETURN_IF_ERROR(
       RunReplay(solver, options, seed.graph, seed.state, seed.report.seeding, PrintStep, &replay));
@@ -356,21 +345,29 @@ Status ReplayDrive(HtmlReport* page) {
 
 struct Experiment {
   const char* name;
-  Status (*run)(HtmlReport* page);
+  Status (*run)(const OutputFolder& output, HtmlReport* page);
+  const char* files;  // that it writes in the output folder, separated by spaces
   bool needs_log;
   bool needs_output_dir;
   bool runs_other_solvers;   // whichever --solver names
   bool reads_start = false;  // --start
+  bool writes_csv = false;   // --csv
 };
-constexpr Experiment kExperiments[] = {{"seeding_study", SeedingStudy, false, false, false},
-                                       {"solver_comparison", CompareAllSolvers, false, true, true},
-                                       {"scaling", Scaling, false, false, false},
-                                       {"log", MapLogByAll, true, true, true},
-                                       {"synthetic", Synthetic, false, true, true, true},
-                                       {"ablation", Ablation, false, true, true},
-                                       {"replay", ReplayDrive, false, true, false},
-                                       {"adversarial", Adversarial, false, false, false},
-                                       {"sensors", Sensors, false, true, false}};
+constexpr Experiment kExperiments[] = {
+    {"seeding_study", SeedingStudy, "", false, false, false, false, true},
+    {"solver_comparison", CompareAllSolvers,
+     "solver_comparison.json solver_comparison.csv solver_comparison.png", false, true, true},
+    {"scaling", Scaling, "", false, false, false, false, true},
+    {"log", MapLogByAll, "log.json log_relations.csv log_sharpness.csv log_maps.png", true, true,
+     true},
+    {"synthetic", Synthetic,
+     "synthetic.csv synthetic.json synthetic_pose_error.png synthetic_map_error.png "
+     "synthetic_maps.png",
+     false, true, true, true},
+    {"ablation", Ablation, "ablation.csv ablation.json", false, true, true},
+    {"replay", ReplayDrive, "trajectory.tum replay.csv replay.png", false, true, false},
+    {"adversarial", Adversarial, "", false, false, false, false, true},
+    {"sensors", Sensors, "sensors.csv sensors.json", false, true, false}};
 
 Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
@@ -390,6 +387,38 @@ Status FindExperiments(std::vector<const Experiment*>* wanted) {
     PLUMBLINE_RETURN_IF_ERROR(FindExperiment(name, &wanted->back()));
   }
   return wanted->empty() ? FindExperiment("", nullptr) : Status::Ok();
+}
+
+// CheckFlags has found the names of the experiments in order.
+std::vector<std::string> FilesInFolder(const std::string& folder) {
+  std::vector<const Experiment*> wanted;
+  if (!FindExperiments(&wanted).ok()) return {};
+  const OutputFolder output(folder);
+  std::vector<std::string> files = {output.File("report.html")};
+  for (const Experiment* experiment : wanted) {
+    std::istringstream names(experiment->files);
+    for (std::string name; names >> name;) files.push_back(output.File(name));
+  }
+  return files;
+}
+
+// Each experiment that writes the table writes it anew.
+std::vector<std::string> TablesOfExperiments(const std::string& csv) {
+  std::vector<const Experiment*> wanted;
+  if (!FindExperiments(&wanted).ok()) return {};
+  const auto num_tables = std::count_if(wanted.begin(), wanted.end(),
+                                        [](const Experiment* wants) { return wants->writes_csv; });
+  return std::vector<std::string>(std::max<std::ptrdiff_t>(1, num_tables), csv);
+}
+
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {
+      {"log", &FLAGS_log, FileUse::kInput, LogFiles},
+      {"relations", &FLAGS_relations, FileUse::kInput},
+      {"corrected_log", &FLAGS_corrected_log, FileUse::kInput},
+      {"csv", &FLAGS_csv, FileUse::kOutput, TablesOfExperiments},
+      {"output_dir", &FLAGS_output_dir, FileUse::kOutputFolder, FilesInFolder}};
+  return flags;
 }
 
 Status CheckFlags() {
@@ -431,11 +460,18 @@ Status CheckFlags() {
   return SeedingOptionsFromFlags(&seeding);
 }
 
-// So that no experiment leaves its results before another one refuses a file.
+// So that no experiment leaves its results, or a folder for them, before one refuses a file.
 Status CheckInputFiles() {
   for (const std::string& path : {FLAGS_log, FLAGS_corrected_log}) {
+    if (path.empty()) continue;
     CarmenLog log;
-    if (!path.empty()) PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+    SlamGraph graph;
+    PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+    const Status built = BuildGraph(log, 0, &graph);
+    if (!built.ok()) return Status::InvalidArgument(path + ": " + built.message());
+    if (graph.num_returns() == 0) {
+      return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
+    }
   }
   std::vector<Relation> relations;
   return FLAGS_relations.empty() ? Status::Ok() : ReadRelations(FLAGS_relations, &relations);
@@ -445,14 +481,16 @@ Status Run() {
   std::vector<const Experiment*> wanted;
   PLUMBLINE_RETURN_IF_ERROR(FindExperiments(&wanted));
   PLUMBLINE_RETURN_IF_ERROR(CheckInputFiles());
+  OutputFolder output(FLAGS_output_dir);
+  if (!FLAGS_output_dir.empty()) PLUMBLINE_RETURN_IF_ERROR(output.Make());
   HtmlReport page;
   page.title = "Experiments: " + FLAGS_experiment;
   page.subtitle = FLAGS_log;
-  for (const Experiment* experiment : wanted) PLUMBLINE_RETURN_IF_ERROR(experiment->run(&page));
+  for (const Experiment* experiment : wanted) {
+    PLUMBLINE_RETURN_IF_ERROR(experiment->run(output, &page));
+  }
   if (FLAGS_output_dir.empty()) return Status::Ok();
   AddOptionsInForce(&page);
-  const OutputFolder output(FLAGS_output_dir);
-  PLUMBLINE_RETURN_IF_ERROR(output.Make());
   return WriteHtmlReport(output.File("report.html"), page);
 }
 
@@ -491,5 +529,5 @@ int main(int argc, char** argv) {
       "  plumbline_benchmark --experiment=adversarial --seeds=5 --csv=adversarial.csv\n"
       "  plumbline_benchmark --experiment=sensors --output_dir=out",
       argc, argv);
-  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
+  return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

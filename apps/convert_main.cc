@@ -4,9 +4,11 @@
 
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "plumbline/apps/convert/convert.h"
 #include "plumbline/apps/program/command_line.h"
+#include "plumbline/apps/program/read_log.h"
 
 DEFINE_string(
     input, "",
@@ -45,6 +47,25 @@ constexpr char kUsage[] =
     "  ros_map  .pgm and .yaml, an occupancy grid for ROS and Nav2\n"
     "g2o to TORO and back gives the same numbers, as they are written in the file. What a format\n"
     "has no place for is left out, with a line on standard error that counts it.";
+
+// CheckFlags has found the list in order.
+std::vector<std::string> OutputFiles(const std::string& output) {
+  std::vector<ConversionTarget> targets;
+  std::vector<std::string> files;
+  if (!ParseConversionTargets(output, FLAGS_format, &targets).ok()) return files;
+  for (const ConversionTarget& target : targets) {
+    for (const std::string& file : target.Files()) files.push_back(file);
+  }
+  return files;
+}
+
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {
+      {"input", &FLAGS_input, FileUse::kInput, LogFiles},
+      {"trajectory", &FLAGS_trajectory, FileUse::kInput},
+      {"output", &FLAGS_output, FileUse::kOutput, OutputFiles}};
+  return flags;
+}
 
 Status OptionsFromFlags(ConvertOptions* options) {
   if (FLAGS_input.empty()) return Status::InvalidArgument("--input is missing; see --help");
@@ -88,5 +109,5 @@ Status Run() {
 
 int main(int argc, char** argv) {
   plumbline::ParseCommandLine(plumbline::kUsage, argc, argv);
-  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
+  return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

@@ -4,9 +4,11 @@
 
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "plumbline/apps/evaluation/evaluation.h"
 #include "plumbline/apps/program/command_line.h"
+#include "plumbline/apps/program/read_log.h"
 #include "plumbline/apps/report/evaluation_report.h"
 
 namespace {
@@ -46,6 +48,17 @@ DEFINE_double(rpe_delta_m, Defaults().trajectory_options.delta_m,
 namespace plumbline {
 namespace {
 
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {{"trajectory", &FLAGS_trajectory, FileUse::kInput},
+                                              {"relations", &FLAGS_relations, FileUse::kInput},
+                                              {"truth", &FLAGS_truth, FileUse::kInput},
+                                              {"log", &FLAGS_log, FileUse::kInput, LogFiles},
+                                              {"points", &FLAGS_points, FileUse::kInput},
+                                              {"json", &FLAGS_json, FileUse::kOutput},
+                                              {"csv", &FLAGS_csv, FileUse::kOutput}};
+  return flags;
+}
+
 EvaluationInputs InputsFromFlags() {
   EvaluationInputs inputs;
   inputs.trajectory = FLAGS_trajectory;
@@ -83,5 +96,5 @@ int main(int argc, char** argv) {
       "  plumbline_evaluate --trajectory=out/trajectory.tum --truth=small_building.tum "
       "--log=small_building.clf --points=out/points.ply --json=figures.json",
       argc, argv);
-  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
+  return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

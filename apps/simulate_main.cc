@@ -121,6 +121,14 @@ DEFINE_double(fault_angle_deg, 0.0,
 namespace plumbline {
 namespace {
 
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {{"world", &FLAGS_world, FileUse::kInput},
+                                              {"log", &FLAGS_log, FileUse::kOutput},
+                                              {"truth", &FLAGS_truth, FileUse::kOutput},
+                                              {"hits", &FLAGS_hits, FileUse::kOutput}};
+  return flags;
+}
+
 SimulationOptions OptionsFromFlags() {
   SimulationOptions options;
   options.laser.num_beams = FLAGS_num_beams;
@@ -282,5 +290,5 @@ int main(int argc, char** argv) {
       "  plumbline_simulate --building=random --seed=7 --fault=frozen --fault_at_share=0.5 "
       "--fault_time_s=12 --log=frozen.clf",
       argc, argv);
-  return plumbline::RunProgram(plumbline::CheckFlags, plumbline::Run);
+  return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
-#include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
@@ -45,7 +44,8 @@ DEFINE_string(
     log, "",
     "Log to map (CARMEN, or bag of ROS 1 or ROS 2, file or folder), or pose graph to refine (g2o, "
     "TORO); text plain or .gz");
-DEFINE_string(output_dir, "", "Folder for the results; made if it is not there");
+DEFINE_string(output_dir, "",
+              "Folder for the results; made if it is not there, and for one run at a time");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
 DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
              "Longer side of the pictures, at most [px]");
@@ -56,7 +56,9 @@ DEFINE_string(calibrate, "",
               "Sensor parameters to estimate along with the map, separated by commas: mounting, "
               "range_bias, range_scale, odometry_scale");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
-DEFINE_string(checkpoint, "", "File to keep the state after the seeding in, to --resume from");
+DEFINE_string(
+    checkpoint, "",
+    "File to keep the state after the seeding in, to --resume from; may be that of --resume");
 DEFINE_string(resume, "",
               "Checkpoint of an earlier run over the same log with the same options: goes on from "
               "there, to the same results");
@@ -65,6 +67,18 @@ DEFINE_string(max_memory, "0",
 
 namespace plumbline {
 namespace {
+
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {
+      {"log", &FLAGS_log, FileUse::kInput, LogFiles},
+      {"truth", &FLAGS_truth, FileUse::kInput},
+      {"hits", &FLAGS_hits, FileUse::kInput},
+      {"resume", &FLAGS_resume, FileUse::kInput},
+      // A run that goes on from a checkpoint may go on keeping its state there.
+      {"checkpoint", &FLAGS_checkpoint, FileUse::kOutput, nullptr, "resume"},
+      {"output_dir", &FLAGS_output_dir, FileUse::kOutputFolder, ResultsIn}};
+  return flags;
+}
 
 using Clock = std::chrono::steady_clock;
 
@@ -162,11 +176,11 @@ class SlamRun {
       PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint));
     }
     if (FLAGS_resume.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
+      PLUMBLINE_RETURN_IF_ERROR(output_.Make());  // what cannot be written is known before the work
       PLUMBLINE_RETURN_IF_ERROR(Seed());
     } else {
       PLUMBLINE_RETURN_IF_ERROR(Resume(fingerprint));
-      PLUMBLINE_RETURN_IF_ERROR(PrepareOutputs());
+      PLUMBLINE_RETURN_IF_ERROR(output_.Make());
       std::cout << "Seeding: as in " << FLAGS_resume << '\n';
     }
     const SeedingReport& seeding = mapping_.report.seeding;
@@ -185,14 +199,6 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(
         ReadCheckpoint(FLAGS_resume, fingerprint, mapping_.graph, &start_poses, &seeding));
     return StartFromSeed(options_, std::move(start_poses), std::move(seeding), &mapping_);
-  }
-
-  // Before the work is done: what cannot be written to is known then.
-  Status PrepareOutputs() const {
-    if (!FLAGS_checkpoint.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(AtomicFile().Open(FLAGS_checkpoint));
-    }
-    return output_.Make();
   }
 
   Status Seed() {
@@ -214,8 +220,7 @@ class SlamRun {
   // From here on there is a map to write, also if the run is stopped. Not before: an earlier run's
   // results outlive one that comes to nothing.
   Status RecordStart() {
-    PLUMBLINE_RETURN_IF_ERROR(
-        output_.RemoveOldResults({FLAGS_log, FLAGS_truth, FLAGS_hits, FLAGS_resume}));
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
     PLUMBLINE_RETURN_IF_ERROR(
         RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
     const bool by_pose_graph = options_.solver.MovesPosesOnly();
@@ -380,7 +385,7 @@ class SlamRun {
   MapLogOptions options_;
   RunOutputOptions outputs_;
   std::optional<ThreadPool> pool_;
-  const OutputFolder output_{FLAGS_output_dir};
+  OutputFolder output_{FLAGS_output_dir};
   LogMapping mapping_;
   Status checkpoint_written_;  // a run that cannot keep its seed goes on: it is all the run has
   double max_memory_ = 0.0;    // [bytes], 0: no limit
@@ -407,6 +412,6 @@ int main(int argc, char** argv) {
       argc, argv);
   plumbline::CatchSignals();
   plumbline::SlamRun run;
-  return plumbline::ExitCodeAfterStop(
-      plumbline::RunProgram([&run] { return run.CheckFlags(); }, [&run] { return run.Run(); }));
+  return plumbline::ExitCodeAfterStop(plumbline::RunProgram(
+      plumbline::FileFlags(), [&run] { return run.CheckFlags(); }, [&run] { return run.Run(); }));
 }

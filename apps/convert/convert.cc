@@ -1,12 +1,8 @@
 #include "plumbline/apps/convert/convert.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <set>
-#include <system_error>
 #include <utility>
 
-#include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/convert/replace_poses.h"
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/io/pcd_writer.h"
@@ -20,34 +16,6 @@ namespace {
 
 bool IsPoseGraph(const ConversionTarget& target) {
   return target.format == ConversionFormat::kG2o || target.format == ConversionFormat::kToro;
-}
-
-// One name for each file, however it is spelled.
-std::string Identity(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
-      .string();
-}
-
-// Known before anything is written, so that a ROS map does not end up with one file of its two.
-Status CheckFiles(const ConvertOptions& options) {
-  std::error_code ignored;
-  std::vector<std::string> inputs;
-  PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(options.input, &inputs));
-  std::set<std::string> taken;
-  for (const std::string& input : inputs) taken.insert(Identity(input));
-  if (!options.trajectory.empty()) taken.insert(Identity(options.trajectory));
-  for (const ConversionTarget& target : options.targets) {
-    for (const std::string& file : target.Files()) {
-      if (!taken.insert(Identity(file)).second) {
-        return Status::InvalidArgument("'" + file + "' is an input, or an output named before");
-      }
-      if (std::filesystem::is_directory(file, ignored)) {
-        return Status::Unavailable("'" + file + "' is a folder");
-      }
-    }
-  }
-  return Status::Ok();
 }
 
 Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* counts) {
@@ -91,7 +59,6 @@ bool ConvertOptions::Check(std::string* error) const {
 Status Convert(const ConvertOptions& options, ConversionReport* report) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("ROS map: " + error);
-  PLUMBLINE_RETURN_IF_ERROR(CheckFiles(options));
   ConversionReport result;
   PoseGraphFile file;
   PLUMBLINE_RETURN_IF_ERROR(ReadInput(options, &file, &result.counts));

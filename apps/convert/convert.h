@@ -38,10 +38,10 @@ struct ConversionReport {
 /// give it (MakePoseGraphFile). Points of PLY and PCD are the measured ends of the beams. Messages
 /// about the input go to standard error, as ReadLogIntoGraph has them.
 ///
-/// Before anything is written: InvalidArgument on options out of range, files that would be
-/// overwritten though they are read, or written twice, or are folders, and an input without returns
-/// for a target that shows nothing else; and all that readers and ReplacePoses fail on. Then
-/// whatever a writer fails on; targets before it are there.
+/// Before anything is written: InvalidArgument on options out of range and on an input without
+/// returns for a target that shows nothing else; and all that readers and ReplacePoses fail on.
+/// Then whatever a writer fails on; targets before it are there. That no target is an input or
+/// another target is for the caller to see to.
 Status Convert(const ConvertOptions& options, ConversionReport* report);
 
 }  // namespace plumbline

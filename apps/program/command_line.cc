@@ -1,6 +1,10 @@
 #include "plumbline/apps/program/command_line.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -15,8 +19,11 @@
 #include <malloc.h>
 #endif
 
+#include "plumbline/apps/io/file_status.h"
+
 DECLARE_bool(help);
 DECLARE_bool(helpshort);
+DECLARE_string(flagfile);
 
 // Where gflags goes on finding a fault. It is there to be set, but no header of gflags has it.
 namespace GFLAGS_NAMESPACE {
@@ -29,6 +36,23 @@ namespace {
 int Fail(const std::string& message, ExitCode code) {
   std::cerr << gflags::ProgramInvocationShortName() << ": " << message << '\n';
   return code;
+}
+
+// Whether all that was printed has gone where it should.
+Status FlushStandardOutput() {
+  errno = 0;
+  std::cout.flush();
+  return std::cout ? Status::Ok() : WriteError("write to", "standard output", errno);
+}
+
+// The next file to be opened would take the place of a standard stream that is closed, and get what
+// is printed. This one takes it, and refuses to be written.
+void FillClosedStreams() {
+  int descriptor = 0;
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO) {
+    descriptor = open("/dev/null", O_RDONLY);
+  }
+  if (descriptor >= 0) close(descriptor);
 }
 
 bool EndsWith(std::string_view text, std::string_view ending) {
@@ -84,12 +108,14 @@ std::string HelpText(const std::string& usage) {
 // std::exit is for programs without other threads, as at this moment all are.
 // NOLINTBEGIN(concurrency-mt-unsafe)
 void ParseCommandLine(const std::string& usage, int argc, char** argv) {
+  FillClosedStreams();
   gflags::SetUsageMessage(usage);
   GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitWrongUsage); };
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
   if (FLAGS_help || FLAGS_helpshort) {
     std::cout << HelpText(usage);
-    std::exit(kExitDone);
+    const Status printed = FlushStandardOutput();
+    std::exit(printed.ok() ? kExitDone : Fail(printed.message(), kExitCannotWrite));
   }
   gflags::HandleCommandLineHelpFlags();
   if (argc > 1) {
@@ -99,15 +125,23 @@ void ParseCommandLine(const std::string& usage, int argc, char** argv) {
 }
 // NOLINTEND(concurrency-mt-unsafe)
 
-int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run) {
+int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
+               const std::function<Status()>& run) {
   KeepOneHeap();
+  const auto fail = [](const Status& status, ExitCode code) {
+    const bool bad_output = status.code() == StatusCode::kUnavailable;
+    return Fail(status.message(), bad_output ? kExitCannotWrite : code);
+  };
   try {
     const Status usage = check_flags();
     if (!usage.ok()) return Fail(usage.message(), kExitWrongUsage);
-    const Status status = run();
-    if (status.ok()) return kExitDone;
-    const bool bad_output = status.code() == StatusCode::kUnavailable;
-    return Fail(status.message(), bad_output ? kExitCannotWrite : kExitBadInput);
+    std::vector<FileFlag> all_files = {{"flagfile", &FLAGS_flagfile, FileUse::kInput}};
+    all_files.insert(all_files.end(), files.begin(), files.end());
+    const Status named = CheckFileFlags(all_files);
+    if (!named.ok()) return fail(named, kExitWrongUsage);
+    Status status = run();
+    if (status.ok()) status = FlushStandardOutput();
+    return status.ok() ? kExitDone : fail(status, kExitBadInput);
   } catch (const std::bad_alloc&) {
     return Fail("the input needs more memory than there is", kExitBadInput);
   } catch (const std::exception& error) {

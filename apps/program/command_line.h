@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/program/file_flags.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -26,13 +27,17 @@ std::vector<gflags::CommandLineFlagInfo> ProgramFlags();
 std::string HelpText(const std::string& usage);
 
 /// Sets the flags from the command line. Ends the program where it asks for help (kExitDone) or
-/// holds what is no flag (kExitWrongUsage, the culprit on standard error).
+/// holds what is no flag (kExitWrongUsage, the culprit on standard error). Standard streams that
+/// the caller has closed stay taken, so that no file comes in their place.
 void ParseCommandLine(const std::string& usage, int argc, char** argv);
 
-/// Runs a program whose flags are set: `check_flags` looks at nothing but them, `run` does the
-/// rest. Gives the exit code, with a line on standard error unless all went well; running out of
-/// memory is bad input. Unavailable, of `run`, is an output that cannot be written.
-int RunProgram(const std::function<Status()>& check_flags, const std::function<Status()>& run);
+/// Runs a program whose flags are set: `check_flags` looks at nothing but them; then `files`, all
+/// flags that mean files, are checked (CheckFileFlags); `run` does the rest. Gives the exit code,
+/// with a line on standard error unless all went well; running out of memory is bad input.
+/// Unavailable, of `run`, is an output that cannot be written; so is standard output, if it took
+/// less than was printed.
+int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
+               const std::function<Status()>& run);
 
 }  // namespace plumbline
 

@@ -12,24 +12,36 @@ namespace plumbline {
 class OutputFolder {
  public:
   explicit OutputFolder(std::string path);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Makes it, with the folders above it, if it is not there, and makes sure that files can be
-  /// written to it. Unavailable or NotFound if the system refuses.
-  Status Make() const;
+  /// Makes it, with the folders above it, if it is not there, takes it for this run alone, and
+  /// makes sure that files can be written to it. It is free again when this object or the program
+  /// ends, however that happens. Unavailable or NotFound if the system refuses, Unavailable if
+  /// another run has it; a file system without locks cannot tell.
+  Status Make();
 
-  /// Removes what an earlier run has left, so that no mix of two runs is taken for a result: first
-  /// summary.json, whose presence says that the others belong together, then the rest of the files
-  /// that runs write, and those that a killed run has left half-written. Files that this run reads,
-  /// `inputs`, stay, and all that has other names. Unavailable if the system refuses.
-  Status RemoveOldResults(const std::vector<std::string>& inputs) const;
+  /// Removes what an earlier run has left, see ResultsIn, so that no mix of two runs is taken for a
+  /// result. Unavailable if the system refuses.
+  Status RemoveOldResults() const;
 
   const std::string& path() const { return path_; }
   /// Path of a file in it.
   std::string File(const std::string& name) const;
 
  private:
+  Status Lock();
+
   std::string path_;
+  int descriptor_ = -1;  // of the folder, locked; negative while it is not
 };
+
+/// The files that a run over a log or a pose graph writes in a folder or removes from it: first
+/// summary.json, whose presence says that the others belong together, then the rest of its results,
+/// whether or not they are there, and those that a killed run has left half-written. All that has
+/// other names is not touched.
+std::vector<std::string> ResultsIn(const std::string& folder);
 
 }  // namespace plumbline
 

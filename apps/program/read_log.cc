@@ -48,6 +48,11 @@ Status ReadRosLog(const std::string& path, int max_scans, LogCounts* counts, Sla
 
 }  // namespace
 
+std::vector<std::string> LogFiles(const std::string& path) {
+  std::vector<std::string> files;
+  return FilesOfLog(path, &files).ok() ? files : std::vector<std::string>{path};
+}
+
 Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
                         SlamGraph* graph) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));

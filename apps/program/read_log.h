@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -14,6 +15,9 @@ struct LogCounts {
   std::size_t num_skipped_records = 0;
   std::size_t num_out_of_order = 0;
 };
+
+/// The files that a log is made of, see FilesOfLog; of what cannot be read, the path itself.
+std::vector<std::string> LogFiles(const std::string& path);
 
 /// Reads the first `max_scans` scans of a CARMEN log or of a bag of ROS 1 or ROS 2 (0 = all) into a
 /// graph placed by odometry, for a program: log_flags.h says which topics of a bag; the first

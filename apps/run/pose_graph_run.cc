@@ -45,7 +45,7 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(CheckScans());
     PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
-    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults({options_.log}));
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
     if (by_edges_only()) {
@@ -316,7 +316,7 @@ class PoseGraphRun {
 
   const PoseGraphRunOptions& options_;
   ThreadPool pool_;
-  const OutputFolder output_;
+  OutputFolder output_;
   PoseGraphFile file_;  // its graph's initial guesses are the given poses
   MapState state_;
   bool joint_starts_as_given_ = false;

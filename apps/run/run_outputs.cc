@@ -94,17 +94,21 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
   const SlamGraph& graph = *map.graph;
   const MapState& state = *map.state;
   std::vector<WriteTask> tasks = {
-      [=] {
+      [=, &output] {
         return WriteBeforeAfter(output.File("before_after.png"), map, options.picture_side_px);
       },
-      [=] {
+      [=, &output] {
         return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
       },
-      [=] { return WriteMapThatFits(output.File("map"), map, options); },
-      [=, &graph, &state] { return WritePointsPly(output.File("points.ply"), graph, state); },
-      [=, &graph, &state] { return WritePointsPcd(output.File("points.pcd"), graph, state); }};
+      [=, &output] { return WriteMapThatFits(output.File("map"), map, options); },
+      [=, &graph, &state, &output] {
+        return WritePointsPly(output.File("points.ply"), graph, state);
+      },
+      [=, &graph, &state, &output] {
+        return WritePointsPcd(output.File("points.pcd"), graph, state);
+      }};
   if (map.consistency != nullptr) {
-    tasks.insert(tasks.begin(), [=, &graph, &state] {
+    tasks.insert(tasks.begin(), [=, &graph, &state, &output] {
       return WriteConflictPicture(output.File("conflicts.png"), graph, state, *map.consistency,
                                   options.picture_side_px);
     });

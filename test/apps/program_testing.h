@@ -40,10 +40,14 @@ inline std::vector<std::string> Lines(const std::string& text) {
 /// Runs the programs from end to end, as a user does, in a folder of the test's own.
 class ProgramTest : public testing::Test {
  protected:
-  Outcome Run(const std::string& program, const std::string& arguments) const {
+  // output: another place for what the program prints, of which `out` then holds nothing.
+  Outcome Run(const std::string& program, const std::string& arguments,
+              const std::string& output = "") const {
     const std::string out = folder_ + "stdout", err = folder_ + "stderr";
+    WriteFile(out, "");
     const std::string command = limits_ + std::string(PLUMBLINE_PROGRAMS_DIR) + "/plumbline_" +
-                                program + " " + arguments + " >" + out + " 2>" + err;
+                                program + " " + arguments + " >" + (output.empty() ? out : output) +
+                                " 2>" + err;
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out), ReadFile(err)};
   }

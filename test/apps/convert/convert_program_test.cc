@@ -77,7 +77,8 @@ TEST_F(ConvertProgramTest, ErrorsAreOneLineAndAnExitCode) {
   ExpectError(Convert("none.clf", "a.tum"), "cannot open '" + folder_ + "none.clf'");
   ExpectError(Convert("a.clf", "none/a.tum"), "cannot write '" + folder_ + "none/a.tum'",
               kExitCannotWrite);
-  ExpectError(Convert("a.clf", "a.clf", "--format=tum"), "is an input");
+  ExpectUsageError(Convert("a.clf", "map.pgm," + folder_ + "map.yaml"),
+                   "--output means the file '" + folder_ + "map.pgm' twice");
   ExpectError(Convert("a.clf", "a.tum", "--trajectory=" + folder_ + "gap.tum"),
               "gap.tum: no pose at ");
   ExpectUsageError(Convert("a.clf", "a.tum", "more"), "unexpected argument 'more'");

@@ -146,25 +146,6 @@ TEST_F(ConvertTest, AGraphWithScansBecomesPoints) {
   EXPECT_EQ(Graph("a.toro").InitialState(), Graph("a.g2o").InitialState());
 }
 
-TEST_F(ConvertTest, InputsAreNotOverwrittenAndNothingIsWrittenTwice) {
-  WriteLog();
-  WriteTrajectory();
-  std::filesystem::copy_file(Path("a.clf"), Path("log.g2o"));
-  std::filesystem::create_symlink(Path("log.g2o"), Path("link.g2o"));
-  const auto expect_refused = [&](const Status& status, const std::string& name) {
-    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-    EXPECT_EQ(status.message(), "'" + Path(name) + "' is an input, or an output named before");
-  };
-  const int num_files = NumFilesIn(folder_);
-  expect_refused(Run("log.g2o", {"log.g2o"}), "log.g2o");
-  expect_refused(Run("log.g2o", {"link.g2o"}), "link.g2o");
-  expect_refused(Run("log.g2o", {"b.tum", "a.tum"}, "a.tum"), "a.tum");
-  expect_refused(Run("a.clf", {"b.tum", "./b.tum"}), "./b.tum");
-  expect_refused(Run("a.clf", {"map.pgm", "map.yaml"}), "map.pgm");
-  EXPECT_EQ(NumFilesIn(folder_), num_files);
-  EXPECT_EQ(ReadFile(Path("log.g2o")), ReadFile(Path("a.clf")));
-}
-
 TEST_F(ConvertTest, ErrorsLeaveNoFiles) {
   EXPECT_EQ(Run("none.clf", {"a.g2o"}).code(), StatusCode::kNotFound);
   WriteLog();
@@ -174,7 +155,8 @@ TEST_F(ConvertTest, ErrorsLeaveNoFiles) {
   EXPECT_EQ(Run("a.clf", {"none/map.pgm"}).code(), StatusCode::kUnavailable);
   EXPECT_EQ(NumFilesIn(folder_), num_files);
   std::filesystem::create_directory(Path("map.yaml"));
-  EXPECT_EQ(Run("a.clf", {"map.pgm"}).message(), "'" + Path("map.yaml") + "' is a folder");
+  EXPECT_THAT(Run("a.clf", {"map.pgm"}).message(),
+              HasSubstr("'" + Path("map.yaml") + "': Is a directory"));
   std::filesystem::remove(Path("map.yaml"));
   EXPECT_EQ(NumFilesIn(folder_), num_files);
 

@@ -23,7 +23,8 @@ struct Ending {
 Ending EndingOf(const Status& flags, const std::function<Status()>& run) {
   Ending ending;
   testing::internal::CaptureStderr();
-  ending.exit_code = RunProgram([&flags] { return flags; }, run);
+  ending.exit_code = RunProgram(
+      {}, [&flags] { return flags; }, run);
   ending.err = testing::internal::GetCapturedStderr();
   return ending;
 }
@@ -48,6 +49,22 @@ TEST(CommandLineTest, WrongFlagsLetNothingRun) {
   });
   EXPECT_EQ(ending.exit_code, kExitWrongUsage);
   EXPECT_THAT(ending.err, EndsWith(": --log is missing\n"));
+  EXPECT_FALSE(ran);
+}
+
+TEST(CommandLineTest, FilesAreCheckedBeforeAnythingRuns) {
+  const std::string path = "some_file";
+  bool ran = false;
+  testing::internal::CaptureStderr();
+  const int exit_code = RunProgram(
+      {{"log", &path, FileUse::kInput}, {"csv", &path, FileUse::kOutput}},
+      [] { return Status::Ok(); },
+      [&ran] {
+        ran = true;
+        return Status::Ok();
+      });
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr(": --log and --csv both"));
+  EXPECT_EQ(exit_code, kExitWrongUsage);
   EXPECT_FALSE(ran);
 }
 

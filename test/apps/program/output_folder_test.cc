@@ -11,7 +11,7 @@ namespace plumbline {
 namespace {
 
 TEST(OutputFolderTest, IsMadeWithTheFoldersAboveIt) {
-  const OutputFolder folder(TempFolder() + "a/b");
+  OutputFolder folder(TempFolder() + "a/b");
   ASSERT_TRUE(folder.Make().ok());
   EXPECT_TRUE(folder.Make().ok());  // it is there
   EXPECT_TRUE(std::filesystem::is_directory(folder.path()));
@@ -42,20 +42,52 @@ TEST(OutputFolderTest, RemovesOldResultsAndNothingElse) {
   for (const char* name : {"notes.txt", "notes.txt.12-0.tmp", "points.ply.bak"}) {
     WriteFile(path + name, "mine");
   }
-  ASSERT_TRUE(folder.RemoveOldResults({path + "./graph.g2o", "", path + "none"}).ok());
-  EXPECT_EQ(NumFilesIn(path), 4);
-  EXPECT_EQ(ReadFile(path + "graph.g2o"), "old");  // read by this run
+  EXPECT_THAT(ResultsIn(path), testing::Contains(path + "map.pgm.12-0.tmp"));
+  ASSERT_TRUE(folder.RemoveOldResults().ok());
+  EXPECT_EQ(NumFilesIn(path), 3);
   for (const char* name : {"notes.txt", "notes.txt.12-0.tmp", "points.ply.bak"}) {
     EXPECT_EQ(ReadFile(path + name), "mine");
   }
 }
 
+TEST(OutputFolderTest, RemovesWhatALinkLeadsToButNoLinkAndNoDevice) {
+  const std::string path = TempFolder();
+  WriteFile(path + "elsewhere", "old");
+  std::filesystem::create_symlink("elsewhere", path + "map.pgm");
+  std::filesystem::create_symlink("/dev/null", path + "points.ply");
+  std::filesystem::create_symlink("none", path + "points.pcd");
+  ASSERT_TRUE(OutputFolder(path).RemoveOldResults().ok());
+  EXPECT_FALSE(std::filesystem::exists(path + "elsewhere"));
+  for (const char* link : {"map.pgm", "points.ply", "points.pcd"}) {
+    EXPECT_TRUE(std::filesystem::is_symlink(path + link)) << link;
+  }
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(OutputFolderTest, BelongsToOneRunAtATime) {
+  const std::string path = TempFolder();
+  std::filesystem::create_directory_symlink(".", path + "link");
+  {
+    OutputFolder folder(path);
+    ASSERT_TRUE(folder.Make().ok());
+    ASSERT_TRUE(folder.Make().ok());
+    for (const std::string& name : {path, path + "link"}) {
+      OutputFolder other(name);
+      const Status status = other.Make();
+      EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+      EXPECT_THAT(status.message(), testing::HasSubstr("the folder '" + name + "' is in use"));
+    }
+  }
+  EXPECT_TRUE(OutputFolder(path).Make().ok());
+  EXPECT_EQ(NumFilesIn(path), 1);
+}
+
 TEST(OutputFolderTest, NamesWhatCannotBeRemoved) {
   const std::string path = TempFolder();
   std::filesystem::create_directories(path + "map.pgm/inside");
-  EXPECT_THAT(OutputFolder(path).RemoveOldResults({}).message(),
+  EXPECT_THAT(OutputFolder(path).RemoveOldResults().message(),
               testing::HasSubstr("cannot remove '" + path + "map.pgm'"));
-  EXPECT_THAT(OutputFolder(path + "none").RemoveOldResults({}).message(),
+  EXPECT_THAT(OutputFolder(path + "none").RemoveOldResults().message(),
               testing::HasSubstr("none': No such file"));
 }
 
