@@ -321,11 +321,18 @@ void PrintStep(const ReplayStep& step) {
             << std::flush;
 }
 
+Status ReplayOptionsFromFlags(ReplayOptions* options) {
+  options->batch_poses = FLAGS_batch_scans;
+  options->window.num_free_poses = FLAGS_window_free_poses;
+  options->window.max_fixed_poses = FLAGS_window_fixed_poses;
+  std::string error;
+  if (!options->Check(&error)) return Status::InvalidArgument("the flags set " + error);
+  return Status::Ok();
+}
+
 Status ReplayDrive(const OutputFolder& output, HtmlReport* page) {
   ReplayOptions options;
-  options.batch_poses = FLAGS_batch_scans;
-  options.window.num_free_poses = FLAGS_window_free_poses;
-  options.window.max_fixed_poses = FLAGS_window_fixed_poses;
+  PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&options));
   SolverOptions solver;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   LogMapping seed;
@@ -435,10 +442,16 @@ Status CheckFlags() {
   if (FLAGS_log.empty() && !(FLAGS_relations.empty() && FLAGS_corrected_log.empty())) {
     return Status::InvalidArgument("--relations and --corrected_log need --log");
   }
-  if (FLAGS_buildings <= 0) return Status::InvalidArgument("--buildings must be > 0");
-  if (FLAGS_seeds <= 0) return Status::InvalidArgument("--seeds must be > 0");
-  if (FLAGS_sensor_seeds <= 0) return Status::InvalidArgument("--sensor_seeds must be > 0");
-  if (FLAGS_batch_scans <= 0) return Status::InvalidArgument("--batch_scans must be > 0");
+  constexpr int kMostRuns = 1000000;  // more would take years
+  for (const auto& [name, value] :
+       {std::pair("buildings", FLAGS_buildings), std::pair("seeds", FLAGS_seeds),
+        std::pair("sensor_seeds", FLAGS_sensor_seeds)}) {
+    if (value >= 1 && value <= kMostRuns) continue;
+    return Status::InvalidArgument("--" + std::string(name) + " must be from 1 to " +
+                                   std::to_string(kMostRuns));
+  }
+  ReplayOptions replay;
+  PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&replay));
   std::vector<int> counts;
   const Status status = ParseScanCounts(FLAGS_scans, &counts);
   if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());

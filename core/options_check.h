@@ -46,6 +46,13 @@ bool CheckNestedOptions(const char* name, const Options& options, std::string* e
     }                                                                           \
   } while (false)
 
+/// Fails unless lowest <= field <= highest.
+#define PLUMBLINE_CHECK_OPTION_WITHIN(field, lowest, highest) \
+  do {                                                        \
+    PLUMBLINE_CHECK_OPTION(field, >=, lowest);                \
+    PLUMBLINE_CHECK_OPTION(field, <=, highest);               \
+  } while (false)
+
 /// The same for a field that has a Check of its own; the message then reads "field.its_field =
 /// ...".
 #define PLUMBLINE_CHECK_NESTED_OPTIONS(field)                                           \

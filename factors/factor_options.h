@@ -14,7 +14,9 @@ namespace plumbline {
 /// Noise of the rotation-translation-rotation motion model (Thrun, Burgard, Fox: Probabilistic
 /// Robotics, ch. 5.4): standard deviations that grow with what was driven, plus a floor.
 /// Defaults suit wheel odometry of a few per cent in distance; rotation is loose on purpose, since
-/// a stiff heading bends corridors.
+/// a stiff heading bends corridors. Each alpha is up to 1e6: noise of a million times the motion
+/// is that of odometry that knows nothing. The floors are from 1e-9, as the standard deviations of
+/// relative poses, to 1000 m and rad, which switches the odometry off.
 struct MotionOptions {
   double rotation_per_rotation = 0.5;           ///< alpha_1 [rad per rad]
   double rotation_per_translation_rad_m = 0.6;  ///< alpha_2 [rad per m]
@@ -25,40 +27,43 @@ struct MotionOptions {
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
-    PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_translation_rad_m, >=, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(translation_per_translation, >=, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(translation_per_rotation_m_rad, >=, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(translation_floor_m, >, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(rotation_floor_rad, >, 0.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(rotation_per_rotation, 0.0, 1e6);
+    PLUMBLINE_CHECK_OPTION_WITHIN(rotation_per_translation_rad_m, 0.0, 1e6);
+    PLUMBLINE_CHECK_OPTION_WITHIN(translation_per_translation, 0.0, 1e6);
+    PLUMBLINE_CHECK_OPTION_WITHIN(translation_per_rotation_m_rad, 0.0, 1e6);
+    PLUMBLINE_CHECK_OPTION_WITHIN(translation_floor_m, 1e-9, 1000.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(rotation_floor_rad, 1e-9, 1000.0);
     return true;
   }
 };
 
-/// Noise of a single laser beam. Defaults: SICK LMS class.
+/// Noise of a single laser beam. Defaults: SICK LMS class. From 1e-9, as in MotionOptions, to 10 m
+/// and 1 rad: what is further off is no laser.
 struct RangeBeamOptions {
   double sigma_range_m = 0.012;      ///< along the beam [m]
   double sigma_bearing_rad = 0.003;  ///< across the beam, its divergence included [rad]
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
-    PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_m, >, 0.0);
-    PLUMBLINE_CHECK_FINITE_OPTION(sigma_bearing_rad, >, 0.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(sigma_range_m, 1e-9, 10.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(sigma_bearing_rad, 1e-9, 1.0);
     return true;
   }
 };
 
 /// Manifold potential: how far a point may lie from its tangent line.
 struct ManifoldOptions {
-  double sigma_m = 0.008;  ///< thickness of a surface [m]
+  /// Thickness of a surface [m]; from 1e-9 to 1000, which switches the term off.
+  double sigma_m = 0.008;
   /// Geman-McClure scale, in standard deviations; infinity: Gaussian. Real surfaces have long tails
-  /// (frames, handles, cables): a tighter gate throws away what they know.
+  /// (frames, handles, cables): a tighter gate throws away what they know. At least 0.1: below it,
+  /// sound points are outliers.
   double robust_gate_sigmas = 4.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
-    PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
-    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >, 0.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(sigma_m, 1e-9, 1000.0);
+    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >=, 0.1);
     return true;
   }
 };
@@ -67,15 +72,17 @@ struct ManifoldOptions {
 /// simulated buildings and on real logs it gains nothing beside the returns themselves, and a
 /// strong one bends what is not at right angles.
 struct ShapeOptions {
-  bool enabled = false;    ///< whether there is such a term at all
-  double sigma_rad = 0.1;  ///< deviation of a normal from its category's direction [rad]
-  /// Geman-McClure scale, in standard deviations; infinity: Gaussian.
+  bool enabled = false;  ///< whether there is such a term at all
+  /// Deviation of a normal from its category's direction [rad]; from 1e-9 to 1000, as that of a
+  /// surface.
+  double sigma_rad = 0.1;
+  /// Geman-McClure scale, in standard deviations; infinity: Gaussian. At least 0.1.
   double robust_gate_sigmas = 3.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
-    PLUMBLINE_CHECK_FINITE_OPTION(sigma_rad, >, 0.0);
-    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >, 0.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(sigma_rad, 1e-9, 1000.0);
+    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >=, 0.1);
     return true;
   }
 };

@@ -65,7 +65,7 @@ SolverFigures FiguresOf(const std::string& solver, const std::vector<SolverRun>&
 }  // namespace
 
 bool ComparisonOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(repeats, >, 0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(repeats, 1, 1000000);
   PLUMBLINE_CHECK_OPTION(time_limit_s, >, 0.0);
   PLUMBLINE_CHECK_OPTION(time_limit_s, <=, 86400.0);
   return true;

@@ -48,8 +48,8 @@ Status ReadRelations(const std::string& path, std::vector<Relation>* relations) 
 }
 
 bool RelationsOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(tolerance_s, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(local_span_s, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(tolerance_s, 0.0, 3600.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(local_span_s, 0.0, 1e12);
   return true;
 }
 

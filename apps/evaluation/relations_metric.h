@@ -26,10 +26,10 @@ struct Relation {
 Status ReadRelations(const std::string& path, std::vector<Relation>* relations);
 
 struct RelationsOptions {
-  /// A pose stands for a relation's time within this time [s].
+  /// A pose stands for a relation's time within this time [s], up to an hour.
   double tolerance_s = 0.05;
   /// Relations that span no more than this time [s] are local, the others revisits. Odometry alone
-  /// does well in local ones.
+  /// does well in local ones. Up to 1e12, as times are.
   double local_span_s = 10.0;
 
   bool Check(std::string* error) const;

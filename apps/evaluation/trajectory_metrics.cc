@@ -90,9 +90,9 @@ std::vector<std::size_t> PlacesByPath(const std::vector<Pose2>& poses, double de
 }  // namespace
 
 bool TrajectoryMetricsOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(max_time_difference_s, >=, 0.0);
-  PLUMBLINE_CHECK_OPTION(delta_frames, >=, 1);
-  PLUMBLINE_CHECK_FINITE_OPTION(delta_m, >, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_time_difference_s, 0.0, 3600.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(delta_frames, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(delta_m, 1e-6, 1e7);
   return true;
 }
 

@@ -11,11 +11,13 @@
 namespace plumbline {
 
 struct TrajectoryMetricsOptions {
-  /// Poses of the two trajectories are a pair if their times differ by no more than this [s].
+  /// Poses of the two trajectories are a pair if their times differ by no more than this [s], up to
+  /// an hour.
   double max_time_difference_s = 0.01;
   /// Step of the relative error, in pairs.
   int delta_frames = 1;
-  /// Step of the relative error in path length of the estimate [m].
+  /// Step of the relative error in path length of the estimate [m], from 1e-6 to 1e7, as far as
+  /// poses may lie apart.
   double delta_m = 1.0;
 
   bool Check(std::string* error) const;

@@ -195,7 +195,7 @@ void DropStrayReturns(const OccupancyScores& scores, OccupancyGrid* grid) {
 }  // namespace
 
 bool OccupancyGridOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(resolution_m, >=, 0.001);
+  PLUMBLINE_CHECK_OPTION_WITHIN(resolution_m, 0.001, 100.0);
   PLUMBLINE_CHECK_OPTION(max_cells, >=, 1.0);
   PLUMBLINE_CHECK_OPTION(max_cells, <=, 2e9);  // A side fits into an int.
   return true;

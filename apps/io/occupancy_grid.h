@@ -27,7 +27,7 @@ struct OccupancyGrid {
 };
 
 struct OccupancyGridOptions {
-  double resolution_m = 0.05;
+  double resolution_m = 0.05;  ///< from a millimetre to 100 m, a cell of which holds a building
   /// Most cells of a grid; a cell takes five bytes while the grid is built.
   double max_cells = 4e8;
   /// Doubles the side of a cell until a larger grid fits, instead of refusing it.

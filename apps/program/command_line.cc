@@ -80,6 +80,23 @@ std::string ReadableDefault(const gflags::CommandLineFlagInfo& flag) {
   return text.str();
 }
 
+// The message of a check, with the number in front that it comes from: that of the first flag
+// without which the check says something else. Messages have the names of options, which are close
+// to those of flags, but not the same.
+std::string WithFlag(const std::string& message, const std::function<Status()>& check_flags) {
+  if (message.find("--") != std::string::npos) return message;
+  for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
+    if (flag.is_default || flag.type == "string" || flag.type == "bool") continue;
+    gflags::SetCommandLineOption(flag.name.c_str(), flag.default_value.c_str());
+    const Status without = check_flags();
+    gflags::SetCommandLineOption(flag.name.c_str(), flag.current_value.c_str());
+    if (without.message() != message) {
+      return "--" + flag.name + "=" + flag.current_value + ": " + message;
+    }
+  }
+  return message;
+}
+
 }  // namespace
 
 std::vector<gflags::CommandLineFlagInfo> ProgramFlags() {
@@ -134,7 +151,7 @@ int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>
   };
   try {
     const Status usage = check_flags();
-    if (!usage.ok()) return Fail(usage.message(), kExitWrongUsage);
+    if (!usage.ok()) return Fail(WithFlag(usage.message(), check_flags), kExitWrongUsage);
     std::vector<FileFlag> all_files = {{"flagfile", &FLAGS_flagfile, FileUse::kInput}};
     all_files.insert(all_files.end(), files.begin(), files.end());
     const Status named = CheckFileFlags(all_files);

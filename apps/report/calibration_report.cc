@@ -2,6 +2,7 @@
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 namespace plumbline {
@@ -31,7 +32,9 @@ bool SwitchOn(const std::string& name, CalibrationOptions* options) {
 Status ParseCalibration(const std::string& names, CalibrationOptions* options) {
   CalibrationOptions result = *options;
   std::istringstream list(names);
+  std::set<std::string> seen;
   for (std::string name; std::getline(list, name, ',');) {
+    if (!seen.insert(name).second) return Status::InvalidArgument("'" + name + "' comes twice");
     if (SwitchOn(name, &result)) continue;
     std::string message = "'" + name + "' is nothing to calibrate; known are";
     for (const NamedSwitch& known : kSwitches) message += std::string(" ") + known.name;

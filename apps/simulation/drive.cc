@@ -48,12 +48,12 @@ Status TooClose(const std::string& building, std::size_t line, double robot_radi
 }  // namespace
 
 bool DriveOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(speed_m_s, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(turn_rate_rad_s, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(corner_radius_m, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(speed_m_s, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(turn_rate_rad_s, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(corner_radius_m, 0.0, 100.0);
   PLUMBLINE_CHECK_FINITE_OPTION(sharp_corner_rad, >=, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(sharp_corner_rad, <, kPi);
-  PLUMBLINE_CHECK_FINITE_OPTION(robot_radius_m, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(robot_radius_m, 0.0, 10.0);
   return true;
 }
 

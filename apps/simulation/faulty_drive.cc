@@ -69,9 +69,11 @@ std::size_t AddToRecording(const Fault& fault, double at_s, SimulatedLog* log) {
 // usual: 0 if the kind of fault does not have the field.
 bool CheckField(const char* name, double value, double usual, bool is_signed, std::string* error) {
   if (usual == 0.0) return value == 0.0 || internal::FailOption(name, value, "0", error);
-  const bool is_right = std::isfinite(value) && (is_signed ? value != 0.0 : value > 0.0);
+  constexpr double kMost = 1e5;  // as far as a building reaches [m], longer than a drive [s]
+  const bool is_right = std::abs(value) <= kMost && (is_signed ? value != 0.0 : value > 0.0);
   return is_right ||
-         internal::FailOption(name, value, is_signed ? "finite and != 0" : "finite and > 0", error);
+         internal::FailOption(name, value,
+                              is_signed ? "!= 0 and at most 1e5 from it" : "> 0 and <= 1e5", error);
 }
 
 bool CheckAll(const SimulationOptions& options, const Fault& fault, bool has_second_world,

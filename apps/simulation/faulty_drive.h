@@ -41,7 +41,7 @@ const char* ToString(FaultKind kind);
 /// Returns whether the name is known.
 bool FromString(const std::string& name, FaultKind* kind);
 
-/// A fault; a field that its kind has no use for is 0.
+/// A fault; a field that its kind has no use for is 0, and all are up to 1e5.
 struct Fault {
   FaultKind kind = FaultKind::kNone;
   /// Of the path, driven before it happens: between 0 and 1. All but clock offset, mounting and two

@@ -191,8 +191,8 @@ std::vector<SimulatedScan> PlaceScans(const ActualDrive& drive, const Simulation
 }  // namespace
 
 bool LaserNoise::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(sigma_range_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(sigma_bearing_rad, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(sigma_range_m, 0.0, 10.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(sigma_bearing_rad, 0.0, 1.0);
   PLUMBLINE_CHECK_OPTION(no_return_probability, >=, 0.0);
   PLUMBLINE_CHECK_OPTION(no_return_probability, <=, 1.0);
   PLUMBLINE_CHECK_OPTION(short_reading_probability, >=, 0.0);
@@ -201,12 +201,13 @@ bool LaserNoise::Check(std::string* error) const {
 }
 
 bool OdometryNoise::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_rotation, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(rotation_per_translation_rad_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_translation, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(translation_per_rotation_m_rad, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(heading_drift_rad_m), >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(scale_error, >, -1.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(rotation_per_rotation, 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(rotation_per_translation_rad_m, 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(translation_per_translation, 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(translation_per_rotation_m_rad, 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(heading_drift_rad_m), 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION(scale_error, >, -1.0);
+  PLUMBLINE_CHECK_OPTION(scale_error, <=, 100.0);
   return true;
 }
 
@@ -221,8 +222,8 @@ OdometryNoise Scaled(const OdometryNoise& noise, double factor) {
 }
 
 bool DriveFault::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(at_path_m, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(distance_m, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(at_path_m, 0.0, 1e5);
+  PLUMBLINE_CHECK_OPTION_WITHIN(distance_m, 0.0, 1e5);
   return true;
 }
 
@@ -233,16 +234,16 @@ SimulationOptions::SimulationOptions() {
 }
 
 bool SimulationOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(scan_period_s, >=, 1e-3);
+  PLUMBLINE_CHECK_OPTION_WITHIN(scan_period_s, 1e-3, 3600.0);
   PLUMBLINE_CHECK_NESTED_OPTIONS(carry);
   PLUMBLINE_CHECK_NESTED_OPTIONS(odometry_leap);
-  PLUMBLINE_CHECK_FINITE_OPTION(carry_duration_s, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_leap_direction_rad), >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(odometry_leap_duration_s, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(odometry_delay_s), >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.x), >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.y), >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(std::abs(mounting_error.yaw), >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(carry_duration_s, 0.0, 1e5);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(odometry_leap_direction_rad), 0.0, 2.0 * kPi);
+  PLUMBLINE_CHECK_OPTION_WITHIN(odometry_leap_duration_s, 0.0, 1e5);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(odometry_delay_s), 0.0, 1e5);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(mounting_error.x), 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(mounting_error.y), 0.0, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(std::abs(mounting_error.yaw), 0.0, 2.0 * kPi);
   PLUMBLINE_CHECK_NESTED_OPTIONS(traffic);
   return laser.Check(error) && drive.Check(error) && laser_noise.Check(error) &&
          odometry_noise.Check(error);

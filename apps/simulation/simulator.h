@@ -16,7 +16,8 @@
 
 namespace plumbline {
 
-/// Noise of a laser reading. Defaults: SICK LMS class.
+/// Noise of a laser reading, up to 10 m and 1 rad: what is further off is no laser. Defaults: SICK
+/// LMS class.
 struct LaserNoise {
   double sigma_range_m = 0.012;              ///< along the beam [m]
   double sigma_bearing_rad = DegToRad(0.1);  ///< of the direction in which a beam leaves [rad]
@@ -29,7 +30,8 @@ struct LaserNoise {
 
 /// Noise of the odometry step from one scan to the next, which reads: turn by rot1, drive trans,
 /// turn by rot2 (Thrun, Burgard, Fox: Probabilistic Robotics, ch. 5.4). Standard deviations grow
-/// with what was driven; on top come two errors that stay the same for the whole drive.
+/// with what was driven; on top come two errors that stay the same for the whole drive. Each is up
+/// to 100, a hundred times the motion.
 struct OdometryNoise {
   double rotation_per_rotation = 0.03;            ///< alpha_1 [rad per rad]
   double rotation_per_translation_rad_m = 0.03;   ///< alpha_2 [rad per m]
@@ -47,14 +49,15 @@ OdometryNoise Scaled(const OdometryNoise& noise, double factor);
 /// Something that goes wrong once; a distance of 0 changes nothing.
 struct DriveFault {
   double at_path_m = 0.0;   ///< where on the path, counted from its start [m]
-  double distance_m = 0.0;  ///< [m]
+  double distance_m = 0.0;  ///< [m]; both up to 1e5, as far as a building reaches
 
   bool Check(std::string* error) const;
 };
 
+/// Times are up to 1e5 s, a day of driving, and directions up to a full turn either way.
 struct SimulationOptions {
   LaserModel laser;            ///< by default 360 beams over 180 deg, like CARMEN's front laser
-  double scan_period_s = 0.3;  ///< from one scan to the next [s], at least 1 ms
+  double scan_period_s = 0.3;  ///< from one scan to the next [s], from 1 ms to an hour
   DriveOptions drive;
   LaserNoise laser_noise;
   OdometryNoise odometry_noise;
@@ -71,7 +74,8 @@ struct SimulationOptions {
   /// The clocks of wheels and laser disagree: a scan comes with the odometry of this much earlier,
   /// or later where negative, at most with that of the start and of the end [s].
   double odometry_delay_s = 0.0;
-  /// The laser is really mounted at laser.robot_from_laser times this, which nobody knows.
+  /// The laser is really mounted at laser.robot_from_laser times this, which nobody knows; up to
+  /// 100 m off.
   Pose2 mounting_error;
   std::uint64_t seed = 1;
 

@@ -22,7 +22,7 @@ constexpr double kOpenShare = 0.3;  // of a door's swing: open below, shut above
 }  // namespace
 
 bool TrafficOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(num_people, >=, 0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(num_people, 0, 1000);
   return true;
 }
 

@@ -13,7 +13,7 @@ namespace plumbline {
 
 /// What moves in a building while the robot drives.
 struct TrafficOptions {
-  int num_people = 0;       ///< who walk around the robot, at most 4 m ahead of it or behind
+  int num_people = 0;  ///< who walk around the robot, up to 1000, at most 4 m ahead of it or behind
   bool doors_move = false;  ///< doors slide shut and open again; by default they stand open
 
   bool IsOn() const { return num_people > 0 || doors_move; }

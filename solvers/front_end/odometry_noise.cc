@@ -190,7 +190,10 @@ void SetAlpha(const SequentialTrajectory& trajectory, double MotionOptions::*alp
   for (std::size_t pose = 1; pose < trajectory.odometry.size(); ++pose) {
     unit_variance += VarianceOf(quantity, MotionCovariance(trajectory.odometry[pose], unit));
   }
-  if (unit_variance > 0.0) motion->*alpha = std::sqrt(variance / unit_variance);
+  constexpr double kMost = 1e6;  // that MotionOptions allow
+  if (unit_variance > 0.0) {
+    motion->*alpha = std::min(std::sqrt(variance / unit_variance), kMost);
+  }
 }
 
 MotionOptions StepNoise(const SequentialTrajectory& trajectory, const RandomError& translation,

@@ -19,13 +19,12 @@ bool FromString(const std::string& name, NeighborhoodType* type) {
 }
 
 bool AssociationOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(min_points, >=, 3);
-  PLUMBLINE_CHECK_FINITE_OPTION(landmark_size_m, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_points, >=, min_points);
-  PLUMBLINE_CHECK_FINITE_OPTION(max_eigenvalue_ratio, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_eigenvalue_ratio, <=, 1.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(min_segment_length_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(shape_margin_rad, >, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(min_points, 3, 1000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(landmark_size_m, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_points, min_points, 1000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_eigenvalue_ratio, 1e-6, 1.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(min_segment_length_m, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION(shape_margin_rad, >=, 1e-6);
   PLUMBLINE_CHECK_OPTION(shape_margin_rad, <, 0.7853981633974483);
   return true;
 }

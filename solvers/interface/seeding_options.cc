@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -23,8 +24,8 @@ bool FromString(const std::string& name, StartType* type) {
 }
 
 bool SequentialSeedingOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(keyframe_distance_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(keyframe_angle_rad, >, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(keyframe_distance_m, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(keyframe_angle_rad, 1e-3, 2.0 * kPi);
   return true;
 }
 

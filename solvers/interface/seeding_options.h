@@ -9,7 +9,9 @@ namespace plumbline {
 /// Sequential point-to-line ICP: each scan is matched against a local map of keyframes.
 struct SequentialSeedingOptions {
   /// A scan becomes a keyframe when no keyframe of the local map is within this distance [m] and
-  /// this turn [rad] of it: a robot that turns on the spot does not flush its map.
+  /// this turn [rad] of it: a robot that turns on the spot does not flush its map. From 1e-3, below
+  /// which every scan is one, to 100 m and a full turn, beyond which the local map sees no walls of
+  /// the last one.
   double keyframe_distance_m = 0.25;
   double keyframe_angle_rad = 0.35;  ///< see keyframe_distance_m
 

@@ -34,30 +34,29 @@ Status CheckOwnTermsFit(const FactorOptions& factors, const Solver& solver) {
 }  // namespace
 
 bool ReducedOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_rounds, >, 0);
-  PLUMBLINE_CHECK_OPTION(steps_per_round, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(first_gate_factor, >=, 1.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(move_tolerance_sigmas, >=, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(cg_tolerance, >, 0.0);
-  PLUMBLINE_CHECK_OPTION(cg_tolerance, <, 1.0);
-  PLUMBLINE_CHECK_OPTION(polish_sweeps, >=, 0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_rounds, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(steps_per_round, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(first_gate_factor, 1.0, 1000.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(move_tolerance_sigmas, 0.0, 1000.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(cg_tolerance, 1e-15, 0.99);
+  PLUMBLINE_CHECK_OPTION_WITHIN(polish_sweeps, 0, 1000000000);
   return true;
 }
 
 bool AlternatingCgOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_sweeps, >, 0);
-  PLUMBLINE_CHECK_OPTION(map_iterations_per_sweep, >, 0);
-  PLUMBLINE_CHECK_OPTION(pose_iterations_per_sweep, >, 0);
-  PLUMBLINE_CHECK_OPTION(scan_iterations_per_sweep, >=, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(relative_cost_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_sweeps, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(map_iterations_per_sweep, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(pose_iterations_per_sweep, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(scan_iterations_per_sweep, 0, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(relative_cost_tolerance, 0.0, 1.0);
   return true;
 }
 
 bool PublishedOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_passes, >, 0);
-  PLUMBLINE_CHECK_OPTION(sweeps_per_pass, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_passes, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(sweeps_per_pass, 1, 1000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   return true;
 }
 
@@ -76,18 +75,18 @@ CeresOptionsValue::~CeresOptionsValue() = default;
 bool CeresOptionsValue::Check(std::string* error) const { return options_->Check(error); }
 
 bool CeresOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(function_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(function_tolerance, 0.0, 1.0);
   return true;
 }
 
 bool RoundOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_coarse_rounds, >=, 0);
-  PLUMBLINE_CHECK_OPTION(max_fine_rounds, >, 0);
-  PLUMBLINE_CHECK_FINITE_OPTION(fine_radius_m, >, 0.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(coarse_radius_m, >=, fine_radius_m);
-  PLUMBLINE_CHECK_FINITE_OPTION(coarse_gate_factor, >=, 1.0);
-  PLUMBLINE_CHECK_FINITE_OPTION(relative_tolerance, >=, 0.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_coarse_rounds, 0, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_fine_rounds, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(fine_radius_m, 1e-3, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(coarse_radius_m, fine_radius_m, 100.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(coarse_gate_factor, 1.0, 1000.0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   return true;
 }
 
@@ -96,12 +95,12 @@ bool SolverOptions::IsOverLandmarks() const { return SolverOf(*this).IsOverLandm
 bool SolverOptions::MovesPosesOnly() const { return SolverOf(*this).MovesPosesOnly(); }
 
 bool StochasticDescentOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_iterations, >, 0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, 1000000000);
   return true;
 }
 
 bool SolverOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(num_threads, >, 0);
+  PLUMBLINE_CHECK_OPTION_WITHIN(num_threads, 1, 1024);
   PLUMBLINE_CHECK_NESTED_OPTIONS(factors);
   PLUMBLINE_CHECK_NESTED_OPTIONS(association);
   PLUMBLINE_CHECK_NESTED_OPTIONS(rounds);

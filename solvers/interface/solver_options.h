@@ -14,6 +14,9 @@
 
 namespace plumbline {
 
+// Numbers of rounds and iterations are up to 1e9, so that the sum of two is an int; tolerances are
+// fractions, up to 1; factors on gates are up to 1000, beyond which a gate lets everything through.
+
 /// The reduced solver.
 struct ReducedOptions {
   /// A round cuts the surfaces into landmarks anew.
@@ -26,14 +29,14 @@ struct ReducedOptions {
   /// this fraction of it and
   double relative_tolerance = 5e-3;
   /// the round moves returns across their surfaces, relative to those of the pose before, by less
-  /// than this: root mean square in standard deviations of a return. One step with all returns
-  /// follows.
+  /// than this: root mean square in standard deviations of a return, up to 1000. One step with all
+  /// returns follows.
   double move_tolerance_sigmas = 0.1;
   /// The lines follow the poses: refitted exactly after each step, which knows that they will be.
   /// Otherwise they are fixed within a round, as in the published alternation, and the poses creep.
   bool lines_follow = true;
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
-  /// in the preconditioner's norm.
+  /// in the preconditioner's norm; from 1e-15, what doubles can tell apart, to 0.99.
   double cg_tolerance = 1e-2;
   /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
   /// and their own lines. 0: none.
@@ -65,7 +68,7 @@ struct PublishedOptions {
   /// Passes, at most. Each finds the tangent lines and shape pairs of the map anew.
   int max_passes = 50;
   /// Iterations on the map, and as many on the poses, in turn, per pass. The paper has one. More
-  /// cost little beside finding the lines.
+  /// cost little beside finding the lines, up to 1000: on fixed lines they have converged by then.
   int sweeps_per_pass = 1;
   /// Ends when a pass lowers the energy of its lines and pairs by less than this fraction.
   double relative_tolerance = 1e-3;
@@ -120,7 +123,8 @@ struct RoundOptions {
   int max_coarse_rounds = 4;  ///< may be 0
   int max_fine_rounds = 8;    ///< at least 1
   /// Smallest neighbourhood radius [m] of the first coarse round: wide enough to reach across a
-  /// double wall. Later coarse rounds go down to the fine radius in geometric steps.
+  /// double wall. Later coarse rounds go down to the fine radius in geometric steps. Radii are from
+  /// a millimetre, less than any wall is thick, to 100 m, more than a scan sees.
   double coarse_radius_m = 0.3;
   /// Smallest neighbourhood radius [m] of the fine rounds: narrow enough not to blur a surface.
   double fine_radius_m = 0.1;
@@ -152,8 +156,8 @@ struct SolverOptions {
   PublishedOptions published;           ///< kPublished
   CeresOptionsValue ceres;              ///< kCeres; see ceres_options.h
   StochasticDescentOptions sgd;         ///< kSgd
-  /// Threads, the calling one included. Results do not depend on it, but for the last digits of
-  /// kCeres, since Ceres adds up as threads finish.
+  /// Threads, the calling one included, up to 1024. Results do not depend on it, but for the last
+  /// digits of kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;
   ProgressCallback callback;  ///< may be empty
 

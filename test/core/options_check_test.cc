@@ -12,10 +12,12 @@ namespace {
 struct Inner {
   int count = 1;
   double sigma_m = 0.5;
+  int percentage = 50;
 
   bool Check(std::string* error) const {
     PLUMBLINE_CHECK_OPTION(count, >, 0);
     PLUMBLINE_CHECK_FINITE_OPTION(sigma_m, >, 0.0);
+    PLUMBLINE_CHECK_OPTION_WITHIN(percentage, 0, 100);
     return true;
   }
 };
@@ -60,6 +62,18 @@ TEST(OptionsCheck, NamesThePathToANestedField) {
   Outermost options;
   options.outer.inner.count = 0;
   EXPECT_EQ(ErrorOf(options), "outer.inner.count = 0, but it must be > 0");
+}
+
+TEST(OptionsCheck, ARangeIncludesItsBounds) {
+  Outermost options;
+  for (const int good : {0, 100}) {
+    options.outer.inner.percentage = good;
+    EXPECT_EQ(ErrorOf(options), "");
+  }
+  options.outer.inner.percentage = -1;
+  EXPECT_EQ(ErrorOf(options), "outer.inner.percentage = -1, but it must be >= 0");
+  options.outer.inner.percentage = 101;
+  EXPECT_EQ(ErrorOf(options), "outer.inner.percentage = 101, but it must be <= 100");
 }
 
 TEST(OptionsCheck, RefusesNaNAndInfinity) {

@@ -145,7 +145,7 @@ TEST(TrajectoryMetricsTest, OptionsOutOfRangeAreNamed) {
   options = TrajectoryMetricsOptions();
   options.delta_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
-  EXPECT_EQ(error, "delta_m = 0, but it must be > 0.0");
+  EXPECT_EQ(error, "delta_m = 0, but it must be >= 1e-6");
 }
 
 }  // namespace

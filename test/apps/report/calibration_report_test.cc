@@ -27,6 +27,13 @@ TEST(CalibrationReportTest, NamesCombine) {
   EXPECT_FALSE(options.laser_mounting);
 }
 
+TEST(CalibrationReportTest, ANameThatComesTwiceIsRefused) {
+  CalibrationOptions options;
+  EXPECT_EQ(ParseCalibration("mounting,range_bias,mounting", &options).message(),
+            "'mounting' comes twice");
+  EXPECT_FALSE(options.IsOn());
+}
+
 TEST(CalibrationReportTest, UnknownNamesAreNamed) {
   for (const char* names : {"mounting,clock", "clock", "mounting, clock", "mounting,,range_bias"}) {
     CalibrationOptions options;

@@ -55,6 +55,15 @@ TEST(SolverOptionsTest, NamesTheFieldThatIsWrong) {
                  [](Options* o) { o->alternating_cg.scan_iterations_per_sweep = -1; });
   expect_refused("alternating_cg.relative_cost_tolerance",
                  [](Options* o) { o->alternating_cg.relative_cost_tolerance = kNaN; });
+  expect_refused("num_threads", [](Options* o) { o->num_threads = 2000; });
+  expect_refused("rounds.coarse_gate_factor",
+                 [](Options* o) { o->rounds.coarse_gate_factor = 1e6; });
+  expect_refused("reduced.first_gate_factor",
+                 [](Options* o) { o->reduced.first_gate_factor = 1e6; });
+  expect_refused("reduced.cg_tolerance", [](Options* o) { o->reduced.cg_tolerance = 1e-300; });
+  expect_refused("published.sweeps_per_pass",
+                 [](Options* o) { o->published.sweeps_per_pass = 2000; });
+  expect_refused("association.max_points", [](Options* o) { o->association.max_points = 2000; });
   expect_refused("ceres.max_iterations", [](Options* o) { o->ceres->max_iterations = 0; });
   expect_refused("ceres.function_tolerance", [](Options* o) { o->ceres->function_tolerance = -1; });
 }
