@@ -9,6 +9,8 @@
 namespace plumbline {
 namespace {
 
+constexpr int kMostIterations = 1000000000;  // the sum of two is an int
+
 bool Refuse(const std::string& reason, std::string* error) {
   if (error != nullptr) *error = reason;
   return false;
@@ -34,27 +36,27 @@ Status CheckOwnTermsFit(const FactorOptions& factors, const Solver& solver) {
 }  // namespace
 
 bool ReducedOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_rounds, 1, 1000000000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(steps_per_round, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_rounds, 1, kMostIterations);
+  PLUMBLINE_CHECK_OPTION_WITHIN(steps_per_round, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(first_gate_factor, 1.0, 1000.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(move_tolerance_sigmas, 0.0, 1000.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(cg_tolerance, 1e-15, 0.99);
-  PLUMBLINE_CHECK_OPTION_WITHIN(polish_sweeps, 0, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(polish_sweeps, 0, kMostIterations);
   return true;
 }
 
 bool AlternatingCgOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_sweeps, 1, 1000000000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(map_iterations_per_sweep, 1, 1000000000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(pose_iterations_per_sweep, 1, 1000000000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(scan_iterations_per_sweep, 0, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_sweeps, 1, kMostIterations);
+  PLUMBLINE_CHECK_OPTION_WITHIN(map_iterations_per_sweep, 1, kMostIterations);
+  PLUMBLINE_CHECK_OPTION_WITHIN(pose_iterations_per_sweep, 1, kMostIterations);
+  PLUMBLINE_CHECK_OPTION_WITHIN(scan_iterations_per_sweep, 0, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_cost_tolerance, 0.0, 1.0);
   return true;
 }
 
 bool PublishedOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_passes, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_passes, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(sweeps_per_pass, 1, 1000);
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   return true;
@@ -75,14 +77,14 @@ CeresOptionsValue::~CeresOptionsValue() = default;
 bool CeresOptionsValue::Check(std::string* error) const { return options_->Check(error); }
 
 bool CeresOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(function_tolerance, 0.0, 1.0);
   return true;
 }
 
 bool RoundOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_coarse_rounds, 0, 1000000000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_fine_rounds, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_coarse_rounds, 0, kMostIterations);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_fine_rounds, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(fine_radius_m, 1e-3, 100.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(coarse_radius_m, fine_radius_m, 100.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(coarse_gate_factor, 1.0, 1000.0);
@@ -95,7 +97,7 @@ bool SolverOptions::IsOverLandmarks() const { return SolverOf(*this).IsOverLandm
 bool SolverOptions::MovesPosesOnly() const { return SolverOf(*this).MovesPosesOnly(); }
 
 bool StochasticDescentOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, 1000000000);
+  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, kMostIterations);
   return true;
 }
 
