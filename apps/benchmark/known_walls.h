@@ -6,15 +6,24 @@
 
 namespace plumbline {
 
-/// The best that any mapper could do: someone tells the building's true surfaces, which of them
-/// each return belongs to, and the true noise of laser and odometry. What is left to estimate are
-/// the poses, by least squares over the returns' distances from their surfaces and the odometry,
-/// and the points, each where its surface and its beam together put it. Returns that are not the
-/// building's are left where their beams end.
+/// What a mapper is told of a building.
+enum class Told {
+  kWhoseReturn,  ///< of which straight wall each return is: faces in one line are one wall
+  kDirections,   ///< that, and the direction of every wall
+  kWalls,        ///< where all walls and pillars are
+};
+
+/// The best that any mapper could do that is told this much, and the true noise of laser and
+/// odometry. What is left to estimate, by least squares over the returns' distances from their
+/// surfaces and the odometry, are the poses, the walls' directions and offsets unless told, and the
+/// points, each where its surface and its beam together put it. Returns that are not the building's
+/// are left where their beams end; so are those of pillars, unless all is told. A wall that is not
+/// told is within some 1 m and 0.3 rad of the truth.
 ///
 /// The first pose is known, as it is for all mappers. The factors give the noise; the thickness of
 /// surfaces is not looked at, since those of the simulation have none.
-MapEstimate LocaliseAgainstTruth(const SyntheticDrive& drive, const FactorOptions& factors);
+MapEstimate EstimateGivenTruth(const SyntheticDrive& drive, const FactorOptions& factors,
+                               Told told);
 
 }  // namespace plumbline
 

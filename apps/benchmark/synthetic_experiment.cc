@@ -55,7 +55,10 @@ class MapMaker {
     normals_ = EstimateReturnNormals(drive_.graph, NormalOptionsFor(factors_.beam), &pool_);
     PutRaw(Mapper::kOdometry, PosesOf(drive_.graph.initial_poses()));
     PutRaw(Mapper::kTruePoses, drive_.truth.poses);
-    Map(Mapper::kKnownWalls) = LocaliseAgainstTruth(drive_, ExactFactorsFor(noise_, factors_));
+    const FactorOptions exact = ExactFactorsFor(noise_, factors_);
+    Map(Mapper::kKnownAssociation) = EstimateGivenTruth(drive_, exact, Told::kWhoseReturn);
+    Map(Mapper::kKnownDirections) = EstimateGivenTruth(drive_, exact, Told::kDirections);
+    Map(Mapper::kKnownWalls) = EstimateGivenTruth(drive_, exact, Told::kWalls);
     PLUMBLINE_RETURN_IF_ERROR(Chain(IcpMetric::kPointToPoint, Mapper::kPointToPoint));
     PLUMBLINE_RETURN_IF_ERROR(Chain(IcpMetric::kPointToLine, Mapper::kPointToLine));
     OptimiseGraph();
@@ -176,6 +179,10 @@ const char* ToString(Mapper mapper) {
       return "Plumbline, seed";
     case Mapper::kPlumbline:
       return "Plumbline";
+    case Mapper::kKnownAssociation:
+      return "known association";
+    case Mapper::kKnownDirections:
+      return "known directions";
     case Mapper::kKnownWalls:
       return "known walls";
     case Mapper::kTruePoses:

@@ -25,10 +25,13 @@ enum class Mapper {
   kPublishedFromSeed,  ///< the same from Plumbline's starting point
   kSeed,               ///< Plumbline's starting point
   kPlumbline,          ///< poses and points
-  kKnownWalls,         ///< what no mapper can beat, see LocaliseAgainstTruth
-  kTruePoses,          ///< raw ranges placed by the true poses
+  // What no mapper can beat that knows this much, see EstimateGivenTruth:
+  kKnownAssociation,
+  kKnownDirections,
+  kKnownWalls,
+  kTruePoses,  ///< raw ranges placed by the true poses
 };
-constexpr int kNumMappers = 11;
+constexpr int kNumMappers = 13;
 const char* ToString(Mapper mapper);
 
 /// Three levels of range noise, one at which pairwise ICP errs as much as it was published to, and

@@ -9,7 +9,7 @@
 namespace plumbline {
 namespace {
 
-FactorOptions Told(const SyntheticNoise& noise) {
+FactorOptions FactorsFor(const SyntheticNoise& noise) {
   FactorOptions factors;
   factors.beam.sigma_range_m = std::max(noise.sigma_range_m, 1e-3);
   factors.beam.sigma_bearing_rad = std::max(noise.sigma_bearing_rad, 1e-4);
@@ -23,7 +23,8 @@ TEST(KnownWalls, FindsTheTruthThroughNoiselessBeamsWhateverTheOdometrySays) {
   const MapErrors before =
       MeasureMapErrors({drive.truth.poses, drive.graph.InitialState().points}, drive.truth);
   EXPECT_GT(MeanAndVarianceOf(before.point_m).mean, 0.5);
-  const MapErrors errors = MeasureMapErrors(LocaliseAgainstTruth(drive, Told(noise)), drive.truth);
+  const MapErrors errors =
+      MeasureMapErrors(EstimateGivenTruth(drive, FactorsFor(noise), Told::kWalls), drive.truth);
   for (const double error_m : errors.pose_m) EXPECT_LT(error_m, 2e-4);  // ranges are in mm
   EXPECT_LT(MeanAndVarianceOf(errors.point_m).mean, 5e-4);
 }
@@ -36,7 +37,7 @@ TEST(KnownWalls, ErrsByWhatTheNoiseOfTheBeamsSays) {
     SyntheticDrive drive;
     ASSERT_TRUE(MakeSyntheticDrive(seed, noise, &drive).ok());
     const MapErrors errors =
-        MeasureMapErrors(LocaliseAgainstTruth(drive, Told(noise)), drive.truth);
+        MeasureMapErrors(EstimateGivenTruth(drive, FactorsFor(noise), Told::kWalls), drive.truth);
     sum_m += MeanAndVarianceOf(errors.pose_m).mean / 3.0;
     // A point may slide along its surface, but not leave it.
     const MapErrors raw = MeasureMapErrors(
@@ -45,6 +46,25 @@ TEST(KnownWalls, ErrsByWhatTheNoiseOfTheBeamsSays) {
   }
   EXPECT_GT(sum_m, 0.0005);
   EXPECT_LT(sum_m, 0.003);
+}
+
+// Less is known, so that the poses are worse; with exact beams they still find the truth.
+TEST(KnownWalls, WallsThatAreNotToldAreFound) {
+  const SyntheticNoise exact{"", 0.0, 0.0, 1.0}, noisy{"", 0.03, 0.0017, 1.0};
+  const auto error_m = [](const SyntheticNoise& noise, Told told) {
+    double sum_m = 0.0;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      SyntheticDrive drive;
+      EXPECT_TRUE(MakeSyntheticDrive(seed, noise, &drive).ok());
+      const MapEstimate map = EstimateGivenTruth(drive, FactorsFor(noise), told);
+      sum_m += MeanAndVarianceOf(MeasureMapErrors(map, drive.truth).pose_m).mean / 3.0;
+    }
+    return sum_m;
+  };
+  EXPECT_LT(error_m(exact, Told::kWhoseReturn), 5e-4);
+  EXPECT_LT(error_m(exact, Told::kDirections), 5e-4);
+  EXPECT_GT(error_m(noisy, Told::kWhoseReturn), 1.1 * error_m(noisy, Told::kDirections));
+  EXPECT_GT(error_m(noisy, Told::kDirections), 1.1 * error_m(noisy, Told::kWalls));
 }
 
 }  // namespace
