@@ -58,6 +58,9 @@ DEFINE_double(laser_y_m, Defaults().laser.robot_from_laser.y, "Laser on the robo
 DEFINE_double(laser_yaw_deg, RadToDeg(Defaults().laser.robot_from_laser.yaw),
               "Laser on the robot: heading [deg]");
 DEFINE_double(scan_period_s, Defaults().scan_period_s, "From one scan to the next [s]");
+DEFINE_double(sweep_time_s, 0.0,
+              "Time that a sweep takes from the first beam to the last, while the robot drives on "
+              "[s]; 0: all beams at once");
 
 DEFINE_double(speed_m_s, Defaults().drive.speed_m_s, "Driving speed [m/s]");
 DEFINE_double(turn_rate_deg_s, RadToDeg(Defaults().drive.turn_rate_rad_s),
@@ -138,6 +141,7 @@ SimulationOptions OptionsFromFlags() {
   options.laser.max_range_m = FLAGS_max_range_m;
   options.laser.robot_from_laser = {FLAGS_laser_x_m, FLAGS_laser_y_m,
                                     DegToRad(FLAGS_laser_yaw_deg)};
+  options.laser.beam_period_s = FLAGS_sweep_time_s / FLAGS_num_beams;
   options.scan_period_s = FLAGS_scan_period_s;
   options.drive.speed_m_s = FLAGS_speed_m_s;
   options.drive.turn_rate_rad_s = DegToRad(FLAGS_turn_rate_deg_s);

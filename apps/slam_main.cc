@@ -164,6 +164,10 @@ class SlamRun {
     const auto prepare = Clock::now();
     PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_, std::move(graph), &*pool_, &mapping_));
     summary_.seed_time_s = SecondsSince(prepare);
+    if (mapping_.report.sweep_order) {
+      std::cout << "Sweeps: measured " << ToString(*mapping_.report.sweep_order)
+                << ", by what the scans say\n";
+    }
     if (FLAGS_truth.empty()) return Status::Ok();
     truth_.emplace();
     return ReadTruth(FLAGS_truth, FLAGS_hits, mapping_.graph, &*truth_);

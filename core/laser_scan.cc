@@ -8,7 +8,8 @@ namespace plumbline {
 bool LaserModel::operator==(const LaserModel& other) const {
   return num_beams == other.num_beams && first_bearing_rad == other.first_bearing_rad &&
          bearing_step_rad == other.bearing_step_rad && min_range_m == other.min_range_m &&
-         max_range_m == other.max_range_m && robot_from_laser.x == other.robot_from_laser.x &&
+         max_range_m == other.max_range_m && beam_period_s == other.beam_period_s &&
+         robot_from_laser.x == other.robot_from_laser.x &&
          robot_from_laser.y == other.robot_from_laser.y &&
          robot_from_laser.yaw == other.robot_from_laser.yaw;
 }
@@ -26,6 +27,8 @@ bool LaserModel::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(min_range_m, >, 0.0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_range_m, >, min_range_m);
   PLUMBLINE_CHECK_OPTION(max_range_m, <=, 1e5);
+  // Slower than once a minute is no sweep.
+  PLUMBLINE_CHECK_OPTION_WITHIN(beam_period_s * num_beams, 0.0, 60.0);
   if (!IsWithinLimits(robot_from_laser)) {
     if (error != nullptr) *error = "robot_from_laser is not finite, or beyond all limits";
     return false;

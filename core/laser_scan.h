@@ -21,6 +21,9 @@ struct LaserModel {
   /// infinity included) is "no return".
   double min_range_m = 0.05;
   double max_range_m = 80.0;  ///< see min_range_m
+  /// From a beam to the next [s]: beam i is measured i * beam_period_s after the time of the scan.
+  /// 0: all beams at once.
+  double beam_period_s = 0.0;
   /// Mounting of the laser on the robot.
   Pose2 robot_from_laser;
 

@@ -248,6 +248,8 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
     returns_.range_m[r] = std::clamp(corrections.range_m[r], laser.min_range_m,
                                      std::nextafter(laser.max_range_m, 0.0));
   }
+  std::copy(corrections.bearing_rad.begin(), corrections.bearing_rad.end(),
+            returns_.bearing_rad.begin());
 }
 
 SlamGraph SlamGraph::Corrected(const MeasurementCorrections& corrections) const& {

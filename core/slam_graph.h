@@ -59,6 +59,7 @@ struct MeasurementCorrections {
   std::vector<Pose2> odometry;          ///< from_from_to per constraint of SlamGraph::odometry()
   std::vector<Pose2> robot_from_laser;  ///< mounting per laser
   std::vector<double> range_m;          ///< per return [m]
+  std::vector<double> bearing_rad;      ///< per return, in the frame of the laser [rad]
 };
 
 /// The measurements of one mapping problem: laser returns, odometry and relative poses between

@@ -5,6 +5,7 @@
 
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/frozen_laser.h"
@@ -14,9 +15,21 @@
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/sweep_order.h"
 
 namespace plumbline {
 namespace {
+
+// Places every return of a sweep by the pose at its own time.
+void FollowSweeps(const MapLogOptions& options, const std::vector<double>& poses, ThreadPool* pool,
+                  LogMapping* mapping) {
+  if (!mapping->as_swept) return;
+  mapping->graph =
+      std::move(mapping->graph)
+          .Corrected(TakeOutSweepMotion(*mapping->as_swept, *mapping->report.sweep_order, poses));
+  mapping->surface =
+      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
+}
 
 // The poses of the calibrated robot that leave its lasers where they were.
 std::vector<double> Carried(const std::vector<double>& poses, const Pose2& before_from_after) {
@@ -96,8 +109,15 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
     LogMapping prepared;
     prepared.graph = std::move(graph);
     PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser));
-    prepared.surface =
-        MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
+    if (HasSweeps(prepared.graph)) {
+      prepared.as_swept = prepared.graph;
+      prepared.report.sweep_order =
+          FindSweepOrder(options.seeding, options.solver, prepared.graph, pool);
+      FollowSweeps(options, prepared.graph.initial_poses(), pool, &prepared);
+    } else {
+      prepared.surface =
+          MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
+    }
     prepared.state = prepared.graph.InitialState();
     *mapping = std::move(prepared);
     return Status::Ok();
@@ -142,6 +162,8 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
       mapping->graph = std::move(with_edges);
     }
     mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);
+    ThreadPool pool(options.solver.num_threads);
+    FollowSweeps(options, start_poses, &pool, mapping);
     mapping->state.points = mapping->graph.MeasuredMap(start_poses);
     mapping->state.poses = start_poses;
     mapping->start_poses = std::move(start_poses);

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_MAP_LOG_H_
 #define PLUMBLINE_SOLVERS_MAP_LOG_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/core/sweep_motion.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/interface/map_consistency.h"
@@ -37,10 +39,12 @@ struct MapLogOptions {
 /// What was found on the way from a log to a map, and whether to trust it.
 struct MappingReport {
   std::vector<FrozenStretch> frozen_laser;  ///< whose repetitions were left out
-  SeedingReport seeding;                    ///< how the start was found
-  SolverSummary solver;                     ///< how the joint estimation went
-  Calibration calibration;                  ///< empty if none was asked for
-  MapConsistency consistency;               ///< of the map
+  /// How the lasers sweep, as the scans say; empty where they measure all beams at once.
+  std::optional<SweepOrder> sweep_order;
+  SeedingReport seeding;       ///< how the start was found
+  SolverSummary solver;        ///< how the joint estimation went
+  Calibration calibration;     ///< empty if none was asked for
+  MapConsistency consistency;  ///< of the map
   /// Where the map is probably wrong, and why; empty if nothing speaks against it.
   std::vector<Alarm> alarms;
 };
@@ -51,7 +55,10 @@ struct LogMapping {
   /// of a frozen laser; with a seed, its corrections of the odometry and, for solvers that look at
   /// nothing else, its pose graph come in; a calibration corrects mountings, ranges and odometry
   /// (Calibration::corrections is empty then).
+  /// The motion within the sweeps of a laser is taken out, by the poses of the state.
   SlamGraph graph;
+  /// The measurements with that motion in them; empty where lasers measure all beams at once.
+  std::optional<SlamGraph> as_swept;
   MeasuredSurface surface;  ///< what its scans saw; empty after RefineLog
   /// The estimate: first the initial guesses of the log; then where the solver starts
   /// (MapLogOptions::start); then the map.
@@ -63,7 +70,8 @@ struct LogMapping {
   MappingReport report;     ///< what was found on the way
 };
 
-/// Maps a log: leaves out what a frozen laser repeated, seeds the poses (SeedGraph), takes the
+/// Maps a log: leaves out what a frozen laser repeated, takes out what the robot moved during a
+/// sweep (by its odometry, then by the seed), seeds the poses (SeedGraph), takes the
 /// noise of the odometry from what the scans say of it, estimates poses and points jointly (Solve
 /// or SolveWithCalibration; never worse than the seed by what the returns say), and measures
 /// whether the map contradicts itself. graph: poses in order of time, joined by odometry from each

@@ -147,7 +147,7 @@ bool DecodeScan(RosEncoding encoding, std::string_view bytes, RosScan* scan, std
   scan->angle_min_rad = decoder.Single("angle_min");
   decoder.Single("angle_max");
   scan->angle_increment_rad = decoder.Single("angle_increment");
-  decoder.Single("time_increment");
+  scan->time_increment_s = decoder.Single("time_increment");
   decoder.Single("scan_time");
   scan->range_min_m = decoder.Single("range_min");
   scan->range_max_m = decoder.Single("range_max");

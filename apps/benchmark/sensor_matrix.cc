@@ -98,6 +98,7 @@ Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const Seed
   SimulatedLog log;
   SlamGraph graph;
   PLUMBLINE_RETURN_IF_ERROR(Simulate(World(std::move(building)), simulation, &log));
+  if (sensor.sweeps_unknown) log.laser.beam_period_s = 0.0;
   PLUMBLINE_RETURN_IF_ERROR(MakeGraph(log, &graph));
   const Truth truth = TruthFor(log, graph);
   outcome->num_scans = graph.num_scans();
@@ -153,6 +154,19 @@ std::vector<SensorCase> SensorCases() {
   const double speed_m_s = base.simulation.drive.speed_m_s;
   add("few scans", "one per 0.5 m").simulation.scan_period_s = 0.5 / speed_m_s;
   add("few scans", "one per 1 m").simulation.scan_period_s = 1.0 / speed_m_s;
+  // As fast as a robot drives in a building; its laser turns without a pause.
+  constexpr double kSweepS = 0.15;
+  SensorCase at_once = base;
+  at_once.simulation.scan_period_s = kSweepS;
+  at_once.simulation.drive.speed_m_s = 0.7;
+  at_once.simulation.drive.turn_rate_rad_s = DegToRad(60.0);
+  SensorCase swept = at_once;
+  swept.simulation.laser.beam_period_s = kSweepS / swept.simulation.laser.num_beams;
+  for (const auto& [name, sweeping] : {std::pair("at once", &at_once), std::pair("0.15 s", &swept),
+                                       std::pair("0.15 s, not known", &swept)}) {
+    add("sweep at 0.7 m/s, 60 deg/s", name).simulation = sweeping->simulation;
+  }
+  cases.back().sweeps_unknown = true;
   add("things that move", "4 people").simulation.traffic.num_people = 4;
   add("things that move", "10 people").simulation.traffic.num_people = 10;
   add("things that move", "20 people").simulation.traffic.num_people = 20;

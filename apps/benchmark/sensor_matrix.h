@@ -24,10 +24,12 @@ struct SensorCase {
   /// Of the building's faces, those that are glass; drawn at random, from 0 to 1.
   double glass_share = 0.0;
   bool shape = false;  ///< the joint estimation has its shape potential on
+  /// Nobody knows that the laser measures its beams one after the other.
+  bool sweeps_unknown = false;
 };
 
-/// Fields of view, resolutions, ranges, noise, mountings, few scans, people, doors, glass, and
-/// buildings other than offices at right angles.
+/// Fields of view, resolutions, ranges, noise, mountings, few scans, sweeps, people, doors, glass,
+/// and buildings other than offices at right angles.
 std::vector<SensorCase> SensorCases();
 
 /// What came of one case and seed, by seeding and joint estimation as plumbline_slam runs them. Of

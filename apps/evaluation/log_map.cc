@@ -5,6 +5,9 @@
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/apps/program/read_log.h"
+#include "plumbline/core/sweep_motion.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/sweep_order.h"
 
 namespace plumbline {
 
@@ -38,6 +41,12 @@ Status ReadLogMap(const std::string& log_path, const std::string& trajectory_pat
   }
   if (result.graph.num_returns() == 0) {
     return Status::InvalidArgument(log_path + ": no scan with returns has a pose at its time");
+  }
+  if (HasSweeps(result.graph)) {
+    ThreadPool pool(1);
+    const SweepOrder order = FindSweepOrder(SeedingOptions(), SolverOptions(), log, &pool);
+    result.graph = result.graph.Corrected(
+        TakeOutSweepMotion(result.graph, order, result.graph.initial_poses()));
   }
   *map = std::move(result);
   return Status::Ok();

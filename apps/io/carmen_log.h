@@ -44,6 +44,8 @@ struct CarmenLog {
   std::vector<CarmenScan> scans;
   std::vector<CarmenOdometry> odometry;       ///< likewise
   std::map<std::string, std::string> params;  ///< first word of the value; the last record wins
+  /// From the first beam of a sweep to the last [s]. Logs do not say it: 0 when read.
+  double sweep_time_s = 0.0;
 
   std::size_t num_records = 0;  ///< FLASER, ROBOTLASER1, ODOM and PARAM lines, unreadable ones too
   std::size_t num_issues = 0;   ///< unreadable records, plus one if a compressed file lacks its end

@@ -18,12 +18,13 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-LaserModel ModelOf(const CarmenScan& scan, const Pose2& robot_from_laser) {
+LaserModel ModelOf(const CarmenScan& scan, double sweep_time_s, const Pose2& robot_from_laser) {
   LaserModel laser;
   laser.num_beams = static_cast<int>(scan.ranges.size());
   laser.first_bearing_rad = scan.first_bearing_rad;
   laser.bearing_step_rad = scan.bearing_step_rad;
   laser.max_range_m = scan.max_range_m;
+  laser.beam_period_s = sweep_time_s / laser.num_beams;
   laser.robot_from_laser = robot_from_laser;
   return laser;
 }
@@ -33,7 +34,8 @@ Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_fr
                   SlamGraph* graph) {
   const CarmenScan& scan = log.scans[index];
   int laser = 0, pose = 0;
-  PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(ModelOf(scan, robot_from_laser), &laser));
+  PLUMBLINE_RETURN_IF_ERROR(
+      graph->AddLaser(ModelOf(scan, log.sweep_time_s, robot_from_laser), &laser));
   PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(
       Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
   PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));

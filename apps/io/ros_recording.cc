@@ -50,7 +50,7 @@ std::string FaultOf(const RosScan& scan) {
   return "";
 }
 
-LaserModel ModelOf(const RosScan& scan, const Mounting& mounting) {
+LaserModel ModelOf(const RosScan& scan, double beam_period_s, const Mounting& mounting) {
   LaserModel laser;
   const double sign = mounting.upside_down ? -1.0 : 1.0;
   laser.num_beams = static_cast<int>(scan.ranges.size());
@@ -58,6 +58,7 @@ LaserModel ModelOf(const RosScan& scan, const Mounting& mounting) {
   laser.bearing_step_rad = sign * scan.angle_increment_rad;
   laser.min_range_m = std::max(laser.min_range_m, scan.range_min_m);
   if (std::isfinite(scan.range_max_m)) laser.max_range_m = scan.range_max_m;
+  laser.beam_period_s = beam_period_s;
   laser.robot_from_laser = mounting.robot_from_laser;
   return laser;
 }
@@ -72,6 +73,7 @@ class GraphBuilder {
     PLUMBLINE_RETURN_IF_ERROR(CheckScans());
     PLUMBLINE_RETURN_IF_ERROR(CheckClocks());
     PLUMBLINE_RETURN_IF_ERROR(FindRobot());
+    FindTimeIncrement();
     for (const std::size_t i : ScansInOrderOfTime()) {
       if (max_scans > 0 && graph_.num_scans() == max_scans) break;
       PLUMBLINE_RETURN_IF_ERROR(AddScan(i));
@@ -165,6 +167,24 @@ class GraphBuilder {
     return Status::Ok();
   }
 
+  void FindTimeIncrement() {
+    std::vector<double> increments_s;
+    for (const RosScan& scan : recording_.scans) {
+      increments_s.push_back(std::isfinite(scan.time_increment_s) ? scan.time_increment_s : 0.0);
+    }
+    const auto median = increments_s.begin() + increments_s.size() / 2;
+    std::nth_element(increments_s.begin(), median, increments_s.end());
+    time_increment_s_ = *median;
+  }
+
+  double BeamPeriod(const RosScan& scan) const {
+    constexpr double kMaxSweepS = 1.0;
+    const auto num_beams = static_cast<double>(scan.ranges.size());
+    if (options_.sweep_time_s) return *options_.sweep_time_s / num_beams;
+    const double sweep_time_s = time_increment_s_ * num_beams;
+    return sweep_time_s > 0.0 && sweep_time_s <= kMaxSweepS ? time_increment_s_ : 0.0;
+  }
+
   std::vector<std::size_t> ScansInOrderOfTime() const {
     std::vector<std::size_t> order(recording_.scans.size());
     std::iota(order.begin(), order.end(), 0);
@@ -184,7 +204,7 @@ class GraphBuilder {
     }
     PLUMBLINE_RETURN_IF_ERROR(UpdateMounting(index));
     int laser = 0, pose = 0;
-    const Status status = graph_.AddLaser(ModelOf(scan, *mounting_), &laser);
+    const Status status = graph_.AddLaser(ModelOf(scan, BeamPeriod(scan), *mounting_), &laser);
     if (!status.ok()) return Error(ScanName(index) + status.message());
     if (!first_pose_) first_pose_ = odom_from_robot;
     PLUMBLINE_RETURN_IF_ERROR(
@@ -247,6 +267,7 @@ class GraphBuilder {
   SlamGraph graph_;
   std::string robot_frame_;
   std::optional<PoseTimeline> timeline_;
+  double time_increment_s_ = 0.0;
   std::optional<Mounting> mounting_;
   std::optional<Pose2> first_pose_;  // in the frame of the odometry
   Pose2 last_pose_;
@@ -263,6 +284,7 @@ std::string RosMessageName(const std::string& topic, std::size_t index, double s
 
 bool RosGraphOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_FINITE_OPTION(max_gap_s, >, 0.0);
+  if (sweep_time_s) PLUMBLINE_CHECK_OPTION_WITHIN(*sweep_time_s, 0.0, 60.0);
   return true;
 }
 

@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_IO_ROS_RECORDING_H_
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct RosScan {
   std::string frame;
   double angle_min_rad = 0.0;
   double angle_increment_rad = 0.0;
+  double time_increment_s = 0.0;
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   std::vector<double> ranges;
@@ -46,6 +48,8 @@ struct RosGraphOptions {
   /// A scan takes its place from the odometry before and after it, if these are no further apart
   /// than this [s]. A clock that goes back by more than this is an error.
   double max_gap_s = 0.5;
+  /// From the first beam of a sweep to the last [s]; empty: what the messages say.
+  std::optional<double> sweep_time_s;
 
   bool Check(std::string* error) const;
 };
@@ -67,10 +71,10 @@ struct RosGraphNotes {
 /// laser; without one the laser is taken to sit at the robot's centre, with a warning. A laser
 /// that hangs upside down is told by its transform: its bearings run the other way round.
 ///
-/// A sweep is taken as one instant, that of its stamp: what the robot moves within time_increment
-/// is not taken out (SlamGraph::AddPoints takes sweeps where it has been). Readings that are not
-/// finite, below range_min (or 0.05 m), or at range_max or above are no returns; range_max counts
-/// as one since many drivers clip there.
+/// Beams are time_increment apart, the first one at the stamp: the median over the scans, since
+/// some drivers measure it anew each time. Where that makes no sweep of up to a second, the sweep
+/// is taken as one instant. Readings that are not finite, below range_min (or 0.05 m), or at
+/// range_max or above are no returns; range_max counts as one since many drivers clip there.
 ///
 /// InvalidArgument, naming file, topic, message (from 0), stamp and field, on scans that are no
 /// sweep of a laser, several laser frames, no odometry, a laser that is tilted or moves on the

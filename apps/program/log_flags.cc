@@ -11,6 +11,19 @@ DEFINE_string(
 DEFINE_string(odom_frame, plumbline::BagReadOptions().odom_frame,
               "ROS bag: frame of the odometry in the transforms");
 
+DEFINE_double(sweep_time_s, -1.0,
+              "Time that the laser takes from the first beam of a sweep to the last [s]; 0: all "
+              "beams at once; negative: what the scans of a bag say, 0 for other logs");
+
+namespace {
+
+// A laser that takes longer is none that sweeps.
+bool IsSweepTime(const char* /*flag*/, double sweep_time_s) { return sweep_time_s <= 60.0; }
+
+}  // namespace
+
+DEFINE_validator(sweep_time_s, &IsSweepTime);
+
 namespace plumbline {
 
 BagReadOptions BagReadOptionsFromFlags() {
@@ -19,6 +32,10 @@ BagReadOptions BagReadOptionsFromFlags() {
   options.odom_topic = FLAGS_odom_topic;
   options.odom_frame = FLAGS_odom_frame;
   return options;
+}
+
+std::optional<double> SweepTimeFromFlags() {
+  return FLAGS_sweep_time_s < 0.0 ? std::nullopt : std::optional<double>(FLAGS_sweep_time_s);
 }
 
 }  // namespace plumbline

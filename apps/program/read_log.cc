@@ -28,6 +28,7 @@ void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting
 Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
   CarmenLog log;
   PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+  log.sweep_time_s = SweepTimeFromFlags().value_or(0.0);
   for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
   WarnOfOtherMountings(path, EstimateLaserMounting(log));
   *counts = {log.num_issues, log.num_out_of_order};
@@ -38,8 +39,10 @@ Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, Sla
 Status ReadRosLog(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
   RosRecording recording;
   PLUMBLINE_RETURN_IF_ERROR(ReadBag(path, BagReadOptionsFromFlags(), &recording));
+  RosGraphOptions options;
+  options.sweep_time_s = SweepTimeFromFlags();
   RosGraphNotes notes;
-  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, RosGraphOptions(), max_scans, &notes, graph));
+  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, options, max_scans, &notes, graph));
   for (const std::string& scan : notes.skipped_scans) std::cerr << "skipped " << scan << '\n';
   for (const std::string& warning : notes.warnings) std::cerr << "warning: " << warning << '\n';
   *counts = {notes.num_skipped_scans, notes.num_out_of_order};

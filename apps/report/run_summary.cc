@@ -84,6 +84,10 @@ Json HypothesesJson(const std::vector<WeighedHypothesis>& hypotheses) {
   return json;
 }
 
+Json SweepOrderJson(const std::optional<SweepOrder>& order) {
+  return order ? Json(ToString(*order)) : Json();
+}
+
 Json FrozenLaserJson(const std::vector<FrozenStretch>& frozen) {
   Json json = Json::array();
   for (const FrozenStretch& stretch : frozen) {
@@ -111,6 +115,7 @@ Json SeedingJson(const RunSummary& summary) {
           {"suspect_steps", SuspectStepsJson(summary.mapping.seeding.loops)},
           {"hypotheses", HypothesesJson(summary.mapping.seeding.hypotheses)},
           {"frozen_laser", FrozenLaserJson(summary.mapping.frozen_laser)},
+          {"sweep_order", SweepOrderJson(summary.mapping.sweep_order)},
           {"alarm", summary.mapping.seeding.alarm},
           {"time_s", summary.seed_time_s}};
 }

@@ -134,8 +134,8 @@ void Visit(Archive& archive, RelativePoseConstraint* edge) {
 
 template <typename Archive>
 void Visit(Archive& archive, MeasurementCorrections* corrections) {
-  auto& [odometry, robot_from_laser, range_m] = *corrections;
-  archive(odometry, robot_from_laser, range_m);
+  auto& [odometry, robot_from_laser, range_m, bearing_rad] = *corrections;
+  archive(odometry, robot_from_laser, range_m, bearing_rad);
 }
 
 template <typename Archive>

@@ -10,6 +10,7 @@
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/core/sweep_motion.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 
 namespace plumbline {
@@ -26,6 +27,8 @@ struct Rates {
 constexpr Rates kSeeding{75.0, 12e3};
 constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;
+// Of LogMapping::as_swept.
+constexpr Rates kAsSwept{24.0, 0.0};
 
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
@@ -127,8 +130,9 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
            rates.bytes_per_scan * graph.num_scans();
   };
   MemoryEstimate estimate;
-  estimate.seeding = kBytesOfProgram + bytes(kSeeding);
-  estimate.joint = kBytesOfProgram + bytes(JointRates(solver)) + DenseBytes(graph, solver);
+  const double base = kBytesOfProgram + (HasSweeps(graph) ? bytes(kAsSwept) : 0.0);
+  estimate.seeding = base + bytes(kSeeding);
+  estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
   estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(state, picture_side_px);
   return estimate;

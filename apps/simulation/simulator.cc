@@ -59,19 +59,6 @@ Reading TakeReading(const World& world, const World* moving, const Pose2& world_
   return {range, obstructed ? no_return.hit : origin + BeamEnd(distance, world_bearing)};
 }
 
-void TakeScan(const World& world, const World* moving, const SimulationOptions& options,
-              NoiseSource* source, SimulatedScan* scan) {
-  const Pose2 world_from_laser =
-      scan->world_from_robot * options.laser.robot_from_laser * options.mounting_error;
-  for (int beam = 0; beam < options.laser.num_beams; ++beam) {
-    const Reading reading =
-        TakeReading(world, moving, world_from_laser, options.laser.Bearing(beam), options.laser,
-                    options.laser_noise, source);
-    scan->scan.ranges.push_back(reading.range_m);
-    scan->hits.push_back(reading.hit);
-  }
-}
-
 // What the wheels report of a true step.
 Pose2 DisturbStep(const Pose2& step, const OdometryNoise& noise, NoiseSource* source) {
   const double trans = std::hypot(step.x, step.y);
@@ -158,6 +145,25 @@ Pose2 OdometryStep(const ActualDrive& drive, double from_s, double to_s,
   const Eigen::Vector2d shift =
       BeamEnd(share * options.odometry_leap.distance_m, options.odometry_leap_direction_rad);
   return Pose2(shift.x(), shift.y(), 0.0) * step;
+}
+
+// Each beam at its own time.
+void TakeScan(const World& world, const World* moving, const ActualDrive& drive,
+              const SimulationOptions& options, NoiseSource* source, SimulatedScan* scan) {
+  const Pose2 robot_from_laser = options.laser.robot_from_laser * options.mounting_error;
+  Pose2 world_from_laser = scan->world_from_robot * robot_from_laser;
+  for (int beam = 0; beam < options.laser.num_beams; ++beam) {
+    if (options.laser.beam_period_s > 0.0) {
+      const double time_s = scan->scan.timestamp_s + beam * options.laser.beam_period_s;
+      world_from_laser =
+          drive.WorldFromRobot(std::min(time_s, drive.duration_s())) * robot_from_laser;
+    }
+    const Reading reading =
+        TakeReading(world, moving, world_from_laser, options.laser.Bearing(beam), options.laser,
+                    options.laser_noise, source);
+    scan->scan.ranges.push_back(reading.range_m);
+    scan->hits.push_back(reading.hit);
+  }
 }
 
 Pose2 WithWrappedYaw(Pose2 pose) {
@@ -273,7 +279,7 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
     if (options.traffic.IsOn()) {
       moving = traffic.At(scan.scan.timestamp_s, scan.world_from_robot.translation());
     }
-    TakeScan(world, moving ? &*moving : nullptr, options, &laser_source, &scan);
+    TakeScan(world, moving ? &*moving : nullptr, drive, options, &laser_source, &scan);
   }
   *log = std::move(result);
   return Status::Ok();

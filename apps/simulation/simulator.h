@@ -56,7 +56,9 @@ struct DriveFault {
 
 /// Times are up to 1e5 s, a day of driving, and directions up to a full turn either way.
 struct SimulationOptions {
-  LaserModel laser;            ///< by default 360 beams over 180 deg, like CARMEN's front laser
+  /// By default 360 beams over 180 deg, like CARMEN's front laser. Its beam_period_s makes it sweep
+  /// while the robot drives on.
+  LaserModel laser;
   double scan_period_s = 0.3;  ///< from one scan to the next [s], from 1 ms to an hour
   DriveOptions drive;
   LaserNoise laser_noise;
@@ -87,7 +89,7 @@ struct SimulationOptions {
 struct SimulatedScan {
   /// Ranges rounded to mm, as a log holds them; a beam without a return reads max_range_m.
   LaserScan scan;
-  Pose2 world_from_robot;  ///< true pose; yaw in [-pi, pi)
+  Pose2 world_from_robot;  ///< true pose at its time; yaw in [-pi, pi)
   /// Pose by odometry; at the first scan the true one, of the time that the odometry is of.
   Pose2 odom_from_robot;
   /// Point [m, world frame] on the surface that each beam measured. NaN if it has no return, or one

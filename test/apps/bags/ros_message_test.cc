@@ -48,6 +48,7 @@ TEST_P(RosMessageTest, ScansOfFramesOfAnyLengthAreAligned) {
     EXPECT_EQ(scan.frame, frame);
     EXPECT_EQ(scan.angle_min_rad, 0.0);
     EXPECT_EQ(scan.angle_increment_rad, 2.0);
+    EXPECT_EQ(scan.time_increment_s, 3.0);
     EXPECT_EQ(scan.range_min_m, 5.0);
     EXPECT_EQ(scan.range_max_m, 6.0);
     EXPECT_THAT(scan.ranges, testing::ElementsAre(1.5, 2.5));

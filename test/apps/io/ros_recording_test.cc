@@ -73,7 +73,7 @@ class RosRecordingTest : public testing::Test {
   }
 
   void Build(int max_scans = 0) {
-    const Status status = BuildGraph(recording_, RosGraphOptions(), max_scans, &notes_, &graph_);
+    const Status status = BuildGraph(recording_, options_, max_scans, &notes_, &graph_);
     ASSERT_TRUE(status.ok()) << status.message();
   }
   std::string Failure() {
@@ -97,6 +97,7 @@ class RosRecordingTest : public testing::Test {
   }
 
   RosRecording recording_;
+  RosGraphOptions options_;
   RosGraphNotes notes_;
   SlamGraph graph_;
 };
@@ -206,6 +207,25 @@ TEST_F(RosRecordingTest, ASweepMayRunClockwise) {
   Build();
   EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
   EXPECT_NEAR(graph_.returns().bearing_rad[1], -0.75, 1e-12);
+}
+
+TEST_F(RosRecordingTest, BeamsAreTheMedianOfTheTimeIncrementsApart) {
+  const auto period_s = [this](double first, double second, double third) {
+    recording_.scans[0].time_increment_s = first;
+    recording_.scans[1].time_increment_s = second;
+    recording_.scans[2].time_increment_s = third;
+    Build();
+    EXPECT_EQ(graph_.num_lasers(), 1);
+    return graph_.laser(0).beam_period_s;
+  };
+  EXPECT_EQ(period_s(0.01, 0.012, 0.011), 0.011);
+  EXPECT_EQ(period_s(0.0, 0.0, 0.01), 0.0);
+  // No sweep at all, or one that takes minutes.
+  EXPECT_EQ(period_s(-0.01, -0.01, -0.01), 0.0);
+  EXPECT_EQ(period_s(20.0, 20.0, 20.0), 0.0);
+  EXPECT_EQ(period_s(std::nan(""), std::nan(""), 0.01), 0.0);
+  options_.sweep_time_s = 0.08;
+  EXPECT_EQ(period_s(0.01, 0.01, 0.01), 0.02);
 }
 
 TEST_F(RosRecordingTest, ScansWithoutOdometryAreLeftOutAndNamed) {

@@ -22,6 +22,19 @@ TEST(LogFlagsTest, FlagsAreTheOptionsOfTheReader) {
   EXPECT_EQ(BagReadOptionsFromFlags().odom_frame, "start");
 }
 
+TEST(LogFlagsTest, ASweepTimeIsTakenFromZeroToAMinute) {
+  const gflags::FlagSaver saver;
+  EXPECT_EQ(SweepTimeFromFlags(), std::nullopt);
+  gflags::SetCommandLineOption("sweep_time_s", "0.15");
+  EXPECT_EQ(SweepTimeFromFlags(), 0.15);
+  for (const char* value : {"61", "inf", "nan"}) {
+    EXPECT_EQ(gflags::SetCommandLineOption("sweep_time_s", value), "") << value;
+  }
+  EXPECT_EQ(SweepTimeFromFlags(), 0.15);
+  gflags::SetCommandLineOption("sweep_time_s", "-2");
+  EXPECT_EQ(SweepTimeFromFlags(), std::nullopt);
+}
+
 TEST(LogFlagsTest, HelpListsThem) {
   EXPECT_THAT(HelpText("usage"), testing::AllOf(testing::HasSubstr("--scan_topic="),
                                                 testing::HasSubstr("--odom_topic="),

@@ -80,6 +80,20 @@ TEST(SimulatorTest, RangesOfAKnownRoom) {
   EXPECT_NEAR((scan.hits[270] - Vector2d(0.0, 5.4)).norm(), 0.0, 1e-12);
 }
 
+TEST(SimulatorTest, ASweepMeasuresEachBeamWhereTheRobotIsByThen) {
+  SimulationOptions options = Exact();
+  options.drive.speed_m_s = 0.5;
+  options.scan_period_s = 1.0;
+  options.laser.beam_period_s = 0.8 / 360;
+  const SimulatedLog log = SimulatedIn(SmallHall(), options);
+  // From 2.5 m on it sees the wall at x = 10 m half a sweep later, 0.2 m on.
+  EXPECT_NEAR(log.scans[1].world_from_robot.x, 2.5, 1e-12);
+  EXPECT_EQ(log.scans[1].scan.ranges[180], 7.3);
+  EXPECT_NEAR(log.scans[1].hits[90].x(), 5.6, 0.01);  // at 45 deg, 3 m to the right of 2.6 m
+  // It rests at the end of its path.
+  EXPECT_EQ(log.scans.back().scan.ranges[180], 2.0);
+}
+
 TEST(SimulatorTest, LaserNoiseHasTheStatedMeanAndSigma) {
   SimulationOptions options = Exact();
   options.laser_noise.sigma_range_m = 0.02;

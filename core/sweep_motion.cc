@@ -1,0 +1,97 @@
+#include "plumbline/core/sweep_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+// A robot's velocity of a second ago says little of the present one.
+constexpr double kMaxGapS = 1.0;
+
+// sin(x) / x and (1 - cos(x)) / x.
+double Sinc(double x) { return std::abs(x) < 1e-6 ? 1.0 : std::sin(x) / x; }
+double Cosc(double x) { return std::abs(x) < 1e-6 ? 0.5 * x : (1.0 - std::cos(x)) / x; }
+
+// How the robot moves from a pose on.
+struct Velocity {
+  Pose2 motion;
+  double duration_s = 0.0;
+};
+
+std::optional<Velocity> VelocityBetween(const SlamGraph& graph, const std::vector<double>& poses,
+                                        int from, int to) {
+  if (from < 0 || to >= graph.num_poses()) return std::nullopt;
+  const double duration_s = graph.timestamp_s(to) - graph.timestamp_s(from);
+  if (!(duration_s > 0.0) || duration_s > kMaxGapS) return std::nullopt;
+  return Velocity{Between(Pose2(&poses[3 * from]), Pose2(&poses[3 * to])), duration_s};
+}
+
+}  // namespace
+
+Pose2 PartOfMotion(const Pose2& motion, double share) {
+  // Of an arc that ends at (x, y), turned by yaw, the velocity (u, v) at its start solves
+  // x = sinc u - cosc v, y = cosc u + sinc v.
+  const double sinc = Sinc(motion.yaw), cosc = Cosc(motion.yaw);
+  const double square = sinc * sinc + cosc * cosc;
+  const double u = share * (sinc * motion.x + cosc * motion.y) / square;
+  const double v = share * (sinc * motion.y - cosc * motion.x) / square;
+  const double yaw = share * motion.yaw;
+  return {Sinc(yaw) * u - Cosc(yaw) * v, Cosc(yaw) * u + Sinc(yaw) * v, yaw};
+}
+
+const char* ToString(SweepOrder order) {
+  switch (order) {
+    case SweepOrder::kFirstBeamFirst:
+      return "first beam first";
+    case SweepOrder::kLastBeamFirst:
+      return "last beam first";
+    case SweepOrder::kAtOnce:
+      return "at once";
+  }
+  return "?";
+}
+
+bool HasSweeps(const SlamGraph& graph) {
+  for (int laser = 0; laser < graph.num_lasers(); ++laser) {
+    if (graph.laser(laser).beam_period_s > 0.0) return true;
+  }
+  return false;
+}
+
+MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder order,
+                                          const std::vector<double>& poses) {
+  const LaserReturns& returns = measured.returns();
+  MeasurementCorrections corrections;
+  corrections.range_m = returns.range_m;
+  corrections.bearing_rad = returns.bearing_rad;
+  if (order == SweepOrder::kAtOnce) return corrections;
+  for (int s = 0; s < measured.num_scans(); ++s) {
+    const ScanEntry& scan = measured.scan(s);
+    const LaserModel& laser = measured.LaserOfScan(s);
+    std::optional<Velocity> velocity = VelocityBetween(measured, poses, scan.pose, scan.pose + 1);
+    if (!velocity) velocity = VelocityBetween(measured, poses, scan.pose - 1, scan.pose);
+    if (!velocity || laser.beam_period_s <= 0.0) continue;
+    const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const int beam = order == SweepOrder::kFirstBeamFirst ? returns.beam[r]
+                                                            : laser.num_beams - 1 - returns.beam[r];
+      const double share = beam * laser.beam_period_s / velocity->duration_s;
+      const Pose2 moved =
+          laser_from_robot * PartOfMotion(velocity->motion, share) * laser.robot_from_laser;
+      const Eigen::Vector2d point = moved * BeamEnd(returns.range_m[r], returns.bearing_rad[r]);
+      corrections.range_m[r] = point.norm();
+      // Beside the bearing of the model, not a turn away from it.
+      corrections.bearing_rad[r] =
+          returns.bearing_rad[r] +
+          NormalizeAngle(std::atan2(point.y(), point.x()) - returns.bearing_rad[r]);
+    }
+  }
+  return corrections;
+}
+
+}  // namespace plumbline

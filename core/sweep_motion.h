@@ -1,0 +1,38 @@
+#ifndef PLUMBLINE_CORE_SWEEP_MOTION_H_
+#define PLUMBLINE_CORE_SWEEP_MOTION_H_
+
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// Part of a motion that goes on steadily, straight ahead or along an arc: share 1 is the motion
+/// itself, 0 none, 2 twice as long.
+Pose2 PartOfMotion(const Pose2& motion, double share);
+
+/// Whether a laser of the graph measures its beams one after the other.
+bool HasSweeps(const SlamGraph& graph);
+
+/// When the beams of a sweep are measured.
+enum class SweepOrder {
+  kFirstBeamFirst,  ///< as LaserModel::beam_period_s says
+  kLastBeamFirst,  ///< at the same pace against their order: drivers turn the array of a laser that
+                   ///< runs clockwise, and leave its times
+  kAtOnce,
+};
+const char* ToString(SweepOrder order);
+
+/// Takes out of the returns what the robot moved while its lasers swept: ranges and bearings are
+/// those of the same points, seen from where the laser was at the time of the scan. The graph has
+/// the measurements as they were taken; poses, (x, y, yaw) each, say where the robot was at the
+/// times of the scans. In between it moves steadily from one pose to the next in time, at the last
+/// pose as before it. Where those are more than a second apart, or times do not grow, nobody knows
+/// how it moved, and the returns stay as they are.
+MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder order,
+                                          const std::vector<double>& poses);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_SWEEP_MOTION_H_
