@@ -117,6 +117,7 @@ class SlamRun {
   }
 
   Status Run() {
+    EndIfStoppedWhile("reading " + FLAGS_log);
     if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
     PLUMBLINE_RETURN_IF_ERROR(ReadLog());
     PLUMBLINE_RETURN_IF_ERROR(FindSeed());
@@ -160,7 +161,6 @@ class SlamRun {
         graph, odometry, options_.solver, options_.calibration.IsOn(), outputs_.picture_side_px);
     std::cout << memory.Text() << std::flush;
     PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, max_memory_, graph, options_.solver));
-    PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
     const auto prepare = Clock::now();
     PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_, std::move(graph), &*pool_, &mapping_));
     summary_.seed_time_s = SecondsSince(prepare);
@@ -180,11 +180,14 @@ class SlamRun {
       PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint));
     }
     if (FLAGS_resume.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(output_.Make());  // what cannot be written is known before the work
+      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());  // what cannot be written is known before the work
+      EndIfStoppedWhile("seeding", output_.made_folders());
       PLUMBLINE_RETURN_IF_ERROR(Seed());
+      KeepStopSignal();
     } else {
+      EndIfStoppedWhile("reading " + FLAGS_resume);
       PLUMBLINE_RETURN_IF_ERROR(Resume(fingerprint));
-      PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
       std::cout << "Seeding: as in " << FLAGS_resume << '\n';
     }
     const SeedingReport& seeding = mapping_.report.seeding;
@@ -195,6 +198,12 @@ class SlamRun {
         WriteCheckpoint(FLAGS_checkpoint, fingerprint, mapping_.start_poses, seeding);
     if (checkpoint_written_.ok()) std::cout << "Checkpoint: " << FLAGS_checkpoint << std::endl;
     return Status::Ok();
+  }
+
+  // Not to be cut off by a signal: it tries out a file.
+  Status MakeFolder() {
+    KeepStopSignal();
+    return output_.Make();
   }
 
   Status Resume(const RunFingerprint& fingerprint) {
@@ -210,11 +219,9 @@ class SlamRun {
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
-      return StopSignal() == 0;
+      return true;
     };
-    const Status seeded = SeedLog(options_, progress, &*pool_, &mapping_);
-    if (!seeded.ok()) PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("seeding"));
-    PLUMBLINE_RETURN_IF_ERROR(seeded);
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_, progress, &*pool_, &mapping_));
     summary_.seed_time_s += SecondsSince(start);
     bars.Finish();
     std::cout << "Seeding: done (" << summary_.seed_time_s << " s)\n";
@@ -257,10 +264,6 @@ class SlamRun {
     std::cout << '\n'
               << mapping_.report.solver.FullReport() << '\n'
               << CalibrationText(mapping_.report.calibration);
-    if (mapping_.report.solver.termination == TerminationType::kUserStopped) {
-      summary_.stopped_by = StopSignalName();
-      std::cout << StopText(summary_.stopped_by);
-    }
     return Status::Ok();
   }
 
@@ -297,9 +300,12 @@ class SlamRun {
         MeasureStage("refined, " + ranges + " ranges", mapping_.state, TruthOrNull(), &*pool_));
     summary_.stages.push_back(optimised);
     summary_.mapping = std::move(mapping_.report);
-    PLUMBLINE_RETURN_IF_ERROR(WriteReport());
-    // The last one: its presence says that the others are there.
-    PLUMBLINE_RETURN_IF_ERROR(WriteRunSummary(output_.File("summary.json"), summary_));
+    PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal([&](const std::string& signal_name) {
+      summary_.stopped_by = signal_name;
+      PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+      // The last one: its presence says that the others are there.
+      return WriteRunSummary(output_.File("summary.json"), summary_);
+    }));
     PrintResults();
     return Status::Ok();
   }
@@ -324,7 +330,7 @@ class SlamRun {
 
   void PrintResults() const {
     std::cout
-        << StageTable(summary_.stages)
+        << StopText(summary_.stopped_by) << StageTable(summary_.stages)
         << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
         << PeakMemoryBytes() / 1000000 << " MB. Results in " << output_.path()
         << ":\n  report.html                                       all of it to look at, in a "
@@ -403,6 +409,7 @@ class SlamRun {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
+  plumbline::CatchSignals(argv[0]);
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
@@ -414,7 +421,6 @@ int main(int argc, char** argv) {
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",
       argc, argv);
-  plumbline::CatchSignals();
   plumbline::SlamRun run;
   return plumbline::ExitCodeAfterStop(plumbline::RunProgram(
       plumbline::FileFlags(), [&run] { return run.CheckFlags(); }, [&run] { return run.Run(); }));

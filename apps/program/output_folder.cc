@@ -48,6 +48,18 @@ std::string PathOf(const std::string& folder, std::string_view name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
+// Of a path to a folder and the folders above it, those that are not there, the innermost first.
+std::vector<std::string> MissingFolders(std::filesystem::path path) {
+  std::vector<std::string> missing;
+  std::error_code ignored;
+  if (!path.has_filename()) path = path.parent_path();  // "out/"
+  while (path.has_filename() && !std::filesystem::exists(path, ignored)) {
+    missing.push_back(path.string());
+    path = path.parent_path();
+  }
+  return missing;
+}
+
 // What killed runs have left half-written.
 std::vector<std::string> LeftoversIn(const std::string& folder, std::error_code* error) {
   std::vector<std::string> files;
@@ -80,6 +92,7 @@ OutputFolder::~OutputFolder() {
 
 Status OutputFolder::Make() {
   std::error_code error;
+  made_folders_ = MissingFolders(path_);
   std::filesystem::create_directories(path_, error);
   if (error) {
     return Status::Unavailable("cannot make the folder '" + path_ + "': " + error.message());

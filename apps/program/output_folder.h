@@ -27,6 +27,8 @@ class OutputFolder {
   Status RemoveOldResults() const;
 
   const std::string& path() const { return path_; }
+  /// The folders that were not there before Make(), the innermost first.
+  const std::vector<std::string>& made_folders() const { return made_folders_; }
   /// Path of a file in it.
   std::string File(const std::string& name) const;
 
@@ -34,6 +36,7 @@ class OutputFolder {
   Status Lock();
 
   std::string path_;
+  std::vector<std::string> made_folders_;
   int descriptor_ = -1;  // of the folder, locked; negative while it is not
 };
 

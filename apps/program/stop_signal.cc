@@ -1,42 +1,34 @@
 #include "plumbline/apps/program/stop_signal.h"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
+#include <deque>
+#include <filesystem>
 
 namespace plumbline {
 namespace {
 
 constexpr int kStopSignals[] = {SIGINT, SIGTERM};
+constexpr int kStoppedBySignal = 128;
 
+// What the handler does with a signal. Made before the signal comes: a handler may not allocate.
+struct Response {
+  std::string on_sigint, on_sigterm;  // lines for standard error
+  bool ends_program = false;
+  std::vector<std::string> folders;  // to be removed if they are empty
+};
+
+std::string program_name = "plumbline";
 std::atomic<int> stop_signal{0};
+std::atomic<const Response*> response{nullptr};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler must not wait");
+static_assert(std::atomic<const Response*>::is_always_lock_free, "a signal handler must not wait");
 
-// Calls nothing but what a signal handler may call.
-void KeepSignal(int number) {
-  stop_signal = number;
-  for (const int stop : kStopSignals) signal(stop, SIG_DFL);
-}
-
-}  // namespace
-
-void CatchSignals() {
-  struct sigaction keep {};
-  keep.sa_handler = KeepSignal;
-  keep.sa_flags = SA_RESTART;
-  sigemptyset(&keep.sa_mask);
-  for (const int stop : kStopSignals) {
-    struct sigaction present {};
-    sigaction(stop, nullptr, &present);
-    if (present.sa_handler != SIG_IGN) sigaction(stop, &keep, nullptr);
-  }
-  signal(SIGXFSZ, SIG_IGN);
-}
-
-int StopSignal() { return stop_signal; }
-
-std::string StopSignalName() {
-  switch (StopSignal()) {
+std::string NameOf(int number) {
+  switch (number) {
     case 0:
       return "";
     case SIGINT:
@@ -46,18 +38,79 @@ std::string StopSignalName() {
   }
 }
 
+void Respond(const Response& to_signal, int number) {
+  const std::string& line = number == SIGINT ? to_signal.on_sigint : to_signal.on_sigterm;
+  [[maybe_unused]] const ssize_t size = write(STDERR_FILENO, line.data(), line.size());
+  if (!to_signal.ends_program) return;
+  for (const std::string& folder : to_signal.folders) rmdir(folder.c_str());
+  _exit(kStoppedBySignal + number);
+}
+
+// Calls nothing but what a signal handler may call.
+void HandleSignal(int number) {
+  const int interrupted_errno = errno;
+  stop_signal = number;
+  // First: a second signal is to end a program whose standard error takes nothing.
+  for (const int stop : kStopSignals) signal(stop, SIG_DFL);
+  Respond(*response.load(), number);
+  errno = interrupted_errno;
+}
+
+// Those of before stay: a handler may be at work with one of them.
+void SetResponse(const std::string& problem, bool ends_program,
+                 const std::vector<std::string>& folders) {
+  static std::deque<Response> responses;
+  const auto line = [&](int number) {
+    return program_name + ": stopped by " + NameOf(number) + problem + '\n';
+  };
+  response = &responses.emplace_back(Response{line(SIGINT), line(SIGTERM), ends_program, folders});
+}
+
+}  // namespace
+
+void CatchSignals(const std::string& program) {
+  program_name = std::filesystem::path(program).filename().string();
+  EndIfStoppedWhile("starting");
+  struct sigaction handle {};
+  handle.sa_handler = HandleSignal;
+  handle.sa_flags = SA_RESTART;
+  sigemptyset(&handle.sa_mask);
+  for (const int stop : kStopSignals) {
+    struct sigaction present {};
+    sigaction(stop, nullptr, &present);
+    if (present.sa_handler != SIG_IGN) sigaction(stop, &handle, nullptr);
+  }
+  signal(SIGXFSZ, SIG_IGN);
+}
+
+void EndIfStoppedWhile(const std::string& activity, const std::vector<std::string>& folders) {
+  SetResponse(" while " + activity + ": nothing is written", true, folders);
+  const int number = StopSignal();
+  if (number != 0) Respond(*response.load(), number);
+}
+
+void KeepStopSignal() {
+  SetResponse(", ending in order; another signal ends the program at once", false, {});
+}
+
+int StopSignal() { return stop_signal; }
+
+std::string StopSignalName() { return NameOf(StopSignal()); }
+
 std::string StopText(const std::string& signal_name) {
+  if (signal_name.empty()) return "";
   return "Stopped by " + signal_name + ": the results are those of the best state so far.\n";
 }
 
-Status StoppedDuring(const std::string& stage) {
-  if (StopSignal() == 0) return Status::Ok();
-  return Status::Unavailable("stopped by " + StopSignalName() + " during " + stage +
-                             ": nothing to write");
+Status WriteWithStopSignal(const std::function<Status(const std::string& signal_name)>& write) {
+  const std::string signal_name = StopSignalName();
+  PLUMBLINE_RETURN_IF_ERROR(write(signal_name));
+  if (!signal_name.empty()) return Status::Ok();
+  for (const int stop : kStopSignals) signal(stop, SIG_IGN);
+  return StopSignal() == 0 ? Status::Ok() : write(StopSignalName());
 }
 
 int ExitCodeAfterStop(int exit_code) {
-  constexpr int kStoppedBySignal = 128;
   return StopSignal() == 0 ? exit_code : kStoppedBySignal + StopSignal();
 }
 

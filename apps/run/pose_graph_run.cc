@@ -43,7 +43,7 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(Read());
     PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
     PLUMBLINE_RETURN_IF_ERROR(CheckScans());
-    PLUMBLINE_RETURN_IF_ERROR(StoppedDuring("reading"));
+    KeepStopSignal();  // the given poses are a state to write
     PLUMBLINE_RETURN_IF_ERROR(output_.Make());
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
@@ -92,7 +92,8 @@ class PoseGraphRun {
   }
 
   void RefineByEdges() {
-    edges_summary_ = RefinePoseGraph(file_.graph, &state_);
+    edges_summary_ =
+        RefinePoseGraph(file_.graph, &state_, [](double) { return StopSignal() == 0; });
     std::cout << edges_summary_.BriefReport() << '\n';
   }
 
@@ -133,10 +134,6 @@ class PoseGraphRun {
       return Status::InvalidArgument(solver_summary_.message);
     }
     std::cout << '\n' << solver_summary_.FullReport() << '\n';
-    if (solver_summary_.termination == TerminationType::kUserStopped) {
-      stopped_by_ = StopSignalName();
-      std::cout << StopText(stopped_by_);
-    }
     refined_consistency_ = MeasureConsistency();
     if (refined_consistency_) {
       alarms_ = MapAlarms(*refined_consistency_, file_.graph, state_.poses);
@@ -168,13 +165,16 @@ class PoseGraphRun {
         WritePoseGraphFile(output_.File(graph_name), file_.format, file_, state_.poses));
     if (has_scans()) {
       PLUMBLINE_RETURN_IF_ERROR(WriteMap());
-      PLUMBLINE_RETURN_IF_ERROR(WriteReport());
       PrintMap();
     }
-    // The last one: its presence says that the others are there.
-    PLUMBLINE_RETURN_IF_ERROR(WriteSummary());
-    std::cout << "Results in " << output_.path() << ": trajectory.tum, " << graph_name
-              << ", summary.json\n";
+    PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal([&](const std::string& signal_name) {
+      stopped_by_ = signal_name;
+      if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+      // The last one: its presence says that the others are there.
+      return WriteSummary();
+    }));
+    std::cout << StopText(stopped_by_) << "Results in " << output_.path() << ": trajectory.tum, "
+              << graph_name << ", summary.json\n";
     if (has_scans()) {
       std::cout << "  report.html                                       all of it to look at\n"
                 << (by_edges_only() ? "  map_given.png                                     "

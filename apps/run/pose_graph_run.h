@@ -27,7 +27,8 @@ struct PoseGraphRunOptions {
 /// and with scans also report.html, what MapWriteTasks names and a picture of each stage; if they
 /// are in order of time, it is measured whether the map contradicts itself (conflicts.png), with a
 /// warning on standard error if the refined map does. A stop signal (stop_signal.h) ends the
-/// solver: what it leaves is the best state so far. A failed Status names the culprit.
+/// optimisation once the graph is read: what it leaves is the best state so far. A failed Status
+/// names the culprit.
 Status RunPoseGraph(const PoseGraphRunOptions& options);
 
 }  // namespace plumbline

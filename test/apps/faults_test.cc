@@ -21,7 +21,10 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 using testing::Not;
+
+using Clock = std::chrono::steady_clock;
 
 // An estimation that does not end by itself.
 const std::vector<std::string> kEndless = {"--solver=alternating_cg", "--coarse_rounds=0",
@@ -106,11 +109,62 @@ TEST_F(FaultsTest, ARunStoppedDuringTheSeedingLeavesEarlierResultsAlone) {
   ASSERT_TRUE(run.Prints("Matching scans: 10 %")) << Printed();
   run.Send(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
-  EXPECT_THAT(Printed(), HasSubstr("plumbline_slam: stopped by SIGINT during seeding: nothing to "
-                                   "write\n"));
+  EXPECT_THAT(Printed(), HasSubstr("plumbline_slam: stopped by SIGINT while seeding: nothing is "
+                                   "written\n"));
   EXPECT_EQ(FilesOf("out"), std::vector<std::string>{"summary.json"});
   EXPECT_EQ(Result("out", "summary.json"), "{}");
   EXPECT_FALSE(std::filesystem::exists(folder_ + "seed"));
+}
+
+// Whatever a run is at: it ends soon, says so, and leaves nothing or all of its results.
+TEST_F(FaultsTest, AStopAtAnyTimeIsHeard) {
+  SimulateLog(120);
+  const auto start = Clock::now();
+  {
+    RunningProgram whole(Command("a.clf"), folder_ + "printed");
+    ASSERT_EQ(whole.Wait(), 0);
+  }
+  const auto run_time = Clock::now() - start;
+  constexpr int kNumStops = 20;
+  int num_before_map = 0, num_with_map = 0;
+  for (int i = 0; i <= kNumStops && !HasFailure(); ++i) {
+    std::filesystem::remove_all(folder_ + "out");
+    RunningProgram run(Command("a.clf"), folder_ + "printed");
+    ASSERT_TRUE(run.Catches(SIGTERM));
+    std::this_thread::sleep_for(i * run_time / kNumStops);
+    run.Send(SIGTERM);
+    const auto stop = Clock::now();
+    const int code = run.Wait();
+    EXPECT_TRUE(code == 0 || code == 143) << code << Printed();
+    if (std::filesystem::exists(folder_ + "out")) {
+      EXPECT_EQ(FilesOf("out"), kResults) << Printed();
+      EXPECT_EQ(Summary()["stopped_by"], code == 0 ? nlohmann::json() : "SIGTERM") << Printed();
+      if (code != 0) ++num_with_map;
+    } else {
+      EXPECT_THAT(Printed(), HasSubstr("plumbline_slam: stopped by SIGTERM while "));
+      EXPECT_LT(Clock::now() - stop, std::chrono::seconds(1));
+      ++num_before_map;
+    }
+  }
+  EXPECT_GT(num_before_map, 0);
+  EXPECT_GT(num_with_map, 0);
+}
+
+TEST_F(FaultsTest, ARunStoppedDuringReadingSaysSo) {
+  SimulateLog(40);
+  std::string comments;
+  for (int i = 0; i < 1000000; ++i) comments += "# a line that nobody needs\n";
+  WriteFile(folder_ + "a.clf", ReadFile(folder_ + "a.clf") + comments);
+  for (const char* log : {"a.clf", "a.g2o"}) {
+    WriteFile(folder_ + "a.g2o", comments);
+    RunningProgram run(Command(log), folder_ + "printed");
+    ASSERT_TRUE(run.Catches(SIGINT));
+    run.Send(SIGINT);
+    EXPECT_EQ(run.Wait(), 130);
+    EXPECT_THAT(Printed(), MatchesRegex("plumbline_slam: stopped by SIGINT while "
+                                        "(starting|reading .*): nothing is written\n"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
+  }
 }
 
 TEST_F(FaultsTest, ResumesToTheSameResults) {

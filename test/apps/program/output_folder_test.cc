@@ -18,6 +18,16 @@ TEST(OutputFolderTest, IsMadeWithTheFoldersAboveIt) {
   EXPECT_EQ(folder.File("map.png"), folder.path() + "/map.png");
 }
 
+TEST(OutputFolderTest, KnowsTheFoldersThatItMade) {
+  const std::string there = TempFolder();
+  OutputFolder inner(there + "a/b/");
+  ASSERT_TRUE(inner.Make().ok());
+  EXPECT_THAT(inner.made_folders(), testing::ElementsAre(there + "a/b", there + "a"));
+  OutputFolder old(there);
+  ASSERT_TRUE(old.Make().ok());
+  EXPECT_THAT(old.made_folders(), testing::IsEmpty());
+}
+
 TEST(OutputFolderTest, CannotReplaceAFile) {
   const std::string path = TempFolder() + "file";
   WriteFile(path, "in the way");

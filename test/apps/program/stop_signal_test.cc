@@ -4,7 +4,11 @@
 #include <signal.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
+#include <string>
+
+#include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
 namespace {
@@ -22,28 +26,95 @@ class StopSignalTest : public testing::Test {
 
 TEST_F(StopSignalTest, NothingHappensWithoutASignal) {
   const auto run = [] {
-    CatchSignals();
+    CatchSignals("mapper");
     ExitAsTold(StopSignal() + 3);
   };
   EXPECT_EXIT(run(), testing::ExitedWithCode(3), "\\[\\]");
 }
 
-TEST_F(StopSignalTest, TheFirstSignalIsKept) {
+TEST_F(StopSignalTest, ASignalAtTheStartEndsTheProgram) {
   const auto run = [](int number) {
-    CatchSignals();
-    if (!StoppedDuring("reading").ok()) std::exit(1);
+    CatchSignals("bin/mapper");
     raise(number);
-    std::cerr << StoppedDuring("reading").message();
+    std::exit(0);
+  };
+  EXPECT_EXIT(run(SIGINT), testing::ExitedWithCode(130),
+              "^mapper: stopped by SIGINT while starting: nothing is written\n$");
+  EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143), "stopped by SIGTERM while starting");
+}
+
+TEST_F(StopSignalTest, ASignalWithNothingToWriteEndsTheProgramAndRemovesEmptyFolders) {
+  GTEST_FLAG_SET(death_test_style, "fast");  // the program is to have the folders of this one
+  const std::string folder = TempFolder(), kept = folder + "kept", made = folder + "made";
+  std::filesystem::create_directories(kept);
+  std::filesystem::create_directories(made + "/inner");
+  WriteFile(kept + "/file", "");
+  const auto run = [&] {
+    CatchSignals("mapper");
+    EndIfStoppedWhile("seeding", {made + "/inner", made, kept});
+    raise(SIGINT);
+    std::exit(0);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(130), "stopped by SIGINT while seeding");
+  EXPECT_FALSE(std::filesystem::exists(made));
+  EXPECT_TRUE(std::filesystem::exists(kept + "/file"));
+}
+
+TEST_F(StopSignalTest, ASignalIsKeptOnceThereIsSomethingToWrite) {
+  const auto run = [](int number) {
+    CatchSignals("mapper");
+    KeepStopSignal();
+    raise(number);
     ExitAsTold(0);
   };
   EXPECT_EXIT(run(SIGINT), testing::ExitedWithCode(130),
-              "stopped by SIGINT during reading: nothing to write\\[SIGINT\\]");
-  EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143), "by SIGTERM.*\\[SIGTERM\\]");
+              "mapper: stopped by SIGINT, ending in order.*\n\\[SIGINT\\]");
+  EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143), "by SIGTERM.*\n\\[SIGTERM\\]");
+}
+
+TEST_F(StopSignalTest, AKeptSignalEndsAProgramThatHasNothingToWriteAfterAll) {
+  const auto run = [] {
+    CatchSignals("mapper");
+    KeepStopSignal();
+    raise(SIGTERM);
+    EndIfStoppedWhile("seeding");
+    std::exit(0);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(143), "stopped by SIGTERM while seeding");
+}
+
+TEST_F(StopSignalTest, ASignalDuringTheLastWritingIsWrittenToo) {
+  const auto run = [] {
+    CatchSignals("mapper");
+    KeepStopSignal();
+    const Status written = WriteWithStopSignal([](const std::string& signal_name) {
+      std::cerr << "{" << signal_name << "}";
+      if (signal_name.empty()) raise(SIGINT);
+      return Status::Ok();
+    });
+    ExitAsTold(written.ok() ? 0 : 1);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(130), "^\\{\\}.*\n\\{SIGINT\\}\\[SIGINT\\]$");
+}
+
+TEST_F(StopSignalTest, AFirstSignalAfterTheLastWritingIsIgnored) {
+  const auto run = [] {
+    CatchSignals("mapper");
+    KeepStopSignal();
+    const Status written =
+        WriteWithStopSignal([](const std::string&) { return Status::InvalidArgument("disk"); });
+    if (written.ok()) std::exit(1);
+    if (!WriteWithStopSignal([](const std::string&) { return Status::Ok(); }).ok()) std::exit(1);
+    raise(SIGINT);
+    ExitAsTold(7);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(7), "^\\[\\]$");
 }
 
 TEST_F(StopSignalTest, TheSecondSignalEndsTheProgram) {
   const auto run = [](int first, int second) {
-    CatchSignals();
+    CatchSignals("mapper");
+    KeepStopSignal();
     raise(first);
     raise(second);
     std::exit(0);
@@ -56,7 +127,7 @@ TEST_F(StopSignalTest, TheSecondSignalEndsTheProgram) {
 TEST_F(StopSignalTest, ASignalThatIsSwitchedOffStaysOff) {
   const auto run = [] {
     signal(SIGINT, SIG_IGN);
-    CatchSignals();
+    CatchSignals("mapper");
     raise(SIGINT);
     raise(SIGINT);
     ExitAsTold(5);
@@ -66,7 +137,7 @@ TEST_F(StopSignalTest, ASignalThatIsSwitchedOffStaysOff) {
 
 TEST_F(StopSignalTest, AFileThatGrowsTooLargeDoesNotEndTheProgram) {
   const auto run = [] {
-    CatchSignals();
+    CatchSignals("mapper");
     raise(SIGXFSZ);
     ExitAsTold(0);
   };
