@@ -142,9 +142,15 @@ class SlamRun {
 
   Status ReadLog() {
     const auto start = Clock::now();
+    const bool needs_fingerprint = !FLAGS_resume.empty() || !FLAGS_checkpoint.empty();
+    LogStamp stamp;
+    if (needs_fingerprint) {
+      PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint_, &stamp));
+    }
     LogCounts counts;
     SlamGraph graph;
     PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph));
+    if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(FLAGS_log, stamp));
     // What would end the run at its end is found before the work.
     const MapState odometry = graph.InitialState();
     PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, odometry, outputs_.map_resolution_m));
@@ -175,10 +181,6 @@ class SlamRun {
 
   // The seed: of the scans, or of an earlier run's checkpoint.
   Status FindSeed() {
-    RunFingerprint fingerprint;
-    if (!FLAGS_resume.empty() || !FLAGS_checkpoint.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(FLAGS_log, &fingerprint));
-    }
     if (FLAGS_resume.empty()) {
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());  // what cannot be written is known before the work
       EndIfStoppedWhile("seeding", output_.made_folders());
@@ -186,7 +188,7 @@ class SlamRun {
       KeepStopSignal();
     } else {
       EndIfStoppedWhile("reading " + FLAGS_resume);
-      PLUMBLINE_RETURN_IF_ERROR(Resume(fingerprint));
+      PLUMBLINE_RETURN_IF_ERROR(Resume());
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
       std::cout << "Seeding: as in " << FLAGS_resume << '\n';
     }
@@ -195,7 +197,7 @@ class SlamRun {
               << ConsistencyText("The seed", seeding.consistency) << std::flush;
     if (FLAGS_checkpoint.empty()) return Status::Ok();
     checkpoint_written_ =
-        WriteCheckpoint(FLAGS_checkpoint, fingerprint, mapping_.start_poses, seeding);
+        WriteCheckpoint(FLAGS_checkpoint, fingerprint_, mapping_.start_poses, seeding);
     if (checkpoint_written_.ok()) std::cout << "Checkpoint: " << FLAGS_checkpoint << std::endl;
     return Status::Ok();
   }
@@ -206,11 +208,11 @@ class SlamRun {
     return output_.Make();
   }
 
-  Status Resume(const RunFingerprint& fingerprint) {
+  Status Resume() {
     std::vector<double> start_poses;
     SeedingReport seeding;
     PLUMBLINE_RETURN_IF_ERROR(
-        ReadCheckpoint(FLAGS_resume, fingerprint, mapping_.graph, &start_poses, &seeding));
+        ReadCheckpoint(FLAGS_resume, fingerprint_, mapping_.graph, &start_poses, &seeding));
     return StartFromSeed(options_, std::move(start_poses), std::move(seeding), &mapping_);
   }
 
@@ -397,8 +399,9 @@ class SlamRun {
   std::optional<ThreadPool> pool_;
   OutputFolder output_{FLAGS_output_dir};
   LogMapping mapping_;
-  Status checkpoint_written_;  // a run that cannot keep its seed goes on: it is all the run has
-  double max_memory_ = 0.0;    // [bytes], 0: no limit
+  RunFingerprint fingerprint_;  // if there is a checkpoint to read or to write
+  Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
+  double max_memory_ = 0.0;     // [bytes], 0: no limit
   std::optional<Truth> truth_;
   RunSummary summary_;
   std::vector<ReportMap> maps_;

@@ -1,5 +1,6 @@
 #include "plumbline/apps/run/checkpoint.h"
 
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <Eigen/Core>
@@ -8,9 +9,12 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "plumbline/apps/bags/open_bag.h"
@@ -179,19 +183,31 @@ std::uint32_t Crc(std::string_view bytes, std::uint32_t before = 0) {
       crc32_z(before, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
-Status ReadBytes(const std::string& path, std::string* bytes) {
+Status OpenFile(const std::string& path, std::ifstream* file) {
+  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return ReadError("read", path, EISDIR);
   errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return ReadError("open", path, errno);
-  bytes->assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  file->open(path, std::ios::binary);
+  return *file ? Status::Ok() : ReadError("open", path, errno);
+}
+
+Status ReadBytes(const std::string& path, std::string* bytes) {
+  std::ifstream file;
+  PLUMBLINE_RETURN_IF_ERROR(OpenFile(path, &file));
+  // What does not begin like a checkpoint is not taken into memory.
+  bytes->resize(kMagic.size());
+  file.read(bytes->data(), static_cast<std::streamsize>(bytes->size()));
+  bytes->resize(static_cast<std::size_t>(file.gcount()));
+  if (*bytes != kMagic) return Status::Ok();
+  bytes->append(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
   return Status::Ok();
 }
 
 // Adds a file of any size to the size and the checksum of those before it.
 Status AddFile(const std::string& path, std::uintmax_t* size, std::uint32_t* crc) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return ReadError("open", path, errno);
+  std::ifstream file;
+  PLUMBLINE_RETURN_IF_ERROR(OpenFile(path, &file));
   std::string block(std::size_t{1} << 18, '\0');
   while (file) {
     file.read(block.data(), static_cast<std::streamsize>(block.size()));
@@ -202,10 +218,38 @@ Status AddFile(const std::string& path, std::uintmax_t* size, std::uint32_t* crc
   return file.bad() ? ReadError("read", path, errno) : Status::Ok();
 }
 
+// The files that a log is read from, with what SQLite keeps beside them.
+Status FilesToRead(const std::string& log, std::vector<std::string>* files) {
+  PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(log, files));
+  std::error_code ignored;
+  for (std::size_t i = 0, num_files = files->size(); i < num_files; ++i) {
+    const std::string wal = (*files)[i] + "-wal";
+    if (std::filesystem::exists(wal, ignored)) files->push_back(wal);
+  }
+  return Status::Ok();
+}
+
+Status StampOf(const std::string& log, LogStamp* stamp) {
+  std::vector<std::string> files;
+  PLUMBLINE_RETURN_IF_ERROR(FilesToRead(log, &files));
+  std::ostringstream text;
+  for (const std::string& file : files) {
+    struct stat status {};
+    if (stat(file.c_str(), &status) != 0) return ReadError("open", file, errno);
+    text << file << ' ' << status.st_dev << ' ' << status.st_ino << ' ' << status.st_size;
+    for (const timespec& time : {status.st_mtim, status.st_ctim}) {
+      text << ' ' << time.tv_sec << '.' << time.tv_nsec;
+    }
+    text << '\n';
+  }
+  *stamp = text.str();
+  return Status::Ok();
+}
+
 // Size and checksum of a log, into the fingerprint.
 Status AddContent(const std::string& log, RunFingerprint* fingerprint) {
   std::vector<std::string> files;
-  PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(log, &files));
+  PLUMBLINE_RETURN_IF_ERROR(FilesToRead(log, &files));
   std::uintmax_t size = 0;
   std::uint32_t crc = Crc("");
   for (const std::string& file : files) PLUMBLINE_RETURN_IF_ERROR(AddFile(file, &size, &crc));
@@ -284,8 +328,10 @@ Status CheckContents(const std::string& path, const Contents& contents, const Sl
 
 }  // namespace
 
-Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint) {
+Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint, LogStamp* stamp) {
   RunFingerprint result;
+  LogStamp before;
+  PLUMBLINE_RETURN_IF_ERROR(StampOf(log, &before));
   PLUMBLINE_RETURN_IF_ERROR(AddContent(log, &result));
   for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
     const auto end = kFlagsWithoutEffect.end();
@@ -293,7 +339,15 @@ Status FingerprintOfRun(const std::string& log, RunFingerprint* fingerprint) {
     result.emplace_back("--" + flag.name, flag.current_value);
   }
   *fingerprint = std::move(result);
+  *stamp = std::move(before);
   return Status::Ok();
+}
+
+Status CheckUnchanged(const std::string& log, const LogStamp& stamp) {
+  LogStamp now;
+  PLUMBLINE_RETURN_IF_ERROR(StampOf(log, &now));
+  if (now == stamp) return Status::Ok();
+  return Status::InvalidArgument(log + ": the log changed while it was read");
 }
 
 Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprint,

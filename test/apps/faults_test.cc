@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -192,6 +193,23 @@ TEST_F(FaultsTest, ResumesToTheSameResults) {
   for (const char* same : {"seeding", "consistency", "stages", "alarm", "returns"}) {
     EXPECT_EQ(whole[same], resumed[same]) << same;
   }
+}
+
+TEST_F(FaultsTest, ALogThatIsSwappedWhileItIsReadIsNoticed) {
+  SimulateLog(300);
+  const std::string log = ReadFile(folder_ + "a.clf");
+  std::atomic<bool> swaps{true};
+  std::thread swapper([&] {
+    while (swaps) {
+      WriteFile(folder_ + "b.clf", log);
+      std::filesystem::rename(folder_ + "b.clf", folder_ + "a.clf");
+    }
+  });
+  const Outcome run = Slam("a.clf", "--checkpoint=" + folder_ + "seed");
+  swaps = false;
+  swapper.join();
+  ExpectError(run, "a.clf: the log changed while it was read");
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "seed"));
 }
 
 TEST_F(FaultsTest, RefusesTheCheckpointOfAnotherRun) {

@@ -3,7 +3,10 @@
 #include <gflags/gflags.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -134,6 +137,23 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }
 
+TEST_F(CheckpointTest, RefusesWhatIsNoFile) {
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(ErrorOf().message(), HasSubstr("cannot read '" + path_ + "': Is a directory"));
+  std::filesystem::remove(path_);
+  std::filesystem::create_symlink("/dev/zero", path_);
+  EXPECT_THAT(ErrorOf().message(), HasSubstr("a pipe or a device, not a file"));
+  std::filesystem::remove(path_);
+  ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_THAT(ErrorOf().message(), HasSubstr("a pipe or a device, not a file"));
+}
+
+TEST_F(CheckpointTest, DoesNotTakeALargeFileOfAnotherKindIntoMemory) {
+  WriteFile(path_, "no checkpoint");
+  std::filesystem::resize_file(path_, std::uintmax_t{1} << 42);  // a hole, for the most part
+  EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
+}
+
 TEST_F(CheckpointTest, RefusesAGraphOfAnotherSize) {
   NoisyRoomOptions options;
   options.num_poses = 9;
@@ -155,19 +175,57 @@ TEST_F(CheckpointTest, AFingerprintKnowsContentAndOptions) {
   WriteFile(log, "FLASER");
   WriteFile(copy, "FLASER");
   RunFingerprint first, second;
-  ASSERT_TRUE(FingerprintOfRun(log, &first).ok());
+  LogStamp stamp;
+  ASSERT_TRUE(FingerprintOfRun(log, &first, &stamp).ok());
   SolverOptions options;
   ASSERT_TRUE(SolverOptionsFromFlags(&options).ok());  // the flags are there
   gflags::SetCommandLineOption("threads", "7");
-  ASSERT_TRUE(FingerprintOfRun(copy, &second).ok());
+  ASSERT_TRUE(FingerprintOfRun(copy, &second, &stamp).ok());
   EXPECT_EQ(first, second);
   WriteFile(copy, "FLASEr");
-  ASSERT_TRUE(FingerprintOfRun(copy, &second).ok());
+  ASSERT_TRUE(FingerprintOfRun(copy, &second, &stamp).ok());
   EXPECT_NE(first, second);
   gflags::SetCommandLineOption("sigma_range_m", "0.0125");
-  ASSERT_TRUE(FingerprintOfRun(log, &second).ok());
+  ASSERT_TRUE(FingerprintOfRun(log, &second, &stamp).ok());
   EXPECT_NE(first, second);
-  EXPECT_EQ(FingerprintOfRun(folder_ + "none", &second).code(), StatusCode::kNotFound);
+  EXPECT_EQ(FingerprintOfRun(folder_ + "none", &second, &stamp).code(), StatusCode::kNotFound);
+}
+
+TEST_F(CheckpointTest, AFingerprintKnowsWhatSqliteKeepsBesideALog) {
+  const std::string log = folder_ + "a.db3";
+  WriteFile(log, "main");
+  RunFingerprint first, second;
+  LogStamp stamp;
+  ASSERT_TRUE(FingerprintOfRun(log, &first, &stamp).ok());
+  WriteFile(log + "-wal", "more");
+  EXPECT_FALSE(CheckUnchanged(log, stamp).ok());
+  ASSERT_TRUE(FingerprintOfRun(log, &second, &stamp).ok());
+  EXPECT_NE(first, second);
+}
+
+TEST_F(CheckpointTest, ALogWithAnotherInItsPlaceHasChanged) {
+  const std::string log = folder_ + "a.clf", other = folder_ + "b.clf";
+  WriteFile(log, "FLASER");
+  WriteFile(other, "FLASEr");
+  const auto time = std::filesystem::last_write_time(log);
+  RunFingerprint fingerprint;
+  LogStamp stamp;
+  ASSERT_TRUE(FingerprintOfRun(log, &fingerprint, &stamp).ok());
+  EXPECT_TRUE(CheckUnchanged(log, stamp).ok());
+  std::filesystem::last_write_time(other, time);
+  std::filesystem::rename(other, log);
+  EXPECT_EQ(CheckUnchanged(log, stamp).message(), log + ": the log changed while it was read");
+  std::filesystem::remove(log);
+  EXPECT_EQ(CheckUnchanged(log, stamp).code(), StatusCode::kNotFound);
+}
+
+TEST_F(CheckpointTest, AFingerprintRefusesAPipe) {
+  const std::string log = folder_ + "a.clf";
+  ASSERT_EQ(mkfifo(log.c_str(), 0600), 0);
+  RunFingerprint fingerprint;
+  LogStamp stamp;
+  EXPECT_THAT(FingerprintOfRun(log, &fingerprint, &stamp).message(),
+              HasSubstr("a pipe or a device, not a file"));
 }
 
 }  // namespace
