@@ -149,7 +149,8 @@ class SlamRun {
     }
     LogCounts counts;
     SlamGraph graph;
-    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph));
+    PLUMBLINE_RETURN_IF_ERROR(
+        ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph, max_memory_));
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(FLAGS_log, stamp));
     // What would end the run at its end is found before the work.
     const MapState odometry = graph.InitialState();

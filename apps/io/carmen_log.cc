@@ -8,6 +8,7 @@
 
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/memory_limit.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/laser_scan.h"
@@ -75,14 +76,16 @@ CarmenScan ReadRobotLaser(FieldReader* fields) {
   return scan;
 }
 
-CarmenOdometry ReadOdometry(FieldReader* fields) {
-  CarmenOdometry odometry;
-  odometry.odom_from_robot = ReadPose(fields, "x", "y", "theta");
-  odometry.translational_velocity_m_s = fields->Number("tv");
-  odometry.rotational_velocity_rad_s = fields->Number("rv");
-  fields->Number("accel");
-  odometry.timestamp_s = ReadTrailer(fields);
-  return odometry;
+// Every scan comes with its odometry: these records tell nothing more.
+void CheckOdometry(FieldReader* fields) {
+  ReadPose(fields, "x", "y", "theta");
+  for (const char* field : {"tv", "rv", "accel"}) fields->Number(field);
+  ReadTrailer(fields);
+}
+
+// With a graph of the same scan.
+std::size_t BytesOf(const CarmenScan& scan) {
+  return 2 * (sizeof(scan) + scan.ranges.size() * sizeof(double));
 }
 
 void AddIssue(CarmenIssue issue, CarmenLog* log) {
@@ -93,29 +96,36 @@ void AddIssue(CarmenIssue issue, CarmenLog* log) {
 /// Fills a log from the lines of one file.
 class LogParser {
  public:
-  LogParser(std::string path, CarmenLog* log) : path_(std::move(path)), log_(log) {}
+  LogParser(std::string path, double max_bytes, CarmenLog* log)
+      : path_(std::move(path)), memory_(max_bytes), log_(log) {}
 
-  void ParseLine(std::string_view line, std::size_t line_number) {
+  // An unreadable record is an issue of the log. InvalidArgument if there are too many to keep.
+  Status ParseLine(std::string_view line, std::size_t line_number) {
+    if (line.empty()) return Status::Ok();
     FieldReader fields(line);
     const std::string_view keyword = fields.Word("keyword");
     if (keyword == "FLASER" || keyword == "ROBOTLASER1") {
       CarmenScan scan = keyword == "FLASER" ? ReadFlaser(&fields) : ReadRobotLaser(&fields);
       scan.line = line_number;
-      if (fields.ok()) log_->scans.push_back(std::move(scan));
+      if (fields.ok()) {
+        PLUMBLINE_RETURN_IF_ERROR(memory_.Keep(BytesOf(scan), path_, line_number));
+        log_->scans.push_back(std::move(scan));
+      }
     } else if (keyword == "ODOM") {
-      const CarmenOdometry odometry = ReadOdometry(&fields);
-      if (fields.ok()) log_->odometry.push_back(odometry);
+      CheckOdometry(&fields);
     } else if (keyword == "PARAM") {
+      PLUMBLINE_RETURN_IF_ERROR(memory_.Keep(line.size(), path_, line_number));
       ReadParam(&fields);
     } else {
-      return;
+      return Status::Ok();
     }
     ++log_->num_records;
-    if (fields.ok()) return;
+    if (fields.ok()) return Status::Ok();
     AddIssue({line_number, fields.field(),
               path_ + ":" + std::to_string(line_number) + ": " + std::string(keyword) + " " +
                   fields.error()},
              log_);
+    return Status::Ok();
   }
 
   /// Of FLASER records, as the log's parameters state it.
@@ -138,25 +148,27 @@ class LogParser {
   }
 
   const std::string path_;
+  MemoryLimit memory_;
   CarmenLog* const log_;
   double flaser_max_range_m_ = kUnknown;
 };
 
-/// Sorts by time, if the clock is worth it, and returns how many records were older than their
+/// Sorts by time, if the clock is worth it, and returns how many scans were older than their
 /// predecessor.
-template <typename Record>
-std::size_t SortByTime(std::vector<Record>* records) {
-  const auto older = [](const Record& a, const Record& b) { return a.timestamp_s < b.timestamp_s; };
+std::size_t SortByTime(std::vector<CarmenScan>* scans) {
+  const auto older = [](const CarmenScan& a, const CarmenScan& b) {
+    return a.timestamp_s < b.timestamp_s;
+  };
   std::size_t num_out_of_order = 0;
-  for (std::size_t i = 1; i < records->size(); ++i) {
-    if (older((*records)[i], (*records)[i - 1])) ++num_out_of_order;
+  for (std::size_t i = 1; i < scans->size(); ++i) {
+    if (older((*scans)[i], (*scans)[i - 1])) ++num_out_of_order;
   }
   if (num_out_of_order == 0) return 0;
   std::vector<double> times_s;
-  times_s.reserve(records->size());
-  for (const Record& record : *records) times_s.push_back(record.timestamp_s);
+  times_s.reserve(scans->size());
+  for (const CarmenScan& scan : *scans) times_s.push_back(scan.timestamp_s);
   if (!ClockFault(times_s).empty()) return 0;
-  std::stable_sort(records->begin(), records->end(), older);
+  std::stable_sort(scans->begin(), scans->end(), older);
   return num_out_of_order;
 }
 
@@ -202,6 +214,7 @@ bool CarmenReadOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_bad_share, >=, 0.0);
   PLUMBLINE_CHECK_OPTION(max_bad_share, <=, 1.0);
   PLUMBLINE_CHECK_OPTION(max_bad_records, >=, 0);
+  PLUMBLINE_CHECK_OPTION(max_bytes, >=, 0.0);
   return true;
 }
 
@@ -212,9 +225,11 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
   PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
 
   CarmenLog result;
-  LogParser parser(path, &result);
+  LogParser parser(path, options.max_bytes, &result);
   std::string_view line;
-  while (reader.NextLine(&line)) parser.ParseLine(line, reader.line_number());
+  while (reader.NextLine(&line)) {
+    PLUMBLINE_RETURN_IF_ERROR(parser.ParseLine(line, reader.line_number()));
+  }
   PLUMBLINE_RETURN_IF_ERROR(reader.status());
 
   const double limit =
@@ -236,7 +251,7 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
                                    FirstIssue(result));
   }
   SetMaxRanges(parser.flaser_max_range_m(), &result.scans);
-  result.num_out_of_order = SortByTime(&result.scans) + SortByTime(&result.odometry);
+  result.num_out_of_order = SortByTime(&result.scans);
   *log = std::move(result);
   return Status::Ok();
 }

@@ -23,14 +23,6 @@ struct CarmenScan {
   std::size_t line = 0;      ///< in the file, from 1
 };
 
-/// One ODOM record.
-struct CarmenOdometry {
-  double timestamp_s = 0.0;  ///< ipc_timestamp
-  Pose2 odom_from_robot;
-  double translational_velocity_m_s = 0.0;
-  double rotational_velocity_rad_s = 0.0;
-};
-
 /// A record that could not be read.
 struct CarmenIssue {
   std::size_t line = 0;
@@ -42,7 +34,6 @@ struct CarmenLog {
   /// By time, records of equal time in the file's order; all in that order if the clock is useless
   /// (see ClockFault).
   std::vector<CarmenScan> scans;
-  std::vector<CarmenOdometry> odometry;       ///< likewise
   std::map<std::string, std::string> params;  ///< first word of the value; the last record wins
   /// From the first beam of a sweep to the last [s]. Logs do not say it: 0 when read.
   double sweep_time_s = 0.0;
@@ -50,17 +41,19 @@ struct CarmenLog {
   std::size_t num_records = 0;  ///< FLASER, ROBOTLASER1, ODOM and PARAM lines, unreadable ones too
   std::size_t num_issues = 0;   ///< unreadable records, plus one if a compressed file lacks its end
   std::vector<CarmenIssue> issues;  ///< the first 10 of them
-  /// Scans and ODOM records older than the one of their kind before them: where a clock jumped
-  /// back or the logger lagged. Sorting has put them in place. None if the clock is useless.
+  /// Scans older than the one before them: where a clock jumped back or the logger lagged. Sorting
+  /// has put them in place. None if the clock is useless.
   std::size_t num_out_of_order = 0;
 };
 
-/// How many unreadable records a log may have: the larger of the two limits.
+/// How many unreadable records a log may have, the larger of two limits, and how large it may be.
 struct CarmenReadOptions {
   /// Share of the records. A gap of 1 % costs a map little; more points to a wrong format.
   double max_bad_share = 0.01;
   /// Number of records, so that a short log survives a torn end or a burst of noise.
   int max_bad_records = 10;
+  /// What its scans and parameters may take, a graph made of them included [bytes]; 0: no limit.
+  double max_bytes = 0.0;
 
   bool Check(std::string* error) const;
 };
@@ -74,7 +67,8 @@ struct CarmenReadOptions {
 ///   ODOM x y theta tv rv accel  ipc_timestamp host logger_timestamp
 ///   PARAM name value ...
 ///
-/// Comments (#) and other keywords are skipped. Units: m, rad, s.
+/// ODOM records are checked, but not kept: every scan has its own odometry. Comments (#) and other
+/// keywords are skipped. Units: m, rad, s.
 ///
 /// Bearings: ROBOTLASER1 states them. FLASER covers 180 deg from -90 deg on; an odd n (181, 361)
 /// has a beam at both ends, step 180/(n-1) deg, an even n (180, 360) leaves the last one out, step
@@ -94,7 +88,7 @@ struct CarmenReadOptions {
 ///
 /// NotFound or InvalidArgument if the file cannot be opened or read, DataLoss on a corrupt
 /// compressed file or more unreadable records than the options allow, InvalidArgument if no scan is
-/// left or a line is too long; `log` is then untouched.
+/// left, a line is too long or the log takes too much memory; `log` is then untouched.
 Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, CarmenLog* log);
 
 }  // namespace plumbline

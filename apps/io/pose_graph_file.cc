@@ -12,6 +12,7 @@
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/io/memory_limit.h"
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/text_reader.h"
 
@@ -73,10 +74,13 @@ int FindUnconnectedVertex(const SlamGraph& graph) {
 // Collects the records of one file, then makes a graph of them.
 class Parser {
  public:
-  explicit Parser(std::string path) : path_(std::move(path)) {}
+  Parser(std::string path, double max_bytes)
+      : path_(std::move(path)), max_bytes_(max_bytes), memory_(max_bytes) {}
 
   Status ParseLine(std::string_view line) {
     file_.lines.emplace_back(line);
+    PLUMBLINE_RETURN_IF_ERROR(
+        memory_.Keep(line.size() + sizeof(std::string), path_, file_.lines.size()));
     const std::string_view keyword = RecordKeyword(line);
     if (keyword.empty() || StartsWith(keyword, "PARAMS_")) return Status::Ok();
     if (dialect_ == nullptr) dialect_ = DialectOfKeyword(keyword);
@@ -166,6 +170,7 @@ class Parser {
     CarmenReadOptions strict;
     strict.max_bad_share = 0.0;
     strict.max_bad_records = 0;
+    strict.max_bytes = max_bytes_;
     PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path_, strict, log));
     std::sort(log->scans.begin(), log->scans.end(),
               [](const CarmenScan& a, const CarmenScan& b) { return a.line < b.line; });
@@ -245,6 +250,8 @@ class Parser {
   }
 
   const std::string path_;
+  const double max_bytes_;
+  MemoryLimit memory_;
   const PoseGraphDialect* dialect_ = nullptr;  // that of the first vertex or edge
   PoseGraphFile file_;
   std::vector<Pose2> poses_;
@@ -274,10 +281,10 @@ bool IsPoseGraphFile(const std::string& path) {
   return HasPoseGraphExtension(path);
 }
 
-Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file) {
+Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file, double max_bytes) {
   TextReader reader;
   PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
-  Parser parser(path);
+  Parser parser(path, max_bytes);
   std::string_view line;
   while (reader.NextLine(&line)) PLUMBLINE_RETURN_IF_ERROR(parser.ParseLine(line));
   PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());

@@ -49,10 +49,11 @@ bool IsPoseGraphFile(const std::string& path);
 /// InvalidArgument, naming file, line and field, on any other record (a constraint that is left out
 /// would silently change the result), a field that cannot be read, an information matrix that is
 /// not positive definite, two vertices of one id, an edge that joins a vertex with itself, ids
-/// without a vertex, a vertex that no edges connect with the first one; and if there is no vertex.
+/// without a vertex, a vertex that no edges connect with the first one; if there is no vertex; and
+/// if text and scans take more than max_bytes of memory (0: no limit).
 /// DataLoss on scans that cannot be read and on a truncated or corrupt compressed file, NotFound or
 /// InvalidArgument if the file cannot be read. Replaces *file on success only.
-Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file);
+Status ReadPoseGraphFile(const std::string& path, PoseGraphFile* file, double max_bytes = 0.0);
 
 }  // namespace plumbline
 

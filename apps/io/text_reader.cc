@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "plumbline/apps/io/file_status.h"
 
@@ -12,9 +14,12 @@ namespace plumbline {
 namespace {
 
 constexpr std::size_t kBlockSize = std::size_t{1} << 18;
-// A scan of a million beams fits in. What goes on for longer is no text, and a small compressed
-// file can hold any amount of it.
+// A scan of the most beams fits in. What goes on for longer is no text, and a small compressed file
+// can hold any amount of it.
 constexpr std::size_t kMaxLineBytes = std::size_t{1} << 24;
+// See the class.
+constexpr std::uintmax_t kMaxExpansion = 200;
+constexpr std::uintmax_t kAlwaysExpanded = std::uintmax_t{1} << 26;
 constexpr char kByteOrderMark[] = "\xEF\xBB\xBF";
 
 }  // namespace
@@ -30,6 +35,9 @@ Status TextReader::Open(const std::string& path) {
   file_ = gzopen(path.c_str(), "rb");
   if (file_ == nullptr) return ReadError("open", path, errno);
   gzbuffer(file_, kBlockSize);
+  std::error_code ignored;
+  const std::uintmax_t size = std::filesystem::file_size(path, ignored);
+  max_expanded_ = std::max(kAlwaysExpanded, ignored ? 0 : kMaxExpansion * size);
   return Status::Ok();
 }
 
@@ -76,7 +84,16 @@ void TextReader::Refill() {
   if (buffer_.size() < end_ + kBlockSize) buffer_.resize(2 * end_ + kBlockSize);
   errno = 0;
   const int num_read = gzread(file_, buffer_.data() + end_, kBlockSize);
-  if (num_read > 0) end_ += num_read;
+  if (num_read > 0) {
+    end_ += num_read;
+    num_expanded_ += num_read;
+  }
+  if (num_expanded_ > max_expanded_ && gzdirect(file_) == 0) {
+    status_ = Status::InvalidArgument(path_ + ": the compressed file expands to more than " +
+                                      std::to_string(kMaxExpansion) + " times its size");
+    at_end_ = true;
+    return;
+  }
   if (num_read == static_cast<int>(kBlockSize)) return;
 
   at_end_ = true;

@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_IO_TEXT_READER_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,8 @@ namespace plumbline {
 
 /// Reads a text file line by line, gzip-compressed or plain (told by content, not by name). A byte
 /// order mark of UTF-8 at its start is skipped. Memory is that of the longest line, 16 MiB at most.
+/// What gzip expands to more than 64 MiB and 200 times its size is refused: logs shrink to a tenth,
+/// and a hostile file could keep a program busy with a thousand times its size.
 class TextReader {
  public:
   TextReader() = default;
@@ -34,7 +37,7 @@ class TextReader {
 
   /// Once NextLine has returned false. DataLoss: the compressed stream is corrupt, and since its
   /// checksum comes last, so may be lines handed out before. Unavailable: the system failed to
-  /// read. InvalidArgument: a line is longer than 16 MiB.
+  /// read. InvalidArgument: a line is longer than 16 MiB, or a compressed file expands to too much.
   const Status& status() const { return status_; }
 
   /// Once NextLine has returned false: the compressed file lacks its end. Lines handed out are
@@ -50,7 +53,8 @@ class TextReader {
   std::string path_;
   gzFile_s* file_ = nullptr;
   std::vector<char> buffer_;
-  std::size_t begin_ = 0, end_ = 0;  // unread part of the buffer
+  std::size_t begin_ = 0, end_ = 0;                     // unread part of the buffer
+  std::uintmax_t num_expanded_ = 0, max_expanded_ = 0;  // [bytes]
   bool at_end_ = false;
   bool truncated_ = false;
   std::size_t line_number_ = 0;

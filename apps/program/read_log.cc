@@ -25,9 +25,12 @@ void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting
                "mapper?\n";
 }
 
-Status ReadCarmen(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+Status ReadCarmen(const std::string& path, int max_scans, double max_bytes, LogCounts* counts,
+                  SlamGraph* graph) {
+  CarmenReadOptions options;
+  options.max_bytes = max_bytes;
   CarmenLog log;
-  PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, CarmenReadOptions(), &log));
+  PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, options, &log));
   log.sweep_time_s = SweepTimeFromFlags().value_or(0.0);
   for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
   WarnOfOtherMountings(path, EstimateLaserMounting(log));
@@ -56,13 +59,14 @@ std::vector<std::string> LogFiles(const std::string& path) {
   return FilesOfLog(path, &files).ok() ? files : std::vector<std::string>{path};
 }
 
-Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts,
-                        SlamGraph* graph) {
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph,
+                        double max_bytes) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   SlamGraph result;
   LogCounts result_counts;
-  PLUMBLINE_RETURN_IF_ERROR(IsBag(path) ? ReadRosLog(path, max_scans, &result_counts, &result)
-                                        : ReadCarmen(path, max_scans, &result_counts, &result));
+  PLUMBLINE_RETURN_IF_ERROR(IsBag(path)
+                                ? ReadRosLog(path, max_scans, &result_counts, &result)
+                                : ReadCarmen(path, max_scans, max_bytes, &result_counts, &result));
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }

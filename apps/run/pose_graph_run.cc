@@ -63,7 +63,7 @@ class PoseGraphRun {
   bool by_edges_only() const { return options_.solver.MovesPosesOnly(); }
 
   Status Read() {
-    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_));
+    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_, options_.max_memory));
     state_ = file_.graph.InitialState();
     std::cout << "Read " << options_.log << " (" << ToString(file_.format)
               << "): " << file_.graph.num_poses() << " poses, "

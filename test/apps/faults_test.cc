@@ -195,6 +195,17 @@ TEST_F(FaultsTest, ResumesToTheSameResults) {
   }
 }
 
+TEST_F(FaultsTest, ReadingStaysWithinTheMemoryAllowed) {
+  std::string scans;
+  for (int i = 0; i < 100000; ++i)
+    scans += "FLASER 1 1 0 0 0 0 0 0 " + std::to_string(i) + " h 0\n";
+  WriteFile(folder_ + "a.clf", scans);
+  ExpectError(Slam("a.clf", "--max_memory=20MB"),
+              ": what was read so far takes more memory than the 20 MB allowed");
+  WriteFile(folder_ + "a.g2o", "VERTEX_SE2 0 0 0 0\n" + std::string(1000000, '\n'));
+  ExpectError(Slam("a.g2o", "--max_memory=20MB"), "takes more memory than the 20 MB allowed");
+}
+
 TEST_F(FaultsTest, ALogThatIsSwappedWhileItIsReadIsNoticed) {
   SimulateLog(300);
   const std::string log = ReadFile(folder_ + "a.clf");

@@ -42,6 +42,15 @@ class PoseGraphFileTest : public testing::Test {
   PoseGraphFile file_;
 };
 
+TEST_F(PoseGraphFileTest, TakesNoMoreMemoryThanAllowed) {
+  std::string content = "VERTEX_SE2 0 0 0 0\n";
+  for (int i = 0; i < 1000; ++i) content += Laser("1 2 3", "10");
+  WriteFile(path_, content);
+  EXPECT_THAT(ReadPoseGraphFile(path_, &file_, 2e4).message(), HasSubstr("takes more memory"));
+  EXPECT_TRUE(file_.lines.empty());
+  EXPECT_TRUE(ReadPoseGraphFile(path_, &file_, 1e6).ok());
+}
+
 TEST_F(PoseGraphFileTest, ReadsG2o) {
   const Status status = Read(
       "# a comment\n\nPARAMS_SE2OFFSET 0 0 0 0\n"

@@ -72,6 +72,32 @@ TEST(TextReaderTest, LinesLongerThanTheBufferSurvive) {
   EXPECT_THAT(Lines(&reader), ElementsAre("a", longest, "b"));
 }
 
+TEST(TextReaderTest, RefusesGzipThatExpandsToTooMuch) {
+  const std::string path = TempFolder() + "a.gz";
+  const std::vector<std::string> lines(70, std::string(1000000, '\n'));
+  Gzip(path, lines);
+  TextReader reader;
+  ASSERT_TRUE(reader.Open(path).ok());
+  std::string_view line;
+  while (reader.NextLine(&line)) {
+  }
+  EXPECT_EQ(reader.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(reader.status().message(),
+            path + ": the compressed file expands to more than 200 times its size");
+}
+
+TEST(TextReaderTest, ReadsAnyAmountThatIsNotCompressed) {
+  const std::string path = TempFolder() + "a.txt";
+  WriteFile(path, std::string(70000000, '\n'));
+  TextReader reader;
+  ASSERT_TRUE(reader.Open(path).ok());
+  std::string_view line;
+  while (reader.NextLine(&line)) {
+  }
+  EXPECT_TRUE(reader.status().ok());
+  EXPECT_EQ(reader.line_number(), 70000000u);
+}
+
 TEST(TextReaderTest, ReadsGzip) {
   const std::string path = TempFolder() + "a.gz";
   const std::vector<std::string> lines = RandomLines(100000);
