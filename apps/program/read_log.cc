@@ -10,6 +10,7 @@
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/log_flags.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 
@@ -73,6 +74,9 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   // No error: it may be the odometry that is mirrored.
   const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
   if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
+  for (const std::string& fault : ImplausibleReadings(result)) {
+    std::cerr << "warning: " << path << ": " << fault << '\n';
+  }
   *counts = result_counts;
   *graph = std::move(result);
   return Status::Ok();

@@ -12,6 +12,7 @@
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/report_json.h"
@@ -65,6 +66,9 @@ class PoseGraphRun {
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_, options_.max_memory));
     state_ = file_.graph.InitialState();
+    for (const std::string& fault : ImplausibleReadings(file_.graph)) {
+      std::cerr << "warning: " << options_.log << ": " << fault << '\n';
+    }
     std::cout << "Read " << options_.log << " (" << ToString(file_.format)
               << "): " << file_.graph.num_poses() << " poses, "
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()

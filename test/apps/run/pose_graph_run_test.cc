@@ -57,6 +57,19 @@ std::string WithVertices(const std::string& g2o, const std::vector<Pose2>& poses
   return text;
 }
 
+TEST_F(PoseGraphRunTest, WarnsThatScansWithoutAReturnDoNothing) {
+  WriteFile(folder_ + "a.g2o",
+            "VERTEX_SE2 0 0 0 0\n"
+            "ROBOTLASER1 0 -1 2 1 30 0.01 0 3 -1 -2 -3 0 5 6 0 5 6 0 0 0 0 0 0 10 host 0\n"
+            "VERTEX_SE2 1 1 0 0\n"
+            "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n");
+  testing::internal::CaptureStderr();
+  const Status status = Run("a.g2o");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("warning: " + folder_ + "a.g2o: 1 of 1 scans have next to no readings"));
+  EXPECT_TRUE(status.ok()) << status.message();
+}
+
 TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
   NoisyRoom room = MakeNoisyRoom();
   const std::string text = AsG2o(room);

@@ -1,0 +1,23 @@
+#ifndef PLUMBLINE_APPS_PROGRAM_IMPLAUSIBLE_READINGS_H_
+#define PLUMBLINE_APPS_PROGRAM_IMPLAUSIBLE_READINGS_H_
+
+#include <string>
+#include <vector>
+
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// What makes it likely that the scans of a graph were misread, in words for people, each with its
+/// likely cause:
+///
+/// - More than half of the scans have a return on less than 1 % of their beams. Walls, floors and
+///   shelves return most beams, and who stands in the open sees at least that. With a maximum range
+///   below 1 m, less than any 2D laser reaches, that is the cause; otherwise it is the unit.
+/// - The median range is above 250 m, beyond the reach of 2D lasers. In millimetres it is some
+///   thousand in any room.
+std::vector<std::string> ImplausibleReadings(const SlamGraph& graph);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_PROGRAM_IMPLAUSIBLE_READINGS_H_
