@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/apps/convert/convert.h"
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/read_log.h"
 
@@ -88,17 +89,17 @@ Status Run() {
   PLUMBLINE_RETURN_IF_ERROR(OptionsFromFlags(&options));
   ConversionReport report;
   PLUMBLINE_RETURN_IF_ERROR(Convert(options, &report));
-  std::cout << "Read " << options.input << ": " << report.num_poses << " poses, "
+  std::cout << "Read " << Legible(options.input) << ": " << report.num_poses << " poses, "
             << report.num_edges << " edges, " << report.num_scans << " scans, "
             << report.num_returns << " returns, " << report.counts.num_skipped_records
             << " records skipped\n";
   for (std::size_t i = 0; i < options.targets.size(); ++i) {
     const ConversionTarget& target = options.targets[i];
     std::cout << "Wrote";
-    for (const std::string& file : target.Files()) std::cout << ' ' << file;
+    for (const std::string& file : target.Files()) std::cout << ' ' << Legible(file);
     std::cout << " (" << ToString(target.format) << ")\n" << std::flush;
     if (report.left_out[i].empty()) continue;
-    std::cerr << target.path << ": left out " << report.left_out[i] << "; "
+    std::cerr << Legible(target.path) << ": left out " << report.left_out[i] << "; "
               << ToString(target.format) << " has no place for them\n";
   }
   return Status::Ok();

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
@@ -160,7 +161,7 @@ class SlamRun {
     summary_.num_returns = graph.num_returns();
     summary_.num_skipped_records = counts.num_skipped_records;
     summary_.read_time_s = SecondsSince(start);
-    std::cout << "Read " << FLAGS_log << ": " << graph.num_scans() << " scans, "
+    std::cout << "Read " << Legible(FLAGS_log) << ": " << graph.num_scans() << " scans, "
               << graph.num_returns() << " returns, " << counts.num_skipped_records
               << " records skipped, " << counts.num_out_of_order << " out of order (" << std::fixed
               << std::setprecision(2) << summary_.read_time_s << " s)\n";
@@ -191,7 +192,7 @@ class SlamRun {
       EndIfStoppedWhile("reading " + FLAGS_resume);
       PLUMBLINE_RETURN_IF_ERROR(Resume());
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
-      std::cout << "Seeding: as in " << FLAGS_resume << '\n';
+      std::cout << "Seeding: as in " << Legible(FLAGS_resume) << '\n';
     }
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
@@ -199,7 +200,8 @@ class SlamRun {
     if (FLAGS_checkpoint.empty()) return Status::Ok();
     checkpoint_written_ =
         WriteCheckpoint(FLAGS_checkpoint, fingerprint_, mapping_.start_poses, seeding);
-    if (checkpoint_written_.ok()) std::cout << "Checkpoint: " << FLAGS_checkpoint << std::endl;
+    if (checkpoint_written_.ok())
+      std::cout << "Checkpoint: " << Legible(FLAGS_checkpoint) << std::endl;
     return Status::Ok();
   }
 
@@ -335,7 +337,7 @@ class SlamRun {
     std::cout
         << StopText(summary_.stopped_by) << StageTable(summary_.stages)
         << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
-        << PeakMemoryBytes() / 1000000 << " MB. Results in " << output_.path()
+        << PeakMemoryBytes() / 1000000 << " MB. Results in " << Legible(output_.path())
         << ":\n  report.html                                       all of it to look at, in a "
            "browser\n"
            "  map_odometry.png, map_seed.png                    pictures of the way there\n"

@@ -23,20 +23,61 @@ bool ParseNumber(std::string_view word, double* value) {
   return true;
 }
 
+std::string EscapedByte(char c) {
+  constexpr char kHexDigits[] = "0123456789abcdef";
+  const auto byte = static_cast<unsigned char>(c);
+  return {'\\', 'x', kHexDigits[byte / 16], kHexDigits[byte % 16]};
+}
+
+// Of the character of UTF-8 that a text begins with [bytes]; 0 if there is none, or a control
+// character, U+0080 to U+009F included.
+std::size_t LengthOfCharacter(std::string_view text) {
+  const auto byte = [&](std::size_t i) -> int {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+  };
+  const int lead = byte(0);
+  if (lead < 0x80) return lead >= ' ' && lead <= '~' ? 1 : 0;
+  if (lead < 0xc2 || lead > 0xf4) return 0;
+  const std::size_t length = lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+  // The second byte tells forms that are too long, surrogates, and what is beyond Unicode.
+  const int first = lead == 0xc2 || lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
+  const int last = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
+  if (byte(1) < first || byte(1) > last) return 0;
+  for (std::size_t i = 2; i < length; ++i) {
+    if (byte(i) < 0x80 || byte(i) > 0xbf) return 0;
+  }
+  return length;
+}
+
 }  // namespace
 
 std::string Printable(std::string_view word, std::size_t max_shown) {
-  constexpr char kHexDigits[] = "0123456789abcdef";
   std::string shown;
   for (const char c : word.substr(0, max_shown)) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte >= ' ' && byte <= '~') {
       shown += c;
     } else {
-      shown += {'\\', 'x', kHexDigits[byte / 16], kHexDigits[byte % 16]};
+      shown += EscapedByte(c);
     }
   }
   return shown + (word.size() > max_shown ? "..." : "");
+}
+
+std::string Legible(std::string_view text, std::string_view keep) {
+  std::string shown;
+  while (!text.empty()) {
+    std::size_t length = LengthOfCharacter(text);
+    if (length > 0 || keep.find(text.front()) != keep.npos) {
+      length = std::max<std::size_t>(length, 1);
+      shown += text.substr(0, length);
+    } else {
+      length = 1;
+      shown += EscapedByte(text.front());
+    }
+    text.remove_prefix(length);
+  }
+  return shown;
 }
 
 std::string Quote(std::string_view word) { return "'" + Printable(word) + "'"; }

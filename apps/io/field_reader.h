@@ -11,7 +11,10 @@ namespace plumbline {
 /// The start of a word from a file as a message may show it: on one line, and without codes that a
 /// terminal would obey; up to `max_shown` bytes of it.
 std::string Printable(std::string_view word, std::size_t max_shown = 40);
-/// The same in quotation marks.
+/// Text with names of files as a terminal or a page may show it: what is not UTF-8, and the codes
+/// that a terminal would obey, as \xNN, except for the characters to keep.
+std::string Legible(std::string_view text, std::string_view keep = "");
+/// A Printable word in quotation marks.
 std::string Quote(std::string_view word);
 
 /// Takes a line of a text format apart into fields separated by blanks. The first failure sticks:

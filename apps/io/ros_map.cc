@@ -1,5 +1,7 @@
 #include "plumbline/apps/io/ros_map.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <filesystem>
 #include <ostream>
 #include <vector>
@@ -33,8 +35,10 @@ void WritePgm(const OccupancyGrid& grid, std::ostream* stream) {
 }
 
 void WriteYaml(const std::string& image, const OccupancyGrid& grid, std::ostream* stream) {
+  YAML::Emitter image_text;  // in quotation marks where YAML needs them
+  image_text << image;
   stream->precision(12);  // A micrometre at a million metres, and 0.05 stays 0.05.
-  *stream << "image: " << image << "\nmode: trinary\nresolution: " << grid.resolution_m
+  *stream << "image: " << image_text.c_str() << "\nmode: trinary\nresolution: " << grid.resolution_m
           << "\norigin: [" << grid.left_m << ", " << grid.bottom_m
           << ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
 }

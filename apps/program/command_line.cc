@@ -19,6 +19,7 @@
 #include <malloc.h>
 #endif
 
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 
 DECLARE_bool(help);
@@ -34,7 +35,7 @@ namespace plumbline {
 namespace {
 
 int Fail(const std::string& message, ExitCode code) {
-  std::cerr << gflags::ProgramInvocationShortName() << ": " << message << '\n';
+  std::cerr << gflags::ProgramInvocationShortName() << ": " << Legible(message) << '\n';
   return code;
 }
 

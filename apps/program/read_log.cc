@@ -7,6 +7,7 @@
 #include "plumbline/apps/bags/bag_reader.h"
 #include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
@@ -21,7 +22,7 @@ namespace {
 void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting) {
   const std::string disagreement = mounting.Disagreement();
   if (disagreement.empty()) return;
-  std::cerr << "warning: " << path << ": " << disagreement
+  std::cerr << "warning: " << Legible(path) << ": " << disagreement
             << "; all are mounted at the median. Are there two lasers, or the poses of another "
                "mapper?\n";
 }
@@ -33,7 +34,9 @@ Status ReadCarmen(const std::string& path, int max_scans, double max_bytes, LogC
   CarmenLog log;
   PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path, options, &log));
   log.sweep_time_s = SweepTimeFromFlags().value_or(0.0);
-  for (const CarmenIssue& issue : log.issues) std::cerr << "skipped " << issue.message << '\n';
+  for (const CarmenIssue& issue : log.issues) {
+    std::cerr << "skipped " << Legible(issue.message) << '\n';
+  }
   WarnOfOtherMountings(path, EstimateLaserMounting(log));
   *counts = {log.num_issues, log.num_out_of_order};
   const Status built = BuildGraph(log, max_scans, graph);
@@ -47,8 +50,12 @@ Status ReadRosLog(const std::string& path, int max_scans, LogCounts* counts, Sla
   options.sweep_time_s = SweepTimeFromFlags();
   RosGraphNotes notes;
   PLUMBLINE_RETURN_IF_ERROR(BuildGraph(recording, options, max_scans, &notes, graph));
-  for (const std::string& scan : notes.skipped_scans) std::cerr << "skipped " << scan << '\n';
-  for (const std::string& warning : notes.warnings) std::cerr << "warning: " << warning << '\n';
+  for (const std::string& scan : notes.skipped_scans) {
+    std::cerr << "skipped " << Legible(scan) << '\n';
+  }
+  for (const std::string& warning : notes.warnings) {
+    std::cerr << "warning: " << Legible(warning) << '\n';
+  }
   *counts = {notes.num_skipped_scans, notes.num_out_of_order};
   return Status::Ok();
 }
@@ -73,9 +80,10 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   }
   // No error: it may be the odometry that is mirrored.
   const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
-  if (!mirrored.ok()) std::cerr << "warning: " << path << ": " << mirrored.message() << '\n';
+  if (!mirrored.ok())
+    std::cerr << "warning: " << Legible(path) << ": " << mirrored.message() << '\n';
   for (const std::string& fault : ImplausibleReadings(result)) {
-    std::cerr << "warning: " << path << ": " << fault << '\n';
+    std::cerr << "warning: " << Legible(path) << ": " << fault << '\n';
   }
   *counts = result_counts;
   *graph = std::move(result);

@@ -8,6 +8,8 @@
 #include <deque>
 #include <filesystem>
 
+#include "plumbline/apps/io/field_reader.h"
+
 namespace plumbline {
 namespace {
 
@@ -84,7 +86,7 @@ void CatchSignals(const std::string& program) {
 }
 
 void EndIfStoppedWhile(const std::string& activity, const std::vector<std::string>& folders) {
-  SetResponse(" while " + activity + ": nothing is written", true, folders);
+  SetResponse(" while " + Legible(activity) + ": nothing is written", true, folders);
   const int number = StopSignal();
   if (number != 0) Respond(*response.load(), number);
 }

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "plumbline/apps/io/field_reader.h"
+
 namespace plumbline {
 
 std::string EscapeHtml(std::string_view text) {
   std::string escaped;
   escaped.reserve(text.size());
-  for (const char c : text) {
+  for (const char c : Legible(text, "\n\t")) {
     switch (c) {
       case '&':
         escaped += "&amp;";

@@ -9,7 +9,8 @@
 
 namespace plumbline {
 
-/// Text as content or attribute value of HTML: & < > " and ' become references.
+/// Text as content or attribute value of HTML: & < > " and ' become references, and what is not
+/// Legible, but for line ends and tabs, becomes \xNN.
 std::string EscapeHtml(std::string_view text);
 
 /// Bytes in the alphabet of RFC 4648, with padding.

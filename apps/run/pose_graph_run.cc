@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
@@ -67,9 +68,9 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_, options_.max_memory));
     state_ = file_.graph.InitialState();
     for (const std::string& fault : ImplausibleReadings(file_.graph)) {
-      std::cerr << "warning: " << options_.log << ": " << fault << '\n';
+      std::cerr << "warning: " << Legible(options_.log) << ": " << fault << '\n';
     }
-    std::cout << "Read " << options_.log << " (" << ToString(file_.format)
+    std::cout << "Read " << Legible(options_.log) << " (" << ToString(file_.format)
               << "): " << file_.graph.num_poses() << " poses, "
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
               << " scans, " << file_.graph.num_returns() << " returns\n";
@@ -177,8 +178,8 @@ class PoseGraphRun {
       // The last one: its presence says that the others are there.
       return WriteSummary();
     }));
-    std::cout << StopText(stopped_by_) << "Results in " << output_.path() << ": trajectory.tum, "
-              << graph_name << ", summary.json\n";
+    std::cout << StopText(stopped_by_) << "Results in " << Legible(output_.path())
+              << ": trajectory.tum, " << graph_name << ", summary.json\n";
     if (has_scans()) {
       std::cout << "  report.html                                       all of it to look at\n"
                 << (by_edges_only() ? "  map_given.png                                     "
@@ -267,9 +268,9 @@ class PoseGraphRun {
       if (has_scans()) json["joint"] = JointJson();
     }
     if (has_scans()) json["stages"] = StagesJson(stages_);
+    json["alarm"] = refined_consistency_ ? Json(!alarms_.empty()) : Json(nullptr);  // not checked
+    json["alarm_reasons"] = AlarmsJson(alarms_);
     if (refined_consistency_) {
-      json["alarm"] = !alarms_.empty();
-      json["alarm_reasons"] = AlarmsJson(alarms_);
       json["consistency"] = {{"given", ConsistencyJson(*given_consistency_)},
                              {"refined", ConsistencyJson(*refined_consistency_)}};
     }

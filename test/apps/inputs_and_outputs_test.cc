@@ -112,6 +112,21 @@ class InputsAndOutputsTest : public ProgramTest {
   }
 };
 
+TEST_F(InputsAndOutputsTest, NamesOfFilesReachNoTerminalAndNoPageAsTheyAre) {
+  SimulateLog(20);
+  const std::string name = "a\x1b[31m\xff.clf", shown = "a\\x1b[31m\\xff.clf";
+  std::filesystem::rename(folder_ + "a.clf", folder_ + name);
+  const std::string output = " --output_dir=" + folder_ + "out --picture_side_px=200";
+  const Outcome run = Run("slam", "--log='" + folder_ + name + "'" + output);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Outcome refused = Run("slam", "--log='" + folder_ + "no" + name + "'" + output);
+  for (const std::string& text : {run.out, refused.err, Result("out", "report.html")}) {
+    EXPECT_THAT(text, HasSubstr(shown));
+    EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+    EXPECT_THAT(text, Not(HasSubstr("\xff")));
+  }
+}
+
 TEST_F(InputsAndOutputsTest, NoOutputIsAnInputOrAnotherOutput) {
   const std::string file = NameFor(folder_ + "same");
   WriteFile(file, "precious");

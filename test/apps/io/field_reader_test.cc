@@ -13,6 +13,21 @@ namespace {
 
 using testing::ElementsAre;
 
+TEST(FieldReaderTest, LegibleTextIsUtf8WithoutControls) {
+  const std::string kept = "gr\xc3\xb6\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80 ~";
+  EXPECT_EQ(Legible(kept), kept);
+  EXPECT_EQ(Legible("\x1b[2J\r\n\x7f"), "\\x1b[2J\\x0d\\x0a\\x7f");
+  EXPECT_EQ(Legible("a\nb", "\n"), "a\nb");
+  // Not UTF-8: a lone byte, a cut character, forms that are too long, a surrogate, beyond Unicode.
+  EXPECT_EQ(Legible("\xff"), "\\xff");
+  EXPECT_EQ(Legible("\xe2\x82"), "\\xe2\\x82");
+  EXPECT_EQ(Legible("\xc0\xaf"), "\\xc0\\xaf");
+  EXPECT_EQ(Legible("\xe0\x80\xaf"), "\\xe0\\x80\\xaf");
+  EXPECT_EQ(Legible("\xed\xa0\x80"), "\\xed\\xa0\\x80");
+  EXPECT_EQ(Legible("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");
+  EXPECT_EQ(Legible("\xc2\x9b"), "\\xc2\\x9b");  // a terminal takes it for the start of a code
+}
+
 TEST(FieldReaderTest, TakesALineApart) {
   FieldReader fields("  POSE\t-1.5 2e3  2 0.25 .5 ");
   EXPECT_EQ(fields.Word("keyword"), "POSE");

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
 
 #include <string>
 
@@ -24,6 +25,17 @@ TEST(RosMapTest, WritesTheTopRowFirst) {
             "image: map.pgm\nmode: trinary\nresolution: 0.05\norigin: [-1.25, 500000.3, 0]\n"
             "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
   EXPECT_EQ(NumFilesIn(folder), 2);
+}
+
+TEST(RosMapTest, AnyNameOfTheImageIsReadBack) {
+  for (const char* name :
+       {"a: b", "# a", "it's", "a\"b", " a", "[a", "gr\xc3\xb6\xc3\x9f", "a\nb"}) {
+    const std::string folder = TempFolder();
+    ASSERT_TRUE(WriteRosMap(folder + name, SmallGrid()).ok());
+    const YAML::Node map = YAML::LoadFile(folder + name + ".yaml");
+    EXPECT_EQ(map["image"].as<std::string>(), std::string(name) + ".pgm");
+    EXPECT_EQ(map["resolution"].as<double>(), 0.05);
+  }
 }
 
 TEST(RosMapTest, AMapServerReadsTheSameGridBack) {

@@ -22,6 +22,10 @@ TEST(HtmlTextTest, EscapesAllThatHtmlCouldMisread) {
   EXPECT_EQ(EscapeHtml(""), "");
 }
 
+TEST(HtmlTextTest, APageHoldsNothingButUtf8) {
+  EXPECT_EQ(EscapeHtml("a\x1b[31m\xff\n\tb"), "a\\x1b[31m\\xff\n\tb");
+}
+
 TEST(HtmlTextTest, Base64IsThatOfTheStandard) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");
