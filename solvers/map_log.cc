@@ -9,6 +9,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/frozen_laser.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/pairwise_icp.h"
 #include "plumbline/solvers/interface/solver.h"
@@ -56,28 +57,40 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
                       ThreadPool* pool, const LogMapping& mapping, std::vector<double>* poses) {
   const auto goes_on = [&] { return !progress || progress(SeedingPhase::kMatchingScans, 0, 0); };
   if (!goes_on()) return Status::Unavailable("seeding was stopped by its caller");
+  const bool lacks_odometry = LacksOdometry(mapping.graph);
   if (options.start == StartType::kOdometry) {
+    if (lacks_odometry) {
+      return Status::InvalidArgument("the start is that of the odometry, but the log has none");
+    }
     *poses = mapping.graph.initial_poses();
     return Status::Ok();
   }
   const IcpMetric metric =
       options.start == StartType::kIcp ? IcpMetric::kPointToPoint : IcpMetric::kPointToLine;
+  SlamGraph with_steps;
+  if (lacks_odometry) {
+    with_steps = mapping.graph;
+    PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(PosesOf(with_steps.initial_poses()), &with_steps));
+  }
+  const SlamGraph& graph = lacks_odometry ? with_steps : mapping.graph;
   MapState chain;
   PairwiseIcpReport report;
   PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(options.solver.factors.beam, metric),
-                                       mapping.surface.normals, pool, mapping.graph, &chain,
-                                       &report));
+                                       mapping.surface.normals, pool, graph, &chain, &report));
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }
 
-SeedingReport ReportOfPlainStart(const SlamGraph& graph, const std::vector<double>& poses,
-                                 ThreadPool* pool) {
+SeedingReport ReportOfPlainStart(const MotionOptions& motion, const SlamGraph& graph,
+                                 const std::vector<double>& poses, ThreadPool* pool) {
   SeedingReport report;
   report.sequential_poses = PosesOf(poses);
   report.consistency = MeasureMapConsistency(graph, report.sequential_poses, pool);
   for (const OdometryConstraint& step : graph.odometry()) {
     report.corrections.odometry.push_back(step.from_from_to);
+  }
+  if (LacksOdometry(graph)) {
+    report.odometry_noise = MeasurePredictionNoise(graph, report.sequential_poses, motion);
   }
   return report;
 }
@@ -106,6 +119,11 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
   return CatchExceptions([&] {
     std::string error;
     if (!options.Check(&error)) return Status::InvalidArgument(error);
+    if (LacksOdometry(graph) &&
+        (options.calibration.laser_mounting || options.calibration.odometry_scale)) {
+      return Status::InvalidArgument(
+          "a calibration of the mounting or of the odometry needs odometry, but the log has none");
+    }
     LogMapping prepared;
     prepared.graph = std::move(graph);
     PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser));
@@ -140,7 +158,10 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
     }
     if (options.start != StartType::kSeed) {
       PLUMBLINE_RETURN_IF_ERROR(FindPlainStart(options, progress, pool, *mapping, &start_poses));
-      if (!needs_pose_graph) seeding = ReportOfPlainStart(mapping->graph, start_poses, pool);
+      if (!needs_pose_graph) {
+        seeding =
+            ReportOfPlainStart(options.solver.factors.motion, mapping->graph, start_poses, pool);
+      }
       seeding.start = options.start;
     }
     return StartFromSeed(options, std::move(start_poses), std::move(seeding), mapping);
@@ -162,6 +183,9 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
       mapping->graph = std::move(with_edges);
     }
     mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);
+    if (LacksOdometry(mapping->graph)) {
+      PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
+    }
     ThreadPool pool(options.solver.num_threads);
     FollowSweeps(options, start_poses, &pool, mapping);
     mapping->state.points = mapping->graph.MeasuredMap(start_poses);
@@ -174,7 +198,9 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
 
 SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding) {
   SolverOptions solver = options.solver;
-  if (!options.calibration.IsOn()) {
+  if (seeding.odometry_noise.is_prediction) {
+    solver.factors.motion = seeding.odometry_noise.motion;
+  } else if (!options.calibration.IsOn()) {
     solver.factors.motion = RefinementMotion(seeding.odometry_noise, solver.factors.motion);
   }
   return solver;

@@ -53,8 +53,8 @@ struct MappingReport {
 struct LogMapping {
   /// The measurements that the estimate is made of. First those of the log without the repetitions
   /// of a frozen laser; with a seed, its corrections of the odometry and, for solvers that look at
-  /// nothing else, its pose graph come in; a calibration corrects mountings, ranges and odometry
-  /// (Calibration::corrections is empty then).
+  /// nothing else, its pose graph come in, and predicted steps if it has no odometry; a calibration
+  /// corrects mountings, ranges and odometry (Calibration::corrections is empty then).
   /// The motion within the sweeps of a laser is taken out, by the poses of the state.
   SlamGraph graph;
   /// The measurements with that motion in them; empty where lasers measure all beams at once.
@@ -75,15 +75,17 @@ struct LogMapping {
 /// noise of the odometry from what the scans say of it, estimates poses and points jointly (Solve
 /// or SolveWithCalibration; never worse than the seed by what the returns say), and measures
 /// whether the map contradicts itself. graph: poses in order of time, joined by odometry from each
-/// to the next. progress may be empty. The result does not depend on the number of threads.
+/// to the next, or by none at all: the scans alone then tell how the robot moved, and steps that
+/// continue the motion before them take the place of the odometry. progress may be empty. The
+/// result does not depend on the number of threads.
 ///
 /// It is PrepareLog, SeedLog and RefineLog in turn, for callers that have nothing to do in between.
 /// Fails like these; *mapping then holds what the steps before had found.
 Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgress& progress,
               LogMapping* mapping);
 
-/// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options;
-/// *mapping is then as it was.
+/// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options,
+/// and on a calibration of what needs odometry if there is none; *mapping is then as it was.
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 
@@ -100,7 +102,7 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
 
 /// What the joint estimation of a log with this seed goes by: the options, but with what the scans
 /// say of the noise of the odometry where that is less. A calibration has its own view of that, and
-/// keeps the options'.
+/// keeps the options'. Without odometry the noise is that of the predicted steps.
 SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding);
 
 /// Refines a log that has a seed. InvalidArgument with the solver's message if it refuses its

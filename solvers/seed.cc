@@ -10,6 +10,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/front_end/surface_points.h"
@@ -42,10 +43,16 @@ Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
   const std::vector<SurfacePoints> surfaces =
       ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, graph, surfaces, progress,
-                                             pool, &trajectory, &report->sequential));
-  report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
-  CorrectOdometry(report->odometry_noise, motion, &trajectory);
+  const bool is_prediction = LacksOdometry(graph);
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, graph,
+                       surfaces, progress, pool, &trajectory, &report->sequential));
+  if (is_prediction) {
+    report->odometry_noise = MeasurePredictionNoise(graph, trajectory.world_from_robot, motion);
+  } else {
+    report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
+    CorrectOdometry(report->odometry_noise, motion, &trajectory);
+  }
   PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
                                           pool, &trajectory, report));
   report->corrections.odometry = OdometryOf(trajectory, graph);

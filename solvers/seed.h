@@ -19,10 +19,10 @@ class ThreadPool;
 /// Finds where scan matching, loop closure and a pose graph put every pose of the graph, starting
 /// from the initial guess of the first one: *state has these poses, and the points where the
 /// measurements put them from there. Expects poses in order of time, joined by odometry from each
-/// pose to the next. The result does not depend on the number of threads. normals: as
-/// EstimateReturnNormals gives them. progress may be empty. InvalidArgument on bad options, missing
-/// odometry or a wrong number of normals, Unavailable if progress stopped it or an exception was
-/// thrown; *state is then as it was.
+/// pose to the next, or by none at all: the scans alone then tell how the robot moved. The result
+/// does not depend on the number of threads. normals: as EstimateReturnNormals gives them. progress
+/// may be empty. InvalidArgument on bad options, missing odometry or a wrong number of normals,
+/// Unavailable if progress stopped it or an exception was thrown; *state is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
                  ThreadPool* pool, const SlamGraph& graph, MapState* state, SeedingReport* report);

@@ -6,10 +6,13 @@
 #include <cstddef>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_sign.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
@@ -35,6 +38,14 @@ constexpr double kMinInlierRatio = 0.25;
 constexpr double kSlipSigmas = 3.0;
 constexpr double kMinSlipInlierRatio = 0.8;
 
+// Without odometry a suspect scan is searched for this far around its prediction: some seconds of a
+// walking pace, as between scans that were thinned out, and a turn to either side.
+constexpr double kSearchM = 3.0;
+constexpr double kSearchRad = 0.5 * kPi;
+// Cells [m] of that search, as for loop closures: the matcher does the rest.
+constexpr double kSearchCellM = 0.1;
+constexpr int kMaxPlaces = 5;
+
 // The local map is made of the nearest keyframes, at most this many, ...
 constexpr int kMaxKeyframesInMap = 40;
 // ... of the last stretch of this length [m] of the path: what is older may have drifted away.
@@ -45,8 +56,12 @@ Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, m
 class SequentialMatcher {
  public:
   SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    const std::vector<SurfacePoints>& surfaces, bool sign_lost)
-      : options_(options), motion_(motion), surfaces_(surfaces), sign_lost_(sign_lost) {}
+                    const std::vector<SurfacePoints>& surfaces, bool sign_lost, bool is_prediction)
+      : options_(options),
+        motion_(motion),
+        surfaces_(surfaces),
+        sign_lost_(sign_lost),
+        is_prediction_(is_prediction) {}
 
   // Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven.
   ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
@@ -64,8 +79,9 @@ class SequentialMatcher {
     }
     if (reversing_ && step->x != 0.0) ++report->num_reversed_steps;
     const bool recovered =
-        match.inlier_ratio < kSuspectInlierRatio && Recover(previous, *step, scan, &match);
-    const bool is_slip = SigmasOff(previous, *step, match) > kSlipSigmas;
+        match.inlier_ratio < kSuspectInlierRatio && Recover(previous * *step, scan, &match);
+    // A prediction measures nothing that a match could contradict.
+    const bool is_slip = !is_prediction_ && SigmasOff(previous, *step, match) > kSlipSigmas;
     if (match.inlier_ratio < (is_slip ? kMinSlipInlierRatio : kMinInlierRatio)) {
       ++report->num_unmatched;
       match.world_from_robot = previous * *step;
@@ -104,24 +120,47 @@ class SequentialMatcher {
     return MatchScan(map_, scan, Predict(previous, step), ScanMatchOptions());
   }
 
-  // Starts all round the predicted heading, without weight on the odometry. Replaces the match if
-  // one of them fits clearly more of the scan.
-  bool Recover(const Pose2& previous, const Pose2& step, const SurfacePoints& scan,
-               ScanMatch* match) const {
-    constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
-    constexpr int kTurns = 4;          // to either side
+  // Other starts, without weight on the odometry. Replaces the match if one of them fits clearly
+  // more of the scan.
+  bool Recover(const Pose2& predicted, const SurfacePoints& scan, ScanMatch* match) const {
     ScanMatchOptions wide;
-    wide.coarse_gate_m *= 2.0;
+    if (!is_prediction_) wide.coarse_gate_m *= 2.0;
     ScanMatch best = *match;
-    for (int turn = -kTurns; turn <= kTurns; ++turn) {
+    for (const Pose2& pose :
+         is_prediction_ ? SearchStarts(predicted, scan) : TurnedStarts(predicted)) {
       PosePrediction start;
-      start.world_from_robot = previous * step * Pose2(0.0, 0.0, turn * kTurnRad);
+      start.world_from_robot = pose;
       const ScanMatch other = MatchScan(map_, scan, start, wide);
       if (other.inlier_ratio > best.inlier_ratio) best = other;
     }
     if (best.inlier_ratio < match->inlier_ratio + kRecoveryInlierGain) return false;
     *match = best;
     return true;
+  }
+
+  // All round the predicted heading.
+  static std::vector<Pose2> TurnedStarts(const Pose2& predicted) {
+    constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
+    constexpr int kTurns = 4;          // to either side
+    std::vector<Pose2> starts;
+    for (int turn = -kTurns; turn <= kTurns; ++turn) {
+      starts.push_back(predicted * Pose2(0.0, 0.0, turn * kTurnRad));
+    }
+    return starts;
+  }
+
+  // Where the scan fits anywhere around the prediction.
+  std::vector<Pose2> SearchStarts(const Pose2& predicted, const SurfacePoints& scan) const {
+    std::vector<Pose2> starts;
+    if (scan.empty() || map_.points().empty()) return starts;
+    constexpr double kMinScore = 0.3;
+    constexpr PeakSize kPeak{0.5, 0.3};
+    const CorrelativeMatcher search(map_.points(), kSearchCellM, kSearchM);
+    for (const CorrelativeMatch& place : search.SearchPeaks(scan, {predicted, kSearchM, kSearchRad},
+                                                            kMinScore, kMaxPlaces, kPeak)) {
+      starts.push_back(place.map_from_scan);
+    }
+    return starts;
   }
 
   bool IsCovered(const Pose2& pose) const {
@@ -160,6 +199,7 @@ class SequentialMatcher {
   const MotionOptions& motion_;
   const std::vector<SurfacePoints>& surfaces_;
   const bool sign_lost_;
+  const bool is_prediction_;  // steps are predicted, not measured
   bool reversing_ = false;
   std::vector<Keyframe> keyframes_;
   std::vector<Pose2> key_poses_;
@@ -173,14 +213,17 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
+  const bool is_prediction = LacksOdometry(graph);
+  const MotionPrediction prediction(graph);
   std::vector<int> step_to_pose;
-  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
+  if (!is_prediction) PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
   *report = SequentialSeedingReport();
   report->odometry_sign = CheckOdometrySign(graph, surfaces, pool);
 
   const int num_poses = graph.num_poses();
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
-  SequentialMatcher matcher(options, motion, surfaces, report->odometry_sign.sign_lost);
+  SequentialMatcher matcher(options, motion, surfaces, report->odometry_sign.sign_lost,
+                            is_prediction);
   std::vector<Pose2> poses(num_poses), odometry(num_poses);
   double path_m = 0.0;
   static const SurfacePoints kNoSurface;
@@ -189,7 +232,8 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     ScanMatch match;
     match.world_from_robot = graph.InitialPose(0);
     if (pose > 0) {
-      odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
+      odometry[pose] = is_prediction ? prediction.Step(poses, pose)
+                                     : graph.odometry()[step_to_pose[pose]].from_from_to;
       match = matcher.Match(poses[pose - 1], scan >= 0 ? surfaces[scan] : kNoSurface,
                             &odometry[pose], report);
       const Pose2 moved = Between(poses[pose - 1], match.world_from_robot);

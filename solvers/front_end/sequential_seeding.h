@@ -18,14 +18,16 @@ namespace plumbline {
 /// What the sequential matching found. Vectors without another remark have one entry per pose.
 struct SequentialTrajectory {
   std::vector<Pose2> world_from_robot;
-  /// Odometry from the pose before, with the translation's sign corrected; entry 0 is unused.
+  /// Odometry from the pose before, with the translation's sign corrected, or what was predicted in
+  /// its place; entry 0 is unused.
   std::vector<Pose2> odometry;
   std::vector<Keyframe> keyframes;  ///< in order of time
 };
 
 /// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
-/// one. Expects poses in order of time, joined by odometry from each pose to the next. surfaces:
-/// per scan, in the frame of the robot.
+/// one. Expects poses in order of time, joined by odometry from each pose to the next. If there is
+/// none at all, each step is predicted from those before (MotionPrediction), and takes the place of
+/// the odometry; `motion` is then the noise of that. surfaces: per scan, in the frame of the robot.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,

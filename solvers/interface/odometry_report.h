@@ -52,6 +52,9 @@ struct OdometryNoiseReport {
   int num_leaps = 0;
   /// The random errors as noise of a single step of this log.
   MotionOptions motion;
+  /// There was no odometry: `motion` is the noise of steps that were predicted from those before,
+  /// and the other fields say nothing.
+  bool is_prediction = false;
 };
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
@@ -84,6 +85,7 @@ class HypothesisSearch {
 
  private:
   Status TryOdometry(MapHypothesis* best) {
+    if (LacksOdometry(graph_)) return Status::Ok();
     const SequentialTrajectory odometry = OdometryAsGiven();
     MapHypothesis given;
     given.kind = HypothesisKind::kOdometryAlone;

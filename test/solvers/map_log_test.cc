@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -267,6 +268,70 @@ TEST(MapLogTest, StopsWhenTheProgressCallbackSaysSo) {
   EXPECT_EQ(mapping.graph.num_scans(), Office().num_scans());
   EXPECT_TRUE(mapping.state == Office().InitialState());
   EXPECT_THAT(mapping.start_poses, IsEmpty());
+}
+
+// A drive with more scans, of which the graph has neither odometry nor guesses of the poses.
+SimulatedLog OfficeDriveOfManyScans() {
+  SimulationOptions options;
+  options.scan_period_s = 0.4;
+  options.laser.num_beams = 180;
+  options.laser.bearing_step_rad = DegToRad(1.0);
+  SimulatedLog log;
+  EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), options, &log).ok());
+  return log;
+}
+
+SlamGraph WithoutOdometry(const SlamGraph& graph, bool has_clock) {
+  SlamGraph scans_alone;
+  int pose = 0;
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const double time_s = has_clock ? graph.timestamp_s(graph.scan(scan).pose) : 0.0;
+    EXPECT_TRUE(scans_alone.AddPose(Pose2(), time_s, &pose).ok());
+    EXPECT_TRUE(scans_alone.AddScanOf(graph, scan, pose).ok());
+  }
+  return scans_alone;
+}
+
+TEST(MapLogWithoutOdometryTest, TheMapIsRightWithAndWithoutAClock) {
+  const SimulatedLog log = OfficeDriveOfManyScans();
+  const SlamGraph graph = GraphOf(log);
+  const std::vector<Pose2> truth = TruthOf(log, graph).poses;
+  for (const bool has_clock : {true, false}) {
+    LogMapping mapping;
+    const Status status = MapLog(MapLogOptions(), WithoutOdometry(graph, has_clock), {}, &mapping);
+    ASSERT_TRUE(status.ok()) << status.message();
+    double worst_m = 0.0;
+    for (int pose = 0; pose < graph.num_poses(); ++pose) {
+      const Pose2 off = Between(truth[pose], mapping.state.WorldFromRobot(pose));
+      worst_m = std::max(worst_m, off.translation().norm());
+    }
+    EXPECT_LT(worst_m, 0.06) << has_clock;
+    EXPECT_THAT(mapping.report.alarms, IsEmpty());
+    EXPECT_TRUE(mapping.report.seeding.odometry_noise.is_prediction);
+    EXPECT_THAT(mapping.graph.odometry(), SizeIs(graph.num_poses() - 1));
+    EXPECT_THAT(mapping.report.seeding.corrections.odometry, IsEmpty());
+  }
+}
+
+TEST(MapLogWithoutOdometryTest, WhatNeedsOdometryIsRefused) {
+  const SlamGraph graph = WithoutOdometry(Office(), true);
+  MapLogOptions options;
+  options.start = StartType::kOdometry;
+  LogMapping mapping;
+  EXPECT_THAT(MapLog(options, graph, {}, &mapping).message(), HasSubstr("but the log has none"));
+  options = MapLogOptions();
+  options.calibration.laser_mounting = true;
+  EXPECT_THAT(MapLog(options, graph, {}, &mapping).message(), HasSubstr("needs odometry"));
+}
+
+TEST(MapLogWithoutOdometryTest, AChainOfMatchesIsAStartToo) {
+  MapLogOptions options;
+  options.start = StartType::kIcpPointToLine;
+  const LogMapping mapping = Seeded(options, WithoutOdometry(Office(), true));
+  EXPECT_THAT(mapping.graph.odometry(), SizeIs(Office().num_poses() - 1));
+  EXPECT_TRUE(
+      RefinementOptions(options, mapping.report.seeding).factors.motion.translation_floor_m >
+      options.solver.factors.motion.translation_floor_m);
 }
 
 TEST(StartFromSeedTest, AKeptSeedGivesTheSameMap) {

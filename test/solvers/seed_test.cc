@@ -132,10 +132,11 @@ TEST(Seed, ReportsTheOdometryWithItsLostSigns) {
   }
 }
 
-TEST(Seed, FailsWithoutOdometryAndLeavesTheStateAsItWas) {
+TEST(Seed, FailsOnGapsInTheOdometryAndLeavesTheStateAsItWas) {
   SyntheticScene scene = Room();
-  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  const SlamGraph graph = MakeGraph(scene);
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0), Pose2(0.2, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  ASSERT_TRUE(graph.AddOdometry({1, 2, Pose2(0.1, 0.0, 0.0)}).ok());
   MapState state = graph.InitialState();
   ThreadPool pool(1);
   SeedingReport report;

@@ -132,7 +132,7 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
   Write();
   std::string newer = ReadFile(path_);
-  newer.replace(newer.find('4'), 1, "5");
+  newer.replace(newer.find('5'), 1, "6");
   WriteFile(path_, newer);
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }

@@ -82,10 +82,11 @@ TEST(SequentialSeeding, TurningOnTheSpotAddsNoKeyframesAfterTheFirstTurn) {
   EXPECT_LE(report.num_keyframes, 18);
 }
 
-TEST(SequentialSeeding, NamesTheStepWithoutOdometry) {
+TEST(SequentialSeeding, NamesTheStepThatLacksOdometry) {
   SyntheticScene scene = Room();
-  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
-  const SlamGraph graph = MakeGraph(scene);
+  scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0), Pose2(0.2, 0.0, 0.0)};
+  SlamGraph graph = MakeGraph(scene);
+  ASSERT_TRUE(graph.AddOdometry({1, 2, Pose2(0.1, 0.0, 0.0)}).ok());
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
@@ -106,6 +107,33 @@ TEST(SequentialSeeding, StopsWhenItsCallerSaysSo) {
       [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_TRUE(trajectory.world_from_robot.empty());
+}
+
+TEST(SequentialSeeding, WithoutOdometryTheScansAloneTellTheWay) {
+  const SlamGraph graph = DriveRoundTheRoom(12);
+  SequentialSeedingReport report;
+  EXPECT_LT(WorstM(graph, Seed(graph, &report)), 0.02);
+  EXPECT_EQ(report.num_unmatched, 0);
+}
+
+TEST(SequentialSeeding, WithoutOdometryAScanFarOffTheOneBeforeIsSearchedFor) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  scene.poses = {{-1.0, 1.0, 0.0}, {1.0, -1.2, 1.2}, {1.0, -1.2, 1.2}};
+  const SlamGraph graph = MakeGraph(scene);
+  SequentialSeedingReport report;
+  EXPECT_LT(WorstM(graph, Seed(graph, &report)), 0.02);
+  EXPECT_GE(report.num_recovered, 1);
+}
+
+TEST(SequentialSeeding, WithoutOdometryAStandingRobotStands) {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  scene.poses.assign(40, {-1.0, 1.0, 0.3});
+  const SlamGraph graph = MakeGraph(scene);
+  SequentialSeedingReport report;
+  EXPECT_LT(WorstM(graph, Seed(graph, &report)), 0.01);
+  EXPECT_EQ(report.num_keyframes, 1);
 }
 
 }  // namespace
