@@ -237,8 +237,10 @@ class SlamRun {
   // results outlive one that comes to nothing.
   Status RecordStart() {
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
-    PLUMBLINE_RETURN_IF_ERROR(
-        RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
+    if (!mapping_.report.seeding.odometry_noise.is_prediction) {
+      PLUMBLINE_RETURN_IF_ERROR(
+          RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
+    }
     const bool by_pose_graph = options_.solver.MovesPosesOnly();
     PLUMBLINE_RETURN_IF_ERROR(RecordMap(StartTitle(by_pose_graph), "map_seed.png", mapping_.state));
     if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
@@ -340,7 +342,10 @@ class SlamRun {
         << PeakMemoryBytes() / 1000000 << " MB. Results in " << Legible(output_.path())
         << ":\n  report.html                                       all of it to look at, in a "
            "browser\n"
-           "  map_odometry.png, map_seed.png                    pictures of the way there\n"
+        << (summary_.mapping.seeding.odometry_noise.is_prediction
+                ? "  map_seed.png                                      "
+                : "  map_odometry.png, map_seed.png                    ")
+        << "pictures of the way there\n"
         << RefusedMapsText() << MapFilesText(true)
         << "  closures.png                                      loops closed and refused\n"
            "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"

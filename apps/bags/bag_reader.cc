@@ -72,6 +72,7 @@ class BagReader {
   BagReader(const std::string& path, const BagReadOptions& options) : options_(options) {
     recording_.path = path;
     recording_.odom_frame = WithoutSlash(options.odom_frame);
+    recording_.needs_odometry = options.needs_odometry || !options.odom_topic.empty();
   }
 
   Status Read(BagContainer* bag) {

@@ -17,6 +17,8 @@ struct BagReadOptions {
   std::string odom_topic;
   /// The frame that the odometry moves in, to look for in the transforms.
   std::string odom_frame = RosRecording().odom_frame;
+  /// A bag without odometry is an error: where somebody asked for one. A topic asks as well.
+  bool needs_odometry = RosRecording().needs_odometry;
 
   bool Check(std::string* error) const {
     if (odom_frame.empty() && error != nullptr) *error = "odom_frame is empty";

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/apps/io/field_reader.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -29,9 +30,32 @@ LaserModel ModelOf(const CarmenScan& scan, double sweep_time_s, const Pose2& rob
   return laser;
 }
 
+bool HaveSamePose(const CarmenScan& a, const CarmenScan& b) {
+  return a.odom_from_robot.x == b.odom_from_robot.x && a.odom_from_robot.y == b.odom_from_robot.y &&
+         a.odom_from_robot.yaw == b.odom_from_robot.yaw;
+}
+
+bool HasOdometry(const CarmenLog& log) {
+  return std::any_of(log.scans.begin(), log.scans.end(), [&](const CarmenScan& scan) {
+    return !HaveSamePose(log.scans.front(), scan);
+  });
+}
+
+// As the two poses of the scans say. Where all poses of a log are zero these say nothing, and the
+// parameter of the robot does, if there is one.
+Pose2 MountingOf(const CarmenLog& log, bool has_odometry) {
+  const Pose2 mounting = EstimateLaserMounting(log).robot_from_laser;
+  const auto offset = log.params.find("robot_frontlaser_offset");
+  const bool is_unknown = mounting.x == 0.0 && mounting.y == 0.0 && mounting.yaw == 0.0;
+  if (has_odometry || !is_unknown || offset == log.params.end()) return mounting;
+  FieldReader reader(offset->second);
+  const double offset_m = reader.Coordinate(offset->first.c_str());
+  return reader.ok() ? Pose2(offset_m, 0.0, 0.0) : mounting;
+}
+
 // A pose for a scan, what was seen there, and how the robot came there.
 Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_from_laser,
-                  SlamGraph* graph) {
+                  bool has_odometry, SlamGraph* graph) {
   const CarmenScan& scan = log.scans[index];
   int laser = 0, pose = 0;
   PLUMBLINE_RETURN_IF_ERROR(
@@ -39,7 +63,7 @@ Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_fr
   PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(
       Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
   PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));
-  if (index == 0) return Status::Ok();
+  if (index == 0 || !has_odometry) return Status::Ok();
   return graph->AddOdometry(
       {pose - 1, pose, Between(log.scans[index - 1].odom_from_robot, scan.odom_from_robot)});
 }
@@ -85,10 +109,11 @@ Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
   std::size_t num_scans = log.scans.size();
   if (max_scans > 0) num_scans = std::min<std::size_t>(num_scans, max_scans);
 
-  const Pose2 robot_from_laser = EstimateLaserMounting(log).robot_from_laser;
+  const bool has_odometry = HasOdometry(log);
+  const Pose2 robot_from_laser = MountingOf(log, has_odometry);
   SlamGraph result;
   for (std::size_t i = 0; i < num_scans; ++i) {
-    const Status status = AppendScan(log, i, robot_from_laser, &result);
+    const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
     if (status.ok()) continue;
     return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
                                    status.message());

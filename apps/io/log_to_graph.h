@@ -31,6 +31,10 @@ LaserMounting EstimateLaserMounting(const CarmenLog& log);
 /// and an odometry constraint from each pose to the next. One LaserModel per distinct geometry, all
 /// mounted as EstimateLaserMounting says of the whole log.
 ///
+/// Odometry that is the same for all scans of the log is none: the graph has no odometry
+/// constraints then. If the two poses of the scans are the same as well, the laser sits as far
+/// ahead as PARAM robot_frontlaser_offset says.
+///
 /// InvalidArgument if the log has no scans, max_scans is negative, or a scan is refused by the
 /// graph (the message gives its line); `graph` is replaced on success only.
 Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph);

@@ -144,16 +144,18 @@ class GraphBuilder {
 
   // The frame that the odometry moves, and its poses.
   Status FindRobot() {
-    if (odometry_is_in_messages()) {
+    if (odometry_is_in_messages() && !recording_.odometry.empty()) {
       robot_frame_ = recording_.robot_frame;
-      timeline_.emplace(recording_.odometry);
+      TakeOdometry(recording_.odometry);
       return Status::Ok();
     }
     std::vector<std::string> path;
     const Status status = recording_.transforms.PathUp(laser_frame(), &path);
     if (!status.ok()) return Error(status.message());
     const auto odom = std::find(path.begin(), path.end(), recording_.odom_frame);
-    if (odom == path.end() || odom == path.begin()) {
+    if (odom == path.end() || odom == path.begin() || odometry_is_in_messages()) {
+      if (!recording_.needs_odometry) return GoWithoutOdometry(path);
+      if (odometry_is_in_messages()) return Error("there is no message on " + OdometryName());
       return Error("there is no odometry: no nav_msgs/Odometry, and no frame '" +
                    recording_.odom_frame + "' above the laser's, '" + laser_frame() +
                    "', in the transforms; frames: " + recording_.transforms.FrameNames());
@@ -163,7 +165,7 @@ class GraphBuilder {
     for (const StampedTransform& sample : recording_.transforms.Samples(robot_frame_)) {
       poses.push_back({sample.stamp_s, InPlane(sample.parent_from_child)});
     }
-    timeline_.emplace(std::move(poses));
+    TakeOdometry(std::move(poses));
     return Status::Ok();
   }
 
@@ -185,6 +187,43 @@ class GraphBuilder {
     return sweep_time_s > 0.0 && sweep_time_s <= kMaxSweepS ? time_increment_s_ : 0.0;
   }
 
+  // Poses that are all the same are no odometry.
+  void TakeOdometry(std::vector<TimedPose> poses) {
+    const auto moved = [&](const TimedPose& pose) {
+      const Pose2 &a = poses.front().world_from_robot, &b = pose.world_from_robot;
+      return a.x != b.x || a.y != b.y || a.yaw != b.yaw;
+    };
+    if (std::any_of(poses.begin(), poses.end(), moved)) timeline_.emplace(std::move(poses));
+  }
+
+  // path: from the laser's frame to the root. The robot is as far up as nothing moves.
+  Status GoWithoutOdometry(const std::vector<std::string>& path) {
+    robot_frame_ = path.front();
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (!IsAtRest(recording_.transforms.Samples(path[i - 1]))) {
+        notes_.warnings.push_back(Text("the frame '" + robot_frame_ + "' moves in '" + path[i] +
+                                       "': --odom_frame=" + path[i] + " takes that as odometry"));
+        break;
+      }
+      robot_frame_ = path[i];
+    }
+    return Status::Ok();
+  }
+
+  static bool IsAtRest(const std::vector<StampedTransform>& samples) {
+    const auto mounting = [](const StampedTransform& sample) {
+      return Mounting{InPlane(sample.parent_from_child)};
+    };
+    return std::all_of(samples.begin(), samples.end(), [&](const StampedTransform& sample) {
+      return mounting(samples.front()).IsNear(mounting(sample));
+    });
+  }
+
+  // Where the robot was by its odometry; the origin if there is none. Empty outside of it.
+  std::optional<Pose2> OdomFromRobot(double stamp_s) const {
+    return timeline_ ? timeline_->Interpolate(stamp_s, options_.max_gap_s) : Pose2();
+  }
+
   std::vector<std::size_t> ScansInOrderOfTime() const {
     std::vector<std::size_t> order(recording_.scans.size());
     std::iota(order.begin(), order.end(), 0);
@@ -196,8 +235,7 @@ class GraphBuilder {
 
   Status AddScan(std::size_t index) {
     const RosScan& scan = recording_.scans[index];
-    const std::optional<Pose2> odom_from_robot =
-        timeline_->Interpolate(scan.stamp_s, options_.max_gap_s);
+    const std::optional<Pose2> odom_from_robot = OdomFromRobot(scan.stamp_s);
     if (!odom_from_robot) {
       Skip(ScanName(index) + "no odometry before and after it");
       return Status::Ok();
@@ -210,7 +248,7 @@ class GraphBuilder {
     PLUMBLINE_RETURN_IF_ERROR(
         graph_.AddPose(Between(*first_pose_, *odom_from_robot), scan.stamp_s, &pose));
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(pose, laser, scan.ranges));
-    if (pose > 0) {
+    if (pose > 0 && timeline_) {
       PLUMBLINE_RETURN_IF_ERROR(
           graph_.AddOdometry({pose - 1, pose, Between(last_pose_, *odom_from_robot)}));
     }
@@ -266,7 +304,7 @@ class GraphBuilder {
   RosGraphNotes notes_;
   SlamGraph graph_;
   std::string robot_frame_;
-  std::optional<PoseTimeline> timeline_;
+  std::optional<PoseTimeline> timeline_;  // none without odometry
   double time_increment_s_ = 0.0;
   std::optional<Mounting> mounting_;
   std::optional<Pose2> first_pose_;  // in the frame of the odometry

@@ -37,6 +37,7 @@ struct RosRecording {
   std::string odom_frame = "odom";
   std::string robot_frame;          ///< of the odometry messages; empty where they do not say
   std::vector<TimedPose> odometry;  ///< world_from_robot: pose in the odometry's frame
+  bool needs_odometry = false;      ///< somebody asked for this odometry: without it is an error
 
   TransformTree transforms;
 };
@@ -66,6 +67,10 @@ struct RosGraphNotes {
 /// at its stamp, placed by odometry with the first pose as the origin of the world; the scan; and
 /// an odometry constraint from each pose to the next.
 ///
+/// Without odometry, or with one that never changes, every scan becomes a pose at the origin, and
+/// there are no odometry constraints. The robot is then the highest frame above the laser that the
+/// laser does not move in, such as base_link, or else the laser itself.
+///
 /// Robot: the frame that the odometry moves, which is the one below `odom_frame` on the way to the
 /// laser where the transforms tell the odometry. Mounting: the transform from the robot to the
 /// laser; without one the laser is taken to sit at the robot's centre, with a warning. A laser
@@ -77,9 +82,9 @@ struct RosGraphNotes {
 /// range_max or above are no returns; range_max counts as one since many drivers clip there.
 ///
 /// InvalidArgument, naming file, topic, message (from 0), stamp and field, on scans that are no
-/// sweep of a laser, several laser frames, no odometry, a laser that is tilted or moves on the
-/// robot, a clock that jumps back or is useless (see ClockFault), negative max_scans; and if no
-/// scan has odometry around it. Outputs are replaced on success only.
+/// sweep of a laser, several laser frames, odometry that was asked for and is not there, a laser
+/// that is tilted or moves on the robot, a clock that jumps back or is useless (see ClockFault),
+/// negative max_scans; and if no scan has odometry around it. Outputs are replaced on success only.
 Status BuildGraph(const RosRecording& recording, const RosGraphOptions& options, int max_scans,
                   RosGraphNotes* notes, SlamGraph* graph);
 

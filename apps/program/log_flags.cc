@@ -7,7 +7,7 @@ DEFINE_string(scan_topic, "",
 DEFINE_string(
     odom_topic, "",
     "ROS bag: topic of the odometry (empty: the only nav_msgs/Odometry, or the transforms "
-    "if there is none; /tf: the transforms)");
+    "if there is none, or the scans alone; /tf: the transforms)");
 DEFINE_string(odom_frame, plumbline::BagReadOptions().odom_frame,
               "ROS bag: frame of the odometry in the transforms");
 
@@ -31,6 +31,7 @@ BagReadOptions BagReadOptionsFromFlags() {
   options.scan_topic = FLAGS_scan_topic;
   options.odom_topic = FLAGS_odom_topic;
   options.odom_frame = FLAGS_odom_frame;
+  options.needs_odometry = !gflags::GetCommandLineFlagInfoOrDie("odom_frame").is_default;
   return options;
 }
 

@@ -14,6 +14,7 @@
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/log_flags.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 
 namespace plumbline {
 namespace {
@@ -25,6 +26,13 @@ void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting
   std::cerr << "warning: " << Legible(path) << ": " << disagreement
             << "; all are mounted at the median. Are there two lasers, or the poses of another "
                "mapper?\n";
+}
+
+void WarnOfMissingOdometry(const std::string& path) {
+  std::cerr << "warning: " << Legible(path)
+            << ": there is no odometry, or it never changes: the scans alone tell how the robot "
+               "moved. Long bare corridors may come out too short or too long, and fast turns or "
+               "gaps between scans may break the map\n";
 }
 
 Status ReadCarmen(const std::string& path, int max_scans, double max_bytes, LogCounts* counts,
@@ -78,10 +86,15 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
-  // No error: it may be the odometry that is mirrored.
-  const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
-  if (!mirrored.ok())
-    std::cerr << "warning: " << Legible(path) << ": " << mirrored.message() << '\n';
+  if (LacksOdometry(result)) {
+    WarnOfMissingOdometry(path);
+  } else {
+    // No error: it may be the odometry that is mirrored.
+    const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
+    if (!mirrored.ok()) {
+      std::cerr << "warning: " << Legible(path) << ": " << mirrored.message() << '\n';
+    }
+  }
   for (const std::string& fault : ImplausibleReadings(result)) {
     std::cerr << "warning: " << Legible(path) << ": " << fault << '\n';
   }

@@ -31,6 +31,7 @@ Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
           {"translation_m", RandomJson(noise.translation)},
           {"rotation_rad", RandomJson(noise.rotation)},
           {"leaps", noise.num_leaps},
+          {"is_prediction", noise.is_prediction},
           {"motion",
            {{"rotation_per_rotation", noise.motion.rotation_per_rotation},
             {"rotation_per_translation_rad_m", noise.motion.rotation_per_translation_rad_m},

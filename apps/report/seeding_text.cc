@@ -23,17 +23,20 @@ std::string StartText(StartType start) {
          (start == StartType::kIcp ? "point to point.\n" : "point to line.\n");
 }
 
-std::string MatchingText(const SequentialSeedingReport& report, int num_scans) {
+std::string MatchingText(const SequentialSeedingReport& report, bool is_prediction, int num_scans) {
+  const std::string source = is_prediction ? "prediction" : "odometry";
   std::string text =
       "  " + Count(report.num_keyframes, "keyframe") + " among " + Count(num_scans, "scan") + ".\n";
   if (report.num_unmatched >= num_scans - 1) {
-    text += "  No scan matches another: every pose is the odometry's, and nothing checks it.\n";
+    text +=
+        "  No scan matches another: every pose is the " + source + "'s, and nothing checks it.\n";
   } else if (report.num_unmatched > 0) {
     text += "  " + Count(report.num_unmatched, "scan") +
-            " matched nothing near by: their steps are the odometry's.\n";
+            " matched nothing near by: their steps are the " + source + "'s.\n";
   }
   if (report.num_recovered > 0) {
-    text += "  " + Count(report.num_recovered, "scan") + " matched only well off the odometry.\n";
+    text +=
+        "  " + Count(report.num_recovered, "scan") + " matched only well off the " + source + ".\n";
   }
   if (report.odometry_sign.sign_lost) {
     text += "  The odometry has lost the sign of its translation: " +
@@ -54,6 +57,12 @@ std::string RandomText(const RandomError& error, double factor, const char* unit
 }
 
 std::string OdometryText(const OdometryNoiseReport& noise) {
+  if (noise.is_prediction) {
+    return Format(
+        "  There was no odometry: each step was predicted from those before, to %.0f mm and %.1f "
+        "deg (one sigma).\n",
+        kMmPerM * noise.motion.translation_floor_m, RadToDeg(noise.motion.rotation_floor_rad));
+  }
   std::string text =
       FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +
       FaultText(noise.rotation_scale, kPercent, "reads %+.2f +- %.2f %% in turns") +
@@ -224,7 +233,7 @@ std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
     return StartText(report.start) + "  No loop was closed.\n";
   }
   std::string text = report.start == StartType::kSeed ? "" : StartText(report.start);
-  text += MatchingText(report.sequential, graph.num_scans());
+  text += MatchingText(report.sequential, report.odometry_noise.is_prediction, graph.num_scans());
   if (report.sequential.num_keyframes <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);

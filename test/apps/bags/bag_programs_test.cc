@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -78,6 +79,33 @@ TEST_F(BagProgramsTest, ADriveGivesTheSameTrajectoryFromEveryContainer) {
   for (const char* other : {"plain.mcap", "chunks.mcap", "bag", "bag/metadata.yaml"}) {
     EXPECT_EQ(Map(other), expected) << other;
   }
+}
+
+TEST_F(BagProgramsTest, ABagWithoutOdometryIsMappedByItsScans) {
+  TestBag bag = SimulateDrive();
+  bag.erase(std::remove_if(bag.begin(), bag.end(),
+                           [](const TestMessage& message) { return message.topic == "/odom"; }),
+            bag.end());
+  WriteSqliteBag(folder_ + "a.db3", bag);
+  const Outcome run = Slam("a.db3", "--picture_side_px=200");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr(std::to_string(kNumScans) + " scans, "));
+  EXPECT_THAT(run.out, HasSubstr("The refined map is consistent"));
+  EXPECT_EQ(Lines(run.err).size(), 1u) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("warning: " + folder_ + "a.db3: there is no odometry"));
+  EXPECT_TRUE(Summary()["seeding"]["odometry_noise"]["is_prediction"]);
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out/map_odometry.png"));
+}
+
+TEST_F(BagProgramsTest, OdometryThatWasAskedForIsNotGoneWithout) {
+  TestBag bag = SimulateDrive();
+  bag.erase(std::remove_if(bag.begin(), bag.end(),
+                           [](const TestMessage& message) { return message.topic == "/odom"; }),
+            bag.end());
+  WriteSqliteBag(folder_ + "a.db3", bag);
+  ExpectError(Slam("a.db3", "--odom_topic=/odom"), "there is no topic '/odom'");
+  ExpectError(Slam("a.db3", "--odom_topic=/tf_static"), "there is no odometry");
+  ExpectError(Slam("a.db3", "--odom_frame=odom"), "no frame 'odom' above the laser's");
 }
 
 TEST_F(BagProgramsTest, ACheckpointKnowsAllFilesOfAFolder) {

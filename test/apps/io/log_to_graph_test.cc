@@ -134,6 +134,37 @@ TEST(LogToGraphTest, ALaserThatLooksBackwardsIsNoMixOfBothSigns) {
   EXPECT_LT(mounting.max_deviation_rad, 2.1e-6);
 }
 
+TEST(LogToGraphTest, OdometryThatNeverChangesIsNone) {
+  CarmenLog log = MakeLog();
+  for (CarmenScan& scan : log.scans) scan = MakeScan(scan.timestamp_s, {5.0, 3.0, 1.0});
+  SlamGraph graph;
+  ASSERT_TRUE(BuildGraph(log, 0, &graph).ok());
+  EXPECT_EQ(graph.num_poses(), 3);
+  EXPECT_TRUE(graph.odometry().empty());
+  ExpectPose(graph.laser(0).robot_from_laser, kRobotFromLaser.x, kRobotFromLaser.y,
+             kRobotFromLaser.yaw);
+}
+
+TEST(LogToGraphTest, OdometryThatChangesLaterIsSomeForTheFirstScansToo) {
+  CarmenLog log = MakeLog();
+  log.scans[1] = MakeScan(101.0, log.scans[0].odom_from_robot);
+  SlamGraph graph;
+  ASSERT_TRUE(BuildGraph(log, 2, &graph).ok());
+  EXPECT_EQ(graph.odometry().size(), 1u);
+}
+
+TEST(LogToGraphTest, WithoutPosesTheParameterSaysWhereTheLaserSits) {
+  CarmenLog log = MakeLog();
+  for (CarmenScan& scan : log.scans) scan.odom_from_robot = scan.odom_from_laser = Pose2();
+  log.params["robot_frontlaser_offset"] = "-0.04";
+  SlamGraph graph;
+  ASSERT_TRUE(BuildGraph(log, 0, &graph).ok());
+  ExpectPose(graph.laser(0).robot_from_laser, -0.04, 0.0, 0.0);
+  log.params["robot_frontlaser_offset"] = "off";
+  ASSERT_TRUE(BuildGraph(log, 0, &graph).ok());
+  ExpectPose(graph.laser(0).robot_from_laser, 0.0, 0.0, 0.0);
+}
+
 TEST(LogToGraphTest, BadInputIsNamedAndLeavesTheGraph) {
   SlamGraph graph;
   ASSERT_TRUE(BuildGraph(MakeLog(), 0, &graph).ok());

@@ -285,8 +285,57 @@ TEST_F(RosRecordingTest, AClockMayJumpAhead) {
   EXPECT_NEAR(graph_.InitialPose(3).x, 0.65, 1e-9);
 }
 
-TEST_F(RosRecordingTest, WithoutOdometryTheFramesAreNamed) {
+TEST_F(RosRecordingTest, WithoutOdometryEveryScanBecomesAPose) {
   recording_.odom_topic.clear();
+  recording_.odometry.clear();
+  Build();
+  EXPECT_EQ(graph_.num_poses(), 3);
+  EXPECT_EQ(graph_.num_scans(), 3);
+  EXPECT_TRUE(graph_.odometry().empty());
+  EXPECT_NEAR(graph_.laser(0).robot_from_laser.x, 0.2, 1e-12);
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+}
+
+TEST_F(RosRecordingTest, WithoutOdometryAndTransformsTheRobotIsTheLaser) {
+  recording_.odom_topic.clear();
+  recording_.odometry.clear();
+  recording_.transforms = TransformTree();
+  Build();
+  EXPECT_EQ(graph_.laser(0).robot_from_laser.x, 0.0);
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+}
+
+TEST_F(RosRecordingTest, WithoutOdometryTheRobotIsAsFarUpAsNothingMoves) {
+  recording_.odom_topic.clear();
+  recording_.odometry.clear();
+  recording_.transforms.Add("footprint", "base", {0.0, Upright(0.1, 0.0, 0.0)});
+  for (int i = 0; i < 6; ++i) {
+    recording_.transforms.Add("map", "footprint", {100.0 + 0.1 * i, Upright(0.1 * i, 0.0, 0.0)});
+  }
+  Build();
+  EXPECT_TRUE(graph_.odometry().empty());
+  EXPECT_NEAR(graph_.laser(0).robot_from_laser.x, 0.3, 1e-12);
+  EXPECT_THAT(notes_.warnings,
+              ElementsAre(HasSubstr("'footprint' moves in 'map': --odom_frame=map takes that")));
+}
+
+TEST_F(RosRecordingTest, OdometryThatNeverChangesIsNone) {
+  for (TimedPose& pose : recording_.odometry) pose.world_from_robot = {5.0, 1.0, 0.3};
+  recording_.needs_odometry = true;
+  Build();
+  EXPECT_EQ(graph_.num_poses(), 3);
+  EXPECT_TRUE(graph_.odometry().empty());
+}
+
+TEST_F(RosRecordingTest, ATopicThatWasAskedForNeedsMessages) {
+  recording_.odometry.clear();
+  recording_.needs_odometry = true;
+  EXPECT_THAT(Failure(), HasSubstr("there is no message on /odom"));
+}
+
+TEST_F(RosRecordingTest, WithoutTheOdometryThatWasAskedForTheFramesAreNamed) {
+  recording_.odom_topic.clear();
+  recording_.needs_odometry = true;
   EXPECT_THAT(Failure(), AllOf(HasSubstr("no frame 'odom' above the laser's, 'laser'"),
                                HasSubstr("frames: base, laser")));
 }
