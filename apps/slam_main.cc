@@ -39,6 +39,7 @@
 #include "plumbline/apps/run/seeding_progress.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/map_log.h"
 
 DEFINE_string(
@@ -153,6 +154,7 @@ class SlamRun {
     PLUMBLINE_RETURN_IF_ERROR(
         ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph, max_memory_));
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(FLAGS_log, stamp));
+    if (LacksOdometry(graph)) WarnOfMissingOdometry();
     // What would end the run at its end is found before the work.
     const MapState odometry = graph.InitialState();
     PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, odometry, outputs_.map_resolution_m));
@@ -179,6 +181,13 @@ class SlamRun {
     if (FLAGS_truth.empty()) return Status::Ok();
     truth_.emplace();
     return ReadTruth(FLAGS_truth, FLAGS_hits, mapping_.graph, &*truth_);
+  }
+
+  static void WarnOfMissingOdometry() {
+    std::cerr << "warning: " << Legible(FLAGS_log)
+              << ": there is no odometry, or it never changes: the scans alone tell how the robot "
+                 "moved. Long bare corridors may come out too short or too long, and fast turns or "
+                 "gaps between scans may break the map\n";
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint.

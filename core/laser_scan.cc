@@ -36,4 +36,16 @@ bool LaserModel::Check(std::string* error) const {
   return true;
 }
 
+const char* ToString(SweepOrder order) {
+  switch (order) {
+    case SweepOrder::kFirstBeamFirst:
+      return "first beam first";
+    case SweepOrder::kLastBeamFirst:
+      return "last beam first";
+    case SweepOrder::kAtOnce:
+      return "at once";
+  }
+  return "?";
+}
+
 }  // namespace plumbline

@@ -38,6 +38,15 @@ struct LaserModel {
   bool Check(std::string* error) const;
 };
 
+/// When the beams of a sweep are measured.
+enum class SweepOrder {
+  kFirstBeamFirst,  ///< as LaserModel::beam_period_s says
+  kLastBeamFirst,  ///< at the same pace against their order: drivers turn the array of a laser that
+                   ///< runs clockwise, and leave its times
+  kAtOnce,
+};
+const char* ToString(SweepOrder order);
+
 /// One sweep of a laser: `ranges` [m], one entry per beam of its LaserModel.
 struct LaserScan {
   double timestamp_s = 0.0;    ///< [s]

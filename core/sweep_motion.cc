@@ -44,18 +44,6 @@ Pose2 PartOfMotion(const Pose2& motion, double share) {
   return {Sinc(yaw) * u - Cosc(yaw) * v, Cosc(yaw) * u + Sinc(yaw) * v, yaw};
 }
 
-const char* ToString(SweepOrder order) {
-  switch (order) {
-    case SweepOrder::kFirstBeamFirst:
-      return "first beam first";
-    case SweepOrder::kLastBeamFirst:
-      return "last beam first";
-    case SweepOrder::kAtOnce:
-      return "at once";
-  }
-  return "?";
-}
-
 bool HasSweeps(const SlamGraph& graph) {
   for (int laser = 0; laser < graph.num_lasers(); ++laser) {
     if (graph.laser(laser).beam_period_s > 0.0) return true;

@@ -15,15 +15,6 @@ Pose2 PartOfMotion(const Pose2& motion, double share);
 /// Whether a laser of the graph measures its beams one after the other.
 bool HasSweeps(const SlamGraph& graph);
 
-/// When the beams of a sweep are measured.
-enum class SweepOrder {
-  kFirstBeamFirst,  ///< as LaserModel::beam_period_s says
-  kLastBeamFirst,  ///< at the same pace against their order: drivers turn the array of a laser that
-                   ///< runs clockwise, and leave its times
-  kAtOnce,
-};
-const char* ToString(SweepOrder order);
-
 /// Takes out of the returns what the robot moved while its lasers swept: ranges and bearings are
 /// those of the same points, seen from where the laser was at the time of the scan. The graph has
 /// the measurements as they were taken; poses, (x, y, yaw) each, say where the robot was at the

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/laser_scan.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/core/sweep_motion.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/interface/map_consistency.h"

@@ -8,6 +8,7 @@
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/solve.h"
 
@@ -64,6 +65,9 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
   SeedingReport report;
   if (!SeedGraph(seeding, solver.factors.motion, surface.normals, {}, pool, graph, &state, &report)
            .ok()) {
+    return kNone;
+  }
+  if (LacksOdometry(graph) && !AddPredictedSteps(report.sequential_poses, &graph).ok()) {
     return kNone;
   }
   graph = graph.Corrected(TakeOutSweepMotion(measured, order, state.poses));

@@ -13,7 +13,8 @@ namespace plumbline {
 /// says: the one by which the 200 scans in which the robot turns most by its odometry make the map
 /// with the thinnest walls, seeded and refined by each. What the model says stands unless another
 /// order makes them thinner by 5 %, as where the robot rests. The result does not depend on the
-/// number of threads. Expects poses in order of time, joined by odometry from each to the next.
+/// number of threads. Expects poses in order of time, joined by odometry from each to the
+/// next or by none.
 SweepOrder FindSweepOrder(const SeedingOptions& seeding, const SolverOptions& solver,
                           const SlamGraph& measured, ThreadPool* pool);
 

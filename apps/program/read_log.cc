@@ -28,13 +28,6 @@ void WarnOfOtherMountings(const std::string& path, const LaserMounting& mounting
                "mapper?\n";
 }
 
-void WarnOfMissingOdometry(const std::string& path) {
-  std::cerr << "warning: " << Legible(path)
-            << ": there is no odometry, or it never changes: the scans alone tell how the robot "
-               "moved. Long bare corridors may come out too short or too long, and fast turns or "
-               "gaps between scans may break the map\n";
-}
-
 Status ReadCarmen(const std::string& path, int max_scans, double max_bytes, LogCounts* counts,
                   SlamGraph* graph) {
   CarmenReadOptions options;
@@ -86,9 +79,7 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
-  if (LacksOdometry(result)) {
-    WarnOfMissingOdometry(path);
-  } else {
+  if (!LacksOdometry(result)) {
     // No error: it may be the odometry that is mirrored.
     const Status mirrored = CheckScansAreNotMirrored(result, result.initial_poses(), std::nullopt);
     if (!mirrored.ok()) {

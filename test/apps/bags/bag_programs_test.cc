@@ -127,7 +127,8 @@ TEST_F(BagProgramsTest, ConvertReadsAFolderAndOverwritesNoneOfItsFiles) {
   const Outcome run = Run("convert", in + "a.tum");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Lines(ReadFile(folder_ + "a.tum")).size(), static_cast<std::size_t>(kNumScans));
-  ExpectError(Run("convert", in + "bag/bag_1.db3 --format=tum"), "must be neither an input", 2);
+  ExpectError(Run("convert", in + "bag/bag_1.db3 --format=tum"), "must be neither an input",
+              kExitWrongUsage);
 }
 
 // 1.25 GiB of zeros in 100 kB.
