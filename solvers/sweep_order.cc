@@ -75,7 +75,8 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
   if (!Solve(solver, surface, graph, &state).IsSolutionUsable()) return kNone;
   const MapQuality quality =
       MeasureMapQuality(graph.MeasuredMap(state.poses), MapQualityOptions(), pool);
-  return quality.num_samples > 0 ? quality.wall_thickness_m : kNone;
+  if (quality.num_samples == 0) return kNone;
+  return quality.wall_thickness_m;
 }
 
 }  // namespace

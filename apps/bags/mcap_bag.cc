@@ -33,7 +33,7 @@ constexpr std::uint64_t kMessageStartBytes = 2 + 4 + 8 + 8;  // channel, sequenc
 constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1} << 30;
 // Of any other record that is looked into: no scan or definition is longer.
 constexpr std::uint64_t kMaxRecordBytes = std::uint64_t{1} << 28;
-constexpr std::size_t kBlockSize = std::size_t{1} << 18;
+constexpr std::size_t kSkippedBlockBytes = std::size_t{1} << 18;
 
 std::uint32_t Crc(std::string_view bytes, std::uint32_t before = 0) {
   return static_cast<std::uint32_t>(
@@ -105,7 +105,7 @@ class McapWalk {
   }
   bool Skip(std::uint64_t size) {
     for (std::uint64_t left = size; left > 0;) {
-      const std::uint64_t block = std::min<std::uint64_t>(left, kBlockSize);
+      const std::uint64_t block = std::min<std::uint64_t>(left, kSkippedBlockBytes);
       if (!Read(block, &content_)) return false;
       left -= block;
     }

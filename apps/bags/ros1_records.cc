@@ -22,8 +22,8 @@ constexpr std::uint64_t kMaxHeaderBytes = 1 << 20;
 constexpr std::uint64_t kIndexEntryBytes = 12;  // a time, and an offset
 
 // What a record is, by the field "op" of its header.
-constexpr std::string_view kMessage = "\x02", kFile = "\x03", kIndex = "\x04", kChunk = "\x05",
-                           kChunkInfo = "\x06", kConnection = "\x07";
+constexpr std::string_view kMessageRecord = "\x02", kFile = "\x03", kIndex = "\x04",
+                           kChunkRecord = "\x05", kChunkInfo = "\x06", kConnection = "\x07";
 
 using Fields = std::map<std::string_view, std::string_view>;
 
@@ -124,7 +124,7 @@ class RecordChecker {
     Fields fields;
     if (!parts_->NextHeader(&header) || !Split(header, &fields)) return false;
     const std::string_view kind = fields["op"];
-    if (kind == kChunk) {
+    if (kind == kChunkRecord) {
       chunks_.insert(at);
       return CheckChunk(fields["compression"] == "none", ToNumber(fields["size"]));
     }
@@ -161,7 +161,7 @@ class RecordChecker {
       if (!parts.NextHeader(&header) || !Split(header, &fields)) return false;
       const std::string_view kind = fields["op"];
       if (!(kind == kConnection ? CheckConnection(&parts) : parts.SkipData())) return false;
-      if (kind == kMessage) message_starts_.insert(starts.begin(), starts.end());
+      if (kind == kMessageRecord) message_starts_.insert(starts.begin(), starts.end());
       if (kind != kConnection) starts.clear();
     }
     return true;

@@ -43,8 +43,8 @@ constexpr double kMinSlipInlierRatio = 0.8;
 constexpr double kSearchM = 3.0;
 constexpr double kSearchRad = 0.5 * kPi;
 // Cells [m] of that search, as for loop closures: the matcher does the rest.
-constexpr double kSearchCellM = 0.1;
-constexpr int kMaxPlaces = 5;
+constexpr double kRecoveryCellM = 0.1;
+constexpr int kMaxRecoveryPlaces = 5;
 
 // The local map is made of the nearest keyframes, at most this many, ...
 constexpr int kMaxKeyframesInMap = 40;
@@ -155,9 +155,9 @@ class SequentialMatcher {
     if (scan.empty() || map_.points().empty()) return starts;
     constexpr double kMinScore = 0.3;
     constexpr PeakSize kPeak{0.5, 0.3};
-    const CorrelativeMatcher search(map_.points(), kSearchCellM, kSearchM);
+    const CorrelativeMatcher search(map_.points(), kRecoveryCellM, kSearchM);
     for (const CorrelativeMatch& place : search.SearchPeaks(scan, {predicted, kSearchM, kSearchRad},
-                                                            kMinScore, kMaxPlaces, kPeak)) {
+                                                            kMinScore, kMaxRecoveryPlaces, kPeak)) {
       starts.push_back(place.map_from_scan);
     }
     return starts;

@@ -88,7 +88,7 @@ TEST(TextReaderTest, RefusesGzipThatExpandsToTooMuch) {
 
 TEST(TextReaderTest, ReadsAnyAmountThatIsNotCompressed) {
   const std::string path = TempFolder() + "a.txt";
-  WriteFile(path, std::string(70000000, '\n'));
+  WriteFile(path, std::string(70000000, '\n'));  // NOLINT(bugprone-string-constructor)
   TextReader reader;
   ASSERT_TRUE(reader.Open(path).ok());
   std::string_view line;

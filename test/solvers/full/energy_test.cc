@@ -277,7 +277,8 @@ TEST(EnergyTest, ConjugateGradientsSolveTheTurnsOfARealLogInAtMostAsManyStepsAsV
   double cost = 0.0;
   Vector gradient;
   ASSERT_TRUE(oracle.joint.problem->Evaluate(oracle.all, &cost, nullptr, &gradient, nullptr));
-  const int num_pose_entries = 3 * kNumPoses, num_point_entries = hessian.rows() - num_pose_entries;
+  const int num_pose_entries = 3 * kNumPoses;
+  const int num_point_entries = static_cast<int>(hessian.rows()) - num_pose_entries;
 
   Quadratic poses(hessian.topLeftCorner(num_pose_entries, num_pose_entries),
                   AsEigen(gradient).head(num_pose_entries));
