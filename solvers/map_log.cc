@@ -21,10 +21,9 @@
 namespace plumbline {
 namespace {
 
-// Places every return of a sweep by the pose at its own time.
+// Places every return of a sweep by the pose at its own time, and measures the surfaces anew.
 void FollowSweeps(const MapLogOptions& options, const std::vector<double>& poses, ThreadPool* pool,
                   LogMapping* mapping) {
-  if (!mapping->as_swept) return;
   mapping->graph =
       std::move(mapping->graph)
           .Corrected(TakeOutSweepMotion(*mapping->as_swept, *mapping->report.sweep_order, poses));
@@ -186,8 +185,10 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
     if (LacksOdometry(mapping->graph)) {
       PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
     }
-    ThreadPool pool(options.solver.num_threads);
-    FollowSweeps(options, start_poses, &pool, mapping);
+    if (mapping->as_swept) {
+      ThreadPool pool(options.solver.num_threads);
+      FollowSweeps(options, start_poses, &pool, mapping);
+    }
     mapping->state.points = mapping->graph.MeasuredMap(start_poses);
     mapping->state.poses = start_poses;
     mapping->start_poses = std::move(start_poses);

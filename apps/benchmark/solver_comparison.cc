@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
+#include "plumbline/core/median.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 
@@ -17,9 +19,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Infinity if there are none.
 double UpperMedian(std::vector<double> values) {
   if (values.empty()) return kInfinity;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return Median(std::move(values));
 }
 
 std::optional<double> IfFinite(double value) {

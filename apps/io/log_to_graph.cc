@@ -9,15 +9,10 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/median.h"
 
 namespace plumbline {
 namespace {
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 LaserModel ModelOf(const CarmenScan& scan, double sweep_time_s, const Pose2& robot_from_laser) {
   LaserModel laser;

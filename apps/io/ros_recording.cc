@@ -13,6 +13,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/median.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -174,9 +175,7 @@ class GraphBuilder {
     for (const RosScan& scan : recording_.scans) {
       increments_s.push_back(std::isfinite(scan.time_increment_s) ? scan.time_increment_s : 0.0);
     }
-    const auto median = increments_s.begin() + increments_s.size() / 2;
-    std::nth_element(increments_s.begin(), median, increments_s.end());
-    time_increment_s_ = *median;
+    time_increment_s_ = Median(std::move(increments_s));
   }
 
   double BeamPeriod(const RosScan& scan) const {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/median.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 
 namespace plumbline {
@@ -28,11 +29,9 @@ std::vector<double> Intervals(const SlamGraph& graph) {
   return intervals_s;
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+// No motion where there is no step before.
+double MedianOrZero(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : Median(values);
 }
 
 }  // namespace
@@ -43,7 +42,7 @@ bool LacksOdometry(const SlamGraph& graph) {
 
 MotionPrediction::MotionPrediction(const SlamGraph& graph) : num_periods_(graph.num_poses(), 1.0) {
   const std::vector<double> intervals_s = Intervals(graph);
-  const double period_s = Median(intervals_s);
+  const double period_s = MedianOrZero(intervals_s);
   if (!(period_s > 0.0)) return;
   std::vector<double> num_periods(num_periods_);
   std::size_t num_whole = 0;
@@ -68,7 +67,8 @@ Pose2 MotionPrediction::Step(const std::vector<Pose2>& poses, int to) const {
     yaw.push_back(NormalizeAngle(step.yaw) / num_periods_[pose]);
   }
   const double periods = num_periods_[to];
-  return {periods * Median(x), periods * Median(y), NormalizeAngle(periods * Median(yaw))};
+  return {periods * MedianOrZero(x), periods * MedianOrZero(y),
+          NormalizeAngle(periods * MedianOrZero(yaw))};
 }
 
 MotionOptions PredictionPrior(const MotionOptions& given) {
