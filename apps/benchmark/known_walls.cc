@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <map>
 
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/motion_factor.h"
@@ -42,10 +43,9 @@ Vector2d NormalOf(const Face& face) {
   return {-along.y(), along.x()};
 }
 
-// For every face a number that it shares with those in line with it that look the same way.
-std::vector<int> NumberWalls(const std::vector<Face>& faces, int* num_walls) {
+// For every face the first one that is in line with it and looks the same way.
+std::vector<int> NumberWalls(const std::vector<Face>& faces) {
   std::vector<int> walls(faces.size());
-  *num_walls = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const Vector2d normal = NormalOf(faces[f]);
     const auto is_in_line = [&](const Face& other) {
@@ -53,7 +53,7 @@ std::vector<int> NumberWalls(const std::vector<Face>& faces, int* num_walls) {
              std::abs(normal.dot(other.a - faces[f].a)) < 1e-3;
     };
     const auto found = std::find_if(faces.begin(), faces.begin() + f, is_in_line);
-    walls[f] = found == faces.begin() + f ? (*num_walls)++ : walls[found - faces.begin()];
+    walls[f] = found == faces.begin() + f ? static_cast<int>(f) : walls[found - faces.begin()];
   }
   return walls;
 }
@@ -100,13 +100,12 @@ class Localiser {
       : drive_(drive), factors_(factors), noise_(NoiseOf(factors)) {
     noise_.surface_variance = 0.0;
     const LaserReturns& returns = drive.graph.returns();
-    int num_walls = 0;
-    const std::vector<int> walls = NumberWalls(drive.building.faces, &num_walls);
+    const std::vector<int> walls = NumberWalls(drive.building.faces);
     for (std::size_t r = 0; r < returns.size(); ++r) {
       const Vector2d& hit = drive.log.scans[returns.scan[r]].hits[returns.beam[r]];
       surfaces_.push_back(SurfaceAt(drive.building, walls, hit));
     }
-    num_walls_ = num_walls;
+    NumberSeenWalls();
     for (const SimulatedScan& scan : drive.log.scans) poses_.push_back(scan.odom_from_robot);
   }
 
@@ -146,6 +145,16 @@ class Localiser {
 
  private:
   static constexpr double kHeld = 1e12;  // information of what does not move
+
+  // In the order of their first returns: what nobody sees would make the dense system larger.
+  void NumberSeenWalls() {
+    std::map<int, int> numbers;
+    for (KnownSurface& surface : surfaces_) {
+      if (surface.wall < 0) continue;
+      surface.wall = numbers.emplace(surface.wall, static_cast<int>(numbers.size())).first->second;
+    }
+    num_walls_ = static_cast<int>(numbers.size());
+  }
 
   // The distances are all but linear in the poses.
   void Iterate() {
