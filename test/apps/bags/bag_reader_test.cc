@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "plumbline/test/apps/bags/bag_file_testing.h"
 #include "plumbline/test/apps/bags/bag_testing.h"
 #include "plumbline/test/apps/bags/mcap_writer.h"
 #include "plumbline/test/apps/bags/sqlite_writer.h"
@@ -60,27 +61,10 @@ void ExpectSmallBag(const RosRecording& recording) {
   EXPECT_NEAR(InPlane(*mounting).yaw, 0.3, 1e-12);
 }
 
-class BagReaderTest : public testing::TestWithParam<Container> {
+class BagReaderTest : public BagFile, public testing::TestWithParam<Container> {
  protected:
+  BagReaderTest() : BagFile(TempFolder() + "a bag") {}
   void Write(const TestBag& bag) const { GetParam().write(path_, bag); }
-
-  RosRecording Read(const BagReadOptions& options = BagReadOptions()) const {
-    RosRecording recording;
-    const Status status = ReadBag(path_, options, &recording);
-    EXPECT_TRUE(status.ok()) << status.message();
-    return recording;
-  }
-  Status Fails(const BagReadOptions& options = BagReadOptions()) const {
-    RosRecording recording;
-    recording.path = "as before";
-    const Status status = ReadBag(path_, options, &recording);
-    EXPECT_FALSE(status.ok());
-    EXPECT_EQ(recording.path, "as before");
-    EXPECT_THAT(status.message(), HasSubstr(path_));
-    return status;
-  }
-
-  const std::string path_ = TempFolder() + "a bag";
 };
 
 TEST_P(BagReaderTest, ReadsWhatTheMessagesSay) {

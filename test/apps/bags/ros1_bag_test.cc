@@ -38,10 +38,10 @@ TEST(Ros1BagTest, ReadsBags) {
 #include <cmath>
 #include <limits>
 
-#include "plumbline/apps/bags/bag_reader.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/test/apps/bags/bag_file_testing.h"
 #include "plumbline/test/apps/program_testing.h"
 
 namespace plumbline {
@@ -105,8 +105,10 @@ sensor_msgs::LaserScan Scan(double stamp_s, const std::vector<double>& ranges,
 }
 
 // Writes bags and reads them again.
-class Ros1BagTest : public ProgramTest {
+class Ros1BagTest : public ProgramTest, public BagFile {
  protected:
+  Ros1BagTest() : BagFile(folder_ + "a.bag") {}
+
   // Writes with the stamp as time of arrival.
   template <typename Message>
   void Write(const std::string& topic, double stamp_s, const Message& message) {
@@ -135,23 +137,6 @@ class Ros1BagTest : public ProgramTest {
     }
   }
 
-  RosRecording Read(const BagReadOptions& options = BagReadOptions()) const {
-    RosRecording recording;
-    const Status status = ReadBag(path_, options, &recording);
-    EXPECT_TRUE(status.ok()) << status.message();
-    return recording;
-  }
-  Status Fails(const BagReadOptions& options = BagReadOptions()) const {
-    RosRecording recording;
-    recording.path = "as before";
-    const Status status = ReadBag(path_, options, &recording);
-    EXPECT_FALSE(status.ok());
-    EXPECT_EQ(recording.path, "as before");
-    EXPECT_THAT(status.message(), HasSubstr(path_));
-    return status;
-  }
-
-  const std::string path_ = folder_ + "a.bag";
   rosbag::Bag bag_;
 };
 
