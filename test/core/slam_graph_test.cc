@@ -337,7 +337,7 @@ TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
 
 TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
-  const SlamGraph corrected = graph_.Corrected({{Pose2(-1.0, 0.0, 0.0)}, {}, {}});
+  const SlamGraph corrected = graph_.Corrected({{Pose2(-1.0, 0.0, 0.0)}, {}, {}, {}});
   EXPECT_EQ(corrected.odometry()[0].from_from_to.x, -1.0);
   EXPECT_EQ(corrected.odometry()[0].to, 1);
   EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 1.0);
@@ -345,14 +345,14 @@ TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
 
 TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
-  const SlamGraph corrected = graph_.Corrected({{}, {Pose2(0.0, 0.0, 0.0)}, {1.0, 3.0}});
+  const SlamGraph corrected = graph_.Corrected({{}, {Pose2(0.0, 0.0, 0.0)}, {1.0, 3.0}, {}});
   const std::vector<double> points = corrected.InitialState().points;
   ExpectPoint(points, 0, 2.0, 2.0);
   ExpectPoint(points, 1, 1.0, 5.0);
   EXPECT_EQ(graph_.laser(laser_).robot_from_laser.x, 0.5);
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0));
   // A return stays one.
-  const SlamGraph clamped = graph_.Corrected({{}, {}, {-1.0, 100.0}});
+  const SlamGraph clamped = graph_.Corrected({{}, {}, {-1.0, 100.0}, {}});
   EXPECT_EQ(clamped.returns().range_m[0], clamped.laser(laser_).min_range_m);
   EXPECT_TRUE(clamped.laser(laser_).IsReturn(clamped.returns().range_m[1]));
   EXPECT_NEAR(clamped.returns().range_m[1], 10.0, 1e-12);
@@ -369,7 +369,7 @@ TEST_F(SlamGraphTest, WhatIsNotCorrectedStaysAsItIs) {
   EXPECT_EQ(same.fixed_poses()[0].pose, second_);
   EXPECT_EQ(same.timestamp_s(second_), 11.0);
   // In place.
-  graph_ = std::move(graph_).Corrected({{Pose2(2.0, 0.0, 0.0)}, {}, {}});
+  graph_ = std::move(graph_).Corrected({{Pose2(2.0, 0.0, 0.0)}, {}, {}, {}});
   EXPECT_EQ(graph_.InitialState(), state);
   EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 2.0);
 }
