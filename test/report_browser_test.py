@@ -272,6 +272,23 @@ class ReportTest(unittest.TestCase):
             self.assertGreater(max(heights), 100)
             self.assertTrue(all(math.isfinite(height) for height in heights))
 
+    def test_errors_by_stage_fall(self):
+        plot = self.find("[data-stage-plot='0']")
+        self.script("arguments[0].scrollIntoView({block: 'center'})", plot)
+        marks = plot.find_elements(By.CSS_SELECTOR, "circle")
+        heights = [float(mark.get_attribute("cy")) for mark in marks]
+        self.assertEqual(len(heights) % 2, 0)  # of poses, then of the map
+        self.assertLess(heights[0] + 50, heights[len(heights) // 2 - 1])
+        ActionChains(self.browser).move_to_element(marks[0]).perform()
+        self.assertIn("odometry, pose", plot.find_element(By.CSS_SELECTOR, ".tip").text)
+
+    def test_tables_need_no_scrolling_on_a_desktop(self):
+        wider = """
+            return [...document.querySelectorAll('section .scroll')]
+                .filter((box) => box.scrollWidth > box.clientWidth)
+                .map((box) => box.getAttribute('aria-label'))"""
+        self.assertEqual(self.script(wider), [])
+
     def test_options_can_be_searched(self):
         self.find("#options summary").click()
         rows = self.browser.find_elements(By.CSS_SELECTOR, ".options tbody tr")

@@ -64,6 +64,13 @@ Status CheckReport(const HtmlReport& report) {
                                      "' needs one edge per count");
     }
   }
+  for (const ReportStagePlot& plot : report.stage_plots) {
+    for (const ReportStagePlot::Series& series : plot.series) {
+      if (series.values.size() == plot.stages.size()) continue;
+      return Status::InvalidArgument("report: series '" + series.label + "' of '" + plot.title +
+                                     "' needs one value per stage");
+    }
+  }
   for (const ReportMap& map : report.maps) {
     const MapRaster& raster = map.area.raster;
     const bool has_place = std::isfinite(raster.left_m) && std::isfinite(raster.top_m) &&
@@ -186,6 +193,9 @@ std::string ChartCard(const std::string& kind, std::size_t index, const std::str
 
 std::string ChartsHtml(const HtmlReport& report) {
   std::string html;
+  for (std::size_t i = 0; i < report.stage_plots.size(); ++i) {
+    html += ChartCard("stage-plot", i, report.stage_plots[i].title, report.stage_plots[i].note);
+  }
   for (std::size_t i = 0; i < report.plots.size(); ++i) {
     html += ChartCard("plot", i, report.plots[i].title, report.plots[i].note);
   }
@@ -196,7 +206,17 @@ std::string ChartsHtml(const HtmlReport& report) {
 }
 
 Json ChartsJson(const HtmlReport& report) {
-  Json plots = Json::array(), histograms = Json::array();
+  Json plots = Json::array(), stage_plots = Json::array(), histograms = Json::array();
+  for (const ReportStagePlot& plot : report.stage_plots) {
+    Json curves = Json::array();
+    for (const ReportStagePlot::Series& series : plot.series) {
+      curves.push_back({{"label", series.label}, {"values", series.values}});
+    }
+    stage_plots.push_back({{"title", plot.title},
+                           {"valueLabel", plot.value_label},
+                           {"stages", plot.stages},
+                           {"curves", curves}});
+  }
   for (const ReportPlot& plot : report.plots) {
     Json curves = Json::array();
     for (const ReportCurve& curve : plot.curves) {
@@ -214,7 +234,7 @@ Json ChartsJson(const HtmlReport& report) {
                           {"lowerEdges", histogram.lower_edges},
                           {"counts", histogram.counts}});
   }
-  return {{"plots", plots}, {"histograms", histograms}};
+  return {{"plots", plots}, {"stagePlots", stage_plots}, {"histograms", histograms}};
 }
 
 std::string DurationsHtml(const std::vector<ReportDuration>& durations) {

@@ -65,6 +65,20 @@ struct ReportPlot {
   std::string note;
 };
 
+/// Values that each of several stages has, on a logarithmic axis: what is not positive has no place
+/// on it.
+struct ReportStagePlot {
+  struct Series {
+    std::string label;
+    std::vector<double> values;  ///< one per stage
+  };
+  std::string title;
+  std::string value_label;  ///< with unit
+  std::vector<std::string> stages;
+  std::vector<Series> series;
+  std::string note;
+};
+
 struct ReportHistogram {
   std::string title;
   std::string x_label;              ///< with unit
@@ -90,6 +104,7 @@ struct HtmlReport {
   std::vector<ReportTable> tables;
   std::vector<ReportText> texts;
   std::vector<ReportPlot> plots;
+  std::vector<ReportStagePlot> stage_plots;
   std::vector<ReportHistogram> histograms;
   std::vector<ReportDuration> durations;
   std::vector<ReportPicture> pictures;
@@ -100,8 +115,9 @@ struct HtmlReport {
 /// server nor a network, and forbids itself to use one. The same report gives the same bytes.
 ///
 /// InvalidArgument on a table row that is not as wide as its header, on histograms without an edge
-/// per count, on a map without a pixel size, and on a picture that is no PNG or cannot be
-/// read; NotFound if there is no such picture, Unavailable if the report cannot be written.
+/// per count, on a series without a value per stage, on a map without a pixel size, and on a
+/// picture that is no PNG or cannot be read; NotFound if there is no such picture, Unavailable if
+/// the report cannot be written.
 Status WriteHtmlReport(const std::string& path, const HtmlReport& report);
 
 }  // namespace plumbline

@@ -45,18 +45,19 @@
     return ticks.filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
   }
 
+  function makeLogAxis(low, high, from, to) {
+    const toPx = (value) => value > 0
+      ? from + (to - from) * Math.log(value / low) / Math.log(high / low) : NaN;
+    return {toPx, ticks: logTicks(low, high)};
+  }
+
   // An axis for values: toPx() maps them to [from, to]; values it has no place for give NaN.
   function makeAxis(values, from, to) {
     const positive = values.filter((value) => value > 0);
     let low = Math.min(...values);
     let high = Math.max(...values);
     const isLog = low >= 0 && positive.length > 1 && high / Math.min(...positive) > 100;
-    if (isLog) {
-      low = Math.min(...positive);
-      const toPx = (value) => value > 0
-        ? from + (to - from) * Math.log(value / low) / Math.log(high / low) : NaN;
-      return {toPx, ticks: logTicks(low, high)};
-    }
+    if (isLog) return makeLogAxis(Math.min(...positive), high, from, to);
     if (low === high) [low, high] = [low - 1, high + 1];
     const toPx = (value) => from + (to - from) * (value - low) / (high - low);
     return {toPx, ticks: linearTicks(low, high, Math.max(2, Math.abs(to - from) / 50))};
@@ -163,6 +164,23 @@
     box.before(group);
   }
 
+  function addLegend(box, curves) {
+    const legend = document.createElement('ul');
+    legend.className = 'legend';
+    curves.forEach((curve, index) => {
+      const item = addHtml(legend, 'li', '', curve.label);
+      item.style.setProperty('--color', palette[index % palette.length]);
+    });
+    box.after(legend);
+  }
+
+  function drawCurve(drawing, points, color) {
+    add(drawing.svg, 'polyline', {class: 'curve', stroke: color,
+                                  points: points.map(({x, y}) => `${x},${y}`).join(' ')});
+  }
+
+  const distanceTo = (target, x, y) => Math.hypot(target.x - x, target.y - y);
+
   function plotChart(box, plot, number) {
     const overWhat = ['seconds', 'iterations'];
     let column = 0;
@@ -187,8 +205,7 @@
         const onScreen = points
             .map((point) => ({point, x: xAxis.toPx(point[column]), y: yAxis.toPx(point[2])}))
             .filter(({x, y}) => Number.isFinite(x) && Number.isFinite(y));
-        add(drawing.svg, 'polyline', {class: 'curve', stroke: color,
-                                      points: onScreen.map(({x, y}) => `${x},${y}`).join(' ')});
+        drawCurve(drawing, onScreen, color);
         const radius = onScreen.length > 40 ? 1.5 : 3.5;
         for (const {point, x, y} of onScreen) {
           const mark = add(drawing.svg, 'circle', {cx: x, cy: y, r: radius, fill: color});
@@ -200,19 +217,48 @@
       });
       return targets;
     };
-    const distance = (target, x, y) => Math.hypot(target.x - x, target.y - y);
-    const redraw = makeChart(box, draw, distance);
+    const redraw = makeChart(box, draw, distanceTo);
     addSwitch(box, `plot-${number}`, ['Seconds', 'Iterations'], (index) => {
       column = index;
       redraw();
     });
-    const legend = document.createElement('ul');
-    legend.className = 'legend';
-    plot.curves.forEach((curve, index) => {
-      const item = addHtml(legend, 'li', '', curve.label);
-      item.style.setProperty('--color', palette[index % palette.length]);
-    });
-    box.after(legend);
+    addLegend(box, plot.curves);
+  }
+
+  // Values of a few stages, on a logarithmic axis.
+  function stageChart(box, plot) {
+    const {stages, curves} = plot;
+    const draw = () => {
+      const positive = curves.flatMap((curve) => curve.values.filter((value) => value > 0));
+      if (!positive.length) return [];
+      const drawing = makeDrawing(box, `${plot.title}: ${plot.valueLabel} by stage`);
+      const yAxis = makeLogAxis(Math.min(...positive) / 1.5, Math.max(...positive) * 1.5,
+                                drawing.bottom, margin.top);
+      drawHorizontalGrid(drawing, yAxis, compact);
+      drawLabelBelow(drawing, plot.valueLabel);
+      const step = (drawing.right - margin.left) / stages.length;
+      const xOf = (index) => margin.left + (index + 0.5) * step;
+      stages.forEach((stage, index) => {
+        add(drawing.svg, 'text', {x: xOf(index), y: drawing.bottom + 18, 'text-anchor': 'middle'},
+            stage);
+      });
+      const targets = [];
+      curves.forEach((curve, number) => {
+        const color = palette[number % palette.length];
+        const onScreen = curve.values
+            .map((value, index) => ({value, index, x: xOf(index), y: yAxis.toPx(value)}))
+            .filter(({value}) => value > 0);
+        drawCurve(drawing, onScreen, color);
+        for (const {value, index, x, y} of onScreen) {
+          const mark = add(drawing.svg, 'circle', {cx: x, cy: y, r: 3.5, fill: color});
+          const lines = [`${stages[index]}, ${curve.label}`, `${exact(value)} ${plot.valueLabel}`];
+          targets.push({x, y, lines, mark});
+        }
+      });
+      return targets;
+    };
+    makeChart(box, draw, distanceTo);
+    addLegend(box, curves);
   }
 
   function histogramChart(box, histogram) {
@@ -251,6 +297,9 @@
 
   document.querySelectorAll('[data-plot]').forEach((box) => {
     plotChart(box, data.plots[box.dataset.plot], box.dataset.plot);
+  });
+  document.querySelectorAll('[data-stage-plot]').forEach((box) => {
+    stageChart(box, data.stagePlots[box.dataset.stagePlot]);
   });
   document.querySelectorAll('[data-histogram]').forEach((box) => {
     histogramChart(box, data.histograms[box.dataset.histogram]);

@@ -130,6 +130,18 @@ ReportTable LocalTable(const SolverSummary& solver) {
   return table;
 }
 
+ReportStagePlot ErrorPlot(const std::vector<Stage>& stages) {
+  ReportStagePlot plot{"Error by stage", "mm", {}, {{"pose", {}}, {"map", {}}}, ""};
+  for (const Stage& stage : stages) {
+    if (!stage.error) continue;
+    plot.stages.push_back(stage.name);
+    plot.series[0].values.push_back(kMmPerM * stage.error->mean_pose_error_m);
+    plot.series[1].values.push_back(kMmPerM * stage.error->mean_point_error_m);
+  }
+  plot.note = "Mean distance of poses and of map points from the truth, the axis logarithmic.";
+  return plot;
+}
+
 std::string ConflictText(const FreeSpaceConflict& conflict) {
   if (conflict.num_compared == 0) return "-";
   return FixedText(kPercent * conflict.Share(), 2) + " % of " +
@@ -180,6 +192,7 @@ void AddStages(const std::vector<Stage>& stages, HtmlReport* report) {
   report->figures.push_back(
       LastAndFirst("Wall thickness", thickness(last), thickness(first), first.name));
   report->figures.push_back(LastAndFirst("Map entropy", entropy(last), entropy(first), first.name));
+  if (first.error) report->stage_plots.push_back(ErrorPlot(stages));
   if (last.error && first.error) {
     report->figures.push_back(LastAndFirst("Pose error", Mm(last.error->mean_pose_error_m),
                                            Mm(first.error->mean_pose_error_m), first.name));

@@ -45,6 +45,7 @@ class HtmlReportTest : public testing::Test {
     report.tables = {{text, {text, text}, {{text, text}}, text}};
     report.texts = {{text, text}};
     report.plots = {{text, text, {{text, {{0.5, 1.0, 7.0}}}}, text}};
+    report.stage_plots = {{text, text, {text, text}, {{text, {7.0, 0.5}}}, text}};
     report.histograms = {{text, text, {0.0, 0.5}, {3, 4}, text}};
     report.durations = {{text, 1.5}};
     report.pictures = {{text, png_}};
@@ -81,6 +82,8 @@ TEST_F(HtmlReportTest, TextsCannotBecomeMarkup) {
   EXPECT_THAT(html, HasSubstr("data-name=\"" + EscapeHtml(kHostile) + "\""));
   EXPECT_EQ(DataOf(html)["plots"][0]["curves"][0]["label"], kHostile);
   EXPECT_EQ(DataOf(html)["histograms"][0]["xLabel"], kHostile);
+  EXPECT_EQ(DataOf(html)["stagePlots"][0]["stages"][1], kHostile);
+  EXPECT_EQ(DataOf(html)["stagePlots"][0]["curves"][0]["values"], nlohmann::json({7.0, 0.5}));
 }
 
 TEST_F(HtmlReportTest, HoldsItsPicturesAndAsksForNothing) {
@@ -170,6 +173,10 @@ TEST_F(HtmlReportTest, BadInputIsRefusedAndLeavesNoFile) {
   report = FullReport("a");
   report.histograms[0].counts.pop_back();
   ExpectRefused(report, StatusCode::kInvalidArgument, "histogram 'a'");
+  report = FullReport("a");
+  report.stage_plots[0].stages.pop_back();
+  ExpectRefused(report, StatusCode::kInvalidArgument,
+                "series 'a' of 'a' needs one value per stage");
   report = FullReport("a");
   report.maps[0].area.raster.pixel_m = 0.0;
   ExpectRefused(report, StatusCode::kInvalidArgument, "map 'a' has no place");
