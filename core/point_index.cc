@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <nanoflann.hpp>
 #include <utility>
@@ -11,10 +12,12 @@ namespace {
 
 using Neighbor = PointIndex::Neighbor;
 
-bool IsNearer(const Neighbor& a, const Neighbor& b) {
-  return a.squared_distance < b.squared_distance ||
-         (a.squared_distance == b.squared_distance && a.point < b.point);
-}
+struct IsNearer {
+  bool operator()(const Neighbor& a, const Neighbor& b) const {
+    return a.squared_distance < b.squared_distance ||
+           (a.squared_distance == b.squared_distance && a.point < b.point);
+  }
+};
 
 // The tree's view of the points. [m]
 struct FlatPoints {
@@ -31,41 +34,46 @@ struct FlatPoints {
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, FlatPoints>,
                                                  FlatPoints, 2, std::uint32_t>;
 
-// Collects what a search of the tree comes upon: a max-heap of at most `capacity` points that are
-// nearer than `limit`. The names of the members are what nanoflann asks for.
-class NeighborHeap {
+// Collects what a search of the tree comes upon: the `capacity` nearest points of those nearer than
+// `limit`. Up to twice as many wait until the farther half is dropped, which is cheaper than a heap.
+// The names of the members are what nanoflann asks for.
+class NearestPoints {
  public:
   using DistanceType = double;
 
-  NeighborHeap(std::size_t capacity, double limit, std::vector<Neighbor>* heap)
-      : capacity_(capacity), worst_(limit), heap_(*heap) {
-    heap_.clear();
+  NearestPoints(std::size_t capacity, double limit, std::vector<Neighbor>* found)
+      : capacity_(capacity), worst_(limit), found_(*found) {
+    found_.clear();
   }
 
-  std::size_t size() const { return heap_.size(); }
-  bool full() const { return heap_.size() == capacity_; }
+  std::size_t size() const { return found_.size(); }
+  bool full() const { return found_.size() >= capacity_; }
   double worstDist() const { return worst_; }
 
   bool addPoint(double squared_distance, std::uint32_t point) {
     // The tree compares with a value of worstDist() that may have grown old.
     if (!(squared_distance < worst_)) return true;
-    if (full()) {
-      std::pop_heap(heap_.begin(), heap_.end(), IsNearer);
-      heap_.back() = {squared_distance, point};
-    } else {
-      heap_.push_back({squared_distance, point});
-    }
-    std::push_heap(heap_.begin(), heap_.end(), IsNearer);
-    if (full()) worst_ = heap_.front().squared_distance;
+    found_.push_back({squared_distance, point});
+    if (found_.size() == 2 * capacity_) DropFarther();
     return true;
   }
 
-  void sort() { std::sort_heap(heap_.begin(), heap_.end(), IsNearer); }
+  void sort() {
+    if (found_.size() > capacity_) DropFarther();
+    std::sort(found_.begin(), found_.end(), IsNearer());
+  }
 
  private:
+  void DropFarther() {
+    const auto last = found_.begin() + static_cast<std::ptrdiff_t>(capacity_ - 1);
+    std::nth_element(found_.begin(), last, found_.end(), IsNearer());
+    worst_ = last->squared_distance;
+    found_.resize(capacity_);
+  }
+
   std::size_t capacity_;
   double worst_;
-  std::vector<Neighbor>& heap_;
+  std::vector<Neighbor>& found_;
 };
 
 }  // namespace
@@ -75,9 +83,9 @@ struct PointIndex::Impl {
 
   void Search(const Eigen::Vector2d& query, std::size_t capacity, double limit,
               std::vector<Neighbor>* neighbors) const {
-    NeighborHeap heap(capacity, limit, neighbors);
-    tree.findNeighbors(heap, query.data(), {});
-    heap.sort();
+    NearestPoints nearest(capacity, limit, neighbors);
+    tree.findNeighbors(nearest, query.data(), {});
+    nearest.sort();
   }
 
   FlatPoints points;
