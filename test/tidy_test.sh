@@ -1,22 +1,10 @@
 #!/usr/bin/env bash
 # Usage: tidy_test.sh CLANG_TIDY ROOT BUILD
-# clang-tidy over all sources that BUILD compiles. Nearly all of its time goes into the headers of
-# libraries, so that sources are joined into few units. What has a main function cannot be joined:
-# of these the ones are checked that the last commit or the working tree has changed.
+# clang-tidy over all sources that BUILD compiles, but over tests and over what has a main function
+# only if the last commit or the working tree has changed them. Nearly all of its time goes into
+# the headers of libraries, so it looks at the units of a unity build, and at one per layer of tests.
 set -euo pipefail
 tidy=$1 root=$2 build=$3
-
-# Folders whose sources make one unit, for their anonymous namespaces have no name in common. A
-# folder that is not listed makes a unit of its own; where names collide in it, change them.
-joined=(
-  "core factors"
-  "solvers solvers/interface solvers/acceptance solvers/terms solvers/association solvers/landmarks"
-  "solvers/front_end solvers/loop_closure"
-  "solvers/full solvers/reduced"
-  "apps/io apps/program apps/evaluation apps/convert"
-  "apps/figures apps/run"
-  "apps/pictures apps/simulation"
-)
 
 skip() {
   echo "SKIPPED: $1"
@@ -27,79 +15,73 @@ command -v "$tidy" >/dev/null || skip "clang-tidy-14 is not installed"
 cd "$root"
 work=$build/test/tidy
 rm -rf "$work"
-mkdir -p "$work"/{sources,tests}
-cp .clang-tidy "$work/sources"
+mkdir -p "$work"/{tests,alone}
+cp .clang-tidy "$work"
 cp test/.clang-tidy "$work/tests"
 commands=$build/compile_commands.json
+cmake -S . -B "$work/unity" -DPLUMBLINE_UNITY_BUILD=ON -DPLUMBLINE_BUILD_TESTS=OFF \
+  -DCMAKE_BUILD_TYPE=Release -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$work/configure.log"
 
-# All sources that are compiled, relative to the root; what has a main function apart.
-sed -nE "s|^ *\"file\": \"$root/(.*\.cc)\",?$|\1|p" "$commands" | grep -v "^${build#"$root/"}/" |
-  sort -u >"$work/all"
-xargs grep -lE '^int main\(|LLVMFuzzerTestOneInput' <"$work/all" >"$work/alone" || true
-grep -vxFf "$work/alone" "$work/all" >"$work/joinable"
-
-# add_unit NAME FOLDER...
-add_unit() {
-  local name=$1 folder file
-  shift
-  for folder in "$@"; do
-    grep -E "^$folder/[^/]+$" "$work/joinable" | while read -r file; do
-      echo "#include \"$root/$file\""
-    done
-  done >"$work/sources/$name.cc"
+# What the last change touched; everything where nothing is known of it.
+sources() { # of tests, and what has a main function
+  sed -nE "s|^ *\"file\": \"$root/(.*\.cc)\",?$|\1|p" "$commands" |
+    grep -E '^test/|_main\.cc$|^apps/examples/' | sort -u
 }
-listed=" ${joined[*]} "
-for i in "${!joined[@]}"; do
-  read -ra folders <<<"${joined[$i]}"
-  add_unit "joined$i" "${folders[@]}"
-done
-grep -v '^test/' "$work/joinable" | xargs dirname | sort -u | while read -r folder; do
-  [[ $listed == *" $folder "* ]] || add_unit "${folder//\//_}" "$folder"
-done
+if git rev-parse --quiet --verify HEAD~1 >/dev/null 2>&1; then
+  git diff --name-only --relative --diff-filter=d HEAD~1 >"$work/changed"
+  git ls-files --others --exclude-standard >>"$work/changed"
+else
+  sources >"$work/changed"
+fi
 
 # Tests are nothing but an anonymous namespace each, which gets a name of its own.
 number=0
 while read -r file; do
   layer=${file#test/}
+  layer=${layer%%/*}
+  grep -q "^test/$layer/" "$work/changed" || continue
   number=$((number + 1))
   {
     echo "#line 1 \"$root/$file\""
     sed "s/^namespace {\$/namespace unit_$number {/" "$file"
-  } >>"$work/tests/${layer%%/*}.cc"
-done < <(grep '^test/' "$work/joinable")
+  } >>"$work/tests/$layer.cc"
+done < <(sources | grep '_test\.cc$')
 
-# What the last change touched of the rest.
-if git rev-parse --quiet --verify HEAD~1 >/dev/null 2>&1; then
-  {
-    git diff --name-only --relative --diff-filter=d HEAD~1 -- '*.cc'
-    git ls-files --others --exclude-standard -- '*.cc'
-  } | grep -xFf - "$work/alone" | sed "s|^|$root/|" >"$work/changed" || true
-fi
-
-# All units see the definitions and the folders of headers of all sources, which do not contradict
-# one another. Those that are alone are compiled as they are, but clang reads no precompiled header
-# of gcc and knows none of its parameters.
+# Units of tests see the definitions and the folders of headers of all sources, which do not
+# contradict one another.
 flags=$(grep -oE ' (-D|-I|-isystem )[^ ]+' "$commands" | sort -u | tr -d '\n')
-mkdir "$work/alone_commands"
-sed -E 's/-Winvalid-pch|--param=[^ ]+|(-Xclang )?-include(-pch)? (-Xclang )?[^ ]+cmake_pch[^ ]+//g' \
-  "$commands" >"$work/alone_commands/compile_commands.json"
 {
   echo '['
   separator=''
-  for unit in "$work"/{sources,tests}/*.cc; do
+  while read -r unit; do
     printf '%s{"directory": "%s", "file": "%s", "command": "clang++ -std=c++17%s -c %s"}\n' \
       "$separator" "$work" "$unit" "$flags" "$unit"
     separator=,
-  done
+  done < <(find "$work/tests" -name '*.cc')
   echo ']'
-} >"$work/compile_commands.json"
+} >"$work/tests/compile_commands.json"
 
+# clang reads no precompiled header of gcc and knows none of its parameters.
+for_clang='s/-Winvalid-pch|--param=[^ ]+|(-Xclang )?-include(-pch)? (-Xclang )?[^ ]+cmake_pch[^ ]+//g'
+sed -Ei "$for_clang" "$work/unity/compile_commands.json"
+sed -E "$for_clang" "$commands" >"$work/alone/compile_commands.json"
+
+# The largest first, so that both processors are busy to the end. Texts that the build makes are no
+# sources.
+find "$work/tests" -name '*.cc' -exec ls -S {} + >"$work/test_units"
+find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + | xargs ls -S \
+  >"$work/source_units"
+sed -nE "s|^ *\"file\": \"($root/.*\.cc)\",?$|\1|p" "$work/unity/compile_commands.json" |
+  grep -vE "_main\.cc$|^$root/apps/examples/|^$work/" >>"$work/source_units"
+sources | grep -v '_test\.cc$' | grep -xFf "$work/changed" | sed "s|^|$root/|" >"$work/alone/units" ||
+  true
+
+# check UNITS COMMANDS
 check() {
   xargs --no-run-if-empty --max-procs=2 --max-args=1 "$tidy" --quiet \
-    --checks=-bugprone-suspicious-include --extra-arg-before=-std=c++17 -p "$1"
+    --checks=-bugprone-suspicious-include --extra-arg-before=-std=c++17 -p "$2" <"$1"
 }
-echo "$(wc -l <"$work/joinable") sources in $(ls "$work"/{sources,tests}/*.cc | wc -l) units," \
-  "$(wc -l <"$work/changed" 2>/dev/null || echo 0) alone"
-# The largest first, so that both processors are busy to the end.
-ls -S "$work"/{tests,sources}/*.cc | check "$work"
-if [[ -s $work/changed ]]; then check "$work/alone_commands" <"$work/changed"; fi
+cat "$work/test_units" "$work/source_units" "$work/alone/units"
+check "$work/test_units" "$work/tests"
+check "$work/source_units" "$work/unity"
+check "$work/alone/units" "$work/alone"

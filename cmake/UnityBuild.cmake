@@ -1,0 +1,34 @@
+# Most of the time of a compilation goes into the headers of libraries. A unity build compiles the
+# sources of a folder as one, and those of small folders together, which is quicker where everything
+# is built once. While developing it takes longer, and hides what a source forgets to include.
+option(PLUMBLINE_UNITY_BUILD "Compile the sources of a folder as one: quicker from scratch" OFF)
+
+# Folders of one target that make one unit, for their anonymous namespaces have no name in common. A
+# folder that is not listed makes a unit of its own; where names collide in it, change them.
+set(PLUMBLINE_UNITS
+  "core|factors"
+  "solvers|solvers/interface|solvers/acceptance|solvers/terms|solvers/association|solvers/landmarks"
+  "solvers/front_end|solvers/loop_closure"
+  "solvers/full|solvers/reduced"
+  "apps/io|apps/program"
+  "apps/figures|apps/convert")
+
+function(plumbline_unity target)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${source})
+    get_filename_component(folder ${folder} DIRECTORY)
+    set(unit ${folder})
+    foreach(candidate IN LISTS PLUMBLINE_UNITS)
+      if(folder MATCHES "^(${candidate})$")
+        set(unit ${candidate})
+      endif()
+    endforeach()
+    string(MAKE_C_IDENTIFIER ${unit} unit)
+    set_property(SOURCE ${source} PROPERTY UNITY_GROUP ${unit})
+  endforeach()
+  set_property(TARGET ${target} PROPERTY UNITY_BUILD_MODE GROUP)
+  if(PLUMBLINE_UNITY_BUILD)
+    set_property(TARGET ${target} PROPERTY UNITY_BUILD ON)
+  endif()
+endfunction()
