@@ -30,5 +30,7 @@ function(plumbline_unity target)
   set_property(TARGET ${target} PROPERTY UNITY_BUILD_MODE GROUP)
   if(PLUMBLINE_UNITY_BUILD)
     set_property(TARGET ${target} PROPERTY UNITY_BUILD ON)
+    # gcc takes what a unit includes for headers, where anonymous namespaces would be a mistake.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()

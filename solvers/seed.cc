@@ -11,6 +11,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/front_end/odometry_clock.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/front_end/surface_points.h"
@@ -26,6 +27,21 @@ std::vector<Pose2> OdometryOf(const SequentialTrajectory& trajectory, const Slam
     motions.push_back(corrected ? trajectory.odometry[step.to] : step.from_from_to);
   }
   return motions;
+}
+
+// Takes the errors that stay the same for the whole log out of the odometry.
+OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions& motion,
+                                    SequentialTrajectory* trajectory) {
+  const ClockOffset clock_offset = EstimateClockOffset(graph, *trajectory);
+  SequentialTrajectory in_time = *trajectory;
+  if (clock_offset.IsSignificant()) {
+    in_time.odometry = OdometryInTime(graph, in_time.odometry, clock_offset.value_s);
+  }
+  OdometryNoiseReport report = EstimateOdometryNoise(in_time, motion);
+  report.clock_offset = clock_offset;
+  for (Pose2& step : in_time.odometry) step = CorrectStep(step, report);
+  CorrectOdometry(std::move(in_time.odometry), motion, trajectory);
+  return report;
 }
 
 Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
@@ -50,8 +66,7 @@ Status SeedChecked(const SeedingOptions& options, const MotionOptions& motion,
   if (is_prediction) {
     report->odometry_noise = MeasurePredictionNoise(graph, trajectory.world_from_robot, motion);
   } else {
-    report->odometry_noise = EstimateOdometryNoise(trajectory, motion);
-    CorrectOdometry(report->odometry_noise, motion, &trajectory);
+    report->odometry_noise = MeasureOdometry(graph, motion, &trajectory);
   }
   PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
                                           pool, &trajectory, report));

@@ -25,7 +25,11 @@ Json SystematicJson(const SystematicError& error) {
 }
 
 Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
-  return {{"translation_scale", SystematicJson(noise.translation_scale)},
+  return {{"clock_offset_s",
+           {{"value", noise.clock_offset.value_s},
+            {"sigma", noise.clock_offset.sigma_s},
+            {"significant", noise.clock_offset.IsSignificant()}}},
+          {"translation_scale", SystematicJson(noise.translation_scale)},
           {"rotation_scale", SystematicJson(noise.rotation_scale)},
           {"heading_drift_rad_m", SystematicJson(noise.heading_drift_rad_m)},
           {"translation_m", RandomJson(noise.translation)},

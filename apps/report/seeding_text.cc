@@ -1,6 +1,7 @@
 #include "plumbline/apps/report/seeding_text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "plumbline/apps/report/format.h"
@@ -51,6 +52,13 @@ std::string FaultText(const SystematicError& error, double factor, const char* f
          "; its motions are corrected.\n";
 }
 
+std::string ClockText(const ClockOffset& offset) {
+  if (!offset.IsSignificant()) return "";
+  return Format("  The odometry is %.3f +- %.3f s ", std::abs(offset.value_s), offset.sigma_s) +
+         (offset.value_s > 0.0 ? "ahead of" : "behind") +
+         " the scans; its motions are corrected.\n";
+}
+
 std::string RandomText(const RandomError& error, double factor, const char* unit) {
   return Format("%.1f %s per root metre and %.1f %s per root radian",
                 factor * error.sigma_per_sqrt_m, unit, factor * error.sigma_per_sqrt_rad, unit);
@@ -64,6 +72,7 @@ std::string OdometryText(const OdometryNoiseReport& noise) {
         kMmPerM * noise.motion.translation_floor_m, RadToDeg(noise.motion.rotation_floor_rad));
   }
   std::string text =
+      ClockText(noise.clock_offset) +
       FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +
       FaultText(noise.rotation_scale, kPercent, "reads %+.2f +- %.2f %% in turns") +
       FaultText(noise.heading_drift_rad_m, RadToDeg(1.0), "turns by %+.3f +- %.3f deg per metre");

@@ -47,6 +47,12 @@ void Visit(Archive& archive, SequentialSeedingReport* report) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, ClockOffset* offset) {
+  auto& [value_s, sigma_s] = *offset;
+  archive(value_s, sigma_s);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, SystematicError* error) {
   auto& [value, sigma] = *error;
   archive(value, sigma);
@@ -66,10 +72,10 @@ void Visit(Archive& archive, MotionOptions* motion) {
 
 template <typename Archive>
 void Visit(Archive& archive, OdometryNoiseReport* report) {
-  auto& [translation_scale, rotation_scale, drift, translation, rotation, leaps, motion,
-         is_prediction] = *report;
-  archive(translation_scale, rotation_scale, drift, translation, rotation, leaps, motion,
-          is_prediction);
+  auto& [clock_offset, translation_scale, rotation_scale, drift, translation, rotation, leaps,
+         motion, is_prediction] = *report;
+  archive(clock_offset, translation_scale, rotation_scale, drift, translation, rotation, leaps,
+          motion, is_prediction);
 }
 
 template <typename Archive>
@@ -161,7 +167,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 5\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 6\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {

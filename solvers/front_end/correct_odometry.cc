@@ -9,15 +9,12 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
 
 namespace plumbline {
 
-void CorrectOdometry(const OdometryNoiseReport& noise, const MotionOptions& motion,
+void CorrectOdometry(std::vector<Pose2> corrected, const MotionOptions& motion,
                      SequentialTrajectory* trajectory) {
-  std::vector<Pose2> corrected = trajectory->odometry;
-  for (Pose2& step : corrected) step = CorrectStep(step, noise);
   const std::vector<Pose2>& poses = trajectory->world_from_robot;
   KeyframeGraph keys;
   keys.keyframes = trajectory->keyframes;

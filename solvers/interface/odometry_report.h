@@ -30,6 +30,16 @@ struct SystematicError {
   bool IsSignificant() const;
 };
 
+/// How far the clocks of odometry and laser are apart. The odometry that comes with a scan tells
+/// where the robot was this long after it: positive where the wheels are ahead.
+struct ClockOffset {
+  double value_s = 0.0;  ///< [s]
+  double sigma_s = 0.0;  ///< its standard deviation [s]; 0: unknown
+
+  /// Beyond four standard deviations and 10 ms, which is 5 mm for a robot at 0.5 m/s.
+  bool IsSignificant() const;
+};
+
 /// Growth of the random error of one quantity, forward motion [m] or turn [rad]. Errors of
 /// different steps are independent: after driving d metres and turning t radians (lengths, never
 /// negative) the variance is sigma_per_sqrt_m^2 d + sigma_per_sqrt_rad^2 t.
@@ -42,6 +52,7 @@ struct RandomError {
 
 /// What the scan matching says of the odometry, in the frame of the robot.
 struct OdometryNoiseReport {
+  ClockOffset clock_offset;             ///< the rest is of the odometry in time with the scans
   SystematicError translation_scale;    ///< [m per m]
   SystematicError rotation_scale;       ///< [rad per rad]
   SystematicError heading_drift_rad_m;  ///< turn per metre driven forward [rad/m]

@@ -40,9 +40,16 @@ OdometryNoiseReport ReadsAQuarterTooMuch() {
   return report;
 }
 
+std::vector<Pose2> Corrected(const SequentialTrajectory& trajectory,
+                             const OdometryNoiseReport& report) {
+  std::vector<Pose2> steps;
+  for (const Pose2& step : trajectory.odometry) steps.push_back(CorrectStep(step, report));
+  return steps;
+}
+
 TEST(CorrectOdometry, MendsACorridorThatTheOdometryStretched) {
   SequentialTrajectory trajectory = Drive(0.125, kCorridor);
-  CorrectOdometry(ReadsAQuarterTooMuch(), MotionOptions(), &trajectory);
+  CorrectOdometry(Corrected(trajectory, ReadsAQuarterTooMuch()), MotionOptions(), &trajectory);
   ASSERT_EQ(trajectory.world_from_robot.size(), kNumSteps + 1u);
   for (int pose = 0; pose <= kNumSteps; ++pose) {
     EXPECT_LT(DistanceM(trajectory.world_from_robot[pose], {2.0, 3.0 + 0.1 * pose, 0.0}), 1e-9);
@@ -55,7 +62,7 @@ TEST(CorrectOdometry, MendsACorridorThatTheOdometryStretched) {
 TEST(CorrectOdometry, LeavesWhatTheMatchesKnow) {
   const SequentialTrajectory before = Drive(0.125, kRoom);
   SequentialTrajectory trajectory = before;
-  CorrectOdometry(ReadsAQuarterTooMuch(), MotionOptions(), &trajectory);
+  CorrectOdometry(Corrected(trajectory, ReadsAQuarterTooMuch()), MotionOptions(), &trajectory);
   for (int pose = 0; pose <= kNumSteps; ++pose) {
     EXPECT_LT(DistanceM(trajectory.world_from_robot[pose], before.world_from_robot[pose]), 1e-3);
   }
@@ -67,7 +74,7 @@ TEST(CorrectOdometry, AnErrorThatMayBeChanceMovesNothing) {
   SequentialTrajectory trajectory = before;
   OdometryNoiseReport report;
   report.translation_scale = {0.25, 0.1};
-  CorrectOdometry(report, MotionOptions(), &trajectory);
+  CorrectOdometry(Corrected(trajectory, report), MotionOptions(), &trajectory);
   for (int pose = 0; pose <= kNumSteps; ++pose) {
     EXPECT_LT(DistanceM(trajectory.world_from_robot[pose], before.world_from_robot[pose]), 1e-12);
     EXPECT_EQ(trajectory.odometry[pose].x, before.odometry[pose].x);
@@ -79,7 +86,7 @@ TEST(CorrectOdometry, TurnsACorridorThatTheOdometryBent) {
   SequentialTrajectory trajectory = Drive(0.1, Eigen::Vector3d::Zero());
   OdometryNoiseReport report;
   report.heading_drift_rad_m = {0.01, 0.001};
-  CorrectOdometry(report, MotionOptions(), &trajectory);
+  CorrectOdometry(Corrected(trajectory, report), MotionOptions(), &trajectory);
   // An arc of 10 m to the right, 0.1 rad long: its end lies 10 m 0.1 / 2 to the right.
   EXPECT_NEAR(trajectory.world_from_robot.back().yaw, 0.5 * kPi - 0.1, 1e-6);
   EXPECT_NEAR(trajectory.world_from_robot.back().x, 2.0 + 0.5, 1e-3);

@@ -1,0 +1,108 @@
+#include "plumbline/solvers/front_end/odometry_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "plumbline/apps/simulation/noise_source.h"
+#include "plumbline/core/angle.h"
+
+namespace plumbline {
+namespace {
+
+constexpr double kPeriodS = 0.2;
+constexpr int kNumPoses = 1000;
+
+// Turns left and right at up to 0.6 rad/s, in waves that never repeat.
+double Winding(double time_s) {
+  return 0.4 * std::sin(0.9 * time_s) + 0.2 * std::sin(1.7 * time_s + 1.0);
+}
+double Straight(double) { return 0.0; }
+
+// A robot at 0.5 m/s from 2 s before the first scan to 2 s after the last one.
+class Drive {
+ public:
+  explicit Drive(const std::function<double(double)>& turn_rate) {
+    Pose2 pose;
+    for (double time_s = -2.0; time_s < kPeriodS * kNumPoses + 2.0; time_s += kTickS) {
+      poses_.push_back(pose);
+      pose = pose * Pose2(0.5 * kTickS, 0.0, turn_rate(time_s) * kTickS);
+    }
+  }
+  Pose2 At(double time_s) const { return poses_[std::lround((time_s + 2.0) / kTickS)]; }
+
+ private:
+  static constexpr double kTickS = 0.001;
+  std::vector<Pose2> poses_;
+};
+
+struct Recording {
+  SlamGraph graph;
+  SequentialTrajectory trajectory;
+};
+
+// The odometry that comes with a scan tells where the robot was `offset_s` after it.
+Recording Record(const Drive& drive, double offset_s, double noise_rad = 0.0,
+                 double period_s = kPeriodS) {
+  Recording recording;
+  NoiseSource noise(1, 0);
+  for (int i = 0; i < kNumPoses; ++i) {
+    const double time_s = kPeriodS * i;
+    int pose_id;
+    EXPECT_TRUE(recording.graph.AddPose(drive.At(time_s), period_s * i, &pose_id).ok());
+    recording.trajectory.world_from_robot.push_back(drive.At(time_s));
+    const double before_s = std::max(0.0, time_s - kPeriodS);
+    Pose2 step = Between(drive.At(before_s + offset_s), drive.At(time_s + offset_s));
+    step.yaw += noise_rad * noise.Gaussian();
+    recording.trajectory.odometry.push_back(step);
+  }
+  return recording;
+}
+
+TEST(OdometryClock, OffsetsOfPartsOfAStepAndOfSeveralAreFound) {
+  for (const double offset_s : {0.13, -0.07, 0.63, -0.9}) {
+    const Recording recording = Record(Drive(Winding), offset_s, 0.002);
+    const ClockOffset found = EstimateClockOffset(recording.graph, recording.trajectory);
+    EXPECT_TRUE(found.IsSignificant()) << offset_s;
+    EXPECT_NEAR(found.value_s, offset_s, 5.0 * found.sigma_s) << offset_s;
+    EXPECT_LT(found.sigma_s, 0.005) << offset_s;
+  }
+}
+
+TEST(OdometryClock, ConstantErrorsOfTheOdometryAreNoOffset) {
+  Recording recording = Record(Drive(Winding), 0.0, 0.002);
+  for (Pose2& step : recording.trajectory.odometry) step.yaw += 0.1 * step.yaw + 0.05 * step.x;
+  EXPECT_FALSE(EstimateClockOffset(recording.graph, recording.trajectory).IsSignificant());
+}
+
+TEST(OdometryClock, WithoutTurnsOrTimesNothingIsSaid) {
+  const Recording straight = Record(Drive(Straight), 0.3, 0.002);
+  EXPECT_FALSE(EstimateClockOffset(straight.graph, straight.trajectory).IsSignificant());
+  const Recording timeless = Record(Drive(Winding), 0.3, 0.002, 0.0);
+  EXPECT_FALSE(EstimateClockOffset(timeless.graph, timeless.trajectory).IsSignificant());
+  EXPECT_EQ(OdometryInTime(timeless.graph, {}, 0.3).size(), 0u);
+}
+
+TEST(OdometryClock, StepsInTimeAreThoseOfTheRobot) {
+  constexpr double kOffsetS = 0.13;
+  const Recording recording = Record(Drive(Winding), kOffsetS);
+  const std::vector<Pose2> steps =
+      OdometryInTime(recording.graph, recording.trajectory.odometry, kOffsetS);
+  ASSERT_EQ(steps.size(), static_cast<std::size_t>(kNumPoses));
+  double as_read_rad = 0.0, in_time_rad = 0.0;
+  for (int i = 2; i < kNumPoses; ++i) {
+    const std::vector<Pose2>& poses = recording.trajectory.world_from_robot;
+    const Pose2 step = Between(poses[i - 1], poses[i]);
+    EXPECT_NEAR(steps[i].x, step.x, 1e-3);
+    EXPECT_NEAR(steps[i].y, step.y, 1e-3);
+    as_read_rad += std::abs(NormalizeAngle(recording.trajectory.odometry[i].yaw - step.yaw));
+    in_time_rad += std::abs(NormalizeAngle(steps[i].yaw - step.yaw));
+  }
+  EXPECT_LT(in_time_rad, 0.1 * as_read_rad);
+}
+
+}  // namespace
+}  // namespace plumbline
