@@ -31,6 +31,7 @@ RunSummary MakeSummary() {
   suspect.broken = true;
   suspect.turned_rad = 0.25;
   suspect.num_closures_across = 2;
+  summary.mapping.seeding.odometry_noise.clock_offset = {-0.125, 0.002};
   summary.mapping.seeding.odometry_noise.rotation_scale = {0.03, 0.004};
   summary.mapping.seeding.odometry_noise.rotation = {true, 20, 0.0, 0.125};
   summary.mapping.seeding.consistency.between_passes = {200, 50};
@@ -100,6 +101,8 @@ TEST(RunSummaryTest, TellsHowTheSeedingWent) {
   EXPECT_EQ(suspect["closures_across"], 2);
   EXPECT_EQ(suspect["unresolved"], false);
   const Json& noise = seeding["odometry_noise"];
+  EXPECT_EQ(noise["clock_offset_s"]["value"], -0.125);
+  EXPECT_EQ(noise["clock_offset_s"]["significant"], true);
   EXPECT_EQ(noise["rotation_scale"]["value"], 0.03);
   EXPECT_EQ(noise["rotation_scale"]["significant"], true);
   EXPECT_EQ(noise["heading_drift_rad_m"]["significant"], false);
