@@ -15,7 +15,6 @@
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
-#include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
@@ -32,6 +31,7 @@
 #include "plumbline/apps/run/checkpoint.h"
 #include "plumbline/apps/run/flags.h"
 #include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/apps/run/pose_graph_input.h"
 #include "plumbline/apps/run/pose_graph_run.h"
 #include "plumbline/apps/run/progress.h"
 #include "plumbline/apps/run/refined_pose_graph.h"
@@ -45,7 +45,7 @@
 DEFINE_string(
     log, "",
     "Log to map (CARMEN, or bag of ROS 1 or ROS 2, file or folder), or pose graph to refine (g2o, "
-    "TORO); text plain or .gz");
+    "TORO, or a state of Cartographer, .pbstream); text plain or .gz");
 DEFINE_string(output_dir, "",
               "Folder for the results; made if it is not there, and for one run at a time");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");
@@ -120,7 +120,7 @@ class SlamRun {
 
   Status Run() {
     EndIfStoppedWhile("reading " + FLAGS_log);
-    if (IsPoseGraphFile(FLAGS_log)) return RefinePoseGraphFile();
+    if (IsPoseGraph(FLAGS_log)) return RefinePoseGraphFile();
     PLUMBLINE_RETURN_IF_ERROR(ReadLog());
     PLUMBLINE_RETURN_IF_ERROR(FindSeed());
     PLUMBLINE_RETURN_IF_ERROR(RecordStart());

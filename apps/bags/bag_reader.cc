@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "plumbline/apps/bags/bag_container.h"
-#include "plumbline/apps/bags/compressed_frames.h"
 #include "plumbline/apps/bags/open_bag.h"
 #include "plumbline/apps/bags/ros_message.h"
+#include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/field_reader.h"
 
 namespace plumbline {

@@ -11,8 +11,8 @@
 #include <streambuf>
 #include <utility>
 
-#include "plumbline/apps/bags/byte_reader.h"
-#include "plumbline/apps/bags/compressed_frames.h"
+#include "plumbline/apps/io/byte_reader.h"
+#include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/file_status.h"
 
 namespace plumbline {

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "plumbline/apps/bags/bag_metadata.h"
-#include "plumbline/apps/bags/compressed_frames.h"
 #include "plumbline/apps/bags/mcap_bag.h"
 #include "plumbline/apps/bags/ros1_bag.h"
 #include "plumbline/apps/bags/sqlite_bag.h"
+#include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 

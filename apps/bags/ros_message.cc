@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "plumbline/apps/bags/byte_reader.h"
+#include "plumbline/apps/io/byte_reader.h"
 
 namespace plumbline {
 namespace {

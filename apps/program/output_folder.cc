@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 // All that a run over a log or a pose graph may write, in the order in which it is to go.
-constexpr std::array<std::string_view, 20> kResults = {"summary.json",
+constexpr std::array<std::string_view, 21> kResults = {"summary.json",
                                                        "report.html",
                                                        "map_odometry.png",
                                                        "map_seed.png",
@@ -38,7 +38,8 @@ constexpr std::array<std::string_view, 20> kResults = {"summary.json",
                                                        "trajectory_seed.tum",
                                                        "trajectory.tum",
                                                        "graph.g2o",
-                                                       "graph.toro"};
+                                                       "graph.toro",
+                                                       "graph.pbstream"};
 
 bool IsResult(std::string_view name) {
   return std::find(kResults.begin(), kResults.end(), name) != kResults.end();

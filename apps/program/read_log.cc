@@ -13,6 +13,7 @@
 #include "plumbline/apps/io/ros_recording.h"
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/log_flags.h"
+#include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 
@@ -71,6 +72,10 @@ std::vector<std::string> LogFiles(const std::string& path) {
 Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph,
                         double max_bytes) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
+  if (IsCartographerState(path)) {
+    return Status::InvalidArgument(
+        path + ": a map that Cartographer has saved, and no log; plumbline_slam refines it");
+  }
   SlamGraph result;
   LogCounts result_counts;
   PLUMBLINE_RETURN_IF_ERROR(IsBag(path)

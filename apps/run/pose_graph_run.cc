@@ -9,8 +9,6 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/number_text.h"
-#include "plumbline/apps/io/pose_graph_file.h"
-#include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/program/implausible_readings.h"
@@ -21,6 +19,7 @@
 #include "plumbline/apps/report/seeding_text.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/apps/run/pose_graph_input.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
@@ -65,15 +64,18 @@ class PoseGraphRun {
   bool by_edges_only() const { return options_.solver.MovesPosesOnly(); }
 
   Status Read() {
-    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(options_.log, &file_, options_.max_memory));
+    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.max_memory, &file_));
     state_ = file_.graph.InitialState();
-    for (const std::string& fault : ImplausibleReadings(file_.graph)) {
-      std::cerr << "warning: " << Legible(options_.log) << ": " << fault << '\n';
+    std::vector<std::string> warnings = ImplausibleReadings(file_.graph);
+    warnings.insert(warnings.end(), file_.warnings.begin(), file_.warnings.end());
+    for (const std::string& warning : warnings) {
+      std::cerr << "warning: " << Legible(options_.log) << ": " << warning << '\n';
     }
-    std::cout << "Read " << Legible(options_.log) << " (" << ToString(file_.format)
+    std::cout << "Read " << Legible(options_.log) << " (" << file_.format
               << "): " << file_.graph.num_poses() << " poses, "
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
-              << " scans, " << file_.graph.num_returns() << " returns\n";
+              << " scans, " << file_.graph.num_returns() << " returns\n"
+              << file_.note;
     return Status::Ok();
   }
 
@@ -163,11 +165,11 @@ class PoseGraphRun {
   }
 
   Status WriteResults() {
-    const std::string graph_name = std::string("graph.") + ToString(file_.format);
-    PLUMBLINE_RETURN_IF_ERROR(
-        WriteTumTrajectory(output_.File("trajectory.tum"), TrajectoryOf(file_.graph, state_)));
-    PLUMBLINE_RETURN_IF_ERROR(
-        WritePoseGraphFile(output_.File(graph_name), file_.format, file_, state_.poses));
+    const std::string graph_name = "graph." + file_.format;
+    std::vector<TimedPose> trajectory = TrajectoryOf(file_.graph, state_);
+    trajectory.resize(file_.num_robot_poses);
+    PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output_.File("trajectory.tum"), trajectory));
+    PLUMBLINE_RETURN_IF_ERROR(file_.write(output_.File(graph_name), state_.poses));
     if (has_scans()) {
       PLUMBLINE_RETURN_IF_ERROR(WriteMap());
       PrintMap();
@@ -255,7 +257,7 @@ class PoseGraphRun {
 
   Status WriteSummary() const {
     Json json = {{"log", options_.log},
-                 {"format", ToString(file_.format)},
+                 {"format", file_.format},
                  {"poses", file_.graph.num_poses()},
                  {"fixed_poses", file_.graph.fixed_poses().size()},
                  {"edges", file_.graph.relative_poses().size()},
@@ -322,7 +324,7 @@ class PoseGraphRun {
   const PoseGraphRunOptions& options_;
   ThreadPool pool_;
   OutputFolder output_;
-  PoseGraphFile file_;  // its graph's initial guesses are the given poses
+  PoseGraphInput file_;  // its graph's initial guesses are the given poses
   MapState state_;
   bool joint_starts_as_given_ = false;
   PoseGraphSummary edges_summary_;

@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_BAGS_BYTE_READER_H_
-#define PLUMBLINE_APPS_BAGS_BYTE_READER_H_
+#ifndef PLUMBLINE_APPS_IO_BYTE_READER_H_
+#define PLUMBLINE_APPS_IO_BYTE_READER_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -50,4 +50,4 @@ class ByteReader {
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_BAGS_BYTE_READER_H_
+#endif  // PLUMBLINE_APPS_IO_BYTE_READER_H_

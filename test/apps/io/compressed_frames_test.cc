@@ -1,4 +1,4 @@
-#include "plumbline/apps/bags/compressed_frames.h"
+#include "plumbline/apps/io/compressed_frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,12 @@
-#include "plumbline/apps/bags/compressed_frames.h"
+#include "plumbline/apps/io/compressed_frames.h"
 
 #include <lz4frame.h>
+#include <zlib.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <memory>
+#include <new>
 #include <utility>
 #include <vector>
 
@@ -67,6 +70,52 @@ class ZstdExpander {
   std::unique_ptr<ZSTD_DStream, Free> context_{ZSTD_createDStream()};
 };
 
+// The widest window of zlib, in frames of gzip and no others.
+constexpr int kGzipWindow = MAX_WBITS + 16;
+
+// zlib does not write there.
+Bytef* InputOf(std::string_view bytes) {
+  return reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+}
+
+class GzipExpander {
+ public:
+  GzipExpander() {
+    auto stream = std::make_unique<z_stream>();
+    if (inflateInit2(stream.get(), kGzipWindow) == Z_OK) stream_.reset(stream.release());
+  }
+
+  bool ok() const { return stream_ != nullptr; }
+
+  Step Expand(std::string_view in, std::vector<char>* out) {
+    if (at_end_) inflateReset(stream_.get());
+    constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // of the sizes of zlib
+    const auto num_in = static_cast<uInt>(std::min(in.size(), kMostAtOnce));
+    stream_->next_in = InputOf(in);
+    stream_->avail_in = num_in;
+    stream_->next_out = reinterpret_cast<Bytef*>(out->data());
+    stream_->avail_out = static_cast<uInt>(out->size());
+    const int code = inflate(stream_.get(), Z_NO_FLUSH);
+    at_end_ = code == Z_STREAM_END;
+    Step step{num_in - stream_->avail_in, out->size() - stream_->avail_out, at_end_, nullptr};
+    // With Z_BUF_ERROR there was nothing to do.
+    if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR) {
+      step.fault = stream_->msg != nullptr ? stream_->msg : zError(code);
+    }
+    return step;
+  }
+
+ private:
+  struct Free {
+    void operator()(z_stream* stream) const {
+      inflateEnd(stream);
+      delete stream;
+    }
+  };
+  std::unique_ptr<z_stream, Free> stream_;
+  bool at_end_ = false;
+};
+
 template <typename Expander>
 Status ExpandWith(Expander expander, const std::function<std::string_view()>& next_block,
                   std::size_t max_size, std::string* expanded) {
@@ -105,14 +154,39 @@ bool StartsWithZstdFrame(std::string_view bytes) {
 
 Status ExpandFrames(FrameFormat format, const std::function<std::string_view()>& next_block,
                     std::size_t max_size, std::string* expanded) {
-  return format == FrameFormat::kLz4 ? ExpandWith(Lz4Expander(), next_block, max_size, expanded)
-                                     : ExpandWith(ZstdExpander(), next_block, max_size, expanded);
+  switch (format) {
+    case FrameFormat::kLz4:
+      return ExpandWith(Lz4Expander(), next_block, max_size, expanded);
+    case FrameFormat::kZstd:
+      return ExpandWith(ZstdExpander(), next_block, max_size, expanded);
+    case FrameFormat::kGzip:
+      break;
+  }
+  return ExpandWith(GzipExpander(), next_block, max_size, expanded);
 }
 
 Status ExpandFrames(FrameFormat format, std::string_view frames, std::size_t max_size,
                     std::string* expanded) {
   return ExpandFrames(
       format, [&frames] { return std::exchange(frames, {}); }, max_size, expanded);
+}
+
+std::string GzipFrame(std::string_view bytes) {
+  z_stream stream{};
+  constexpr int kMemoryLevel = 8;  // zlib's default
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzipWindow, kMemoryLevel,
+                   Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw std::bad_alloc();
+  }
+  std::string frame(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = InputOf(bytes);
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(frame.data());
+  stream.avail_out = static_cast<uInt>(frame.size());
+  deflate(&stream, Z_FINISH);
+  frame.resize(stream.total_out);
+  deflateEnd(&stream);
+  return frame;
 }
 
 }  // namespace plumbline
