@@ -43,18 +43,16 @@ void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const M
   cairo_surface_mark_dirty(surface);
 }
 
-/// The path from scan to scan in the current colour, its start as a green dot.
-void DrawTrajectory(const SlamGraph& graph, const MapState& state, const MapRaster& raster,
-                    cairo_t* context) {
-  if (graph.num_scans() == 0) return;
+/// The path in the current colour, its start as a green dot.
+void DrawTrajectory(const MapState& state, const MapRaster& raster, cairo_t* context) {
   cairo_set_line_width(context, 1.5);
   cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    const Pose2 robot = state.WorldFromRobot(graph.scan(scan).pose);
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    const Pose2 robot = state.WorldFromRobot(pose);
     cairo_line_to(context, raster.Column(robot.x), raster.Row(robot.y));
   }
   cairo_stroke(context);
-  const Pose2 start = state.WorldFromRobot(graph.scan(0).pose);
+  const Pose2 start = state.WorldFromRobot(0);
   cairo_arc(context, raster.Column(start.x), raster.Row(start.y), 6.0, 0.0, 2.0 * kPi);
   cairo_set_source_rgb(context, 0.1, 0.6, 0.2);
   cairo_fill(context);
@@ -69,7 +67,7 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
 }
 
 /// The lines and marks on the map area, which cuts them off.
-void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<MapOverlay>& overlays,
+void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
              const MapRaster& raster, int left, cairo_t* context) {
   cairo_translate(context, left, kTitlePx);
   cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
@@ -79,7 +77,7 @@ void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<Ma
   } else {
     cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
   }
-  DrawTrajectory(graph, state, raster, context);
+  DrawTrajectory(state, raster, context);
   for (const MapOverlay& overlay : overlays) DrawOverlay(overlay, raster, context);
 }
 
@@ -147,7 +145,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
-  DrawMap(graph, state, options.overlays, raster, map_left, context.get());
+  DrawMap(state, options.overlays, raster, map_left, context.get());
 
   PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
   if (area != nullptr) *area = {raster, map_left, kTitlePx};

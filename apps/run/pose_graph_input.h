@@ -14,7 +14,8 @@ namespace plumbline {
 struct PoseGraphInput {
   std::string format;  ///< also the extension of its files
   SlamGraph graph;     ///< at the given poses
-  /// The first poses of the graph are the robot's; others are frames of the other system's.
+  /// The first poses of the graph are the robot's; others are frames of the other system, without
+  /// scans.
   int num_robot_poses = 0;
   /// Writes the same file with other poses, as MapState::poses.
   std::function<Status(const std::string& path, const std::vector<double>& poses)> write;

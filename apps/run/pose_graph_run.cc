@@ -166,9 +166,8 @@ class PoseGraphRun {
 
   Status WriteResults() {
     const std::string graph_name = "graph." + file_.format;
-    std::vector<TimedPose> trajectory = TrajectoryOf(file_.graph, state_);
-    trajectory.resize(file_.num_robot_poses);
-    PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output_.File("trajectory.tum"), trajectory));
+    PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output_.File("trajectory.tum"),
+                                                 TrajectoryOf(file_.graph, RobotState())));
     PLUMBLINE_RETURN_IF_ERROR(file_.write(output_.File(graph_name), state_.poses));
     if (has_scans()) {
       PLUMBLINE_RETURN_IF_ERROR(WriteMap());
@@ -208,9 +207,11 @@ class PoseGraphRun {
 
   Status WriteMap() {
     maps_.push_back({"refined", output_.File("map_refined.png"), MapArea()});
+    const MapState robot = RobotState();
+    const std::vector<double> given_poses = RobotPoses(file_.graph.initial_poses());
     const RefinedMap map{&file_.graph,
-                         &state_,
-                         &file_.graph.initial_poses(),
+                         &robot,
+                         &given_poses,
                          "as given",
                          refined_consistency_ ? &*refined_consistency_ : nullptr,
                          &maps_.back().area,
@@ -221,6 +222,12 @@ class PoseGraphRun {
     return Status::Ok();
   }
 
+  // Without the frames of the other system, which have no scans and are no places of the robot.
+  std::vector<double> RobotPoses(const std::vector<double>& poses) const {
+    return {poses.begin(), poses.begin() + 3 * file_.num_robot_poses};
+  }
+  MapState RobotState() const { return {RobotPoses(state_.poses), state_.points}; }
+
   // What a stage's map looks like and how good it is; nothing without scans.
   Status RecordMap(const std::string& stage, const std::string& picture) {
     if (!has_scans()) return Status::Ok();
@@ -229,7 +236,8 @@ class PoseGraphRun {
     options.title = stage;
     options.max_side_px = options_.outputs.picture_side_px;
     maps_.push_back({stage, output_.File(picture), MapArea()});
-    return WriteMapPicture(output_.File(picture), file_.graph, state_, options, &maps_.back().area);
+    return WriteMapPicture(output_.File(picture), file_.graph, RobotState(), options,
+                           &maps_.back().area);
   }
 
   void AddStage(const std::string& name, const MapState& state) {

@@ -384,4 +384,9 @@ Status ReadCartographerState(const std::string& path, CartographerState* state, 
   return Parser(path, std::move(content), memory).Parse(state);
 }
 
+Status ParseCartographerState(const std::string& path, std::string content,
+                              CartographerState* state) {
+  return Parser(path, std::move(content), MemoryLimit(0.0)).Parse(state);
+}
+
 }  // namespace plumbline

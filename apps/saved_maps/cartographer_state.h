@@ -67,6 +67,10 @@ bool IsCartographerState(const std::string& path);
 Status ReadCartographerState(const std::string& path, CartographerState* state,
                              double max_bytes = 0.0);
 
+/// The same for what such a file holds.
+Status ParseCartographerState(const std::string& path, std::string content,
+                              CartographerState* state);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_SAVED_MAPS_CARTOGRAPHER_STATE_H_

@@ -73,23 +73,28 @@ std::size_t CountNodes(std::string_view pose_graph) {
 
 }  // namespace
 
-Status WriteCartographerState(const std::string& path, const std::string& content,
-                              const std::vector<double>& poses) {
+void WriteCartographerState(const std::string& content, const std::vector<double>& poses,
+                            std::ostream* stream) {
   constexpr std::uint64_t kPoseGraph = 1, kTrajectory = 4;
-  CartographerStream stream(path, content);
-  stream.Next();
-  const std::string_view header(content.data(), content.size() - stream.rest().size());
-  stream.Next();
+  CartographerStream messages("", content);
+  messages.Next();
+  const std::string_view header(content.data(), content.size() - messages.rest().size());
+  messages.Next();
   const std::string moved =
-      Rewrite(stream.message(), kPoseGraph, [&poses](std::string_view pose_graph) {
+      Rewrite(messages.message(), kPoseGraph, [&poses](std::string_view pose_graph) {
         PoseMover mover(poses, CountNodes(pose_graph));
         return Rewrite(pose_graph, kTrajectory, [&mover](std::string_view trajectory) {
           return mover.MoveTrajectory(trajectory);
         });
       });
+  *stream << header << CartographerMessage(moved) << messages.rest();
+}
+
+Status WriteCartographerState(const std::string& path, const std::string& content,
+                              const std::vector<double>& poses) {
   AtomicFile output;
   PLUMBLINE_RETURN_IF_ERROR(output.Open(path));
-  output.stream() << header << CartographerMessage(moved) << stream.rest();
+  WriteCartographerState(content, poses, &output.stream());
   return output.Commit();
 }
 

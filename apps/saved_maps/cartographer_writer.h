@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_SAVED_MAPS_CARTOGRAPHER_WRITER_H_
 #define PLUMBLINE_APPS_SAVED_MAPS_CARTOGRAPHER_WRITER_H_
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,10 @@ namespace plumbline {
 /// other poses of its nodes and submaps: as MapState::poses, in the order of BuildGraph. Height and
 /// tilt of the poses stay, and so does all else, byte by byte: point clouds, grids, constraints,
 /// poses of landmarks, sensor data. A pose that is the one in the file stays as it is written.
-/// Unavailable if the file cannot be written.
+void WriteCartographerState(const std::string& content, const std::vector<double>& poses,
+                            std::ostream* stream);
+
+/// The same to a file. Unavailable if it cannot be written.
 Status WriteCartographerState(const std::string& path, const std::string& content,
                               const std::vector<double>& poses);
 

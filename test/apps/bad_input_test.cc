@@ -160,6 +160,14 @@ TEST_F(BadInputTest, PoseGraphsToConvert) {
   ExpectRefusedAsWell("pose_graph", "convert", "--input=IN --output=OUTa.toro,OUTa.tum");
 }
 
+TEST_F(BadInputTest, SavedMapsToRefine) {
+  ExpectAsWritten("cartographer", "slam", "--log=IN --output_dir=OUTout --picture_side_px=200");
+}
+
+TEST_F(BadInputTest, SavedMapsToConvert) {
+  ExpectRefusedAsWell("cartographer", "convert", "--input=IN --output=OUTa.g2o");
+}
+
 TEST_F(BadInputTest, Worlds) {
   ExpectAsWritten("world", "simulate", "--world=IN --log=OUTa.clf --truth=OUTa.tum --num_beams=5");
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "plumbline/test/apps/bags/bag_testing.h"
+#include "plumbline/test/apps/io/gzip_bytes.h"
 
 namespace plumbline {
 namespace {
@@ -11,7 +12,15 @@ namespace {
 using testing::HasSubstr;
 
 std::string Compress(FrameFormat format, const std::string& bytes) {
-  return format == FrameFormat::kLz4 ? Lz4Bytes(bytes) : ZstdBytes(bytes);
+  switch (format) {
+    case FrameFormat::kLz4:
+      return Lz4Bytes(bytes);
+    case FrameFormat::kZstd:
+      return ZstdBytes(bytes);
+    case FrameFormat::kGzip:
+      break;
+  }
+  return GzipBytes(bytes);
 }
 
 class CompressedFramesTest : public testing::TestWithParam<FrameFormat> {
@@ -73,7 +82,20 @@ TEST_P(CompressedFramesTest, StopsAtTheLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, CompressedFramesTest,
-                         testing::Values(FrameFormat::kLz4, FrameFormat::kZstd));
+                         testing::Values(FrameFormat::kLz4, FrameFormat::kZstd,
+                                         FrameFormat::kGzip));
+
+TEST(GzipFrameTest, WhatIsWrittenCanBeRead) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1000000}}) {
+    std::string bytes, expanded;
+    for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(i * i % 251);
+    const std::string frame = GzipFrame(bytes);
+    ASSERT_TRUE(ExpandFrames(FrameFormat::kGzip, frame, size, &expanded).ok());
+    EXPECT_EQ(expanded, bytes);
+    EXPECT_LT(frame.size(), size / 2 + 100);
+    EXPECT_EQ(GzipFrame(bytes), frame);
+  }
+}
 
 TEST(ZstdFrameTest, FramesOfZstdAreToldByTheirStart) {
   EXPECT_TRUE(StartsWithZstdFrame(ZstdBytes("a")));
