@@ -433,10 +433,8 @@ int main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   plumbline::ParseCommandLine(
-      "Maps a raw log (CARMEN, or bag of ROS 1 or ROS 2), or refines a pose graph: joint "
-      "estimation of all poses "
-      "and all laser "
-      "returns.\n\n"
+      "Maps a raw log (CARMEN, or bag of ROS 1 or ROS 2), or refines a pose graph or a saved map: "
+      "joint estimation of all poses and all laser returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",

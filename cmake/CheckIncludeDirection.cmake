@@ -10,7 +10,8 @@ set(LIBRARY_FOLDERS core factors solvers)
 # library, and the main files of the programs.
 set(ROOMS_solvers interface pose_graph front_end loop_closure association terms landmarks acceptance
     full reduced .)
-set(ROOMS_apps io bags saved_maps simulation program evaluation pictures figures report run convert benchmark .)
+set(ROOMS_apps io bags saved_maps simulation program evaluation pictures figures report run convert
+    benchmark .)
 set(MAX_LINES_h 250)
 set(MAX_LINES_cc 600)
 

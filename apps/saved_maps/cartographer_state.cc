@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <string_view>
 #include <system_error>
@@ -52,7 +51,7 @@ bool ReadId(std::string_view message, CartographerId* id) {
 // place in the block, ten bits a coordinate. False if the numbers do not add up, or beyond the
 // 8.4 km that Cartographer allows.
 bool ReadPoints(std::string_view message, std::vector<Eigen::Vector2i>* points_mm) {
-  constexpr int kBlockBits = 10, kMaxBlock = 1 << 13;
+  constexpr int kBlockMm = 1024, kMaxBlock = 1 << 13;
   std::int32_t num_points = 0;
   std::vector<std::int32_t> data;
   ProtoReader fields(message);
@@ -73,10 +72,9 @@ bool ReadPoints(std::string_view message, std::vector<Eigen::Vector2i>* points_m
     const std::size_t end = i + 4 + static_cast<std::size_t>(data[i]);
     for (i += 4; i < end; ++i) {
       const auto in_block = static_cast<std::uint32_t>(data[i]);
-      constexpr std::uint32_t kMask = (1u << kBlockBits) - 1;
-      points_mm->emplace_back(
-          (block.x() << kBlockBits) + static_cast<int>(in_block & kMask),
-          (block.y() << kBlockBits) + static_cast<int>(in_block >> kBlockBits & kMask));
+      const auto x = static_cast<int>(in_block % kBlockMm);
+      const auto y = static_cast<int>(in_block / kBlockMm % kBlockMm);
+      points_mm->emplace_back(kBlockMm * block.x() + x, kBlockMm * block.y() + y);
     }
   }
   return static_cast<std::int64_t>(points_mm->size()) == num_points;
@@ -356,14 +354,18 @@ class Parser {
 
 Status ReadContent(const std::string& path, MemoryLimit* memory, std::string* content) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
-  std::error_code ignored;
-  const std::uintmax_t size = std::filesystem::file_size(path, ignored);
-  if (!ignored) PLUMBLINE_RETURN_IF_ERROR(memory->Keep(size, path, 1));
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return ReadError("open", path, error.value());
+  PLUMBLINE_RETURN_IF_ERROR(memory->Keep(size, path, 1));
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return ReadError("open", path, errno);
-  content->assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  return file.bad() ? ReadError("read", path, errno) : Status::Ok();
+  content->resize(size);
+  if (!file.read(content->data(), static_cast<std::streamsize>(size))) {
+    return ReadError("read", path, errno);
+  }
+  return Status::Ok();
 }
 
 }  // namespace

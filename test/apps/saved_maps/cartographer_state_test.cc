@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <sstream>
 #include <vector>
 
@@ -150,6 +151,8 @@ TEST_F(CartographerStateTest, IsToldByItsStartOrItsName) {
   WriteFile(other, kPbMagic.substr(1));
   EXPECT_FALSE(IsCartographerState(other));
   EXPECT_EQ(ReadCartographerState(path_, &state_).code(), StatusCode::kNotFound);
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(ReadCartographerState(path_, &state_).message(), HasSubstr(path_ + "': Is a direct"));
 }
 
 // Also a cut between two messages. Only the sensor data at the end are not missed.
