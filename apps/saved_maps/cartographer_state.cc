@@ -33,8 +33,8 @@ std::string NameOf(const char* kind, const CartographerId& id) {
 double UnixTime(std::int64_t ticks) {
   constexpr std::int64_t kTicksPerSecond = 10000000;
   constexpr std::int64_t kUnixEpochS = std::int64_t{719162} * 24 * 60 * 60;
-  return static_cast<double>(ticks / kTicksPerSecond - kUnixEpochS) +
-         1e-7 * static_cast<double>(ticks % kTicksPerSecond);
+  const std::int64_t seconds = ticks / kTicksPerSecond - kUnixEpochS;
+  return static_cast<double>(seconds) + 1e-7 * static_cast<double>(ticks % kTicksPerSecond);
 }
 
 // The messages SubmapId and NodeId.
