@@ -13,7 +13,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kBlockSize = std::size_t{1} << 17;
+constexpr std::size_t kFrameBlockSize = std::size_t{1} << 17;
 constexpr std::size_t kLargeSize = std::size_t{1} << 26;
 
 // One call of a library: what it took and gave, and whether a frame has ended with it.
@@ -121,7 +121,7 @@ Status ExpandWith(Expander expander, const std::function<std::string_view()>& ne
                   std::size_t max_size, std::string* expanded) {
   if (!expander.ok()) return Status::Unavailable("no memory to decompress with");
   expanded->clear();
-  std::vector<char> out(kBlockSize);
+  std::vector<char> out(kFrameBlockSize);
   bool at_end = true;
   for (std::string_view block = next_block(); !block.empty(); block = next_block()) {
     // After the last byte of a block, there may be more to come out of what went in.

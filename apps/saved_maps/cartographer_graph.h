@@ -20,7 +20,7 @@ struct CartographerGraphNotes {
 /// Makes a graph of a state. Its poses are those of the nodes' tracking frames, in the order of the
 /// state, and behind them those of the submaps, which have no scans.
 ///
-/// Each point of a node is a return, kept to the last bit, of a laser in the origin of the tracking
+/// Each point of a node is a return, kept up to rounding, of a laser in the origin of the tracking
 /// frame: the file does not say where the lasers were. Its beams, which tell what returns are
 /// neighbours, are as far apart as three quarters of the points are from the next by their
 /// bearings.
