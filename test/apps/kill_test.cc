@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/core/seconds_since.h"
 #include "plumbline/test/apps/program_testing.h"
 #include "plumbline/test/apps/running_program.h"
 #include "plumbline/test/apps/whole_files.h"
@@ -38,11 +38,12 @@ class KillTest : public ProgramTest {
             "--max_scans=" + std::to_string(max_scans)};
   }
 
+  // Time of a whole run [s].
   double SecondsOfARun() const {
     const auto start = Clock::now();
     RunningProgram run(Command(40), folder_ + "stdout");
     EXPECT_EQ(run.Wait(), 0);
-    return std::chrono::duration<double>(Clock::now() - start).count();
+    return SecondsSince(start);
   }
 
   // Returns how many half-written files there are, under names that say so.
@@ -74,23 +75,27 @@ class KillTest : public ProgramTest {
 
 TEST_F(KillTest, WhatIsThereIsWhole) {
   SimulateLog(40);
-  const double run_s = SecondsOfARun();
+  // Of the last run that came to its end. Other work on the machine comes and goes: the time of a
+  // single one says little about the others.
+  double run_s = SecondsOfARun();
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> delay_s(0.0, 1.05 * run_s);
-  int num_killed = 0, num_sets = 0, num_temporary = 0;
-  for (int i = 0; i < NumKills() && !HasFailure(); ++i) {
-    RunningProgram run(Command(i % 2 == 0 ? 40 : 30), folder_ + "stdout");
-    std::this_thread::sleep_for(std::chrono::duration<double>(delay_s(random)));
+  std::uniform_real_distribution<double> share_of_run(0.0, 1.05);
+  int num_runs = 0, num_sets = 0, num_temporary = 0;
+  for (int num_killed = 0; num_killed < NumKills() && !HasFailure(); ++num_runs) {
+    const auto start = Clock::now();
+    RunningProgram run(Command(num_runs % 2 == 0 ? 40 : 30), folder_ + "stdout");
+    if (run.EndsWithin(share_of_run(random) * run_s)) run_s = SecondsSince(start);
     run.Send(SIGKILL);
-    if (run.Wait() != 0) ++num_killed;
+    const int code = run.Wait();
+    if (code != 0) ++num_killed;
+    EXPECT_TRUE(code == 0 || code == 1000 + SIGKILL) << code << ReadFile(folder_ + "stdout");
     num_temporary = std::max(num_temporary, CheckFolder());
     if (!std::filesystem::exists(folder_ + "out/summary.json")) continue;
     ++num_sets;
     CheckSet();
   }
-  std::cout << num_killed << " runs killed, " << num_sets << " times a whole set was there, up to "
-            << num_temporary << " half-written files\n";
-  EXPECT_GT(num_killed, NumKills() / 2);
+  std::cout << num_runs << " runs, " << NumKills() << " of them killed, " << num_sets
+            << " times a whole set was there, up to " << num_temporary << " half-written files\n";
   // The next run clears up.
   RunningProgram run(Command(40), folder_ + "stdout");
   ASSERT_EQ(run.Wait(), 0);

@@ -48,10 +48,19 @@ class RunningProgram {
   bool Prints(const std::string& text) const {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
     while (std::chrono::steady_clock::now() < end) {
-      siginfo_t info{};
-      waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT);
+      const bool has_ended = HasEnded();
       if (ReadFile(output_).find(text) != std::string::npos) return true;
-      if (info.si_pid == process_) return false;
+      if (has_ended) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+
+  /// Whether the program ends before a time passes [s].
+  bool EndsWithin(double time_s) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_s);
+    while (std::chrono::steady_clock::now() < end) {
+      if (HasEnded()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
@@ -83,6 +92,12 @@ class RunningProgram {
   }
 
  private:
+  bool HasEnded() const {
+    siginfo_t info{};
+    waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT);
+    return info.si_pid == process_;
+  }
+
   std::string output_;
   pid_t process_ = 0;
 };
