@@ -32,6 +32,7 @@
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/read_log.h"
+#include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/run/flags.h"
@@ -493,9 +494,14 @@ Status CheckInputFiles() {
 Status Run() {
   std::vector<const Experiment*> wanted;
   PLUMBLINE_RETURN_IF_ERROR(FindExperiments(&wanted));
+  EndIfStoppedWhile("reading the inputs");
   PLUMBLINE_RETURN_IF_ERROR(CheckInputFiles());
   OutputFolder output(FLAGS_output_dir);
-  if (!FLAGS_output_dir.empty()) PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  if (!FLAGS_output_dir.empty()) {
+    KeepStopSignal();
+    PLUMBLINE_RETURN_IF_ERROR(output.Make());
+  }
+  EndIfStoppedWhileWriting(output.made_folders());
   HtmlReport page;
   page.title = "Experiments: " + FLAGS_experiment;
   page.subtitle = FLAGS_log;
@@ -511,9 +517,8 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
-  plumbline::ParseCommandLine(
+  plumbline::StartProgram(
       "Runs an experiment and sums up what came of it.\n\n"
       "  seeding_study      right maps and alarms over many simulated drives, most of them with a "
       "fault\n"
@@ -542,5 +547,6 @@ int main(int argc, char** argv) {
       "  plumbline_benchmark --experiment=adversarial --seeds=5 --csv=adversarial.csv\n"
       "  plumbline_benchmark --experiment=sensors --output_dir=out",
       argc, argv);
+  google::InitGoogleLogging(argv[0]);
   return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

@@ -10,6 +10,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/read_log.h"
+#include "plumbline/apps/program/stop_signal.h"
 
 DEFINE_string(
     input, "",
@@ -87,6 +88,7 @@ Status CheckFlags() {
 Status Run() {
   ConvertOptions options;
   PLUMBLINE_RETURN_IF_ERROR(OptionsFromFlags(&options));
+  EndIfStoppedWhile("reading " + options.input);
   ConversionReport report;
   PLUMBLINE_RETURN_IF_ERROR(Convert(options, &report));
   std::cout << "Read " << Legible(options.input) << ": " << report.num_poses << " poses, "
@@ -109,6 +111,6 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  plumbline::ParseCommandLine(plumbline::kUsage, argc, argv);
+  plumbline::StartProgram(plumbline::kUsage, argc, argv);
   return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

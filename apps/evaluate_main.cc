@@ -9,6 +9,7 @@
 #include "plumbline/apps/evaluation/evaluation.h"
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/read_log.h"
+#include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/evaluation_report.h"
 
 namespace {
@@ -77,8 +78,10 @@ EvaluationInputs InputsFromFlags() {
 Status CheckFlags() { return CheckInputs(InputsFromFlags()); }
 
 Status Run() {
+  EndIfStoppedWhile("measuring");
   Evaluation evaluation;
   PLUMBLINE_RETURN_IF_ERROR(Evaluate(InputsFromFlags(), &evaluation));
+  EndIfStoppedWhileWriting();
   if (!FLAGS_json.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteEvaluationJson(FLAGS_json, evaluation));
   if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteEvaluationCsv(FLAGS_csv, evaluation));
   std::cout << EvaluationTables(evaluation);
@@ -89,7 +92,7 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  plumbline::ParseCommandLine(
+  plumbline::StartProgram(
       "Measures a trajectory against true relative poses or a true trajectory, and the sharpness "
       "and consistency of maps.\n\n"
       "  plumbline_evaluate --trajectory=out/trajectory.tum --relations=fr079.relations\n"

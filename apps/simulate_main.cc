@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "plumbline/apps/program/command_line.h"
+#include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
@@ -260,6 +261,7 @@ Status MakeBuilding(std::uint64_t seed, Building* building) {
 }
 
 Status Run() {
+  EndIfStoppedWhile("simulating");
   Fault fault;
   PLUMBLINE_RETURN_IF_ERROR(FaultFromFlags(&fault));
   Building building;
@@ -275,6 +277,7 @@ Status Run() {
   PLUMBLINE_RETURN_IF_ERROR(SimulateWithFault(World(std::move(building)),
                                               second ? &*second : nullptr, OptionsFromFlags(),
                                               fault, &log, &first_scan));
+  EndIfStoppedWhileWriting();
   PLUMBLINE_RETURN_IF_ERROR(WriteCarmenLog(FLAGS_log, log));
   if (!FLAGS_truth.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueTrajectory(FLAGS_truth, log));
   if (!FLAGS_hits.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteTrueHits(FLAGS_hits, log));
@@ -286,7 +289,7 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  plumbline::ParseCommandLine(
+  plumbline::StartProgram(
       "Simulates a robot with a laser scanner in a building.\n\n"
       "  plumbline_simulate --world=datasets/small_building.world --log=small_building.clf "
       "--truth=small_building.tum --hits=small_building.hits\n"

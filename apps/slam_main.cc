@@ -429,17 +429,16 @@ class SlamRun {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  plumbline::CatchSignals(argv[0]);
-  google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
-  plumbline::ParseCommandLine(
+  plumbline::StartProgram(
       "Maps a raw log (CARMEN, or bag of ROS 1 or ROS 2), or refines a pose graph or a saved map: "
       "joint estimation of all poses and all laser returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",
       argc, argv);
+  google::InitGoogleLogging(argv[0]);
   plumbline::SlamRun run;
-  return plumbline::ExitCodeAfterStop(plumbline::RunProgram(
-      plumbline::FileFlags(), [&run] { return run.CheckFlags(); }, [&run] { return run.Run(); }));
+  return plumbline::RunProgram(
+      plumbline::FileFlags(), [&run] { return run.CheckFlags(); }, [&run] { return run.Run(); });
 }

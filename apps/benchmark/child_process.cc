@@ -1,7 +1,12 @@
 #include "plumbline/apps/benchmark/child_process.h"
 
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include <cerrno>
 #include <cstdio>
@@ -50,6 +55,16 @@ Status StatusOfExit(int wait_status) {
                    : Status::Unavailable("ended with exit code " + std::to_string(code));
 }
 
+// A stop signal is for the parent to answer. The child ends with it.
+void EndWithParent(pid_t parent) {
+  signal(SIGINT, SIG_DFL);
+  signal(SIGTERM, SIG_DFL);
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  if (getppid() != parent) _exit(1);
+}
+
 // Neither returns nor runs what the caller has registered for its own end.
 [[noreturn]] void DoWork(const std::function<std::string()>& work, int descriptor) {
   const bool written = WriteAll(descriptor, work());
@@ -65,6 +80,7 @@ Status RunInChild(const std::function<std::string()>& work, std::string* result)
   // What is still in a buffer would be written twice.
   std::cout.flush();
   std::fflush(nullptr);
+  const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) {
     Status status = SystemError("fork");
@@ -73,6 +89,7 @@ Status RunInChild(const std::function<std::string()>& work, std::string* result)
     return status;
   }
   if (child == 0) {
+    EndWithParent(parent);
     close(ends[0]);
     DoWork(work, ends[1]);
   }

@@ -10,6 +10,7 @@
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/program/stop_signal.h"
 
 namespace plumbline {
 namespace {
@@ -80,6 +81,7 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
   result.num_edges = file.graph.odometry().size() + file.graph.relative_poses().size();
   result.num_scans = file.graph.num_scans();
   result.num_returns = file.graph.num_returns();
+  EndIfStoppedWhileWriting();
   for (const ConversionTarget& target : options.targets) {
     PLUMBLINE_RETURN_IF_ERROR(Write(target, file, state, options.map_resolution_m));
   }

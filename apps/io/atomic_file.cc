@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/temporary_files.h"
 
 namespace plumbline {
 namespace {
@@ -52,7 +53,10 @@ void CopyOwnerAndPermissions(const struct stat& file, int descriptor) {
 }  // namespace
 
 AtomicFile::~AtomicFile() {
-  if (!temporary_path_.empty()) std::remove(temporary_path_.c_str());
+  if (temporary_path_.empty()) return;
+  TemporaryFiles files;
+  std::remove(temporary_path_.c_str());
+  files.Remove(temporary_path_);
 }
 
 Status AtomicFile::Open(const std::string& path) {
@@ -77,7 +81,10 @@ Status AtomicFile::OpenTemporary(const struct stat* present) {
   do {  // another run may have had this process' number
     candidate = target_path_ + "." + std::to_string(getpid()) + "-" + std::to_string(counter++) +
                 std::string(kEnding);
-    buffer_.OpenNew(candidate, present == nullptr ? kReadAndWriteForAll : kReadAndWriteForMe);
+    TemporaryFiles files;
+    if (buffer_.OpenNew(candidate, present == nullptr ? kReadAndWriteForAll : kReadAndWriteForMe)) {
+      files.Add(candidate);
+    }
   } while (buffer_.error() == EEXIST);
   if (!buffer_.is_open()) return WriteError("write", path_, buffer_.error());
   temporary_path_ = candidate;
@@ -89,9 +96,11 @@ Status AtomicFile::Commit() {
   if (!buffer_.is_open()) return Status::Unavailable("no file is open for writing");
   if (!buffer_.Close() || !stream_) return WriteError("write", path_, buffer_.error());
   if (temporary_path_.empty()) return Status::Ok();
+  TemporaryFiles files;
   if (std::rename(temporary_path_.c_str(), target_path_.c_str()) != 0) {
     return WriteError("replace", path_, errno);
   }
+  files.Remove(temporary_path_);
   temporary_path_.clear();
   return Status::Ok();
 }

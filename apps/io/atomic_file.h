@@ -14,8 +14,9 @@ namespace plumbline {
 
 /// A file that appears whole or not at all: what is written goes to a temporary file beside the
 /// target, which Commit() moves into place once the disk has it. Without Commit() nothing remains
-/// and an older file of that name is left as it was. A program that is killed leaves the temporary
-/// file behind, see TargetOfTemporary.
+/// and an older file of that name is left as it was. A signal that ends the program can take the
+/// temporary file along (TemporaryFiles); a program that is killed leaves it behind, see
+/// TargetOfTemporary.
 ///
 /// A symbolic link stays: what it leads to is written, and made if it is not there. A file that is
 /// replaced hands on its permissions, and its owner where the system allows it. What is no regular

@@ -21,6 +21,7 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/program/stop_signal.h"
 
 DECLARE_bool(help);
 DECLARE_bool(helpshort);
@@ -98,6 +99,30 @@ std::string WithFlag(const std::string& message, const std::function<Status()>& 
   return message;
 }
 
+int RunUnstopped(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
+                 const std::function<Status()>& run) {
+  KeepOneHeap();
+  const auto fail = [](const Status& status, ExitCode code) {
+    const bool bad_output = status.code() == StatusCode::kUnavailable;
+    return Fail(status.message(), bad_output ? kExitCannotWrite : code);
+  };
+  try {
+    const Status usage = check_flags();
+    if (!usage.ok()) return Fail(WithFlag(usage.message(), check_flags), kExitWrongUsage);
+    std::vector<FileFlag> all_files = {{"flagfile", &FLAGS_flagfile, FileUse::kInput}};
+    all_files.insert(all_files.end(), files.begin(), files.end());
+    const Status named = CheckFileFlags(all_files);
+    if (!named.ok()) return fail(named, kExitWrongUsage);
+    Status status = run();
+    if (status.ok()) status = FlushStandardOutput();
+    return status.ok() ? kExitDone : fail(status, kExitBadInput);
+  } catch (const std::bad_alloc&) {
+    return Fail("the input needs more memory than there is", kExitBadInput);
+  } catch (const std::exception& error) {
+    return Fail(error.what(), kExitBadInput);
+  }
+}
+
 }  // namespace
 
 std::vector<gflags::CommandLineFlagInfo> ProgramFlags() {
@@ -120,12 +145,15 @@ std::string HelpText(const std::string& usage) {
   for (const gflags::CommandLineFlagInfo& flag : ProgramFlags()) {
     text += "  --" + flag.name + "=" + ReadableDefault(flag) + "\n      " + flag.description + "\n";
   }
-  return text + "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written.\n";
+  return text +
+         "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written, 130 and "
+         "143 stopped by SIGINT and SIGTERM.\n";
 }
 
 // std::exit is for programs without other threads, as at this moment all are.
 // NOLINTBEGIN(concurrency-mt-unsafe)
-void ParseCommandLine(const std::string& usage, int argc, char** argv) {
+void StartProgram(const std::string& usage, int argc, char** argv) {
+  CatchSignals(argv[0]);
   FillClosedStreams();
   gflags::SetUsageMessage(usage);
   GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitWrongUsage); };
@@ -145,26 +173,7 @@ void ParseCommandLine(const std::string& usage, int argc, char** argv) {
 
 int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                const std::function<Status()>& run) {
-  KeepOneHeap();
-  const auto fail = [](const Status& status, ExitCode code) {
-    const bool bad_output = status.code() == StatusCode::kUnavailable;
-    return Fail(status.message(), bad_output ? kExitCannotWrite : code);
-  };
-  try {
-    const Status usage = check_flags();
-    if (!usage.ok()) return Fail(WithFlag(usage.message(), check_flags), kExitWrongUsage);
-    std::vector<FileFlag> all_files = {{"flagfile", &FLAGS_flagfile, FileUse::kInput}};
-    all_files.insert(all_files.end(), files.begin(), files.end());
-    const Status named = CheckFileFlags(all_files);
-    if (!named.ok()) return fail(named, kExitWrongUsage);
-    Status status = run();
-    if (status.ok()) status = FlushStandardOutput();
-    return status.ok() ? kExitDone : fail(status, kExitBadInput);
-  } catch (const std::bad_alloc&) {
-    return Fail("the input needs more memory than there is", kExitBadInput);
-  } catch (const std::exception& error) {
-    return Fail(error.what(), kExitBadInput);
-  }
+  return ExitCodeAfterStop(RunUnstopped(files, check_flags, run));
 }
 
 }  // namespace plumbline

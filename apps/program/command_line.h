@@ -26,17 +26,18 @@ std::vector<gflags::CommandLineFlagInfo> ProgramFlags();
 /// `usage`, the program's flags with their defaults, and the exit codes, as --help prints them.
 std::string HelpText(const std::string& usage);
 
-/// Sets the flags from the command line. Ends the program where it asks for help (kExitDone) or
-/// holds what is no flag (kExitWrongUsage, the culprit on standard error). Standard streams that
-/// the caller has closed stay taken, so that no file comes in their place.
-void ParseCommandLine(const std::string& usage, int argc, char** argv);
+/// What every program begins with: catches stop signals (CatchSignals) and sets the flags from the
+/// command line. Ends the program where it asks for help (kExitDone) or holds what is no flag
+/// (kExitWrongUsage, the culprit on standard error). Standard streams that the caller has closed
+/// stay taken, so that no file comes in their place.
+void StartProgram(const std::string& usage, int argc, char** argv);
 
 /// Runs a program whose flags are set: `check_flags` looks at nothing but them, and is called again
 /// with some of them at their defaults to find out which number it refuses; then `files`, all flags
 /// that mean files, are checked (CheckFileFlags); `run` does the rest. Gives the exit code, with a
 /// line on standard error unless all went well; running out of memory is bad input. Unavailable, of
 /// `run`, is an output that cannot be written; so is standard output, if it took less than was
-/// printed.
+/// printed. A stop signal that was kept (KeepStopSignal) has an exit code of its own.
 int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                const std::function<Status()>& run);
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/temporary_files.h"
 
 namespace plumbline {
 namespace {
@@ -40,20 +41,28 @@ std::string NameOf(int number) {
   }
 }
 
+// What handlers call, from here on, is nothing but what they may call.
+
 void Respond(const Response& to_signal, int number) {
   const std::string& line = number == SIGINT ? to_signal.on_sigint : to_signal.on_sigterm;
   [[maybe_unused]] const ssize_t size = write(STDERR_FILENO, line.data(), line.size());
   if (!to_signal.ends_program) return;
+  TemporaryFiles::DeleteForGood();
   for (const std::string& folder : to_signal.folders) rmdir(folder.c_str());
   _exit(kStoppedBySignal + number);
 }
 
-// Calls nothing but what a signal handler may call.
+void HandleSecondSignal(int number) {
+  for (const int stop : kStopSignals) signal(stop, SIG_DFL);  // for a third one
+  TemporaryFiles::DeleteForGood();
+  raise(number);
+}
+
 void HandleSignal(int number) {
   const int interrupted_errno = errno;
   stop_signal = number;
   // First: a second signal is to end a program whose standard error takes nothing.
-  for (const int stop : kStopSignals) signal(stop, SIG_DFL);
+  for (const int stop : kStopSignals) signal(stop, HandleSecondSignal);
   Respond(*response.load(), number);
   errno = interrupted_errno;
 }
@@ -66,6 +75,12 @@ void SetResponse(const std::string& problem, bool ends_program,
     return program_name + ": stopped by " + NameOf(number) + problem + '\n';
   };
   response = &responses.emplace_back(Response{line(SIGINT), line(SIGTERM), ends_program, folders});
+}
+
+void SetEndingResponse(const std::string& problem, const std::vector<std::string>& folders) {
+  SetResponse(problem, true, folders);
+  const int number = StopSignal();
+  if (number != 0) Respond(*response.load(), number);
 }
 
 }  // namespace
@@ -86,9 +101,11 @@ void CatchSignals(const std::string& program) {
 }
 
 void EndIfStoppedWhile(const std::string& activity, const std::vector<std::string>& folders) {
-  SetResponse(" while " + Legible(activity) + ": nothing is written", true, folders);
-  const int number = StopSignal();
-  if (number != 0) Respond(*response.load(), number);
+  SetEndingResponse(" while " + Legible(activity) + ": nothing is written", folders);
+}
+
+void EndIfStoppedWhileWriting(const std::vector<std::string>& folders) {
+  SetEndingResponse(" while writing: no file is half-written", folders);
 }
 
 void KeepStopSignal() {

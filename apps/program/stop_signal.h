@@ -13,8 +13,9 @@ namespace plumbline {
 /// As long as there is nothing to write, which is so at first, such a signal ends the program: it
 /// says "NAME: stopped by SIGINT while starting: nothing is written" on standard error and exits
 /// with 128 and the number of the signal. Later, see KeepStopSignal, the first signal is kept for
-/// the program to ask about, and the second one ends it. A signal that the caller has switched off,
-/// as nohup does, stays off. To be called first of all, with argv[0].
+/// the program to ask about, and the second one ends it. A program that a signal ends deletes its
+/// temporary files. A signal that the caller has switched off, as nohup does, stays off. To be
+/// called first of all, with argv[0].
 ///
 /// A file that grows beyond the limit that the system sets becomes an error of its writer, instead
 /// of a signal (SIGXFSZ) that ends the program.
@@ -24,6 +25,10 @@ void CatchSignals(const std::string& program);
 /// signal, also one that was kept before, ends the program as above. It removes those of the
 /// folders that are empty, in their order.
 void EndIfStoppedWhile(const std::string& activity, const std::vector<std::string>& folders = {});
+
+/// The same for a program that writes its files now, one by one: those that are complete stay, and
+/// the line on standard error says "while writing: no file is half-written".
+void EndIfStoppedWhileWriting(const std::vector<std::string>& folders = {});
 
 /// From now on there is something to write: the first stop signal says on standard error that it
 /// was heard, and is kept.

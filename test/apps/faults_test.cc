@@ -25,8 +25,6 @@ using testing::HasSubstr;
 using testing::MatchesRegex;
 using testing::Not;
 
-using Clock = std::chrono::steady_clock;
-
 // An estimation that does not end by itself.
 const std::vector<std::string> kEndless = {"--solver=alternating_cg", "--coarse_rounds=0",
                                            "--cg_max_sweeps=100000000", "--cg_tolerance=0"};
@@ -115,40 +113,6 @@ TEST_F(FaultsTest, ARunStoppedDuringTheSeedingLeavesEarlierResultsAlone) {
   EXPECT_EQ(FilesOf("out"), std::vector<std::string>{"summary.json"});
   EXPECT_EQ(Result("out", "summary.json"), "{}");
   EXPECT_FALSE(std::filesystem::exists(folder_ + "seed"));
-}
-
-// Whatever a run is at: it ends soon, says so, and leaves nothing or all of its results.
-TEST_F(FaultsTest, AStopAtAnyTimeIsHeard) {
-  SimulateLog(120);
-  const auto start = Clock::now();
-  {
-    RunningProgram whole(Command("a.clf"), folder_ + "printed");
-    ASSERT_EQ(whole.Wait(), 0);
-  }
-  const auto run_time = Clock::now() - start;
-  constexpr int kNumStops = 20;
-  int num_before_map = 0, num_with_map = 0;
-  for (int i = 0; i <= kNumStops && !HasFailure(); ++i) {
-    std::filesystem::remove_all(folder_ + "out");
-    RunningProgram run(Command("a.clf"), folder_ + "printed");
-    ASSERT_TRUE(run.Catches(SIGTERM));
-    std::this_thread::sleep_for(i * run_time / kNumStops);
-    run.Send(SIGTERM);
-    const auto stop = Clock::now();
-    const int code = run.Wait();
-    EXPECT_TRUE(code == 0 || code == 143) << code << Printed();
-    if (std::filesystem::exists(folder_ + "out")) {
-      EXPECT_EQ(FilesOf("out"), kResults) << Printed();
-      EXPECT_EQ(Summary()["stopped_by"], code == 0 ? nlohmann::json() : "SIGTERM") << Printed();
-      if (code != 0) ++num_with_map;
-    } else {
-      EXPECT_THAT(Printed(), HasSubstr("plumbline_slam: stopped by SIGTERM while "));
-      EXPECT_LT(Clock::now() - stop, std::chrono::seconds(1));
-      ++num_before_map;
-    }
-  }
-  EXPECT_GT(num_before_map, 0);
-  EXPECT_GT(num_with_map, 0);
 }
 
 TEST_F(FaultsTest, ARunStoppedDuringReadingSaysSo) {

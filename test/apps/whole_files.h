@@ -40,6 +40,20 @@ inline bool LinesAreWhole(const std::string& text, const std::string& first_word
   return true;
 }
 
+/// Whether all rows end, and have as many commas.
+inline bool RowsAreWhole(const std::string& text) {
+  const auto num_commas = [](const std::string& row) {
+    return std::count(row.begin(), row.end(), ',');
+  };
+  std::istringstream rows(text);
+  std::string first;
+  std::getline(rows, first);
+  for (std::string row; std::getline(rows, row);) {
+    if (num_commas(row) != num_commas(first)) return false;
+  }
+  return EndsWith(text, "\n");
+}
+
 /// Whether binary data of the announced size follows a header that ends with `header_end`.
 inline bool DataFollows(const std::string& bytes, const std::string& header_end,
                         std::size_t num_bytes) {
@@ -55,7 +69,7 @@ inline bool IsWholePgm(const std::string& bytes) {
   return magic == "P5" && width > 0 && DataFollows(bytes, "\n255\n", width * height);
 }
 
-/// Whether a result of plumbline_slam, by its name, is a complete file of its format.
+/// Whether a result of a program, by its name, is a complete file of its format.
 inline bool IsWhole(const std::filesystem::path& file) {
   const std::string bytes = ReadFile(file.string());
   const std::string extension = file.extension().string();
@@ -63,6 +77,7 @@ inline bool IsWhole(const std::filesystem::path& file) {
     return StartsWith(bytes, "\x89PNG") && EndsWith(bytes, "IEND\xae\x42\x60\x82");
   }
   if (extension == ".json") return nlohmann::json::accept(bytes);
+  if (extension == ".csv") return RowsAreWhole(bytes);
   if (extension == ".html") return EndsWith(bytes, "</html>\n");
   if (extension == ".tum") return LinesAreWhole(bytes, "", 8);
   if (extension == ".g2o") {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -54,6 +56,33 @@ TEST(ChildProcessTest, ABadEndIsReported) {
   // And the next one is none the worse for it.
   ASSERT_TRUE(RunInChild([] { return std::string("new"); }, &result).ok());
   EXPECT_EQ(result, "new");
+}
+
+// By a stop signal too, which only the parent answers.
+TEST(ChildProcessTest, EndsWithItsParent) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t parent = fork();
+  if (parent == 0) {
+    std::string result;
+    const auto work = [&ends]() -> std::string {
+      const pid_t child = getpid();
+      if (write(ends[1], &child, sizeof(child)) != sizeof(child)) _exit(1);
+      while (true) pause();
+    };
+    _exit(RunInChild(work, &result).ok() ? 0 : 1);
+  }
+  close(ends[1]);
+  pid_t child = 0;
+  ASSERT_EQ(read(ends[0], &child, sizeof(child)), static_cast<ssize_t>(sizeof(child)));
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  // Nobody holds the other end any more, or the child is still there.
+  constexpr int kPatienceMs = 10000;
+  pollfd end{ends[0], POLLIN, 0};
+  EXPECT_EQ(poll(&end, 1, kPatienceMs), 1);
+  kill(child, SIGKILL);
+  close(ends[0]);
 }
 
 }  // namespace

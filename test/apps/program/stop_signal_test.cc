@@ -8,6 +8,7 @@
 #include <iostream>
 #include <string>
 
+#include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
@@ -58,6 +59,25 @@ TEST_F(StopSignalTest, ASignalWithNothingToWriteEndsTheProgramAndRemovesEmptyFol
   EXPECT_EXIT(run(), testing::ExitedWithCode(130), "stopped by SIGINT while seeding");
   EXPECT_FALSE(std::filesystem::exists(made));
   EXPECT_TRUE(std::filesystem::exists(kept + "/file"));
+}
+
+TEST_F(StopSignalTest, ASignalDuringTheWritingOfFilesLeavesThoseThatAreWhole) {
+  GTEST_FLAG_SET(death_test_style, "fast");  // the program is to have the folder of this one
+  const std::string folder = TempFolder();
+  const auto run = [&folder] {
+    CatchSignals("mapper");
+    EndIfStoppedWhileWriting();
+    AtomicFile whole, half;
+    if (!whole.Open(folder + "whole").ok() || !whole.Commit().ok()) std::exit(1);
+    if (!half.Open(folder + "half").ok()) std::exit(1);
+    half.stream() << "half" << std::flush;
+    raise(SIGTERM);
+    std::exit(0);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(143),
+              "^mapper: stopped by SIGTERM while writing: no file is half-written\n$");
+  EXPECT_TRUE(std::filesystem::exists(folder + "whole"));
+  EXPECT_EQ(NumFilesIn(folder), 1);
 }
 
 TEST_F(StopSignalTest, ASignalIsKeptOnceThereIsSomethingToWrite) {
@@ -122,6 +142,22 @@ TEST_F(StopSignalTest, TheSecondSignalEndsTheProgram) {
   EXPECT_EXIT(run(SIGINT, SIGINT), testing::KilledBySignal(SIGINT), "");
   EXPECT_EXIT(run(SIGINT, SIGTERM), testing::KilledBySignal(SIGTERM), "");
   EXPECT_EXIT(run(SIGTERM, SIGINT), testing::KilledBySignal(SIGINT), "");
+}
+
+TEST_F(StopSignalTest, TheSecondSignalLeavesNoFileHalfWritten) {
+  GTEST_FLAG_SET(death_test_style, "fast");
+  const std::string folder = TempFolder();
+  const auto run = [&folder] {
+    CatchSignals("mapper");
+    KeepStopSignal();
+    AtomicFile half;
+    if (!half.Open(folder + "half").ok()) std::exit(1);
+    raise(SIGTERM);
+    raise(SIGINT);
+    std::exit(0);
+  };
+  EXPECT_EXIT(run(), testing::KilledBySignal(SIGINT), "");
+  EXPECT_EQ(NumFilesIn(folder), 0);
 }
 
 TEST_F(StopSignalTest, ASignalThatIsSwitchedOffStaysOff) {
