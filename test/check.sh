@@ -7,6 +7,7 @@
 #   compilers       all tests with gcc and with clang, Release; Debug is what the two above build
 #   tidy            clang-tidy over everything, by the rules of .clang-tidy
 #   fuzz [SECONDS]  every fuzz target for SECONDS each (default: 600)
+#   kills [N]       N runs of the programs (default: 500), killed or stopped at random times
 # Warnings are errors everywhere. Tests on real logs run if PLUMBLINE_DATASETS names their folder.
 # Needs clang, clang-tidy and gcovr besides what cmake/bootstrap.sh --tests installs; takes ninja
 # where there is one.
@@ -122,8 +123,15 @@ fuzz() {
     xargs -P "$jobs" -L 1 bash -euo pipefail -c 'fuzz_one "$@"' fuzz_one "${1:-600}"
 }
 
+kills() {
+  local build=$root/build-g++
+  configure "$build" g++ -DCMAKE_BUILD_TYPE=Release
+  cmake --build "$build" --parallel "$jobs" --target plumbline_apps_tests
+  PLUMBLINE_KILLS=${1:-500} "$build/test/plumbline_apps_tests" --gtest_filter='KillTest.*'
+}
+
 case ${1:-} in
-  sanitizers | threads | compilers | tidy | fuzz) "$@" ;;
+  sanitizers | threads | compilers | tidy | fuzz | kills) "$@" ;;
   *)
     sed -n '2,/^set /s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
     exit 2
