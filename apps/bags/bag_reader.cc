@@ -14,6 +14,8 @@
 #include "plumbline/apps/bags/ros_message.h"
 #include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/memory_limit.h"
+#include "plumbline/core/options_check.h"
 
 namespace plumbline {
 namespace {
@@ -66,10 +68,21 @@ bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* 
   return false;
 }
 
+// With a graph of the same scan.
+std::size_t BytesOf(const RosScan& scan) {
+  return 2 * (sizeof(scan) + scan.frame.size() + scan.ranges.size() * sizeof(double));
+}
+
+// As the tree keeps it: any number of frames may have long names.
+std::size_t BytesOf(const RosTransform& transform) {
+  return sizeof(StampedTransform) + transform.frame.size() + transform.child_frame.size();
+}
+
 // Reads one bag.
 class BagReader {
  public:
-  BagReader(const std::string& path, const BagReadOptions& options) : options_(options) {
+  BagReader(const std::string& path, const BagReadOptions& options)
+      : options_(options), memory_(options.max_bytes) {
     recording_.path = path;
     recording_.odom_frame = WithoutSlash(options.odom_frame);
     recording_.needs_odometry = options.needs_odometry || !options.odom_topic.empty();
@@ -190,6 +203,10 @@ class BagReader {
                  problem);
   }
 
+  Status Keep(const Message& message, std::size_t bytes) {
+    return memory_.Keep(bytes) ? Status::Ok() : MessageError(message, memory_.Fault());
+  }
+
   Status TakeScan(const Message& message) {
     RosScan scan;
     std::string fault;
@@ -197,6 +214,7 @@ class BagReader {
       return MessageError(message, fault);
     }
     scan.frame = WithoutSlash(scan.frame);
+    PLUMBLINE_RETURN_IF_ERROR(Keep(message, BytesOf(scan)));
     recording_.scans.push_back(std::move(scan));
     return Status::Ok();
   }
@@ -213,6 +231,7 @@ class BagReader {
     }
     recording_.odom_frame = WithoutSlash(odometry.frame);
     recording_.robot_frame = WithoutSlash(odometry.child_frame);
+    PLUMBLINE_RETURN_IF_ERROR(Keep(message, 2 * sizeof(TimedPose)));  // with a graph of them
     recording_.odometry.push_back({odometry.stamp_s, InPlane(odom_from_robot)});
     return Status::Ok();
   }
@@ -224,6 +243,7 @@ class BagReader {
       return MessageError(message, fault);
     }
     for (const RosTransform& transform : transforms) {
+      PLUMBLINE_RETURN_IF_ERROR(Keep(message, BytesOf(transform)));
       StampedTransform sample;
       sample.stamp_s = transform.stamp_s;
       if (!ToIsometry(transform.pose, &sample.parent_from_child, &fault)) {
@@ -240,16 +260,23 @@ class BagReader {
   std::set<BagTopic> topics_;
   std::map<std::string, std::size_t> num_messages_;  // read so far, by topic
   std::string expanded_;
+  MemoryLimit memory_;
   RosRecording recording_;
 };
 
 }  // namespace
 
+bool BagReadOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(max_bytes, >=, 0.0);
+  if (odom_frame.empty() && error != nullptr) *error = "odom_frame is empty";
+  return !odom_frame.empty();
+}
+
 Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
   std::unique_ptr<BagContainer> bag;
-  PLUMBLINE_RETURN_IF_ERROR(OpenBag(path, &bag));
+  PLUMBLINE_RETURN_IF_ERROR(OpenBag(path, &bag, options.max_bytes));
   BagReader reader(path, options);
   PLUMBLINE_RETURN_IF_ERROR(reader.Read(bag.get()));
   *recording = reader.recording();

@@ -19,11 +19,10 @@ struct BagReadOptions {
   std::string odom_frame = RosRecording().odom_frame;
   /// A bag without odometry is an error: where somebody asked for one. A topic asks as well.
   bool needs_odometry = RosRecording().needs_odometry;
+  /// Memory that the messages may take [bytes], or a compressed file; 0: no limit.
+  double max_bytes = 0.0;
 
-  bool Check(std::string* error) const {
-    if (odom_frame.empty() && error != nullptr) *error = "odom_frame is empty";
-    return !odom_frame.empty();
-  }
+  bool Check(std::string* error) const;
 };
 
 /// Reads scans, odometry and transforms from a bag of ROS 1 or ROS 2, see OpenBag. Transforms are
@@ -34,7 +33,8 @@ struct BagReadOptions {
 /// to be chosen, or its messages have another encoding than those of ROS; and, naming topic,
 /// message (from 0), time and field, on messages that are none of their type, and on poses or
 /// transforms that are none (a number that is not finite, a quaternion whose norm is off by more
-/// than 1 %). Fails like OpenBag and BagContainer. Replaces *recording on success only.
+/// than 1 %), and on the message that takes more memory than allowed. Fails like OpenBag and
+/// BagContainer. Replaces *recording on success only.
 Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording);
 
 }  // namespace plumbline

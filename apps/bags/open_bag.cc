@@ -82,7 +82,7 @@ Status FindMetadata(const std::string& folder, std::string* path) {
 }
 
 // What a file that is compressed as a whole holds.
-Status ExpandFile(const std::string& path, std::string* expanded) {
+Status ExpandFile(const std::string& path, std::size_t max_bytes, std::string* expanded) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return ReadError("open", path, errno);
@@ -91,18 +91,19 @@ Status ExpandFile(const std::string& path, std::string* expanded) {
     file.read(block.data(), static_cast<std::streamsize>(block.size()));
     return std::string_view(block).substr(0, static_cast<std::size_t>(file.gcount()));
   };
-  const Status status = ExpandFrames(FrameFormat::kZstd, next_block, kMaxExpandedBytes, expanded);
+  const Status status = ExpandFrames(FrameFormat::kZstd, next_block, max_bytes, expanded);
   if (status.ok()) return Status::Ok();
   return Status::DataLoss(path + ": " + status.message() +
                           " (zstd -d makes a file of any size that can be read in its place)");
 }
 
-Status OpenFile(const std::string& path, std::unique_ptr<BagContainer>* bag) {
+Status OpenFile(const std::string& path, std::size_t max_bytes,
+                std::unique_ptr<BagContainer>* bag) {
   PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   std::optional<std::string> expanded;
   Format format = FormatOfFile(path);
   if (format == Format::kZstd) {
-    PLUMBLINE_RETURN_IF_ERROR(ExpandFile(path, &expanded.emplace()));
+    PLUMBLINE_RETURN_IF_ERROR(ExpandFile(path, max_bytes, &expanded.emplace()));
     format = FormatOf(std::string_view(*expanded).substr(0, kStartBytes));
     if (format == Format::kRos1) format = Format::kUnknown;  // its library reads files
   }
@@ -129,13 +130,14 @@ Status OpenFile(const std::string& path, std::unique_ptr<BagContainer>* bag) {
 // The files of a recording, one after the other.
 class SplitBag : public BagContainer {
  public:
-  explicit SplitBag(std::vector<std::string> files) : files_(std::move(files)) {}
+  SplitBag(std::vector<std::string> files, std::size_t max_bytes)
+      : files_(std::move(files)), max_bytes_(max_bytes) {}
 
   Status ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) override {
     for (const std::string& file : files_) {
       // One at a time: what is compressed takes memory.
       std::unique_ptr<BagContainer> bag;
-      PLUMBLINE_RETURN_IF_ERROR(OpenFile(file, &bag));
+      PLUMBLINE_RETURN_IF_ERROR(OpenFile(file, max_bytes_, &bag));
       PLUMBLINE_RETURN_IF_ERROR(bag->ReadMessages(is_wanted, take));
     }
     return Status::Ok();
@@ -143,19 +145,26 @@ class SplitBag : public BagContainer {
 
  private:
   const std::vector<std::string> files_;
+  const std::size_t max_bytes_;
 };
 
 }  // namespace
 
 bool IsBag(const std::string& path) { return FormatOfFile(path) != Format::kUnknown; }
 
-Status OpenBag(const std::string& path, std::unique_ptr<BagContainer>* bag) {
+Status OpenBag(const std::string& path, std::unique_ptr<BagContainer>* bag, double max_bytes) {
   const Format format = FormatOfFile(path);
-  if (format != Format::kFolder && format != Format::kMetadata) return OpenFile(path, bag);
+  std::size_t max_expanded = kMaxExpandedBytes;
+  if (max_bytes > 0.0 && max_bytes < static_cast<double>(max_expanded)) {
+    max_expanded = static_cast<std::size_t>(max_bytes);
+  }
+  if (format != Format::kFolder && format != Format::kMetadata) {
+    return OpenFile(path, max_expanded, bag);
+  }
   std::vector<std::string> files;
   PLUMBLINE_RETURN_IF_ERROR(FilesOfLog(path, &files));
   files.erase(files.begin());
-  *bag = std::make_unique<SplitBag>(std::move(files));
+  *bag = std::make_unique<SplitBag>(std::move(files), max_expanded);
   return Status::Ok();
 }
 

@@ -108,13 +108,13 @@ class LogParser {
       CarmenScan scan = keyword == "FLASER" ? ReadFlaser(&fields) : ReadRobotLaser(&fields);
       scan.line = line_number;
       if (fields.ok()) {
-        PLUMBLINE_RETURN_IF_ERROR(memory_.Keep(BytesOf(scan), path_, line_number));
+        if (!memory_.Keep(BytesOf(scan))) return Error(line_number, memory_.Fault());
         log_->scans.push_back(std::move(scan));
       }
     } else if (keyword == "ODOM") {
       CheckOdometry(&fields);
     } else if (keyword == "PARAM") {
-      PLUMBLINE_RETURN_IF_ERROR(memory_.Keep(line.size(), path_, line_number));
+      if (!memory_.Keep(line.size())) return Error(line_number, memory_.Fault());
       ReadParam(&fields);
     } else {
       return Status::Ok();
@@ -122,8 +122,7 @@ class LogParser {
     ++log_->num_records;
     if (fields.ok()) return Status::Ok();
     AddIssue({line_number, fields.field(),
-              path_ + ":" + std::to_string(line_number) + ": " + std::string(keyword) + " " +
-                  fields.error()},
+              Place(line_number) + std::string(keyword) + " " + fields.error()},
              log_);
     return Status::Ok();
   }
@@ -132,6 +131,11 @@ class LogParser {
   double flaser_max_range_m() const { return flaser_max_range_m_; }
 
  private:
+  std::string Place(std::size_t line) const { return path_ + ":" + std::to_string(line) + ": "; }
+  Status Error(std::size_t line, const std::string& problem) const {
+    return Status::InvalidArgument(Place(line) + problem);
+  }
+
   void ReadParam(FieldReader* fields) {
     const std::string name(fields->Word("name"));
     FieldReader number = *fields;

@@ -79,8 +79,9 @@ class Parser {
 
   Status ParseLine(std::string_view line) {
     file_.lines.emplace_back(line);
-    PLUMBLINE_RETURN_IF_ERROR(
-        memory_.Keep(line.size() + sizeof(std::string), path_, file_.lines.size()));
+    if (!memory_.Keep(line.size() + sizeof(std::string))) {
+      return Error(file_.lines.size(), memory_.Fault());
+    }
     const std::string_view keyword = RecordKeyword(line);
     if (keyword.empty() || StartsWith(keyword, "PARAMS_")) return Status::Ok();
     if (dialect_ == nullptr) dialect_ = DialectOfKeyword(keyword);

@@ -45,9 +45,12 @@ Status ReadCarmen(const std::string& path, int max_scans, double max_bytes, LogC
   return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
 }
 
-Status ReadRosLog(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph) {
+Status ReadRosLog(const std::string& path, int max_scans, double max_bytes, LogCounts* counts,
+                  SlamGraph* graph) {
+  BagReadOptions read_options = BagReadOptionsFromFlags();
+  read_options.max_bytes = max_bytes;
   RosRecording recording;
-  PLUMBLINE_RETURN_IF_ERROR(ReadBag(path, BagReadOptionsFromFlags(), &recording));
+  PLUMBLINE_RETURN_IF_ERROR(ReadBag(path, read_options, &recording));
   RosGraphOptions options;
   options.sweep_time_s = SweepTimeFromFlags();
   RosGraphNotes notes;
@@ -79,7 +82,7 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   SlamGraph result;
   LogCounts result_counts;
   PLUMBLINE_RETURN_IF_ERROR(IsBag(path)
-                                ? ReadRosLog(path, max_scans, &result_counts, &result)
+                                ? ReadRosLog(path, max_scans, max_bytes, &result_counts, &result)
                                 : ReadCarmen(path, max_scans, max_bytes, &result_counts, &result));
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");

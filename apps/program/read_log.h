@@ -24,7 +24,7 @@ std::vector<std::string> LogFiles(const std::string& path);
 /// records that are skipped, and what is doubtful about the laser's mounting,
 /// the order of its beams or its readings (ImplausibleReadings), are named on standard error. Fails
 /// like the reader of the format and its BuildGraph, and with InvalidArgument if no scan has a
-/// return, or if reading a CARMEN log takes more than max_bytes of memory (0: no limit); what the
+/// return, or if reading takes more than max_bytes of memory (0: no limit); what the
 /// pointers lead to is then untouched.
 Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph,
                         double max_bytes = 0.0);

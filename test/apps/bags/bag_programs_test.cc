@@ -131,6 +131,15 @@ TEST_F(BagProgramsTest, ConvertReadsAFolderAndOverwritesNoneOfItsFiles) {
               kExitWrongUsage);
 }
 
+TEST_F(BagProgramsTest, ReadingStaysWithinTheMemoryAllowed) {
+  TestBag bag = SimulateDrive();
+  const TestBag drive = bag;
+  while (bag.size() < 10 * drive.size()) bag.insert(bag.end(), drive.begin(), drive.end());
+  WriteSqliteBag(folder_ + "a.db3", bag);
+  ExpectError(Slam("a.db3", "--max_memory=1MB"),
+              " s): what was read so far takes more memory than the 1 MB allowed");
+}
+
 // 1.25 GiB of zeros in 100 kB.
 TEST_F(BagProgramsTest, WhatExpandsToTooMuchIsRefused) {
   const std::string frame = ZstdBytes(std::string(std::size_t{1} << 24, '\0'));
@@ -138,6 +147,7 @@ TEST_F(BagProgramsTest, WhatExpandsToTooMuchIsRefused) {
   for (int i = 0; i < 80; ++i) frames += frame;
   WriteFile(folder_ + "a.db3.zstd", frames);
   ExpectError(Slam("a.db3.zstd"), "expand to more than 1073741824 bytes (zstd -d");
+  ExpectError(Slam("a.db3.zstd", "--max_memory=20MB"), "expand to more than 20000000 bytes");
 }
 
 // A TurtleBot 4 along a floor.

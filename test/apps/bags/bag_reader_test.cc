@@ -170,6 +170,25 @@ TEST_P(BagReaderTest, APoseThatIsNoneIsNamed) {
                         "'base_link' to 'laser' has a quaternion that is no rotation"));
 }
 
+TEST_P(BagReaderTest, TakesNoMoreMemoryThanAllowed) {
+  BagReadOptions options;
+  options.max_bytes = 1e5;
+  for (const std::size_t message : {0, 1, 3}) {  // a transform, a pose, a scan
+    TestBag bag = SmallBag();
+    for (int i = 0; i < 20; ++i) bag.push_back(bag[message]);
+    Write(bag);
+    Read(options);
+    for (int i = 0; i < 2000; ++i) bag.push_back(bag[message]);
+    Write(bag);
+    EXPECT_THAT(Fails(options).message(),
+                AllOf(HasSubstr(": " + bag[message].topic + " message "),
+                      HasSubstr(" s): what was read so far takes more memory than the 0 MB")));
+    Read();
+  }
+  options.max_bytes = -1.0;
+  EXPECT_THAT(ReadBag(path_, options, nullptr).message(), HasSubstr("max_bytes = -1"));
+}
+
 TEST_P(BagReaderTest, NamesInMessagesCannotSpeakToATerminal) {
   TestBag bag = SmallBag(TestEncoding::kCdr, "/\x1b[2J");
   bag.push_back(bag[1]);
