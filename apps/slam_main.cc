@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
@@ -155,6 +156,7 @@ class SlamRun {
         ReadLogIntoGraph(FLAGS_log, FLAGS_max_scans, &counts, &graph, max_memory_));
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(FLAGS_log, stamp));
     if (LacksOdometry(graph)) WarnOfMissingOdometry();
+    NoteUselessClock(graph);
     // What would end the run at its end is found before the work.
     const MapState odometry = graph.InitialState();
     PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(FLAGS_log, odometry, outputs_.map_resolution_m));
@@ -188,6 +190,14 @@ class SlamRun {
               << ": there is no odometry, or it never changes: the scans alone tell how the robot "
                  "moved. Long bare corridors may come out too short or too long, and fast turns or "
                  "gaps between scans may break the map\n";
+  }
+
+  // No fault of the map: the order of the scans is enough.
+  static void NoteUselessClock(const SlamGraph& graph) {
+    const std::string fault = ClockFault(TimesOf(graph));
+    if (fault.empty()) return;
+    std::cerr << "note: " << Legible(FLAGS_log) << ": " << fault
+              << "; the scans are taken in the order of the file\n";
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint.

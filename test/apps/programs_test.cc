@@ -274,6 +274,22 @@ TEST_F(ProgramsTest, EvaluatesScansOfAUselessClockInTheirOrder) {
   ExpectError(Run("evaluate", flags), folder_ + "a.clf: its clock is useless");
 }
 
+TEST_F(ProgramsTest, AClockThatStandsStillIsNoted) {
+  SimulateLog(20);
+  for (std::string& line : log_lines_) {
+    const std::size_t host = line.find(" simulator ");
+    if (host == line.npos) continue;  // a parameter
+    line = line.substr(0, line.rfind(' ', host - 1)) + " 7 host 7";
+  }
+  WriteLog();
+  const Outcome run = Slam("a.clf", "--picture_side_px=200");
+  ASSERT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.err, "note: " + folder_ +
+                         "a.clf: its clock is useless: 1 different time for 20 entries; the scans "
+                         "are taken in the order of the file\n");
+  EXPECT_EQ(Summary()["alarm"], false);
+}
+
 TEST_F(ProgramsTest, HelpShowsTheFlagsOfTheProgram) {
   const Outcome slam = Run("slam", "--help");
   EXPECT_EQ(slam.exit_code, 0);
