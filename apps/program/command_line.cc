@@ -1,6 +1,7 @@
 #include "plumbline/apps/program/command_line.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -57,6 +58,21 @@ void FillClosedStreams() {
   if (descriptor >= 0) close(descriptor);
 }
 
+// A stack that runs out ends a program without a word.
+Status CheckStackLimit() {
+  // What reads fonts and draws pictures was seen to take 192 kB, and libraries differ.
+  constexpr rlim_t kNeededKb = 1024, kBytesPerKb = 1024;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+      limit.rlim_cur >= kNeededKb * kBytesPerKb) {
+    return Status::Ok();
+  }
+  const std::string needed = std::to_string(kNeededKb);
+  return Status::InvalidArgument(
+      "the stack limit of " + std::to_string(limit.rlim_cur / kBytesPerKb) +
+      " kB is too small: " + needed + " kB are needed (ulimit -s " + needed + ")");
+}
+
 bool EndsWith(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
 }
@@ -106,6 +122,8 @@ int RunUnstopped(const std::vector<FileFlag>& files, const std::function<Status(
     const bool bad_output = status.code() == StatusCode::kUnavailable;
     return Fail(status.message(), bad_output ? kExitCannotWrite : code);
   };
+  const Status stack = CheckStackLimit();
+  if (!stack.ok()) return Fail(stack.message(), kExitWrongUsage);
   try {
     const Status usage = check_flags();
     if (!usage.ok()) return Fail(WithFlag(usage.message(), check_flags), kExitWrongUsage);

@@ -35,9 +35,10 @@ void StartProgram(const std::string& usage, int argc, char** argv);
 /// Runs a program whose flags are set: `check_flags` looks at nothing but them, and is called again
 /// with some of them at their defaults to find out which number it refuses; then `files`, all flags
 /// that mean files, are checked (CheckFileFlags); `run` does the rest. Gives the exit code, with a
-/// line on standard error unless all went well; running out of memory is bad input. Unavailable, of
-/// `run`, is an output that cannot be written; so is standard output, if it took less than was
-/// printed. A stop signal that was kept (KeepStopSignal) has an exit code of its own.
+/// line on standard error unless all went well. A limit on the stack below 1 MiB counts as wrong
+/// usage, running out of memory as bad input. Unavailable, of `run`, is an output that cannot be
+/// written; so is standard output, if it took less than was printed. A stop signal that was kept
+/// (KeepStopSignal) has an exit code of its own.
 int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                const std::function<Status()>& run);
 

@@ -253,6 +253,20 @@ TEST_F(FaultsTest, RefusesARunThatNeedsTooMuchMemory) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
+TEST_F(FaultsTest, AStackThatIsTooSmallIsRefused) {
+  SimulateLog(40);
+  const std::string in_room = "--world=" PLUMBLINE_WORLD " --log=" + folder_ + "out";
+  limits_ = "ulimit -s 64; ";
+  for (const Outcome& run : {Slam("a.clf"), Run("simulate", in_room), Run("convert", ""),
+                             Run("evaluate", ""), Run("benchmark", "")}) {
+    ExpectUsageError(
+        run, ": the stack limit of 64 kB is too small: 1024 kB are needed (ulimit -s 1024)");
+  }
+  if (PLUMBLINE_SANITIZED) GTEST_SKIP() << "sanitizers take stack of their own";
+  limits_ = "ulimit -s 1024; ";
+  EXPECT_EQ(Slam("a.clf", "--picture_side_px=200").exit_code, 0);
+}
+
 TEST_F(FaultsTest, TheMemoryEstimateIsRightToAFactorOfTwo) {
   if (PLUMBLINE_SANITIZED) GTEST_SKIP() << "sanitizers take memory of their own";
   SimulateLog(200);
