@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Usage: cmake/bootstrap.sh [--tests]
 # Installs what the build needs and the system lacks; with --tests also what tests can do without:
-# doxygen for the API reference, clang-format, clang-tidy, the browser that report.html is tested in
-# (300 MB), and the library for bags of ROS 1 (200 MB). Debian and its kin only: elsewhere it says what
+# doxygen for the API reference, clang-format, clang-tidy, other locales, the browser that report.html
+# is tested in (300 MB), and the library for bags of ROS 1 (200 MB). Debian and its kin only: elsewhere it says what
 # is wanted and leaves the rest to CMake.
 set -euo pipefail
 
@@ -51,6 +51,7 @@ if [[ ${1:-} == --tests ]]; then
   install_missing doxygen || echo "bootstrap: no doxygen; the API reference is not tested" >&2
   install_missing git clang-tidy-14 || echo "bootstrap: no clang-tidy-14; the test tidy is skipped" >&2
   install_missing clang-format-14 || echo "bootstrap: no clang-format-14; formatting is not tested" >&2
+  install_missing locales || echo "bootstrap: no locales; the test of decimal commas is skipped" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
   install_missing "${rosbag[@]}" || echo "bootstrap: no library for bags of ROS 1; the build goes without" >&2
 fi
