@@ -61,6 +61,16 @@ TEST_F(OpenBagTest, TheFilesOfAFolderComeInTheOrderOfItsDescription) {
   ExpectWholeBag(folder_ + "metadata.yaml");
 }
 
+TEST_F(OpenBagTest, ADescriptionMayHaveLineEndsOfWindows) {
+  WriteSqliteBag(folder_ + "b.db3", SmallBag());
+  WriteMetadata("    - b.db3\n");
+  std::string windows;
+  for (const char c : ReadFile(folder_ + "metadata.yaml"))
+    windows += c == '\n' ? "\r\n" : std::string(1, c);
+  WriteFile(folder_ + "metadata.yaml", windows);
+  ExpectWholeBag(folder_);
+}
+
 TEST_F(OpenBagTest, AFileOfASplitRecordingIsReadAlone) {
   WriteSqliteBag(folder_ + "b.db3", Part(0));
   WriteSqliteBag(folder_ + "a.db3", Part(1));
