@@ -46,7 +46,8 @@
 DEFINE_string(
     log, "",
     "Log to map (CARMEN, or bag of ROS 1 or ROS 2, file or folder), or pose graph to refine (g2o, "
-    "TORO, or a state of Cartographer, .pbstream); text plain or .gz");
+    "TORO, or a saved map: a state of Cartographer, .pbstream, or a map of slam_toolbox, "
+    ".posegraph); text plain or .gz");
 DEFINE_string(output_dir, "",
               "Folder for the results; made if it is not there, and for one run at a time");
 DEFINE_int32(max_scans, 0, "Use the first scans of the log only [scans]; 0: all of them");

@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 // All that a run over a log or a pose graph may write, in the order in which it is to go.
-constexpr std::array<std::string_view, 21> kResults = {"summary.json",
+constexpr std::array<std::string_view, 23> kResults = {"summary.json",
                                                        "report.html",
                                                        "map_odometry.png",
                                                        "map_seed.png",
@@ -39,7 +39,10 @@ constexpr std::array<std::string_view, 21> kResults = {"summary.json",
                                                        "trajectory.tum",
                                                        "graph.g2o",
                                                        "graph.toro",
-                                                       "graph.pbstream"};
+                                                       "graph.pbstream",
+
+                                                       "graph.posegraph",
+                                                       "graph.data"};
 
 bool IsResult(std::string_view name) {
   return std::find(kResults.begin(), kResults.end(), name) != kResults.end();

@@ -14,6 +14,7 @@
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/log_flags.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
+#include "plumbline/apps/saved_maps/slam_toolbox_map.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 
@@ -68,6 +69,7 @@ Status ReadRosLog(const std::string& path, int max_scans, double max_bytes, LogC
 }  // namespace
 
 std::vector<std::string> LogFiles(const std::string& path) {
+  if (IsSlamToolboxMap(path)) return SlamToolboxFiles(path);
   std::vector<std::string> files;
   return FilesOfLog(path, &files).ok() ? files : std::vector<std::string>{path};
 }

@@ -10,6 +10,9 @@
 #include "plumbline/apps/saved_maps/cartographer_graph.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/apps/saved_maps/cartographer_writer.h"
+#include "plumbline/apps/saved_maps/slam_toolbox_graph.h"
+#include "plumbline/apps/saved_maps/slam_toolbox_map.h"
+#include "plumbline/apps/saved_maps/slam_toolbox_writer.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -59,16 +62,38 @@ Status ReadCartographer(const std::string& path, double max_bytes, PoseGraphInpu
   return Status::Ok();
 }
 
+Status ReadSlamToolbox(const std::string& path, double max_bytes, PoseGraphInput* input) {
+  const auto map = std::make_shared<SlamToolboxMap>();
+  int num_restarts = 0;
+  PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolboxMap(path, max_bytes, map.get()));
+  PLUMBLINE_RETURN_IF_ERROR(BuildGraph(*map, &input->graph, &num_restarts));
+  input->format = "posegraph";
+  input->num_robot_poses = input->graph.num_poses();
+  if (num_restarts > 0) {
+    input->note = "  The odometry starts anew " + std::to_string(num_restarts) +
+                  (num_restarts == 1 ? " time\n" : " times\n");
+  }
+  input->write = [map](const std::string& to, const std::vector<double>& poses) {
+    return WriteSlamToolboxMap(to, *map, poses);
+  };
+  return Status::Ok();
+}
+
 }  // namespace
 
 bool IsPoseGraph(const std::string& path) {
-  return IsCartographerState(path) || IsPoseGraphFile(path);
+  return IsCartographerState(path) || IsSlamToolboxMap(path) || IsPoseGraphFile(path);
 }
 
 Status ReadPoseGraph(const std::string& path, double max_bytes, PoseGraphInput* input) {
   PoseGraphInput result;
-  PLUMBLINE_RETURN_IF_ERROR(IsCartographerState(path) ? ReadCartographer(path, max_bytes, &result)
-                                                      : ReadText(path, max_bytes, &result));
+  if (IsCartographerState(path)) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadCartographer(path, max_bytes, &result));
+  } else if (IsSlamToolboxMap(path)) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolbox(path, max_bytes, &result));
+  } else {
+    PLUMBLINE_RETURN_IF_ERROR(ReadText(path, max_bytes, &result));
+  }
   *input = std::move(result);
   return Status::Ok();
 }
