@@ -40,7 +40,6 @@ constexpr std::array<std::string_view, 23> kResults = {"summary.json",
                                                        "graph.g2o",
                                                        "graph.toro",
                                                        "graph.pbstream",
-
                                                        "graph.posegraph",
                                                        "graph.data"};
 

@@ -14,6 +14,7 @@
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/log_flags.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
+#include "plumbline/apps/saved_maps/slam_toolbox_graph.h"
 #include "plumbline/apps/saved_maps/slam_toolbox_map.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
@@ -66,6 +67,20 @@ Status ReadRosLog(const std::string& path, int max_scans, double max_bytes, LogC
   return Status::Ok();
 }
 
+Status ReadSlamToolbox(const std::string& path, double max_bytes, SlamGraph* graph) {
+  SlamToolboxMap map;
+  int num_restarts = 0;
+  PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolboxMap(path, max_bytes, &map));
+  return BuildGraph(map, graph, &num_restarts);
+}
+
+Status ReadAnyLog(const std::string& path, int max_scans, double max_bytes, LogCounts* counts,
+                  SlamGraph* graph) {
+  if (IsSlamToolboxMap(path)) return ReadSlamToolbox(path, max_bytes, graph);
+  if (IsBag(path)) return ReadRosLog(path, max_scans, max_bytes, counts, graph);
+  return ReadCarmen(path, max_scans, max_bytes, counts, graph);
+}
+
 }  // namespace
 
 std::vector<std::string> LogFiles(const std::string& path) {
@@ -83,9 +98,7 @@ Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* count
   }
   SlamGraph result;
   LogCounts result_counts;
-  PLUMBLINE_RETURN_IF_ERROR(IsBag(path)
-                                ? ReadRosLog(path, max_scans, max_bytes, &result_counts, &result)
-                                : ReadCarmen(path, max_scans, max_bytes, &result_counts, &result));
+  PLUMBLINE_RETURN_IF_ERROR(ReadAnyLog(path, max_scans, max_bytes, &result_counts, &result));
   if (result.num_returns() == 0) {
     return Status::InvalidArgument(path + ": no scan has a return within the laser's range");
   }
