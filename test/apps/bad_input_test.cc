@@ -162,10 +162,12 @@ TEST_F(BadInputTest, PoseGraphsToConvert) {
 
 TEST_F(BadInputTest, SavedMapsToRefine) {
   ExpectAsWritten("cartographer", "slam", "--log=IN --output_dir=OUTout --picture_side_px=200");
+  ExpectAsWritten("slam_toolbox", "slam", "--log=IN --output_dir=OUTout --picture_side_px=200");
 }
 
 TEST_F(BadInputTest, SavedMapsToConvert) {
   ExpectRefusedAsWell("cartographer", "convert", "--input=IN --output=OUTa.g2o");
+  ExpectRefusedAsWell("slam_toolbox", "convert", "--input=IN --output=OUTa.g2o,OUTa.tum");
 }
 
 TEST_F(BadInputTest, Worlds) {

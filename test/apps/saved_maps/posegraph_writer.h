@@ -2,6 +2,7 @@
 #define PLUMBLINE_TEST_APPS_SAVED_MAPS_POSEGRAPH_WRITER_H_
 
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "plumbline/test/apps/saved_maps/karto_writer.h"
-#include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
 
@@ -218,8 +218,8 @@ inline std::string DataBytes(const KartoMap& map) { return KartoWriter(map).Data
 
 /// stem.posegraph and stem.data.
 inline void WriteKartoMap(const std::string& stem, const KartoMap& map) {
-  WriteFile(stem + ".posegraph", PosegraphBytes(map));
-  WriteFile(stem + ".data", DataBytes(map));
+  std::ofstream(stem + ".posegraph", std::ios::binary) << PosegraphBytes(map);
+  std::ofstream(stem + ".data", std::ios::binary) << DataBytes(map);
 }
 
 /// Three scans of four beams, the corners of a triangle, each seen from the one before.

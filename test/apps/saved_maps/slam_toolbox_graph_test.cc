@@ -226,6 +226,19 @@ TEST(SlamToolboxMapTest, TheFilesMayNotBeEachOther) {
               StartsWith(folder + "a.posegraph: cannot be read as a map of slam_toolbox: byte "));
 }
 
+TEST(SlamToolboxMapTest, DamageIsNamedByItsFile) {
+  const std::string folder = TempFolder();
+  WriteKartoMap(folder + "a", SmallKartoMap());
+  const std::string data = ReadFile(folder + "a.data");
+  WriteFile(folder + "a.data", data.substr(0, data.size() - 1));
+  SlamToolboxMap map;
+  const Status status = ReadSlamToolboxMap(folder + "a.posegraph", 0.0, &map);
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_EQ(status.message(), folder + "a.data: cannot be read as a map of slam_toolbox: byte " +
+                                  std::to_string(data.size() - 2) +
+                                  ": karto::Dataset.dataset_info: the file ends there");
+}
+
 TEST(SlamToolboxMapTest, MemoryIsLimited) {
   const std::string folder = TempFolder();
   WriteKartoMap(folder + "a", SmallKartoMap());
