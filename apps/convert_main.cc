@@ -15,7 +15,7 @@
 DEFINE_string(
     input, "",
     "CARMEN log (.clf, .log), plain or .gz; bag of ROS 1 or ROS 2, file or folder; or pose graph "
-    "(g2o, TORO), plain or .gz");
+    "(g2o, TORO), plain or .gz; or map of slam_toolbox (.posegraph)");
 DEFINE_string(output, "",
               "File to write, or several, separated by commas. The extension tells what it is: "
               ".tum .g2o .toro .graph .ply .pcd .pgm .yaml");
