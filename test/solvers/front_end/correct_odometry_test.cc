@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
