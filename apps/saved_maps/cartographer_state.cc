@@ -102,7 +102,9 @@ class Parser {
 
  private:
   Status Damaged(const std::string& what) const { return stream_->Error("a damaged " + what); }
-  Status Keep(std::size_t bytes) { return memory_.Keep(bytes, path_, stream_->number()); }
+  Status Keep(std::size_t bytes) {
+    return memory_.Keep(bytes) ? Status::Ok() : stream_->Unsupported(memory_.Fault());
+  }
 
   // A file that is cut off between two messages shows it here.
   Status CheckWhole() const {
@@ -357,7 +359,7 @@ Status ReadContent(const std::string& path, MemoryLimit* memory, std::string* co
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) return ReadError("open", path, error.value());
-  PLUMBLINE_RETURN_IF_ERROR(memory->Keep(size, path, 1));
+  if (!memory->Keep(size)) return Status::InvalidArgument(path + ": " + memory->Fault());
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return ReadError("open", path, errno);
