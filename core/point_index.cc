@@ -35,8 +35,8 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
                                                  FlatPoints, 2, std::uint32_t>;
 
 // Collects what a search of the tree comes upon: the `capacity` nearest points of those nearer than
-// `limit`. Up to twice as many wait until the farther half is dropped, which is cheaper than a heap.
-// The names of the members are what nanoflann asks for.
+// `limit`. Up to twice as many wait until the farther half is dropped: cheaper than a heap. The
+// names of the members are what nanoflann asks for.
 class NearestPoints {
  public:
   using DistanceType = double;

@@ -103,7 +103,9 @@ class Parser {
  private:
   Status Damaged(const std::string& what) const { return stream_->Error("a damaged " + what); }
   Status Keep(std::size_t bytes) {
-    return memory_.Keep(bytes) ? Status::Ok() : stream_->Unsupported(memory_.Fault());
+    if (memory_.Keep(bytes)) return Status::Ok();
+    return Status::InvalidArgument(path_ + ": message " + std::to_string(stream_->number()) + ": " +
+                                   memory_.Fault());
   }
 
   // A file that is cut off between two messages shows it here.

@@ -30,6 +30,7 @@ SeedingReport MakeReport(const SlamGraph& graph) {
   report.sequential.odometry_sign.sign_lost = true;
   report.odometry_noise.rotation = {true, 20, 0.0, 0.1 + 0.2};
   report.odometry_noise.motion.rotation_floor_rad = 5e-324;
+  report.odometry_noise.clock_offset = {0.125, 1.0 / 3.0};
   report.loops.matches.push_back({1, 5, {0.1, 0.2, 0.3}, ClosureOutcome::kAmbiguous});
   report.loops.suspect_steps.push_back({5, 0.75, true, 0.25, 2, 3});
   WeighedHypothesis joined;
@@ -131,9 +132,9 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   WriteFile(path_, "FLASER 3 1 1 1 0 0 0\n");
   EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
   Write();
-  std::string newer = ReadFile(path_);
-  newer.replace(newer.find('5'), 1, "6");
-  WriteFile(path_, newer);
+  std::string other = ReadFile(path_);
+  other[other.find('\n') - 1] = '0';
+  WriteFile(path_, other);
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }
 

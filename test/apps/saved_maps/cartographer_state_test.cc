@@ -327,10 +327,10 @@ TEST_F(CartographerStateTest, MemoryIsLimited) {
   EXPECT_TRUE(ReadCartographerState(path_, &state_, 1e5).ok());
   EXPECT_EQ(state_.content, whole);
   EXPECT_THAT(ReadCartographerState(path_, &state_, 100.0).message(),
-              HasSubstr("a.pbstream:1: what was read so far takes"));
+              HasSubstr("a.pbstream: what was read so far takes"));
   const double little_more = static_cast<double>(whole.size()) + 300.0;
   EXPECT_THAT(ReadCartographerState(path_, &state_, little_more).message(),
-              HasSubstr("a.pbstream:2: what was read so far takes"));
+              HasSubstr("a.pbstream: message 2: what was read so far takes"));
 }
 
 }  // namespace
