@@ -1,10 +1,10 @@
 # Most of the time of a compilation goes into the headers of libraries. A unity build compiles the
-# sources of a folder as one, and those of small folders together, which is quicker where everything
-# is built once. While developing it takes longer, and hides what a source forgets to include.
+# sources of one folder or several as one, which reads them once. That is quicker where everything is
+# built once. While developing it takes longer, and hides what a source forgets to include.
 option(PLUMBLINE_UNITY_BUILD "Compile the sources of a folder as one: quicker from scratch" OFF)
 
-# Folders of one target that make one unit, for their anonymous namespaces have no name in common. A
-# folder that is not listed makes a unit of its own; where names collide in it, change them.
+# Folders of one target that are compiled as one unit; one that is not listed is a unit of its own.
+# Names in anonymous namespaces must be unique across a unit.
 set(PLUMBLINE_UNITS
   "core|factors"
   "solvers|solvers/interface|solvers/acceptance|solvers/terms|solvers/association|solvers/landmarks"

@@ -94,7 +94,6 @@ SweepOrder FindSweepOrder(const SeedingOptions& seeding, const SolverOptions& so
   double least_m = kClearlyThinner * Thickness(seeding, quick, stretch, best, pool);
   for (const SweepOrder order : {SweepOrder::kLastBeamFirst, SweepOrder::kAtOnce}) {
     const double thickness_m = Thickness(seeding, quick, stretch, order, pool);
-    fprintf(stderr, "%s %g (least %g)\n", ToString(order), thickness_m, least_m);
     if (!(thickness_m < least_m)) continue;
     least_m = thickness_m;
     best = order;

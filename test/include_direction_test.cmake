@@ -53,6 +53,7 @@ expect_complaint(apps/attic/x.h "#include \"plumbline/apps/io/y.h\"\n" "the fold
 expect_complaint(core/x.cc "int y;\n#include \"a.h\"\n" "write \"a.h\" as")
 expect_complaint(core/x.h "#include <ceres/jet.h>\n" "core may not include <ceres/jet.h>")
 expect_complaint(solvers/x.h "#include <nanoflann.hpp>\n" "a public header may not include")
+expect_complaint(solvers/x.cc "int x = std::fprintf (stderr, 0);\n" "the library may not print")
 foreach(header gflags/gflags.h glog/logging.h iostream fstream)
   foreach(folder core factors solvers)
     expect_complaint(${folder}/x.cc "#include <${header}>\n" "the library may not include <${header}>")

@@ -10,6 +10,7 @@
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/solvers/solve.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cstdio>
@@ -130,7 +131,11 @@ class G2oReader {
     if (!fields) {
       return Status::InvalidArgument("EDGE_SE2 wants: from to x y yaw I11 I12 I13 I22 I23 I33");
     }
-    const Eigen::Matrix3d covariance = information.inverse();
+    // g2o measures errors in the axes of the second pose, Plumbline in those of the first.
+    const Eigen::Matrix3d to_axes_of_from =
+        Eigen::AngleAxisd(motion.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d covariance =
+        to_axes_of_from * information.inverse() * to_axes_of_from.transpose();
     edge.constraint.covariance = 0.5 * (covariance + covariance.transpose());
     edge.line = g2o_->lines.size();
     edges_.push_back(edge);

@@ -15,6 +15,7 @@
 #include "plumbline/apps/io/memory_limit.h"
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/text_reader.h"
+#include "plumbline/core/rotate_axes.h"
 
 namespace plumbline {
 namespace {
@@ -213,8 +214,10 @@ class Parser {
       PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.from, "from", edge.line, &constraint.from));
       PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.to, "to", edge.line, &constraint.to));
       constraint.from_from_to = edge.from_from_to;
-      const Eigen::Matrix3d inverse = edge.information.inverse();
-      constraint.covariance = 0.5 * (inverse + inverse.transpose());
+      // The information has the axes of the pose measured, ours has those of `from`.
+      const Eigen::Matrix3d covariance =
+          RotateAxes(edge.information.inverse(), edge.from_from_to.yaw);
+      constraint.covariance = 0.5 * (covariance + covariance.transpose());
       // Ids and numbers are known to be good.
       if (!file_.graph.AddRelativePose(constraint).ok()) {
         return Error(edge.line,

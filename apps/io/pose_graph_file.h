@@ -36,7 +36,8 @@ bool IsPoseGraphFile(const std::string& path);
 /// Reads a pose graph, plain or gzip-compressed. Records (blank-separated; units m, rad):
 ///
 ///   VERTEX_SE2 id x y yaw                           VERTEX2 likewise
-///   EDGE_SE2 from to x y yaw information            EDGE2 likewise; pose of `to` seen from `from`
+///   EDGE_SE2 from to x y yaw information            EDGE2 likewise; pose of `to` seen from `from`,
+///                                                   the information in the axes of `to`
 ///   FIX id ...                                      poses to hold; the first vertex if there is
 ///                                                   none
 ///   ROBOTLASER1 ...                                 as in a CARMEN log (carmen_log.h): a scan

@@ -13,6 +13,7 @@
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/robot_laser_record.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/factors/sqrt_information.h"
 
@@ -29,7 +30,9 @@ std::string PoseText(const Pose2& pose) {
 std::string EdgeText(int from, int to, const Pose2& motion, const Eigen::Matrix3d& covariance) {
   const PoseGraphDialect& dialect = DialectOf(kWritten);
   Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
-  SqrtInformation(covariance, &root);  // The graph takes no covariance that this could fail on.
+  // In the axes of `to`, as the formats have it. The graph takes no covariance that this could fail
+  // on.
+  SqrtInformation(RotateAxes(covariance, -motion.yaw), &root);
   const Eigen::Matrix3d information = root.transpose() * root;
   std::string text = dialect.edge + (' ' + std::to_string(from)) + ' ' + std::to_string(to);
   text += PoseText(motion);

@@ -17,25 +17,29 @@ namespace {
 constexpr double kMaxOffsetS = 1.0;
 // Over a longer gap the robot need not have moved steadily.
 constexpr double kMaxStepS = 1.0;
-// Fewer steps say little.
-constexpr int kMinTurnSteps = 100;
+// Fewer steps say little, and more hardly more.
+constexpr std::size_t kMinTurnSteps = 100, kMaxTurnSteps = 5000;
+// Of the offsets that are tried. Scans may have stamps that lie closer than the robot can turn.
+constexpr double kFinestSpacingS = 0.02;
 // Residuals count as this many robust standard deviations at most.
 constexpr double kMaxSigmas = 3.0;
 
 // Where a time lies among rising times: from `pose` on, by this share of the step to the next.
 struct Moment {
   std::size_t pose;
-  double share;  // beyond the last pose more than 1, before the first one negative
+  double share;  // 0 to 1
 };
 
-// Of every pose, the moment `shift_s` after it. times_s: two or more, in order.
+// Of every pose, the moment `shift_s` after it, or the end that it is beyond. times_s: two or more,
+// in order.
 std::vector<Moment> MomentsAfter(const std::vector<double>& times_s, double shift_s) {
   std::vector<Moment> moments;
   std::size_t from = 0;
   for (const double time_s : times_s) {
     while (from + 2 < times_s.size() && times_s[from + 1] <= time_s + shift_s) ++from;
     const double step_s = times_s[from + 1] - times_s[from];
-    moments.push_back({from, step_s > 0.0 ? (time_s + shift_s - times_s[from]) / step_s : 0.0});
+    const double share = step_s > 0.0 ? (time_s + shift_s - times_s[from]) / step_s : 0.0;
+    moments.push_back({from, std::clamp(share, 0.0, 1.0)});
   }
   return moments;
 }
@@ -57,6 +61,7 @@ class TurnComparison {
       steps_.push_back({pose, NormalizeAngle(trajectory.odometry[pose].yaw),
                         Between(poses[pose - 1], poses[pose]).x});
     }
+    ThinOut();
   }
 
   bool HasEnoughSteps() const { return steps_.size() >= kMinTurnSteps; }
@@ -75,14 +80,15 @@ class TurnComparison {
     double sigma_s = 0.0;
   };
 
-  // The best constant errors for an offset, and where they would have it.
-  Fit FitAt(double offset_s) const {
-    const std::vector<Moment> moments = MomentsAfter(times_s_, offset_s);
+  // The best constant errors for an offset, and where they would have it, by what the turns are
+  // `spacing_s` before and after it.
+  Fit FitAt(double offset_s, double spacing_s) const {
+    const std::vector<double> turns = TurnsAt(offset_s), before = TurnsAt(offset_s - spacing_s),
+                              after = TurnsAt(offset_s + spacing_s);
     std::vector<Eigen::Vector4d> rows;  // offset, per rad, per m; difference
-    for (const Step& step : steps_) {
-      const Moment &from = moments[step.pose - 1], &to = moments[step.pose];
-      const double turn = HeadingAt(to) - HeadingAt(from);
-      rows.emplace_back(SpeedAt(to) - SpeedAt(from), turn, step.forward_m, step.turn_rad - turn);
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      rows.emplace_back((after[i] - before[i]) / (2.0 * spacing_s), turns[i], steps_[i].forward_m,
+                        steps_[i].turn_rad - turns[i]);
     }
     Eigen::Vector3d solution = Eigen::Vector3d::Zero();
     Fit fit;
@@ -119,14 +125,28 @@ class TurnComparison {
     double forward_m;  // as matched
   };
 
+  // Leaves every second step, or every third and so on.
+  void ThinOut() {
+    const std::size_t stride = (steps_.size() + kMaxTurnSteps - 1) / kMaxTurnSteps;
+    if (stride <= 1) return;
+    std::size_t num_kept = 0;
+    for (std::size_t i = 0; i < steps_.size(); i += stride) steps_[num_kept++] = steps_[i];
+    steps_.resize(num_kept);
+  }
+
+  // As matched, of every step, from `offset_s` after the scan before to as long after its own.
+  std::vector<double> TurnsAt(double offset_s) const {
+    const std::vector<Moment> moments = MomentsAfter(times_s_, offset_s);
+    std::vector<double> turns;
+    for (const Step& step : steps_) {
+      turns.push_back(HeadingAt(moments[step.pose]) - HeadingAt(moments[step.pose - 1]));
+    }
+    return turns;
+  }
+
   double HeadingAt(const Moment& moment) const {
     const double turn = heading_[moment.pose + 1] - heading_[moment.pose];
     return heading_[moment.pose] + moment.share * turn;
-  }
-  // [rad/s]
-  double SpeedAt(const Moment& moment) const {
-    const double step_s = times_s_[moment.pose + 1] - times_s_[moment.pose];
-    return step_s > 0.0 ? (heading_[moment.pose + 1] - heading_[moment.pose]) / step_s : 0.0;
   }
 
   // Root mean square of the residuals, each of which counts as at most a few medians.
@@ -159,11 +179,11 @@ ClockOffset EstimateClockOffset(const SlamGraph& graph, const SequentialTrajecto
   const TurnComparison comparison(graph, trajectory);
   if (!comparison.HasEnoughSteps()) return offset;
   // The turns of one period look alike, so the right one is found by trying.
-  const double spacing_s = 0.5 * comparison.TypicalPeriodS();
+  const double spacing_s = std::max(kFinestSpacingS, 0.5 * comparison.TypicalPeriodS());
   const int num_tried = static_cast<int>(std::ceil(kMaxOffsetS / spacing_s));
-  TurnComparison::Fit best = comparison.FitAt(0.0);
+  TurnComparison::Fit best = comparison.FitAt(0.0, spacing_s);
   for (int i = -num_tried; i <= num_tried; ++i) {
-    const TurnComparison::Fit fit = comparison.FitAt(i * spacing_s);
+    const TurnComparison::Fit fit = comparison.FitAt(i * spacing_s, spacing_s);
     if (fit.noise_rad >= best.noise_rad) continue;
     best = fit;
     offset.value_s = i * spacing_s;
@@ -171,7 +191,7 @@ ClockOffset EstimateClockOffset(const SlamGraph& graph, const SequentialTrajecto
   constexpr int kIterations = 10;
   for (int i = 0; i < kIterations; ++i) {
     offset.value_s += std::clamp(best.step_s, -spacing_s, spacing_s);
-    best = comparison.FitAt(offset.value_s);
+    best = comparison.FitAt(offset.value_s, spacing_s);
   }
   offset.sigma_s = best.sigma_s;
   return offset;
@@ -192,7 +212,9 @@ std::vector<Pose2> OdometryInTime(const SlamGraph& graph, const std::vector<Pose
   }
   std::vector<Pose2> steps(odometry.size());
   for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
-    steps[pose] = Between(in_time[pose - 1], in_time[pose]);
+    const bool is_known = times_s[pose - 1] - offset_s >= times_s.front() &&
+                          times_s[pose] - offset_s <= times_s.back();
+    steps[pose] = is_known ? Between(in_time[pose - 1], in_time[pose]) : odometry[pose];
   }
   return steps;
 }

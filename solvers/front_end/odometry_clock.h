@@ -17,7 +17,8 @@ namespace plumbline {
 ClockOffset EstimateClockOffset(const SlamGraph& graph, const SequentialTrajectory& trajectory);
 
 /// The steps that the odometry would have had at the times of the scans. Between them the robot is
-/// taken to move steadily, and after the last one as before it.
+/// taken to move steadily. Steps that began before the first or end after the last known moment
+/// stay as they are.
 /// odometry: from the pose before, one per pose; entry 0 is unused.
 std::vector<Pose2> OdometryInTime(const SlamGraph& graph, const std::vector<Pose2>& odometry,
                                   double offset_s);

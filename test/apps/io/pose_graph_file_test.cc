@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/angle.h"
+#include "plumbline/core/rotate_axes.h"
 #include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
@@ -69,7 +71,7 @@ TEST_F(PoseGraphFileTest, ReadsG2o) {
   EXPECT_EQ(edge.from_from_to.yaw, 0.25);
   Eigen::Matrix3d information;
   information << 4, 1, 0.5, 1, 9, -1, 0.5, -1, 16;
-  EXPECT_TRUE((edge.covariance * information).isIdentity(1e-12));
+  EXPECT_TRUE((edge.covariance * RotateAxes(information, 0.25)).isIdentity(1e-12));
   ASSERT_EQ(file_.graph.fixed_poses().size(), 1u);
   EXPECT_EQ(file_.graph.fixed_poses()[0].pose, 1);
 }
@@ -81,8 +83,25 @@ TEST_F(PoseGraphFileTest, ReadsToro) {
   Eigen::Matrix3d information;
   information << 4, 1, 0.5, 1, 9, -1, 0.5, -1, 16;
   const Eigen::Matrix3d& covariance = file_.graph.relative_poses().at(0).covariance;
-  EXPECT_TRUE((covariance * information).isIdentity(1e-12));
+  EXPECT_TRUE((covariance * RotateAxes(information, 0.25)).isIdentity(1e-12));
   EXPECT_EQ(file_.graph.fixed_poses().at(0).pose, 0);
+}
+
+// g2o's error is Z^-1 (X_from^-1 X_to).
+TEST_F(PoseGraphFileTest, AnErrorWeighsWhatItWeighsInG2o) {
+  ASSERT_TRUE(Read("VERTEX_SE2 0 1 2 3\nVERTEX_SE2 1 1.3 4 -1.5\n"
+                   "EDGE_SE2 0 1 -2 -0.3 1.6 100 2 5 4 -1 16\n")
+                  .ok());
+  const RelativePoseConstraint& edge = file_.graph.relative_poses().at(0);
+  const Pose2 actual = Between(file_.graph.InitialPose(0), file_.graph.InitialPose(1));
+  const Pose2 in_g2o = Between(edge.from_from_to, actual);
+  Eigen::Matrix3d information;
+  information << 100, 2, 5, 2, 4, -1, 5, -1, 16;
+  const Eigen::Vector3d expected(in_g2o.x, in_g2o.y, NormalizeAngle(in_g2o.yaw));
+  const Eigen::Vector3d error(actual.x - edge.from_from_to.x, actual.y - edge.from_from_to.y,
+                              NormalizeAngle(actual.yaw - edge.from_from_to.yaw));
+  const double chi2 = expected.dot(information * expected);
+  EXPECT_NEAR(error.dot(edge.covariance.inverse() * error), chi2, 1e-9 * chi2);
 }
 
 TEST_F(PoseGraphFileTest, ScansBelongToTheVertexBeforeThem) {

@@ -86,6 +86,27 @@ TEST(OdometryClock, WithoutTurnsOrTimesNothingIsSaid) {
   EXPECT_EQ(OdometryInTime(timeless.graph, {}, 0.3).size(), 0u);
 }
 
+TEST(OdometryClock, StampsThatNearlyCoincideDoNoHarm) {
+  // Every second scan comes a microsecond after the one before, the last one too.
+  Recording recording;
+  const Drive drive(Winding);
+  for (int i = 0; i < kNumPoses; ++i) {
+    const double time_s = kPeriodS * (i / 2 * 2) + 1e-6 * (i % 2);
+    int pose_id;
+    ASSERT_TRUE(recording.graph.AddPose(drive.At(time_s), time_s, &pose_id).ok());
+    recording.trajectory.world_from_robot.push_back(drive.At(time_s) *
+                                                    Pose2(0.0, 0.0, i % 2 == 0 ? 0.001 : -0.001));
+    const double before_s = std::max(0.0, kPeriodS * ((i - 1) / 2 * 2));
+    recording.trajectory.odometry.push_back(
+        Between(drive.At(before_s + 0.13), drive.At(time_s + 0.13)));
+  }
+  const ClockOffset found = EstimateClockOffset(recording.graph, recording.trajectory);
+  EXPECT_NEAR(found.value_s, 0.13, 0.02);
+  for (const Pose2& step : OdometryInTime(recording.graph, recording.trajectory.odometry, 0.13)) {
+    EXPECT_LT(std::hypot(step.x, step.y), 0.3);
+  }
+}
+
 TEST(OdometryClock, StepsInTimeAreThoseOfTheRobot) {
   constexpr double kOffsetS = 0.13;
   const Recording recording = Record(Drive(Winding), kOffsetS);
