@@ -123,7 +123,7 @@ Status OpenFile(const std::string& path, std::size_t max_bytes,
   if (!std::filesystem::exists(path, ignored)) return ReadError("open", path, ENOENT);
   return Status::InvalidArgument(
       path + (expanded ? ": what zstd has compressed there is neither a database of SQLite nor "
-                         "an MCAP file"
+                         "an MCAP file; zstd -d makes a file of it that may be read"
                        : ": neither a bag of ROS 1, nor a database of SQLite, nor an MCAP file"));
 }
 

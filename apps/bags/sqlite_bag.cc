@@ -160,16 +160,23 @@ class SqliteBag : public BagContainer {
 
   Status CheckTables() const {
     std::string tables;
-    int num_found = 0;
+    int num_found = 0, num_of_rtabmap = 0;
     PLUMBLINE_RETURN_IF_ERROR(
         ForEachRow("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name LIMIT 20",
                    "sqlite_master", [&](sqlite3_stmt* row) {
                      const std::string name = Text(row, 0);
                      if (name == "topics" || name == "messages") ++num_found;
+                     if (name == "Node" || name == "Link") ++num_of_rtabmap;
                      tables += (tables.empty() ? "" : ", ") + name;
                      return Status::Ok();
                    }));
     if (num_found == 2) return Status::Ok();
+    if (num_of_rtabmap == 2) {
+      return Status::InvalidArgument(path_ +
+                                     ": a database of RTAB-Map, which is not read: play it with "
+                                     "data_player of RTAB-Map's ROS package, and record scans and "
+                                     "odometry in a bag");
+    }
     return Status::InvalidArgument(
         path_ + ": a database of SQLite, but no bag of ROS 2: it has no tables 'topics' and " +
         "'messages', but " + (tables.empty() ? "none" : tables));

@@ -8,6 +8,7 @@
 
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/foreign_format.h"
 #include "plumbline/apps/io/memory_limit.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/angle.h"
@@ -227,6 +228,7 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
   if (!options.Check(&error)) return Status::InvalidArgument("CARMEN read options: " + error);
   TextReader reader;
   PLUMBLINE_RETURN_IF_ERROR(reader.Open(path));
+  PLUMBLINE_RETURN_IF_ERROR(RefuseForeignContent(path));
 
   CarmenLog result;
   LogParser parser(path, options.max_bytes, &result);
@@ -251,6 +253,7 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
              &result);
   }
   if (result.scans.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(RefuseForeignName(path));
     return Status::InvalidArgument(path + ": no FLASER or ROBOTLASER1 record, as a CARMEN log has" +
                                    FirstIssue(result));
   }

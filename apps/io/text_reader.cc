@@ -114,4 +114,15 @@ void TextReader::Refill() {
   }
 }
 
+std::string StartOfFile(const std::string& path, std::size_t size) {
+  if (!RefusePipe(path).ok()) return "";
+  const gzFile file = gzopen(path.c_str(), "rb");
+  if (file == nullptr) return "";
+  std::string start(size, '\0');
+  const int num_read = gzread(file, start.data(), static_cast<unsigned>(size));
+  start.resize(std::max(num_read, 0));
+  gzclose_r(file);
+  return start;
+}
+
 }  // namespace plumbline

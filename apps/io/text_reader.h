@@ -61,6 +61,10 @@ class TextReader {
   Status status_;
 };
 
+/// The first bytes of a file, at most `size` of them, expanded if gzip has compressed it; none if
+/// it cannot be read.
+std::string StartOfFile(const std::string& path, std::size_t size);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_IO_TEXT_READER_H_

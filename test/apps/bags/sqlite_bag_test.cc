@@ -121,6 +121,11 @@ TEST_F(SqliteBagTest, AnyPathIsFine) {
   EXPECT_EQ(recording_.scans.size(), 2u);
 }
 
+TEST_F(SqliteBagTest, ADatabaseOfRtabMapIsNamed) {
+  WriteDatabase(path_, {"CREATE TABLE Node(id INTEGER)", "CREATE TABLE Link(from_id INTEGER)"});
+  EXPECT_THAT(Read().message(), HasSubstr(path_ + ": a database of RTAB-Map, which is not read"));
+}
+
 // As rosbag2's resilient preset leaves it when it is killed.
 TEST_F(SqliteBagTest, AnInterruptedRecordingIsReadWithWhatIsBesideIt) {
   sqlite3* database = nullptr;
