@@ -100,6 +100,9 @@ struct DownweightedStep {
   }
 };
 
+/// What a relative pose that is ignored still says keeps the graph in one piece, and no more.
+constexpr double kIgnoredSigmaFactor = 1000.0;
+
 /// All sigmas and gates of the energy, and the terms that a host adds.
 struct FactorOptions {
   MotionOptions motion;      ///< odometry
@@ -109,6 +112,10 @@ struct FactorOptions {
   /// Where the motion model does not hold. Solve adds such steps by itself, see
   /// contradicted_steps.h.
   std::vector<DownweightedStep> downweighted_steps;
+  /// Relative poses that are known to be wrong, by their indices in SlamGraph::relative_poses():
+  /// their standard deviations are kIgnoredSigmaFactor times what they say. Solve adds those that
+  /// the scans contradict, see contradicted_edges.h.
+  std::vector<std::size_t> ignored_relative_poses;
   /// Terms of the host, see own_term.h. They are not copied with the options, and must not change.
   std::vector<std::shared_ptr<const OwnTerm>> own_terms;
 

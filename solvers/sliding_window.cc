@@ -81,10 +81,18 @@ class Window {
   const SlamGraph& part() const { return part_; }
   MapState* state() { return &state_; }
 
-  // The options with the host's own terms as they are in the part: what they say of free poses and
-  // their points, by what else is in it.
+  // The options with the ids of the part, and with the host's own terms as they are there: what
+  // they say of free poses and their points, by what else is in it. Edges are not tested: a window
+  // has few, and has to be quick.
   SolverOptions OptionsOfPart(const SolverOptions& options, const SlamGraph& graph) const {
     SolverOptions of_part = options;
+    of_part.test_edges = false;
+    for (DownweightedStep& step : of_part.factors.downweighted_steps) {
+      step.step = IndexInPart(graph.odometry(), step.step);
+    }
+    for (std::size_t& edge : of_part.factors.ignored_relative_poses) {
+      edge = IndexInPart(graph.relative_poses(), edge);
+    }
     for (std::shared_ptr<const OwnTerm>& term : of_part.factors.own_terms) {
       auto mapped = std::make_shared<OwnTerm>(*term);
       mapped->residuals.clear();
@@ -145,6 +153,15 @@ class Window {
   bool Joins(int from, int to) const {
     return part_of_pose_[from] != kOutside && part_of_pose_[to] != kOutside &&
            (is_free_[from] || is_free_[to]);
+  }
+
+  // Beyond all indices if it is not in the part.
+  template <typename Constraint>
+  std::size_t IndexInPart(const std::vector<Constraint>& constraints, std::size_t index) const {
+    const auto joins = [this](const Constraint& c) { return Joins(c.from, c.to); };
+    if (index >= constraints.size() || !joins(constraints[index])) return constraints.size();
+    return std::count_if(constraints.begin(),
+                         constraints.begin() + static_cast<std::ptrdiff_t>(index), joins);
   }
 
   Status AddConstraints(const SlamGraph& graph) {

@@ -1,13 +1,19 @@
 #include "plumbline/solvers/solve.h"
 
+#include <chrono>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/acceptance/constraint_start.h"
+#include "plumbline/solvers/acceptance/contradicted_edges.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/solver_input.h"
 
@@ -23,6 +29,38 @@ Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
                                  " returns, but the surface " +
                                  std::to_string(surface.points.size()) + " points and " +
                                  std::to_string(surface.normals.size()) + " normals");
+}
+
+// The relative poses that their scans contradict are left out, and may have spoilt the start.
+SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, MapState* state) {
+  const auto begin = std::chrono::steady_clock::now();
+  const SlamGraph& graph = problem.graph;
+  const FactorOptions& factors = problem.options.factors;
+  const MeasuredSurface* surface = problem.surface;
+  MeasuredSurface own_surface;
+  std::vector<ContradictedEdge> contradicted;
+  {
+    ThreadPool pool(problem.options.num_threads);
+    if (surface == nullptr) {
+      own_surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);
+      surface = &own_surface;
+    }
+    contradicted = FindContradictedEdges(graph, *surface, factors.beam, &pool);
+  }
+  SolverOptions without = problem.options;
+  for (const ContradictedEdge& edge : contradicted) {
+    without.factors.ignored_relative_poses.push_back(edge.edge);
+  }
+  const std::optional<std::vector<double>> suggested =
+      contradicted.empty()
+          ? problem.suggested_poses
+          : StartFromConstraints(graph, state->poses, factors.motion, contradicted);
+  const double test_time_s = SecondsSince(begin);
+  SolverSummary summary = solver.Solve({without, graph, surface, suggested}, state);
+  summary.ignored_edges = DescribeIgnored(contradicted, graph, state->poses);
+  summary.association_time_s += test_time_s;
+  summary.total_time_s += test_time_s;
+  return summary;
 }
 
 // A null surface has not been measured yet.
@@ -46,7 +84,10 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       status = CheckScansAreNotMirrored(graph, state->poses, suggested);
     }
     if (!status.ok()) return SolverFailure(options, status);
-    return solver.Solve({options, graph, surface, suggested}, state);
+    const SolverProblem problem{options, graph, surface, suggested};
+    const bool has_edges_to_test =
+        options.test_edges && !poses_only && !graph.relative_poses().empty();
+    return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
   });
 }
 

@@ -31,6 +31,8 @@ const std::vector<AttackLevels>& AllAttacks() {
       {Attack::kTruth, {0.0}, false},
       {Attack::kDrift, {3.0, 10.0}, false},
       {Attack::kWrongClosures, {0.01, 0.03, 0.1}, false},
+      {Attack::kGrossClosures, {0.0, 0.03, 0.1, 0.3}, false},
+      {Attack::kBiasedClosures, {0.03, 0.1, 0.3}, false},
       {Attack::kJump, {0.3, 1.0, 3.0}, true},
       {Attack::kShuffled, {0.1, 1.0}, false},
       {Attack::kMirrored, {0.1, 1.0}, true},
@@ -147,6 +149,10 @@ const char* ToString(Attack attack) {
       return "drift times";
     case Attack::kWrongClosures:
       return "wrong closures";
+    case Attack::kGrossClosures:
+      return "mapper's gross closures";
+    case Attack::kBiasedClosures:
+      return "mapper's biased closures";
     case Attack::kJump:
       return "jump [m]";
     case Attack::kShuffled:

@@ -17,6 +17,8 @@ enum class Attack {
   kTruth,            ///< the start is the truth
   kDrift,            ///< times the usual drift
   kWrongClosures,    ///< this share of the relative poses is wrong by metres
+  kGrossClosures,    ///< another mapper's graph, at its optimum; see FalseClosures::kGross
+  kBiasedClosures,   ///< another mapper's graph, at its optimum; see FalseClosures::kBiased
   kJump,             ///< all poses from one on are displaced by this [m], and turned
   kShuffled,         ///< this share of the poses stand in each other's places
   kMirrored,         ///< this share of the scans has its beams in reverse order

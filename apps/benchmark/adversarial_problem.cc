@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <utility>
 
+#include "plumbline/apps/benchmark/mapper_edges.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
 
 namespace plumbline {
 namespace {
@@ -16,9 +18,13 @@ namespace {
 constexpr std::uint32_t kAttackStream = 7;  // 0 to 6 belong to simulator, buildings and drift
 constexpr double kDriftM = 0.03, kDriftRad = 0.005;
 
+bool IsOfAMapper(const AdversarialCase& run) {
+  return run.attack == Attack::kGrossClosures || run.attack == Attack::kBiasedClosures;
+}
+
 Status SimulateCase(const AdversarialCase& run, SimulatedLog* log) {
   SimulationOptions options;
-  options.scan_period_s = 0.9;  // a scan every 0.36 m
+  options.scan_period_s = IsOfAMapper(run) ? 0.375 : 0.9;  // a scan every 0.15 or 0.36 m
   options.seed = run.seed;
   if (run.attack == Attack::kJump && run.seeded) options.odometry_leap = {20.0, run.level};
   return Simulate(World(GenerateBuilding(BuildingKind::kRandom, run.seed)), options, log);
@@ -59,25 +65,50 @@ class Falsifier {
     }
   }
 
+  // A graph as another mapper leaves it: at the optimum of its edges.
+  Status MakeMapperGraph(const std::vector<Pose2>& truth, SlamGraph* graph,
+                         std::vector<char>* is_false) {
+    MapperEdges mapper = MakeMapperEdges(
+        truth,
+        run_.attack == Attack::kGrossClosures ? FalseClosures::kGross : FalseClosures::kBiased,
+        run_.level, &source_);
+    std::vector<Pose2> start = truth;
+    OptimizePoseGraph(mapper.edges, {}, &start);
+    PLUMBLINE_RETURN_IF_ERROR(AddScans(start, graph));
+    for (const RelativePoseConstraint& edge : mapper.edges) {
+      PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(edge));
+    }
+    *is_false = std::move(mapper.is_false);
+    return Status::Ok();
+  }
+
   // A graph as a host may have it.
-  Status MakeHostGraph(const std::vector<Pose2>& truth, SlamGraph* graph) {
-    const std::vector<Pose2> start = Start(truth);
-    int laser = 0, pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(log_.laser, &laser));
-    for (std::size_t i = 0; i < start.size(); ++i) {
-      const SimulatedScan& scan = log_.scans[i];
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(start[i], scan.scan.timestamp_s, &pose));
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.scan.ranges));
+  Status MakeHostGraph(const std::vector<Pose2>& truth, SlamGraph* graph,
+                       std::vector<char>* is_false) {
+    PLUMBLINE_RETURN_IF_ERROR(AddScans(Start(truth), graph));
+    for (int pose = 0; pose < graph->num_poses(); ++pose) {
       const bool missing =
           run_.attack == Attack::kMissingOdometry && source_.Uniform() < run_.level;
-      if (i == 0 || missing) continue;
+      if (pose == 0 || missing) continue;
       PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry(
-          {pose - 1, pose, Between(log_.scans[i - 1].odom_from_robot, scan.odom_from_robot)}));
+          {pose - 1, pose,
+           Between(log_.scans[pose - 1].odom_from_robot, log_.scans[pose].odom_from_robot)}));
     }
-    return AddClosures(truth, graph);
+    return AddClosures(truth, graph, is_false);
   }
 
  private:
+  Status AddScans(const std::vector<Pose2>& start, SlamGraph* graph) const {
+    int laser = 0, pose = 0;
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(log_.laser, &laser));
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const LaserScan& scan = log_.scans[i].scan;
+      PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(start[i], scan.timestamp_s, &pose));
+      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));
+    }
+    return Status::Ok();
+  }
+
   // Where a host believes that the poses are.
   std::vector<Pose2> Start(const std::vector<Pose2>& truth) {
     std::vector<Pose2> start = truth;
@@ -104,7 +135,8 @@ class Falsifier {
     }
   }
 
-  Status AddClosures(const std::vector<Pose2>& truth, SlamGraph* graph) {
+  Status AddClosures(const std::vector<Pose2>& truth, SlamGraph* graph,
+                     std::vector<char>* is_false) {
     constexpr int kFewestBetween = 60;
     constexpr double kReachM = 1.5;
     const Eigen::Vector3d sigmas(0.03, 0.03, 0.01);
@@ -119,7 +151,8 @@ class Falsifier {
       Pose2 motion = Between(truth[from], truth[to]) * Pose2(sigmas.x() * source_.Gaussian(),
                                                              sigmas.y() * source_.Gaussian(),
                                                              sigmas.z() * source_.Gaussian());
-      if (run_.attack == Attack::kWrongClosures && source_.Uniform() < run_.level) {
+      is_false->push_back(run_.attack == Attack::kWrongClosures && source_.Uniform() < run_.level);
+      if (is_false->back()) {
         motion = motion * Pose2(2.0 * source_.Gaussian(), 2.0 * source_.Gaussian(),
                                 0.5 * source_.Gaussian());
       }
@@ -181,8 +214,15 @@ Status MakeAdversarialProblem(const AdversarialCase& run, AdversarialProblem* pr
   }
   Falsifier falsifier(run, &log);
   falsifier.FalsifyScans();
-  PLUMBLINE_RETURN_IF_ERROR(run.seeded ? MakeGraph(log, &result.graph)
-                                       : falsifier.MakeHostGraph(result.truth, &result.graph));
+  if (run.seeded) {
+    PLUMBLINE_RETURN_IF_ERROR(MakeGraph(log, &result.graph));
+  } else if (IsOfAMapper(run)) {
+    PLUMBLINE_RETURN_IF_ERROR(
+        falsifier.MakeMapperGraph(result.truth, &result.graph, &result.is_false));
+  } else {
+    PLUMBLINE_RETURN_IF_ERROR(
+        falsifier.MakeHostGraph(result.truth, &result.graph, &result.is_false));
+  }
   *problem = std::move(result);
   return Status::Ok();
 }

@@ -14,6 +14,8 @@ namespace plumbline {
 struct AdversarialProblem {
   SlamGraph graph;
   std::vector<Pose2> truth;  ///< one per pose, in the frame of the first
+  /// Per relative pose of the graph: it is wrong on purpose.
+  std::vector<char> is_false;
 };
 
 /// Simulates the drive of a case and falsifies it. A host's graph holds odometry from pose to pose

@@ -78,9 +78,9 @@ Json ConflictJson(const FreeSpaceConflict& conflict) {
           {"share", conflict.Share()}};
 }
 
-// Stretches put back, and steps of the odometry downweighted.
+// Stretches put back, steps of the odometry downweighted, and edges ignored.
 Json LocalJson(const SolverSummary& solver) {
-  Json put_back = Json::array(), downweighted = Json::array();
+  Json put_back = Json::array(), downweighted = Json::array(), ignored = Json::array();
   for (const WorseStretch& stretch : solver.put_back) {
     put_back.push_back({{"first_pose", stretch.first},
                         {"last_pose", stretch.last},
@@ -90,7 +90,16 @@ Json LocalJson(const SolverSummary& solver) {
   for (const DownweightedStep& step : solver.downweighted_steps) {
     downweighted.push_back({{"step", step.step}, {"sigmas_off_seed", step.sigma_factor}});
   }
-  return {{"put_back", put_back}, {"downweighted_odometry_steps", downweighted}};
+  for (const IgnoredEdge& edge : solver.ignored_edges) {
+    ignored.push_back({{"from", edge.from},
+                       {"to", edge.to},
+                       {"off_m", edge.off_m},
+                       {"off_rad", edge.off_rad},
+                       {"sigmas", edge.sigmas}});
+  }
+  return {{"put_back", put_back},
+          {"downweighted_odometry_steps", downweighted},
+          {"ignored_edges", ignored}};
 }
 
 Json AcceptanceJson(const AcceptanceTest& acceptance) {

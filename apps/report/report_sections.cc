@@ -142,6 +142,21 @@ ReportStagePlot ErrorPlot(const std::vector<Stage>& stages) {
   return plot;
 }
 
+ReportTable IgnoredTable(const SolverSummary& solver) {
+  ReportTable table{"Edges that the scans contradict, ignored",
+                    {"From", "To", "Off the result by", "", "Standard deviations"},
+                    {},
+                    std::to_string(solver.ignored_edges.size()) +
+                        " edges; the farthest are shown, summary.json has all."};
+  constexpr std::size_t kMaxShown = 20;
+  for (const IgnoredEdge& edge : solver.FarthestIgnoredEdges(kMaxShown)) {
+    table.rows.push_back(
+        {std::to_string(edge.from), std::to_string(edge.to), FixedText(edge.off_m, 2) + " m",
+         FixedText(RadToDeg(edge.off_rad), 1) + " deg", FixedText(edge.sigmas, 0)});
+  }
+  return table;
+}
+
 std::string ConflictText(const FreeSpaceConflict& conflict) {
   if (conflict.num_compared == 0) return "-";
   return FixedText(kPercent * conflict.Share(), 2) + " % of " +
@@ -214,6 +229,7 @@ void AddSolver(const SolverSummary& solver, HtmlReport* report) {
   if (!solver.downweighted_steps.empty() || !solver.put_back.empty()) {
     report->tables.push_back(LocalTable(solver));
   }
+  if (!solver.ignored_edges.empty()) report->tables.push_back(IgnoredTable(solver));
   report->tables.push_back(TermsTable(solver));
   if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   AddDisplacements(solver.displacements, report);

@@ -70,6 +70,9 @@ DEFINE_double(odom_translation_floor_m, Defaults().factors.motion.translation_fl
 DEFINE_double(odom_rotation_floor_rad, Defaults().factors.motion.rotation_floor_rad,
               "Odometry noise of a step without turning [rad]");
 
+DEFINE_bool(test_edges, Defaults().test_edges,
+            "Ignore edges of a pose graph that the scans of their poses contradict");
+
 // Associations and rounds.
 DEFINE_string(
     neighborhood, ToString(Defaults().association.neighborhood),
@@ -247,6 +250,7 @@ constexpr FlagReaders kFlagReaders[] = {
     {"sigma_shape_rad", UsesReturns},
     {"shape_gate", HasChoices},
     {"shape_", UsesReturns},
+    {"test_edges", UsesReturns},
     {"neighborhood", HasChoices},
     {"min_neighbors", UsesReturns},
     {"max_neighbors", TakesNearest},
@@ -394,6 +398,7 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   PLUMBLINE_RETURN_IF_ERROR(AssociationOptionsFromFlags(&options->association));
   PLUMBLINE_RETURN_IF_ERROR(CeresOptionsFromFlags(&*options->ceres));
   options->num_threads = FLAGS_threads;
+  options->test_edges = FLAGS_test_edges;
   options->factors = FactorOptionsFromFlags();
   options->rounds = RoundOptionsFromFlags();
   options->reduced = ReducedOptionsFromFlags();

@@ -34,9 +34,9 @@ double MeanSquaredError(const std::vector<RelativePoseConstraint>& steps,
 
 }  // namespace
 
-std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
-                                                        const std::vector<double>& state_poses,
-                                                        const MotionOptions& motion) {
+std::optional<std::vector<double>> StartFromConstraints(
+    const SlamGraph& graph, const std::vector<double>& state_poses, const MotionOptions& motion,
+    const std::vector<ContradictedEdge>& contradicted) {
   std::vector<RelativePoseConstraint> steps, others;
   const auto add = [&](const RelativePoseConstraint& edge) {
     (std::abs(edge.from - edge.to) == 1 ? steps : others).push_back(edge);
@@ -44,12 +44,19 @@ std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
   for (const OdometryConstraint& c : graph.odometry()) {
     add({c.from, c.to, c.from_from_to, MotionCovariance(c.from_from_to, motion)});
   }
-  for (const RelativePoseConstraint& c : graph.relative_poses()) add(c);
+  std::vector<RelativePoseConstraint> edges = graph.relative_poses();
+  for (const ContradictedEdge& c : contradicted) {
+    edges[c.edge].covariance *= kIgnoredSigmaFactor * kIgnoredSigmaFactor;
+    if (c.match) edges[c.edge] = *c.match;
+  }
+  for (const RelativePoseConstraint& c : edges) add(c);
   if (!IsChain(steps, graph.num_poses())) return std::nullopt;
 
   std::vector<Pose2> poses = PosesOf(state_poses);
   constexpr double kSigmas = 3.0;
-  if (!(MeanSquaredError(steps, poses) > kSigmas * kSigmas)) return std::nullopt;
+  if (contradicted.empty() && !(MeanSquaredError(steps, poses) > kSigmas * kSigmas)) {
+    return std::nullopt;
+  }
 
   std::vector<int> fixed;
   for (const FixedPose& pose : graph.fixed_poses()) {

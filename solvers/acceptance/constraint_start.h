@@ -6,6 +6,7 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/acceptance/contradicted_edges.h"
 
 namespace plumbline {
 
@@ -13,14 +14,15 @@ namespace plumbline {
 /// state has them: their steps from pose to pose contradict its poses by more than three
 /// standard deviations, root mean square, as where poses have been mixed up. A step counts for 30
 /// of them at most: a single one that is flatly contradicted, as after a robot was carried, does
-/// not speak for all. Steps are believed, relative poses that join others are downweighted (Cauchy
-/// loss): one may be a wrong loop closure. Fixed poses stay.
+/// not speak for all. Or if scans contradict relative poses, which may have bent the state: what
+/// the scans say takes the place of these, or nothing. Steps are believed, relative poses that join
+/// others are downweighted (Cauchy loss): one may be a wrong loop closure. Fixed poses stay.
 ///
-/// Nothing if the steps agree with the state, if a pose has no step from the one before, or if the
-/// equations cannot be solved.
-std::optional<std::vector<double>> StartFromConstraints(const SlamGraph& graph,
-                                                        const std::vector<double>& state_poses,
-                                                        const MotionOptions& motion);
+/// Nothing if the steps agree with the state and no relative pose is contradicted, if a pose has no
+/// step from the one before, or if the equations cannot be solved.
+std::optional<std::vector<double>> StartFromConstraints(
+    const SlamGraph& graph, const std::vector<double>& state_poses, const MotionOptions& motion,
+    const std::vector<ContradictedEdge>& contradicted = {});
 
 }  // namespace plumbline
 

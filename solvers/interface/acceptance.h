@@ -57,6 +57,16 @@ struct WorseStretch {
   double state_error = 0.0;  ///< mean held-out error of the state [sigmas^2]
 };
 
+/// A relative pose that the scans contradict, and how far the result is off it.
+struct IgnoredEdge {
+  std::size_t edge = 0;  ///< index into SlamGraph::relative_poses()
+  long long from = 0;    ///< pose id; in reports on a file, its name there
+  long long to = 0;      ///< likewise
+  double off_m = 0.0;    ///< [m]
+  double off_rad = 0.0;  ///< [rad]
+  double sigmas = 0.0;   ///< the same in its own standard deviations
+};
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_INTERFACE_ACCEPTANCE_H_

@@ -148,7 +148,10 @@ struct SolverOptions {
   SolverType type = SolverType::kReduced;  ///< the minimiser
   /// A minimiser of the host instead of `type`, see rounds_solver.h; null: none.
   std::shared_ptr<const Solver> own_solver;
-  FactorOptions factors;                ///< noise and gates of every term
+  FactorOptions factors;  ///< noise and gates of every term
+  /// Whether Solve tests relative poses by the scans of their poses, and ignores those that these
+  /// contradict; see contradicted_edges.h. Off: edges that know more than the scans.
+  bool test_edges = true;
   AssociationOptions association;       ///< which returns share a surface
   RoundOptions rounds;                  ///< kAlternatingCg, and kCeres over points
   ReducedOptions reduced;               ///< kReduced, and kCeres over landmarks

@@ -1,7 +1,9 @@
 #include "plumbline/solvers/interface/solver_summary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdarg>
+#include <cstddef>
 #include <cstdio>
 
 namespace plumbline {
@@ -96,8 +98,26 @@ std::string SolverSummary::RoundTable() const {
   return table;
 }
 
+std::vector<IgnoredEdge> SolverSummary::FarthestIgnoredEdges(std::size_t max_number) const {
+  std::vector<IgnoredEdge> farthest = ignored_edges;
+  std::stable_sort(farthest.begin(), farthest.end(),
+                   [](const IgnoredEdge& a, const IgnoredEdge& b) { return a.sigmas > b.sigmas; });
+  farthest.resize(std::min(farthest.size(), max_number));
+  return farthest;
+}
+
 std::string SolverSummary::LocalReport() const {
   std::string report;
+  if (!ignored_edges.empty()) {
+    report += Format("  %zu relative poses are contradicted by their scans and did not count:\n",
+                     ignored_edges.size());
+  }
+  constexpr std::size_t kMaxShown = 5;
+  for (const IgnoredEdge& edge : FarthestIgnoredEdges(kMaxShown)) {
+    report += Format("    %lld to %lld is %.2f m, %.3f rad, %.0f sigmas off the result\n",
+                     edge.from, edge.to, edge.off_m, edge.off_rad, edge.sigmas);
+  }
+  if (ignored_edges.size() > kMaxShown) report += "    and others that are less far off\n";
   for (const DownweightedStep& downweighted : downweighted_steps) {
     report += Format("  Odometry step %zu is %.0f sigmas off the seed and was downweighted.\n",
                      downweighted.step, downweighted.sigma_factor);

@@ -157,20 +157,27 @@ struct SolverSummary {
   /// solver began again with these downweighted, see contradicted_steps.h.
   std::vector<DownweightedStep> downweighted_steps;
 
+  /// Relative poses that their own scans contradict: they did not count, see contradicted_edges.h.
+  /// In order of the edges.
+  std::vector<IgnoredEdge> ignored_edges;
+
   /// How far the points are from the measured ends of their beams.
   PointDisplacements displacements;
 
-  double association_time_s = 0.0;  ///< finding lines and landmarks
+  double association_time_s = 0.0;  ///< finding lines and landmarks, testing relative poses
   double setup_time_s = 0.0;        ///< building problems
   double solve_time_s = 0.0;        ///< minimising
   double total_time_s = 0.0;        ///< all of it
 
   /// True if the state is at least as good as the one given.
   bool IsSolutionUsable() const { return termination != TerminationType::kFailure; }
+  /// The ignored edges that the result is farthest off, in standard deviations; at most so many.
+  std::vector<IgnoredEdge> FarthestIgnoredEdges(std::size_t max_number) const;
   std::string BriefReport() const;  ///< one line
   std::string RoundTable() const;   ///< a row per round
-  std::string LocalReport() const;  ///< a line per stretch put back and per downweighted step
-  std::string FullReport() const;   ///< terms, rounds, times, and why it stopped
+  /// A line per stretch put back and per downweighted step, and the worst of the ignored edges.
+  std::string LocalReport() const;
+  std::string FullReport() const;  ///< terms, rounds, times, and why it stopped
 };
 
 }  // namespace plumbline

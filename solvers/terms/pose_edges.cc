@@ -1,5 +1,7 @@
 #include "plumbline/solvers/terms/pose_edges.h"
 
+#include <cstddef>
+
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/factors/sqrt_information.h"
 
@@ -19,6 +21,10 @@ PoseEdges::PoseEdges(const SlamGraph& graph, const FactorOptions& options) {
     // The graph takes no covariance that this could fail on.
     SqrtInformation(c.covariance, &edge.residual.sqrt_information);
     relative_poses.push_back(edge);
+  }
+  for (const std::size_t ignored : options.ignored_relative_poses) {
+    if (ignored >= relative_poses.size()) continue;
+    relative_poses[ignored].residual.sqrt_information /= kIgnoredSigmaFactor;
   }
 }
 
