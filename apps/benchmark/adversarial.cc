@@ -96,6 +96,12 @@ Status SolveProblem(const AdversarialProblem& problem, const SolverOptions& solv
     return Status::InvalidArgument(outcome->summary.message);
   }
   outcome->after = Measure(problem.graph, state.poses, problem.truth, pool);
+  const std::vector<char>& is_false = problem.is_false;
+  outcome->num_false_edges = static_cast<int>(std::count(is_false.begin(), is_false.end(), true));
+  for (const IgnoredEdge& ignored : outcome->summary.ignored_edges) {
+    ++(is_false[ignored.edge] ? outcome->num_false_edges_ignored
+                              : outcome->num_sound_edges_ignored);
+  }
   return Status::Ok();
 }
 
@@ -103,6 +109,7 @@ Status SolveProblem(const AdversarialProblem& problem, const SolverOptions& solv
 struct Row {
   std::vector<double> before_m, after_m, thickness_before_m, thickness_after_m;
   int runs = 0, returned = 0, worse_warned = 0, worse_silent = 0, blurrier = 0;
+  int false_edges = 0, false_ignored = 0, sound_ignored = 0;
 
   void Add(const AdversarialOutcome& outcome) {
     ++runs;
@@ -110,6 +117,9 @@ struct Row {
     returned += end == TerminationType::kNoImprovement || end == TerminationType::kFailure ? 1 : 0;
     if (outcome.PosesAreWorse()) ++(outcome.alarm ? worse_warned : worse_silent);
     blurrier += outcome.MapIsBlurrier() ? 1 : 0;
+    false_edges += outcome.num_false_edges;
+    false_ignored += outcome.num_false_edges_ignored;
+    sound_ignored += outcome.num_sound_edges_ignored;
     before_m.push_back(outcome.before.pose_error_m);
     after_m.push_back(outcome.after.pose_error_m);
     thickness_before_m.push_back(outcome.before.wall_thickness_m);
@@ -125,7 +135,8 @@ struct Row {
       text << std::setw(10) << 1e3 * QuartilesOf(*lengths).median;
     }
     text << std::setw(9) << returned << std::setw(8) << worse_warned << std::setw(8) << worse_silent
-         << std::setw(10) << blurrier << '\n';
+         << std::setw(10) << blurrier << std::setw(8) << false_edges << std::setw(9)
+         << false_ignored << std::setw(7) << sound_ignored << '\n';
     return text.str();
   }
 };
@@ -224,9 +235,9 @@ Status RunAdversarialStudy(const std::vector<AdversarialCase>& cases, const Solv
 std::string AdversarialTable(const std::vector<AdversarialOutcome>& outcomes) {
   std::string table =
       "                                   runs   pose error [mm]           wall [mm]     seed  "
-      "poses worse,      map\n"
+      "poses worse,      map       false   ignored  sound\n"
       "                                         before     after    before     after returned  "
-      "warned  silent  blurrier\n";
+      "warned  silent  blurrier   edges of these  ignored\n";
   Row all;
   for (std::size_t i = 0; i < outcomes.size();) {
     const std::string name = NameOf(outcomes[i].run);
@@ -249,7 +260,8 @@ Status WriteAdversarialCsv(const std::string& path,
          "heading_error_before_rad,heading_error_after_rad,wall_before_m,wall_after_m,"
          "entropy_before,entropy_after,alarm,energy_before,energy_after,held_out_returns,held_out_"
          "before,"
-         "held_out_after,held_out_noise,termination\n"
+         "held_out_after,held_out_noise,false_edges,false_edges_ignored,sound_edges_ignored,"
+         "termination\n"
       << std::setprecision(8);
   for (const AdversarialOutcome& o : outcomes) {
     const AcceptanceTest& acceptance = o.summary.acceptance;
@@ -261,7 +273,8 @@ Status WriteAdversarialCsv(const std::string& path,
         << acceptance.seed_energy << ',' << acceptance.final_energy << ','
         << acceptance.num_held_out << ',' << acceptance.seed_held_out_error << ','
         << acceptance.final_held_out_error << ',' << acceptance.held_out_noise << ','
-        << ToString(o.summary.termination) << '\n';
+        << o.num_false_edges << ',' << o.num_false_edges_ignored << ',' << o.num_sound_edges_ignored
+        << ',' << ToString(o.summary.termination) << '\n';
   }
   return file.Commit();
 }

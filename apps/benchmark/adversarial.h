@@ -54,7 +54,10 @@ struct AdversarialOutcome {
   /// Pose error that noise leaves of the same drive without any attack, started at the usual drift:
   /// what two results that are as good as each other may differ by.
   double floor_m = 0.0;
-  bool alarm = false;  ///< the seeding warned that its map may be wrong
+  bool alarm = false;               ///< the seeding warned that its map may be wrong
+  int num_false_edges = 0;          ///< relative poses that are wrong on purpose
+  int num_false_edges_ignored = 0;  ///< of these, the ones that the solver left out
+  int num_sound_edges_ignored = 0;  ///< others that it left out
   SolverSummary summary;
 
   /// No worse against the truth than by what noise leaves, and no blurrier.
@@ -77,7 +80,8 @@ Status RunAdversarialStudy(const std::vector<AdversarialCase>& cases, const Solv
 
 /// A table for people: per attack and level, medians of the errors before and after, and how many
 /// runs gave the seed back, ended with worse poses, with and without a warning of the seeding, or
-/// with a blurrier map.
+/// with a blurrier map; and how many false edges there were, and how many false and sound ones were
+/// ignored.
 std::string AdversarialTable(const std::vector<AdversarialOutcome>& outcomes);
 
 /// One line per run below a header line. NotFound or Unavailable if the file cannot be written.

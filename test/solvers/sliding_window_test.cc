@@ -308,6 +308,37 @@ TEST(SlidingWindowTest, BadInputIsNamedAndChangesNothing) {
   expect_failure({1}, good, Options(), "see SlamGraph::ExtendState");
 }
 
+// The indices of the graph's constraints are not those of the window's.
+TEST(SlidingWindowTest, WhatIsIgnoredAndDownweightedIsSoInAWindow) {
+  const auto off_m = [](const NoisyRoom& from, const SolverOptions& options) {
+    NoisyRoom room = from;
+    EXPECT_TRUE(SolveWindow(options, Newest(6), room.graph, &room.state).IsSolutionUsable());
+    return DistanceM(room.state.WorldFromRobot(20), room.truth[20]);
+  };
+  NoisyRoom room = LongDrive();
+  Displace(Range(18, 24), 0.03, &room);
+  const std::size_t wrong_edge = room.graph.relative_poses().size();
+  const Pose2 motion = Between(room.truth[19], room.truth[20]) * Pose2(0.3, 0.0, 0.0);
+  ASSERT_TRUE(
+      room.graph.AddRelativePose({19, 20, motion, 1e-9 * Eigen::Matrix3d::Identity()}).ok());
+  SolverOptions options = Options();
+  EXPECT_GT(off_m(room, options), 0.05);  // a window does not test edges
+  options.factors.ignored_relative_poses = {wrong_edge};
+  EXPECT_LT(off_m(room, options), 0.01);
+
+  NoisyRoom slipped = LongDrive();
+  Displace(Range(18, 24), 0.03, &slipped);
+  std::vector<Pose2> steps;
+  for (const OdometryConstraint& c : slipped.graph.odometry()) steps.push_back(c.from_from_to);
+  steps[19].x += 0.3;
+  slipped.graph = slipped.graph.Corrected({steps, {}, {}, {}});
+  options = Options();
+  options.factors.motion = {0.0, 0.0, 0.0, 0.0, 1e-3, 1e-3};
+  EXPECT_GT(off_m(slipped, options), 0.1);
+  options.factors.downweighted_steps = {{19, 1e4}};
+  EXPECT_LT(off_m(slipped, options), 0.02);
+}
+
 TEST(SlidingWindowTest, AGraphWithoutPosesOrReturnsIsAnError) {
   SlamGraph graph;
   MapState state;

@@ -328,6 +328,43 @@ TEST(SolveTest, ASurfaceOfAnotherGraphIsRefused) {
   EXPECT_EQ(room.state, before);
 }
 
+class SolveFalseEdges : public testing::TestWithParam<SolverType> {};
+INSTANTIATE_TEST_SUITE_P(JointSolvers, SolveFalseEdges,
+                         testing::Values(SolverType::kReduced, SolverType::kAlternatingCg,
+                                         SolverType::kCeres),
+                         [](const testing::TestParamInfo<SolverType>& info) {
+                           return std::string(ToString(info.param));
+                         });
+
+// An edge that is off by 0.4 m, and surer than all returns.
+TEST_P(SolveFalseEdges, AreIgnoredAndNamed) {
+  SolverOptions options = OptionsFor(GetParam());
+  double error_m[2] = {};
+  for (const bool tested : {false, true}) {
+    NoisyRoom room = RoomWithEdges();
+    DisturbPoses(0.02, room.graph, &room.state);
+    const std::size_t edge = room.graph.relative_poses().size();
+    const Pose2 motion = Between(room.truth[3], room.truth[8]) * Pose2(0.0, 0.4, 0.0);
+    ASSERT_TRUE(
+        room.graph.AddRelativePose({3, 8, motion, 1e-7 * Eigen::Matrix3d::Identity()}).ok());
+    options.test_edges = tested;
+    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    error_m[tested] = MeanPoseError(room);
+    ASSERT_EQ(summary.ignored_edges.size(), tested ? 1u : 0u);
+    if (!tested) continue;
+    EXPECT_EQ(summary.ignored_edges[0].edge, edge);
+    EXPECT_NEAR(summary.ignored_edges[0].off_m, 0.4, 0.03);
+    EXPECT_THAT(summary.FullReport(), testing::HasSubstr("    3 to 8 is 0.4"));
+    // It still counts for whoever asks.
+    Residuals residuals;
+    ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());
+    EXPECT_GT(residuals.relative_poses[edge].norm(), 100.0);
+  }
+  EXPECT_LT(error_m[true], 0.005);
+  EXPECT_GT(error_m[false], 0.02);
+}
+
 TEST(SolveTest, NormalsSpanSixTimesTheRangeNoise) {
   RangeBeamOptions beam;
   beam.sigma_range_m = 0.001;

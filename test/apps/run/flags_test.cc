@@ -175,9 +175,11 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   SetFlag("neighborhood", "nearest");
   SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
   SetFlag("several_poses", "false");
+  SetFlag("test_edges", "false");
   SetFlag("reduced_lines_follow", "false");
   const SolverOptions options = FromFlags().solver;
   EXPECT_FALSE(options.association.several_poses);
+  EXPECT_FALSE(options.test_edges);
   EXPECT_FALSE(options.reduced.lines_follow);
   EXPECT_EQ(options.type, SolverType::kCeres);
   SetFlag("solver", "pose_graph");
@@ -235,6 +237,7 @@ TEST_F(FlagsTest, EveryFlagIsTestedHere) {
                                     "neighborhood",
                                     "shape",
                                     "several_poses",
+                                    "test_edges",
                                     "reduced_lines_follow",
                                     "published_precondition"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
@@ -304,6 +307,7 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
                         {"sigma_range_m", all},
                         {"odom_rotation_floor_rad", all},
                         {"sigma_manifold_m", of_returns},
+                        {"test_edges", of_returns},
                         {"sigma_shape_rad", of_returns},
                         {"shape", with_choices},
                         {"shape_gate", with_choices},

@@ -115,6 +115,22 @@ TEST_F(PoseGraphRunTest, RefinesAGraphWithItsScans) {
             summary["consistency"]["given"]["worst_over_explicable"]);
 }
 
+// 2 m off; by the names that the file has for the poses.
+TEST_F(PoseGraphRunTest, EdgesThatTheScansContradictAreIgnoredAndListed) {
+  const NoisyRoom room = MakeNoisyRoom();
+  const Pose2 motion = Between(room.truth[2], room.truth[7]) * Pose2(1.6, 1.2, 0.0);
+  WriteFile(folder_ + "a.g2o",
+            AsG2o(room) + "EDGE_SE2 20 70" + Text(motion) + " 2500 0 0 2500 0 2500\n");
+  ASSERT_TRUE(Run("a.g2o").ok());
+  const nlohmann::json ignored = Summary()["joint"]["local"]["ignored_edges"];
+  ASSERT_EQ(ignored.size(), 1u);
+  EXPECT_EQ(ignored[0]["from"], 20);
+  EXPECT_EQ(ignored[0]["to"], 70);
+  EXPECT_NEAR(ignored[0]["off_m"], 2.0, 0.05);
+  EXPECT_NEAR(ignored[0]["sigmas"], 100.0, 3.0);
+  EXPECT_THAT(ReadFile(folder_ + "out/report.html"), HasSubstr("Edges that the scans contradict"));
+}
+
 TEST_F(PoseGraphRunTest, ScansOutOfOrderCannotBeCheckedForPasses) {
   std::string text = AsG2o(MakeNoisyRoom());
   text.replace(text.find(" 103 host"), 4, " 999");  // between those of 102 and 104

@@ -88,6 +88,28 @@ TEST(ConstraintStartTest, AWrongClosureIsDownweighted) {
   EXPECT_LT(WorstError(*start, room.truth), 1.0);  // believed, it would pull by tens of metres
 }
 
+// The state is at the optimum of all edges, and no step is off it by much.
+TEST(ConstraintStartTest, WhatTheScansSayTakesThePlaceOfAContradictedEdge) {
+  NoisyRoom room = Room();
+  EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions(), {}));
+  const Eigen::Matrix3d covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  const Pose2 right = Between(room.truth[2], room.truth[20]);
+  ASSERT_TRUE(room.graph.AddRelativePose({2, 20, right * Pose2(0.5, 0.0, 0.0), covariance}).ok());
+  const std::size_t edge = room.graph.relative_poses().size() - 1;
+  const auto off_m = [&](const std::vector<double>& poses) {
+    return Between(Between(Pose2(&poses[6]), Pose2(&poses[3 * 20])), right).translation().norm();
+  };
+  const auto without =
+      StartFromConstraints(room.graph, room.state.poses, MotionOptions(), {{edge, std::nullopt}});
+  ASSERT_TRUE(without);
+  EXPECT_LT(off_m(*without), 0.2);  // by what odometry knows
+  const auto with_match =
+      StartFromConstraints(room.graph, room.state.poses, MotionOptions(),
+                           {{edge, RelativePoseConstraint{2, 20, right, covariance}}});
+  ASSERT_TRUE(with_match);
+  EXPECT_LT(off_m(*with_match), 0.005);
+}
+
 TEST(ConstraintStartTest, FixedPosesStay) {
   NoisyRoom room = Room();
   Shuffle(room.graph, &room.state);

@@ -13,6 +13,7 @@ namespace plumbline {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 SolverSummary Example() {
   SolverSummary summary;
@@ -81,6 +82,25 @@ TEST(SolverSummaryTest, FullReportHoldsRoundsTermsTimesAndReason) {
             Words({"0", "0.000000e+00", "0.000000e+00", "0.000", "0.00000", "m", "(robust)"}));
   EXPECT_THAT(report, HasSubstr("association 1.25, setup 0.75, minimisation 18.50, total 21.75\n"));
   EXPECT_THAT(report, HasSubstr("Termination: converged. the reason why\n"));
+}
+
+TEST(SolverSummaryTest, NamesTheIgnoredEdgesThatAreFarthestOff) {
+  SolverSummary summary = Example();
+  EXPECT_THAT(summary.FullReport(), Not(HasSubstr("contradicted by their scans")));
+  for (int i = 0; i < 7; ++i) {
+    summary.ignored_edges.push_back(
+        {static_cast<std::size_t>(i), i, i + 10, 0.25 * i, 0.5, 4.0 * i});
+  }
+  const std::vector<IgnoredEdge> farthest = summary.FarthestIgnoredEdges(2);
+  ASSERT_EQ(farthest.size(), 2u);
+  EXPECT_EQ(farthest[0].edge, 6u);
+  EXPECT_EQ(farthest[1].edge, 5u);
+  const std::string report = summary.FullReport();
+  EXPECT_THAT(report, HasSubstr("  7 relative poses are contradicted by their scans and did not "
+                                "count:\n    6 to 16 is 1.50 m, 0.500 rad, 24 sigmas off the "
+                                "result\n    5 to 15 "));
+  EXPECT_THAT(report, HasSubstr("    2 to 12 is 0.50 m"));
+  EXPECT_THAT(report, Not(HasSubstr("    1 to 11 ")));
 }
 
 TEST(SolverSummaryTest, ALongMessageIsNotCut) {

@@ -26,5 +26,21 @@ TEST(PoseEdgesTest, AreTheConstraintsOfTheGraph) {
   EXPECT_EQ(edges.relative_poses[0].to, 0);
 }
 
+TEST(PoseEdgesTest, AnIgnoredRelativePoseSaysNextToNothing) {
+  SlamGraph graph;
+  int id = 0;
+  for (const double x : {0.0, 1.0, 2.0}) ASSERT_TRUE(graph.AddPose({x, 0.0, 0.0}, x, &id).ok());
+  ASSERT_TRUE(graph.AddRelativePose({0, 1, {1.0, 0.0, 0.0}, CorrelatedCovariance()}).ok());
+  ASSERT_TRUE(graph.AddRelativePose({1, 2, {1.0, 0.0, 0.0}, CorrelatedCovariance()}).ok());
+  FactorOptions options;
+  options.ignored_relative_poses = {1, 7};  // of which there is one
+  const PoseEdges plain(graph, FactorOptions()), ignoring(graph, options);
+  const auto information = [](const PoseEdges& edges, int i) {
+    return Eigen::Matrix3d(edges.relative_poses[i].residual.sqrt_information);
+  };
+  EXPECT_EQ(information(ignoring, 0), information(plain, 0));
+  EXPECT_TRUE((kIgnoredSigmaFactor * information(ignoring, 1)).isApprox(information(plain, 1)));
+}
+
 }  // namespace
 }  // namespace plumbline
