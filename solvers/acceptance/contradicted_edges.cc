@@ -3,8 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/median.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/pairwise_icp.h"
@@ -41,7 +43,7 @@ struct Beside {
 };
 
 // What the scans say of an edge; without scans, nothing.
-struct Verdict {
+struct EdgeEvidence {
   PairMatch match;
   FreeSpaceConflict at_edge, at_match;
 };
@@ -64,17 +66,17 @@ class EdgeTester {
       if (IsStep(c.from, c.to)) odometry.push_back({c.from, c.to, c.from_from_to});
     }
     const std::vector<RelativePoseConstraint>& edges = graph_.relative_poses();
-    std::vector<Verdict> of_odometry(odometry.size()), verdicts(edges.size());
+    std::vector<EdgeEvidence> of_odometry(odometry.size()), evidence(edges.size());
     Test(odometry, true, &of_odometry);
-    Test(edges, true, &verdicts);
-    SetUsualConflict(of_odometry, verdicts);
+    Test(edges, true, &evidence);
+    SetUsualConflict(of_odometry, evidence);
     TakeSteps(odometry, of_odometry);
-    TakeSteps(edges, verdicts);
-    Test(edges, false, &verdicts);
+    TakeSteps(edges, evidence);
+    Test(edges, false, &evidence);
     std::vector<ContradictedEdge> contradicted;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      const std::optional<RelativePoseConstraint> match = MatchOf(edges[i], verdicts[i]);
-      if (IsContradicted(edges[i], match, verdicts[i])) contradicted.push_back({i, match});
+      const std::optional<RelativePoseConstraint> match = MatchOf(edges[i], evidence[i]);
+      if (IsContradicted(edges[i], match, evidence[i])) contradicted.push_back({i, match});
     }
     return contradicted;
   }
@@ -82,20 +84,20 @@ class EdgeTester {
  private:
   // Either the steps from pose to pose, or the other edges.
   void Test(const std::vector<RelativePoseConstraint>& edges, bool steps,
-            std::vector<Verdict>* verdicts) const {
+            std::vector<EdgeEvidence>* evidence) const {
     pool_->ForEachChunk(edges.size(), kEdgesPerChunk,
                         [&](std::size_t, std::size_t begin, std::size_t end) {
                           for (std::size_t i = begin; i < end; ++i) {
-                            if (IsStep(edges[i]) == steps) (*verdicts)[i] = Test(edges[i]);
+                            if (IsStep(edges[i]) == steps) (*evidence)[i] = Test(edges[i]);
                           }
                         });
   }
 
-  Verdict Test(const RelativePoseConstraint& edge) const {
-    Verdict verdict;
+  EdgeEvidence Test(const RelativePoseConstraint& edge) const {
+    EdgeEvidence seen;
     const int from = scan_of_pose_[edge.from], to = scan_of_pose_[edge.to];
-    if (from < 0 || to < 0) return verdict;
-    verdict.match = MatchPair(surfaces_[from], surfaces_[to], edge.from_from_to, icp_);
+    if (from < 0 || to < 0) return seen;
+    seen.match = MatchPair(surfaces_[from], surfaces_[to], edge.from_from_to, icp_);
     const std::vector<Beside> scans_a = ScansOf(edge.from, IsStep(edge)),
                               scans_b = ScansOf(edge.to, IsStep(edge));
     const std::vector<FreeSpaceScan> free_a = FreeSpaceOf(scans_a), free_b = FreeSpaceOf(scans_b);
@@ -103,13 +105,13 @@ class EdgeTester {
       const Pose2 a_from_from = scans_a[a].pose_from_scan.Inverse();
       for (std::size_t b = 0; b < scans_b.size(); ++b) {
         const Pose2& to_from_b = scans_b[b].pose_from_scan;
-        verdict.at_edge +=
+        seen.at_edge +=
             CompareBothWays(free_a[a], free_b[b], a_from_from * edge.from_from_to * to_from_b);
-        verdict.at_match += CompareBothWays(free_a[a], free_b[b],
-                                            a_from_from * verdict.match.from_from_to * to_from_b);
+        seen.at_match += CompareBothWays(free_a[a], free_b[b],
+                                         a_from_from * seen.match.from_from_to * to_from_b);
       }
     }
-    return verdict;
+    return seen;
   }
 
   // The scan of a pose, alone or with the first ones a metre of path before and after it.
@@ -148,26 +150,24 @@ class EdgeTester {
   }
 
   // From the median of the steps.
-  void SetUsualConflict(const std::vector<Verdict>& of_odometry,
-                        const std::vector<Verdict>& of_edges) {
+  void SetUsualConflict(const std::vector<EdgeEvidence>& of_odometry,
+                        const std::vector<EdgeEvidence>& of_edges) {
     std::vector<double> shares;
-    for (const std::vector<Verdict>* verdicts : {&of_odometry, &of_edges}) {
-      for (const Verdict& verdict : *verdicts) {
-        if (IsEnough(verdict.at_match)) shares.push_back(verdict.at_match.Share());
+    for (const std::vector<EdgeEvidence>* all : {&of_odometry, &of_edges}) {
+      for (const EdgeEvidence& seen : *all) {
+        if (IsEnough(seen.at_match)) shares.push_back(seen.at_match.Share());
       }
     }
     if (shares.empty()) return;
-    const auto median = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-    std::nth_element(shares.begin(), median, shares.end());
-    max_conflict_ = std::max(max_conflict_, kUsualFactor * *median);
+    max_conflict_ = std::max(max_conflict_, kUsualFactor * Median(std::move(shares)));
   }
 
   // How consecutive scans lie: by their match, or else by the edge.
   void TakeSteps(const std::vector<RelativePoseConstraint>& edges,
-                 const std::vector<Verdict>& verdicts) {
+                 const std::vector<EdgeEvidence>& evidence) {
     for (std::size_t i = 0; i < edges.size(); ++i) {
       if (!IsStep(edges[i])) continue;
-      const RelativePoseConstraint step = MatchOf(edges[i], verdicts[i]).value_or(edges[i]);
+      const RelativePoseConstraint step = MatchOf(edges[i], evidence[i]).value_or(edges[i]);
       step_to_[std::max(step.from, step.to)] =
           step.from < step.to ? step.from_from_to : step.from_from_to.Inverse();
     }
@@ -181,23 +181,23 @@ class EdgeTester {
   }
 
   std::optional<RelativePoseConstraint> MatchOf(const RelativePoseConstraint& edge,
-                                                const Verdict& verdict) const {
-    if (verdict.match.inlier_ratio < LoopAcceptance::kMinInlierRatio ||
-        IsContradictory(verdict.at_match)) {
+                                                const EdgeEvidence& seen) const {
+    if (seen.match.inlier_ratio < LoopAcceptance::kMinInlierRatio ||
+        IsContradictory(seen.at_match)) {
       return std::nullopt;
     }
-    return RelativePoseConstraint{edge.from, edge.to, verdict.match.from_from_to,
-                                  verdict.match.covariance};
+    return RelativePoseConstraint{edge.from, edge.to, seen.match.from_from_to,
+                                  seen.match.covariance};
   }
 
   bool IsContradicted(const RelativePoseConstraint& edge,
                       const std::optional<RelativePoseConstraint>& match,
-                      const Verdict& verdict) const {
+                      const EdgeEvidence& seen) const {
     if (match && Chi2(ErrorOf(edge.from_from_to, match->from_from_to),
                       edge.covariance + match->covariance) > kMaxChi2) {
       return true;
     }
-    return IsContradictory(verdict.at_edge) && (match || !IsStep(edge));
+    return IsContradictory(seen.at_edge) && (match || !IsStep(edge));
   }
 
   const SlamGraph& graph_;
