@@ -24,6 +24,7 @@ Status ReadText(const std::string& path, double max_bytes, PoseGraphInput* input
   PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(path, file.get(), max_bytes));
   input->format = ToString(file->format);
   input->graph = std::move(file->graph);
+  input->names = file->vertex_ids;
   input->num_robot_poses = input->graph.num_poses();
   input->write = [file](const std::string& to, const std::vector<double>& poses) {
     return WritePoseGraphFile(to, file->format, *file, poses);

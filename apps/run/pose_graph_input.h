@@ -17,6 +17,7 @@ struct PoseGraphInput {
   /// The first poses of the graph are the robot's; others are frames of the other system, without
   /// scans.
   int num_robot_poses = 0;
+  std::vector<long long> names;  ///< of the poses, in the file; empty: their ids in the graph
   /// Writes the same file with other poses, as MapState::poses.
   std::function<Status(const std::string& path, const std::vector<double>& poses)> write;
   std::string note;                   ///< lines for people; may be empty

@@ -140,9 +140,11 @@ class PoseGraphRun {
     if (!solver_summary_.IsSolutionUsable()) {
       return Status::InvalidArgument(solver_summary_.message);
     }
-    for (IgnoredEdge& edge : solver_summary_.ignored_edges) {
-      edge.from = file_.vertex_ids[edge.from];
-      edge.to = file_.vertex_ids[edge.to];
+    if (!file_.names.empty()) {
+      for (IgnoredEdge& edge : solver_summary_.ignored_edges) {
+        edge.from = file_.names[edge.from];
+        edge.to = file_.names[edge.to];
+      }
     }
     std::cout << '\n' << solver_summary_.FullReport() << '\n';
     refined_consistency_ = MeasureConsistency();

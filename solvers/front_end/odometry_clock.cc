@@ -1,8 +1,7 @@
 #include "plumbline/solvers/front_end/odometry_clock.h"
 
-#include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -16,205 +15,256 @@ namespace {
 
 constexpr double kMaxOffsetS = 1.0;
 // Over a longer gap the robot need not have moved steadily.
-constexpr double kMaxStepS = 1.0;
-// Fewer steps say little, and more hardly more.
-constexpr std::size_t kMinTurnSteps = 100, kMaxTurnSteps = 5000;
-// Of the offsets that are tried. Scans may have stamps that lie closer than the robot can turn.
-constexpr double kFinestSpacingS = 0.02;
+constexpr double kMaxGapS = 1.0;
+// Of the stamps. Where more repeat the one before, they are rounded, or not those of the scans.
+constexpr double kMaxRepeatedShare = 0.02;
+// Offsets are tried this far apart, up to a margin beyond the largest, where a best one is none.
+constexpr double kSpacingS = 0.02;
+constexpr int kNumTriedEachWay = 60;
+constexpr int kNumTried = 2 * kNumTriedEachWay + 1;
+// Headings are averaged over a window and compared over a span, both of several scans: the noise of
+// single scans depends on where between them a heading is interpolated, which is no offset.
+constexpr double kWindowS = 0.25, kSpanS = 0.5, kWindowPeriods = 5.0;
+constexpr double kSampleSpacingS = 0.2;
+constexpr std::size_t kMinSamples = 100, kMaxSamples = 3000;
+// Of the odometry's turns, relative. Without that belief none of them would explain any.
+constexpr double kGainSigma = 0.05;
 // Residuals count as this many robust standard deviations at most.
 constexpr double kMaxSigmas = 3.0;
+// Four standard deviations: offsets whose log-likelihood ratio to the best, doubled, is less are
+// possible.
+constexpr double kPossible = 16.0;
 
-// Where a time lies among rising times: from `pose` on, by this share of the step to the next.
-struct Moment {
-  std::size_t pose;
-  double share;  // 0 to 1
+// Mean headings of a robot that turns steadily from scan to scan.
+class HeadingMean {
+ public:
+  HeadingMean(const std::vector<double>& times_s, std::vector<double> headings)
+      : times_s_(times_s), headings_(std::move(headings)), integral_(1, 0.0) {
+    for (std::size_t i = 1; i < times_s_.size(); ++i) {
+      integral_.push_back(integral_.back() + 0.5 * (headings_[i] + headings_[i - 1]) *
+                                                 (times_s_[i] - times_s_[i - 1]));
+    }
+  }
+
+  // From the mean over a window about a time to that over the window a span later.
+  double Turn(double from_s, double window_s, double span_s) const {
+    return (Integral(from_s + span_s + 0.5 * window_s) -
+            Integral(from_s + span_s - 0.5 * window_s) - Integral(from_s + 0.5 * window_s) +
+            Integral(from_s - 0.5 * window_s)) /
+           window_s;
+  }
+
+ private:
+  // From the first time to one between the first and the last.
+  double Integral(double time_s) const {
+    const auto after = std::upper_bound(times_s_.begin() + 1, times_s_.end() - 1, time_s);
+    const std::size_t i = after - times_s_.begin() - 1;
+    const double step_s = times_s_[i + 1] - times_s_[i], part_s = time_s - times_s_[i];
+    const double rate = step_s > 0.0 ? (headings_[i + 1] - headings_[i]) / step_s : 0.0;
+    return integral_[i] + (headings_[i] + 0.5 * rate * part_s) * part_s;
+  }
+
+  const std::vector<double>& times_s_;
+  std::vector<double> headings_, integral_;
 };
 
-// Of every pose, the moment `shift_s` after it, or the end that it is beyond. times_s: two or more,
-// in order.
-std::vector<Moment> MomentsAfter(const std::vector<double>& times_s, double shift_s) {
-  std::vector<Moment> moments;
-  std::size_t from = 0;
-  for (const double time_s : times_s) {
-    while (from + 2 < times_s.size() && times_s[from + 1] <= time_s + shift_s) ++from;
-    const double step_s = times_s[from + 1] - times_s[from];
-    const double share = step_s > 0.0 ? (time_s + shift_s - times_s[from]) / step_s : 0.0;
-    moments.push_back({from, std::clamp(share, 0.0, 1.0)});
+// A turn by the odometry, and what the matching says of it for every offset tried.
+struct TurnSample {
+  double by_odometry = 0.0;
+  std::array<double, kNumTried> matched{};
+};
+
+std::vector<double> TimesOf(const SlamGraph& graph) {
+  std::vector<double> times_s;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) times_s.push_back(graph.timestamp_s(pose));
+  return times_s;
+}
+
+// Of the steps that take time; 0 if stamps fall, or if too many repeat.
+double PeriodOf(const std::vector<double>& times_s) {
+  std::vector<double> periods_s;
+  for (std::size_t i = 1; i < times_s.size(); ++i) {
+    const double period_s = times_s[i] - times_s[i - 1];
+    if (!(period_s >= 0.0)) return 0.0;
+    if (period_s > 0.0) periods_s.push_back(period_s);
   }
-  return moments;
+  const double num_steps = static_cast<double>(times_s.size()) - 1.0;
+  const double num_repeated = num_steps - static_cast<double>(periods_s.size());
+  if (periods_s.empty() || num_repeated > kMaxRepeatedShare * num_steps) return 0.0;
+  return Median(std::move(periods_s));
 }
 
 class TurnComparison {
  public:
-  TurnComparison(const SlamGraph& graph, const SequentialTrajectory& trajectory) {
-    const std::vector<Pose2>& poses = trajectory.world_from_robot;
-    for (std::size_t pose = 0; pose < poses.size(); ++pose) {
-      times_s_.push_back(graph.timestamp_s(static_cast<int>(pose)));
-      if (pose == 0) {
-        heading_.push_back(0.0);
-        continue;
-      }
-      const double turn = NormalizeAngle(poses[pose].yaw - poses[pose - 1].yaw);
-      heading_.push_back(heading_.back() + turn);
-      const double step_s = times_s_[pose] - times_s_[pose - 1];
-      if (!(step_s > 0.0) || step_s > kMaxStepS) continue;
-      steps_.push_back({pose, NormalizeAngle(trajectory.odometry[pose].yaw),
-                        Between(poses[pose - 1], poses[pose]).x});
+  TurnComparison(const std::vector<double>& times_s, double period_s,
+                 const SequentialTrajectory& trajectory) {
+    const double window_s = std::max(kWindowS, kWindowPeriods * period_s);
+    const double span_s = std::max(kSpanS, kWindowPeriods * period_s);
+    std::vector<double> matched = {0.0}, by_odometry = {0.0};
+    for (std::size_t pose = 1; pose < times_s.size(); ++pose) {
+      const std::vector<Pose2>& poses = trajectory.world_from_robot;
+      matched.push_back(matched.back() + NormalizeAngle(poses[pose].yaw - poses[pose - 1].yaw));
+      by_odometry.push_back(by_odometry.back() + NormalizeAngle(trajectory.odometry[pose].yaw));
     }
-    ThinOut();
+    const HeadingMean mean(times_s, std::move(matched)),
+        of_odometry(times_s, std::move(by_odometry));
+    for (const double from_s : SampleTimes(times_s, window_s, span_s)) {
+      TurnSample sample;
+      sample.by_odometry = of_odometry.Turn(from_s, window_s, span_s);
+      for (int i = 0; i < kNumTried; ++i) {
+        sample.matched[i] =
+            mean.Turn(from_s + (i - kNumTriedEachWay) * kSpacingS, window_s, span_s);
+      }
+      samples_.push_back(sample);
+    }
+    num_independent_ = sampled_s_ / (window_s + span_s);
   }
 
-  bool HasEnoughSteps() const { return steps_.size() >= kMinTurnSteps; }
+  bool HasEnoughSamples() const { return samples_.size() >= kMinSamples; }
 
-  double TypicalPeriodS() const {
-    std::vector<double> periods_s;
-    for (const Step& step : steps_) {
-      periods_s.push_back(times_s_[step.pose] - times_s_[step.pose - 1]);
-    }
-    return Median(std::move(periods_s));
-  }
-
-  struct Fit {
-    double noise_rad = 0.0;  // of a step's turn, robust
-    double step_s = 0.0;     // towards a better offset
-    double sigma_s = 0.0;
-  };
-
-  // The best constant errors for an offset, and where they would have it, by what the turns are
-  // `spacing_s` before and after it.
-  Fit FitAt(double offset_s, double spacing_s) const {
-    const std::vector<double> turns = TurnsAt(offset_s), before = TurnsAt(offset_s - spacing_s),
-                              after = TurnsAt(offset_s + spacing_s);
-    std::vector<Eigen::Vector4d> rows;  // offset, per rad, per m; difference
-    for (std::size_t i = 0; i < steps_.size(); ++i) {
-      rows.emplace_back((after[i] - before[i]) / (2.0 * spacing_s), turns[i], steps_[i].forward_m,
-                        steps_[i].turn_rad - turns[i]);
-    }
-    Eigen::Vector3d solution = Eigen::Vector3d::Zero();
-    Fit fit;
-    fit.noise_rad = RobustSigma(rows, solution);
-    constexpr int kIterations = 5;
-    for (int i = 0; i < kIterations; ++i) {
-      // Belief in errors of 1 s, 1 rad/rad and 1 rad/m: keeps a drive without turns solvable.
-      Eigen::Matrix3d information = fit.noise_rad * fit.noise_rad * Eigen::Matrix3d::Identity();
-      Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
-      for (const Eigen::Vector4d& row : rows) {
-        const Eigen::Vector3d by = row.head<3>();
-        const double residual = std::abs(row[3] - by.dot(solution));
-        const double gate = kMaxSigmas * fit.noise_rad;
-        const double weight = residual > gate ? gate / residual : 1.0;
-        information += weight * by * by.transpose();
-        weighted += weight * row[3] * by;
-      }
-      const Eigen::Matrix3d inverse = information.inverse();
-      solution = inverse * weighted;
-      fit.noise_rad = RobustSigma(rows, solution);
-      fit.sigma_s = fit.noise_rad * std::sqrt(inverse(0, 0));
-    }
-    fit.step_s = solution[0];
-    // What the offset itself could still explain belongs to other offsets.
-    solution[0] = 0.0;
-    fit.noise_rad = RobustSigma(rows, solution);
-    return fit;
+  // Minus twice the log-likelihood of every offset tried, beyond that of the best.
+  std::array<double, kNumTried> Unlikeliness() const {
+    std::array<double, kNumTried> result{};
+    for (int i = 0; i < kNumTried; ++i) result[i] = std::log(MeanSquare(i));
+    const double best = *std::min_element(result.begin(), result.end());
+    for (double& value : result) value = num_independent_ * (value - best);
+    return result;
   }
 
  private:
-  struct Step {
-    std::size_t pose;  // at its end
-    double turn_rad;   // by the odometry
-    double forward_m;  // as matched
-  };
-
-  // Leaves every second step, or every third and so on.
-  void ThinOut() {
-    const std::size_t stride = (steps_.size() + kMaxTurnSteps - 1) / kMaxTurnSteps;
-    if (stride <= 1) return;
+  // Where all that is compared lies within a stretch without a gap.
+  std::vector<double> SampleTimes(const std::vector<double>& times_s, double window_s,
+                                  double span_s) {
+    const double before_s = kNumTriedEachWay * kSpacingS + 0.5 * window_s;
+    const double after_s = before_s + span_s;
+    std::vector<double> samples_s;
+    std::size_t first = 0;
+    for (std::size_t i = 1; i <= times_s.size(); ++i) {
+      if (i < times_s.size() && times_s[i] - times_s[i - 1] <= kMaxGapS) continue;
+      const double end_s = times_s[i - 1] - after_s;
+      const double begin_s = times_s[first] + before_s;
+      sampled_s_ += std::max(0.0, end_s - begin_s);
+      for (int k = 0; begin_s + k * kSampleSpacingS < end_s; ++k) {
+        samples_s.push_back(begin_s + k * kSampleSpacingS);
+      }
+      first = i;
+    }
+    const std::size_t stride = samples_s.size() / kMaxSamples + 1;
     std::size_t num_kept = 0;
-    for (std::size_t i = 0; i < steps_.size(); i += stride) steps_[num_kept++] = steps_[i];
-    steps_.resize(num_kept);
+    for (std::size_t i = 0; i < samples_s.size(); i += stride) samples_s[num_kept++] = samples_s[i];
+    samples_s.resize(num_kept);
+    return samples_s;
   }
 
-  // As matched, of every step, from `offset_s` after the scan before to as long after its own.
-  std::vector<double> TurnsAt(double offset_s) const {
-    const std::vector<Moment> moments = MomentsAfter(times_s_, offset_s);
-    std::vector<double> turns;
-    for (const Step& step : steps_) {
-      turns.push_back(HeadingAt(moments[step.pose]) - HeadingAt(moments[step.pose - 1]));
+  // Of the residuals for the best gain of the odometry; each counts as at most a few medians.
+  double MeanSquare(int offset) const {
+    constexpr int kIterations = 3;
+    double gain = 1.0, mean_square = 0.0;
+    std::vector<double> residuals(samples_.size());
+    for (int iteration = 0;; ++iteration) {
+      for (std::size_t i = 0; i < samples_.size(); ++i) {
+        residuals[i] = std::abs(samples_[i].by_odometry - gain * samples_[i].matched[offset]);
+      }
+      constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
+      constexpr double kLeastRad = 1e-5;
+      const double gate = kMaxSigmas * std::max(kLeastRad, kSigmaOfMedian * Median(residuals));
+      double sum_squares = kLeastRad * kLeastRad;
+      for (const double residual : residuals) sum_squares += std::pow(std::min(residual, gate), 2);
+      mean_square = sum_squares / static_cast<double>(samples_.size());
+      if (iteration == kIterations) return mean_square;
+      double information = mean_square / (kGainSigma * kGainSigma), weighted = 0.0;
+      for (std::size_t i = 0; i < samples_.size(); ++i) {
+        const double turn = samples_[i].matched[offset];
+        const double weight = residuals[i] > gate ? gate / residuals[i] : 1.0;
+        information += weight * turn * turn;
+        weighted += weight * turn * (samples_[i].by_odometry - turn);
+      }
+      gain = 1.0 + weighted / information;
     }
-    return turns;
   }
 
-  double HeadingAt(const Moment& moment) const {
-    const double turn = heading_[moment.pose + 1] - heading_[moment.pose];
-    return heading_[moment.pose] + moment.share * turn;
-  }
-
-  // Root mean square of the residuals, each of which counts as at most a few medians.
-  static double RobustSigma(const std::vector<Eigen::Vector4d>& rows,
-                            const Eigen::Vector3d& solution) {
-    std::vector<double> residuals;
-    for (const Eigen::Vector4d& row : rows) {
-      residuals.push_back(std::abs(row[3] - row.head<3>().dot(solution)));
-    }
-    constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
-    constexpr double kLeastRad = 1e-5;
-    const double gate = kMaxSigmas * std::max(kLeastRad, kSigmaOfMedian * Median(residuals));
-    double sum_squares = 0.0;
-    for (const double residual : residuals) {
-      const double gated = std::min(residual, gate);
-      sum_squares += gated * gated;
-    }
-    return std::max(kLeastRad, std::sqrt(sum_squares / static_cast<double>(residuals.size())));
-  }
-
-  std::vector<double> times_s_;
-  std::vector<double> heading_;  // as matched, summed up over all turns
-  std::vector<Step> steps_;
+  double sampled_s_ = 0.0;
+  double num_independent_ = 0.0;
+  std::vector<TurnSample> samples_;
 };
+
+// How far from the best one in a direction offsets are possible [s]; negative if to the end of
+// those tried, or again beyond some that are not.
+double PossibleWidth(const std::array<double, kNumTried>& unlikeliness, int best, int direction) {
+  double width_s = -1.0;
+  for (int i = best + direction; i >= 0 && i < kNumTried; i += direction) {
+    const bool is_possible = unlikeliness[i] < kPossible;
+    if (is_possible && width_s >= 0.0) return -1.0;
+    if (is_possible || width_s >= 0.0) continue;
+    // The curve is a parabola about its minimum.
+    width_s = std::abs(i - best) * kSpacingS * std::sqrt(kPossible / unlikeliness[i]);
+  }
+  return width_s;
+}
+
+// Where a time lies among rising times: from `pose` on, by this share of the step to the next.
+struct Bracket {
+  std::size_t pose = 0;
+  double share = 0.0;     // 0 to 1
+  bool is_known = false;  // false before the first time, after the last one, and in gaps
+};
+
+// Of every pose, `shift_s` after it.
+std::vector<Bracket> BracketsAfter(const std::vector<double>& times_s, double shift_s) {
+  std::vector<Bracket> brackets;
+  std::size_t from = 0;
+  for (const double time_s : times_s) {
+    const double wanted_s = time_s + shift_s;
+    while (from + 2 < times_s.size() && times_s[from + 1] <= wanted_s) ++from;
+    const double step_s = times_s[from + 1] - times_s[from];
+    Bracket bracket{from, step_s > 0.0 ? (wanted_s - times_s[from]) / step_s : 0.0, false};
+    bracket.is_known = bracket.share >= 0.0 && bracket.share <= 1.0 && step_s <= kMaxGapS;
+    brackets.push_back(bracket);
+  }
+  return brackets;
+}
 
 }  // namespace
 
 ClockOffset EstimateClockOffset(const SlamGraph& graph, const SequentialTrajectory& trajectory) {
   ClockOffset offset;
-  const TurnComparison comparison(graph, trajectory);
-  if (!comparison.HasEnoughSteps()) return offset;
-  // The turns of one period look alike, so the right one is found by trying.
-  const double spacing_s = std::max(kFinestSpacingS, 0.5 * comparison.TypicalPeriodS());
-  const int num_tried = static_cast<int>(std::ceil(kMaxOffsetS / spacing_s));
-  TurnComparison::Fit best = comparison.FitAt(0.0, spacing_s);
-  for (int i = -num_tried; i <= num_tried; ++i) {
-    const TurnComparison::Fit fit = comparison.FitAt(i * spacing_s, spacing_s);
-    if (fit.noise_rad >= best.noise_rad) continue;
-    best = fit;
-    offset.value_s = i * spacing_s;
-  }
-  constexpr int kIterations = 10;
-  for (int i = 0; i < kIterations; ++i) {
-    offset.value_s += std::clamp(best.step_s, -spacing_s, spacing_s);
-    best = comparison.FitAt(offset.value_s, spacing_s);
-  }
-  offset.sigma_s = best.sigma_s;
+  const std::vector<double> times_s = TimesOf(graph);
+  if (times_s.size() < 3) return offset;
+  const double period_s = PeriodOf(times_s);
+  if (!(period_s > 0.0) || period_s > kMaxGapS) return offset;
+  const TurnComparison comparison(times_s, period_s, trajectory);
+  if (!comparison.HasEnoughSamples()) return offset;
+  const std::array<double, kNumTried> unlikeliness = comparison.Unlikeliness();
+  const int best = static_cast<int>(std::min_element(unlikeliness.begin(), unlikeliness.end()) -
+                                    unlikeliness.begin());
+  const double before_s = PossibleWidth(unlikeliness, best, -1);
+  const double after_s = PossibleWidth(unlikeliness, best, 1);
+  if (before_s < 0.0 || after_s < 0.0) return offset;
+  // Both neighbours are there. The vertex of the parabola through the three:
+  const double left = unlikeliness[best - 1], right = unlikeliness[best + 1];
+  const double vertex = 0.5 * (left - right) / (left + right);
+  const double value_s = (best - kNumTriedEachWay + vertex) * kSpacingS;
+  if (std::abs(value_s) > kMaxOffsetS) return offset;
+  offset.value_s = value_s;
+  offset.sigma_s = std::max(before_s, after_s) / std::sqrt(kPossible);
   return offset;
 }
 
 std::vector<Pose2> OdometryInTime(const SlamGraph& graph, const std::vector<Pose2>& odometry,
                                   double offset_s) {
-  std::vector<double> times_s;
-  std::vector<Pose2> poses;
-  for (std::size_t pose = 0; pose < odometry.size(); ++pose) {
-    times_s.push_back(graph.timestamp_s(static_cast<int>(pose)));
-    poses.push_back(pose == 0 ? Pose2() : poses.back() * odometry[pose]);
-  }
-  if (poses.size() < 2) return odometry;
-  std::vector<Pose2> in_time;
-  for (const Moment& moment : MomentsAfter(times_s, -offset_s)) {
-    in_time.push_back(poses[moment.pose] * PartOfMotion(odometry[moment.pose + 1], moment.share));
-  }
-  std::vector<Pose2> steps(odometry.size());
+  if (odometry.size() < 2) return odometry;
+  std::vector<Pose2> poses = {Pose2()};
   for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
-    const bool is_known = times_s[pose - 1] - offset_s >= times_s.front() &&
-                          times_s[pose] - offset_s <= times_s.back();
-    steps[pose] = is_known ? Between(in_time[pose - 1], in_time[pose]) : odometry[pose];
+    poses.push_back(poses.back() * odometry[pose]);
+  }
+  const std::vector<Bracket> brackets = BracketsAfter(TimesOf(graph), -offset_s);
+  const auto pose_at = [&](const Bracket& bracket) {
+    return poses[bracket.pose] * PartOfMotion(odometry[bracket.pose + 1], bracket.share);
+  };
+  std::vector<Pose2> steps = odometry;
+  for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
+    const Bracket &from = brackets[pose - 1], &to = brackets[pose];
+    if (from.is_known && to.is_known) steps[pose] = Between(pose_at(from), pose_at(to));
   }
   return steps;
 }

@@ -21,6 +21,12 @@ double Winding(double time_s) {
   return 0.4 * std::sin(0.9 * time_s) + 0.2 * std::sin(1.7 * time_s + 1.0);
 }
 double Straight(double) { return 0.0; }
+double Circle(double) { return 0.3; }
+// A left turn of 90 degrees every 20 s.
+double Corridors(double time_s) {
+  const double phase_s = time_s - 20.0 * std::floor(time_s / 20.0);
+  return phase_s < 2.0 ? 0.5 * kPi * std::pow(std::sin(0.5 * kPi * phase_s), 2) : 0.0;
+}
 
 // A robot at 0.5 m/s from 2 s before the first scan to 2 s after the last one.
 class Drive {
@@ -44,16 +50,18 @@ struct Recording {
   SequentialTrajectory trajectory;
 };
 
-// The odometry that comes with a scan tells where the robot was `offset_s` after it.
+// The odometry that comes with a scan tells where the robot was `offset_s` after it. noise_rad: of
+// its turns; of_matches_rad: of every matched heading.
 Recording Record(const Drive& drive, double offset_s, double noise_rad = 0.0,
-                 double period_s = kPeriodS) {
+                 double period_s = kPeriodS, double of_matches_rad = 0.0) {
   Recording recording;
   NoiseSource noise(1, 0);
   for (int i = 0; i < kNumPoses; ++i) {
     const double time_s = kPeriodS * i;
     int pose_id;
     EXPECT_TRUE(recording.graph.AddPose(drive.At(time_s), period_s * i, &pose_id).ok());
-    recording.trajectory.world_from_robot.push_back(drive.At(time_s));
+    recording.trajectory.world_from_robot.push_back(
+        drive.At(time_s) * Pose2(0.0, 0.0, of_matches_rad * noise.Gaussian()));
     const double before_s = std::max(0.0, time_s - kPeriodS);
     Pose2 step = Between(drive.At(before_s + offset_s), drive.At(time_s + offset_s));
     step.yaw += noise_rad * noise.Gaussian();
@@ -78,12 +86,56 @@ TEST(OdometryClock, ConstantErrorsOfTheOdometryAreNoOffset) {
   EXPECT_FALSE(EstimateClockOffset(recording.graph, recording.trajectory).IsSignificant());
 }
 
-TEST(OdometryClock, WithoutTurnsOrTimesNothingIsSaid) {
-  const Recording straight = Record(Drive(Straight), 0.3, 0.002);
-  EXPECT_FALSE(EstimateClockOffset(straight.graph, straight.trajectory).IsSignificant());
-  const Recording timeless = Record(Drive(Winding), 0.3, 0.002, 0.0);
-  EXPECT_FALSE(EstimateClockOffset(timeless.graph, timeless.trajectory).IsSignificant());
-  EXPECT_EQ(OdometryInTime(timeless.graph, {}, 0.3).size(), 0u);
+// Interpolation averages noise, most of it half-way between scans.
+TEST(OdometryClock, NoiseOfMatchesIsNoOffset) {
+  for (const double noise_rad : {0.0003, 0.002}) {
+    for (const double of_matches_rad : {0.0005, 0.001, 0.002, 0.004}) {
+      const Recording recording =
+          Record(Drive(Corridors), 0.0, noise_rad, kPeriodS, of_matches_rad);
+      EXPECT_FALSE(EstimateClockOffset(recording.graph, recording.trajectory).IsSignificant())
+          << noise_rad << ' ' << of_matches_rad;
+    }
+  }
+  const Recording late = Record(Drive(Corridors), -0.15, 0.001, kPeriodS, 0.001);
+  const ClockOffset found = EstimateClockOffset(late.graph, late.trajectory);
+  EXPECT_TRUE(found.IsSignificant());
+  EXPECT_NEAR(found.value_s, -0.15, 0.02);
+}
+
+TEST(OdometryClock, WhatTurnsDoNotTellIsUnknown) {
+  const auto sigma_s = [](const Recording& recording) {
+    return EstimateClockOffset(recording.graph, recording.trajectory).sigma_s;
+  };
+  EXPECT_EQ(sigma_s(Record(Drive(Straight), 0.3, 0.002, kPeriodS, 0.001)), 0.0);
+  EXPECT_EQ(sigma_s(Record(Drive(Circle), 0.3, 0.002, kPeriodS, 0.001)), 0.0);
+  EXPECT_EQ(sigma_s(Record(Drive(Winding), 1.3, 0.002)), 0.0);        // too far
+  EXPECT_EQ(sigma_s(Record(Drive(Winding), 0.3, 0.002, 0.0)), 0.0);   // no clock
+  EXPECT_EQ(sigma_s(Record(Drive(Winding), 0.3, 0.002, -0.2)), 0.0);  // it falls
+  EXPECT_EQ(sigma_s({}), 0.0);
+  EXPECT_EQ(OdometryInTime(SlamGraph(), {}, 0.3).size(), 0u);
+}
+
+TEST(OdometryClock, StampsOfWholeSecondsAreUnknown) {
+  Recording rounded;
+  const Recording recording = Record(Drive(Winding), 0.0, 0.002);
+  rounded.trajectory = recording.trajectory;
+  for (int i = 0; i < kNumPoses; ++i) {
+    int pose_id;
+    ASSERT_TRUE(rounded.graph.AddPose({}, std::floor(kPeriodS * i), &pose_id).ok());
+  }
+  EXPECT_EQ(EstimateClockOffset(rounded.graph, rounded.trajectory).sigma_s, 0.0);
+}
+
+TEST(OdometryClock, StepsBesideAGapStayAsTheyAre) {
+  SlamGraph graph;
+  std::vector<Pose2> odometry;
+  for (const double time_s : {0.0, 0.2, 0.4, 60.0, 60.2, 60.4, 60.6}) {
+    int pose_id;
+    ASSERT_TRUE(graph.AddPose({}, time_s, &pose_id).ok());
+    odometry.emplace_back(time_s == 60.0 ? 10.0 : 0.0, 0.0, 0.0);
+  }
+  const std::vector<Pose2> steps = OdometryInTime(graph, odometry, 0.3);
+  for (std::size_t i = 1; i < steps.size(); ++i) EXPECT_EQ(steps[i].x, odometry[i].x) << i;
 }
 
 TEST(OdometryClock, StampsThatNearlyCoincideDoNoHarm) {
