@@ -8,5 +8,5 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 "$root/cmake/bootstrap.sh"
 unity=()
 if [[ ! -f $root/build/CMakeCache.txt ]]; then unity=(-DPLUMBLINE_UNITY_BUILD=ON); fi
-cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release "${unity[@]}"
+cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release ${unity[@]+"${unity[@]}"}
 cmake --build "$root/build" --parallel "$(nproc)" --target "${@:-all}"

@@ -103,7 +103,7 @@ void PointIndex::FindNearest(const Eigen::Vector2d& query, std::size_t count,
                              std::vector<Neighbor>* neighbors) const {
   neighbors->clear();
   if (count == 0) return;
-  impl_->Search(query, count, std::numeric_limits<double>::infinity(), neighbors);
+  impl_->Search(query, std::min(count, size()), std::numeric_limits<double>::infinity(), neighbors);
 }
 
 void PointIndex::FindWithin(const Eigen::Vector2d& query, double radius_m,

@@ -69,7 +69,7 @@ sed -E "$for_clang" "$commands" >"$work/alone/compile_commands.json"
 # The largest first, so that both processors are busy to the end. Texts that the build makes are no
 # sources.
 find "$work/tests" -name '*.cc' -exec ls -S {} + >"$work/test_units"
-find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + | xargs ls -S \
+find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + | xargs -r ls -S \
   >"$work/source_units"
 sed -nE "s|^ *\"file\": \"($root/.*\.cc)\",?$|\1|p" "$work/unity/compile_commands.json" |
   grep -vE "_main\.cc$|^$root/apps/examples/|^$work/" >>"$work/source_units"

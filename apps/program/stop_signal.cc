@@ -67,10 +67,11 @@ void HandleSignal(int number) {
   errno = interrupted_errno;
 }
 
-// Those of before stay: a handler may be at work with one of them.
+// Those of before stay, and none is ever destroyed: a handler may be at work with one of them, at
+// the end of the program too.
 void SetResponse(const std::string& problem, bool ends_program,
                  const std::vector<std::string>& folders) {
-  static std::deque<Response> responses;
+  static auto& responses = *new std::deque<Response>;
   const auto line = [&](int number) {
     return program_name + ": stopped by " + NameOf(number) + problem + '\n';
   };

@@ -138,6 +138,7 @@ class ArchiveReader {
       return Status::Ok();
     }
     const auto index = static_cast<std::size_t>(frame.next++);
+    if (frame.element != nullptr && frame.size != kUpToTheEnd) --awaited_;
     const std::size_t slot =
         frame.object == kNone ? kNone : archive_.objects_[frame.object].first_value + index;
     if (frame.element != nullptr) return ReadValue(*frame.element, slot);
@@ -186,7 +187,18 @@ class ArchiveReader {
     if (count > bytes_.size()) return Damaged("more values than the file has bytes");
     if (value.times.empty()) count = kUpToTheEnd;
     if (value.kind == Value::Kind::kNumber) return PassNumbers(count, value.size, slot);
+    if (count != kUpToTheEnd) PLUMBLINE_RETURN_IF_ERROR(Await(count));
     stack_.push_back({owner.type, &value, owner.is_kept, kNone, count});
+    return Status::Ok();
+  }
+
+  Status TooMany() const { return Damaged("more elements than the file has bytes left"); }
+
+  // Each element takes a byte at least, beside those that what is not finished still waits for.
+  // Else collections in collections, each as large as the file, would take its square of memory.
+  Status Await(std::uint64_t count) {
+    if (awaited_ > Left() || count > Left() - awaited_) return TooMany();
+    awaited_ += count;
     return Status::Ok();
   }
 
@@ -294,11 +306,11 @@ class ArchiveReader {
     if (of.form != ArchiveClass::Form::kMembers) {
       PLUMBLINE_RETURN_IF_ERROR(Take(&frame.size));
       frame.element = &values[0];
-      // Each element takes a byte at least.
-      if (frame.size > Left()) return Damaged("more elements than the file has bytes left");
     }
     const bool is_numbers = of.form == ArchiveClass::Form::kNumbers;
+    if (is_numbers && frame.size > Left()) return TooMany();
     if (of.form == ArchiveClass::Form::kCollection) PLUMBLINE_RETURN_IF_ERROR(CheckVersion(type));
+    if (frame.element != nullptr && !is_numbers) PLUMBLINE_RETURN_IF_ERROR(Await(frame.size));
     if (frame.is_kept) {
       frame.object = archive_.objects_.size();
       archive_.objects_.push_back({type, frame.size, archive_.values_.size()});
@@ -319,6 +331,7 @@ class ArchiveReader {
   const ArchiveSchema& schema_;
   const std::string& bytes_;
   std::size_t at_ = 0;
+  std::uint64_t awaited_ = 0;  // elements of collections and repeated members on the stack
   std::vector<ClassState> classes_;
   std::vector<int> types_by_id_;
   std::vector<Tracked> tracked_;

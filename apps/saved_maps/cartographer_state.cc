@@ -49,9 +49,12 @@ bool ReadId(std::string_view message, CartographerId* id) {
 
 // Points come in blocks of 1024 mm: the number of points, the block's place, and for each point its
 // place in the block, ten bits a coordinate. False if the numbers do not add up, or beyond the
-// 8.4 km that Cartographer allows.
+// 8.4 km that Cartographer allows, and if there are too many.
 bool ReadPoints(std::string_view message, std::vector<Eigen::Vector2i>* points_mm) {
   constexpr int kBlockMm = 1024, kMaxBlock = 1 << 13;
+  // A scan of a million points takes less; what is read of it takes twelve times the bytes.
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 24;
+  if (message.size() > kMaxBytes) return false;
   std::int32_t num_points = 0;
   std::vector<std::int32_t> data;
   ProtoReader fields(message);

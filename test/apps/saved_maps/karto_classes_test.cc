@@ -1,8 +1,13 @@
 #include "plumbline/apps/saved_maps/karto_classes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+
+#include "plumbline/apps/saved_maps/boost_archive.h"
+#include "plumbline/test/apps/saved_maps/boost_writer.h"
 
 namespace plumbline {
 namespace {
@@ -39,6 +44,24 @@ TEST(KartoClassesTest, BasesAreThoseOfKarto) {
   EXPECT_TRUE(is_a("karto::CorrelationGrid", "karto::Grid<kt_int8u>"));
   EXPECT_FALSE(is_a("karto::Object", "karto::LocalizedRangeScan"));
   EXPECT_FALSE(is_a("karto::LinkInfo", "karto::Object"));
+}
+
+// Vertices in the edges of vertices, each of which says that all bytes left are its edges.
+TEST(KartoClassesTest, CollectionsInCollectionsDoNotShareTheirBytes) {
+  constexpr int kDepth = 200, kBytesPerLevel = 26;
+  BoostWriter writer(18);
+  writer.TrackedObject("E");
+  for (int i = 0; i < kDepth; ++i) {
+    writer.Pointer("V");
+    writer.Register("LRS");
+    writer.Null();
+    writer.Collection("ve", std::max(1, (kDepth - i - 2) * kBytesPerLevel));
+    writer.Pointer("E");
+  }
+  BoostArchive archive;
+  const Status status = archive.Read(writer.bytes(), KartoClasses(), "karto::Edge");
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(status.message(), testing::HasSubstr("more elements than the file has bytes left"));
 }
 
 }  // namespace
