@@ -18,7 +18,8 @@ struct MeasuredSurface;
 /// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
 /// odometry, relative poses, beams and the two map priors. Starts from *state, which should be
 /// right to a few decimetres (SeedGraph brings it there); where odometry and relative poses flatly
-/// contradict it, from where these put the poses, if that lowers the energy.
+/// contradict it, or scans contradict relative poses, from where the sound ones put the poses, if
+/// that lowers the energy.
 ///
 /// Fixed poses are constants: *state is put where they are, rigidly by the first of them, and no
 /// solver moves them.
@@ -29,12 +30,13 @@ struct MeasuredSurface;
 /// single steps of the odometry that the state flatly contradicts have torn poses from the map, it
 /// is all done once more with these downweighted (SolverSummary::downweighted_steps); stretches
 /// that fit clearly worse than in the given state are put back to its shape
-/// (SolverSummary::put_back). *state is the given one, bit for bit, if nothing was better; the
-/// message says by which yardstick. Bad options, no returns, scans that match as mirror images only
-/// around the turns of the poses (beams counted from the wrong side, or a laser that hangs upside
-/// down), or a state that is not finite, beyond 1e8 m or of another size than the graph:
-/// termination kFailure, the message names the culprit, and *state is unchanged. So it is if memory
-/// runs out or the callback throws; nothing is thrown from here.
+/// (SolverSummary::put_back). Relative poses that their own scans contradict do not count
+/// (SolverSummary::ignored_edges, SolverOptions::test_edges). *state is the given one, bit for bit,
+/// if nothing was better; the message says by which yardstick. Bad options, no returns, scans that
+/// match as mirror images only around the turns of the poses (beams counted from the wrong side, or
+/// a laser that hangs upside down), or a state that is not finite, beyond 1e8 m or of another size
+/// than the graph: termination kFailure, the message names the culprit, and *state is unchanged. So
+/// it is if memory runs out or the callback throws; nothing is thrown from here.
 ///
 /// Nothing is shared between calls: several threads may solve at a time, also the same graph.
 ///
@@ -75,10 +77,11 @@ struct Residuals {
 
 /// Evaluates the terms at a state, under the tangent lines that its poses give (and, for
 /// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
-/// costs of SolverSummary::terms, unless its last round was undone, or it downweighted steps which
-/// `options` do not; only those of the manifold term are robust, and of the lines of that round,
-/// which differ a little where poses still moved. Shape terms are left out. InvalidArgument, with
-/// nothing changed, on whatever Solve refuses and on a point on top of its laser.
+/// costs of SolverSummary::terms, unless its last round was undone, or it downweighted steps or
+/// ignored relative poses which `options` do not; only those of the manifold term are robust, and
+/// of the lines of that round, which differ a little where poses still moved. Shape terms are left
+/// out. InvalidArgument, with nothing changed, on whatever Solve refuses and on a point on top of
+/// its laser.
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
                          const MapState& state, Residuals* residuals);
 

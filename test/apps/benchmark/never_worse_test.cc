@@ -45,12 +45,11 @@ INSTANTIATE_TEST_SUITE_P(
     HostGraphs, NeverWorseTest,
     testing::Values(Case{Attack::kTruth, 0.0, 0.0}, Case{Attack::kDrift, 3.0, 10.0},
                     Case{Attack::kWrongClosures, 0.1, 5.0}, Case{Attack::kGrossClosures, 0.0, 5.0},
-                    Case{Attack::kGrossClosures, 0.3, 50.0},
-                    Case{Attack::kBiasedClosures, 0.3, 20.0}, Case{Attack::kJump, 1.0, 5.0},
-                    Case{Attack::kShuffled, 0.1, 100.0}, Case{Attack::kShuffled, 1.0, 100.0},
-                    Case{Attack::kMirrored, 0.1, 2.0}, Case{Attack::kPeople, 0.3, 3.0},
-                    Case{Attack::kMissingOdometry, 0.5, 5.0}, Case{Attack::kNoise, 0.2, 3.0},
-                    Case{Attack::kNoise, 5.0, 2.0}, Case{Attack::kRepeatedScan, 0.1, 0.0}),
+                    Case{Attack::kJump, 1.0, 5.0}, Case{Attack::kShuffled, 0.1, 100.0},
+                    Case{Attack::kShuffled, 1.0, 100.0}, Case{Attack::kMirrored, 0.1, 2.0},
+                    Case{Attack::kPeople, 0.3, 3.0}, Case{Attack::kMissingOdometry, 0.5, 5.0},
+                    Case{Attack::kNoise, 0.2, 3.0}, Case{Attack::kNoise, 5.0, 2.0},
+                    Case{Attack::kRepeatedScan, 0.1, 0.0}),
     [](const testing::TestParamInfo<Case>& info) { return "Case" + std::to_string(info.index); });
 
 TEST_P(NeverWorseTest, HoldsForAHostsGraph) {
@@ -63,7 +62,10 @@ TEST_P(NeverWorseTest, HoldsForAHostsGraph) {
 
 TEST(NeverWorseEdgesTest, FalseEdgesAreToldFromSoundOnes) {
   for (const Attack attack : {Attack::kGrossClosures, Attack::kBiasedClosures}) {
-    const AdversarialOutcome outcome = Solved({attack, 0.3, 1});
+    SCOPED_TRACE(ToString(attack));
+    const AdversarialOutcome outcome = Solved({attack, 0.3, 2});
+    EXPECT_GT(outcome.before.pose_error_m, 0.05);
+    EXPECT_LT(outcome.after.pose_error_m, 0.003);
     EXPECT_GT(outcome.num_false_edges, 50);
     EXPECT_GT(outcome.num_false_edges_ignored, 0.85 * outcome.num_false_edges);
     EXPECT_LE(outcome.num_sound_edges_ignored, 2);
