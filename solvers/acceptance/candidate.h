@@ -20,6 +20,12 @@ struct Candidate {
   LineLandmarks cut;          ///< the surfaces as these place them, as ComparedState wants them
   AcceptanceTest acceptance;  ///< against the seed
   std::vector<WorseStretch> worse;  ///< where the seed is clearly better; see FindWorseStretches
+
+  /// For a seed that is no yardstick for parts of the drive.
+  void ForgetWorseStretches() {
+    worse.clear();
+    acceptance.num_worse_stretches = 0;
+  }
 };
 
 /// Compares candidates with the seed and with each other. Bitwise the same for any number of

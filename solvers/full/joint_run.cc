@@ -85,6 +85,9 @@ void JointRun::RestoreSteps() {
 }
 
 void JointRun::RunAcceptanceTest(Candidate* found) {
+  const bool seed_is_bent =
+      summary_.started_from_constraints && !factors_.ignored_relative_poses.empty();
+  if (seed_is_bent) found->ForgetWorseStretches();
   summary_.put_back = Evaluator().PutBackWorse(found);
   summary_.acceptance = found->acceptance;
   if (!summary_.acceptance.IsBetter()) summary_.put_back.clear();

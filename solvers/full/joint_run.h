@@ -49,7 +49,8 @@ class JointRun {
   void DownweightSteps(const std::vector<DownweightedStep>& steps);
   void RestoreSteps();
   /// The parts that are clearly worse than the seed's are put back, and then the whole has to be
-  /// better.
+  /// better. Only the whole counts if false edges have bent the seed: its parts are straight where
+  /// these pull alike.
   void RunAcceptanceTest(Candidate* found);
 
   /// The surfaces as these poses place them, without what is held out.
