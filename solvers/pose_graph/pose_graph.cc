@@ -20,7 +20,8 @@ namespace {
 // for all and narrows by this factor down to kCauchyScale (graduated non-convexity, Blake &
 // Zisserman 1987).
 constexpr double kNarrowing = 4.0;
-constexpr int kMaxIterations = 50;
+// A few do, but for edges that know one direction thousands of times better than the other.
+constexpr int kMaxIterations = 200;
 
 using Block = std::array<double, 3>;
 
