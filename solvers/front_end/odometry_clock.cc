@@ -75,8 +75,8 @@ struct TurnSample {
 };
 
 std::vector<double> TimesOf(const SlamGraph& graph) {
-  std::vector<double> times_s;
-  for (int pose = 0; pose < graph.num_poses(); ++pose) times_s.push_back(graph.timestamp_s(pose));
+  std::vector<double> times_s(graph.num_poses());
+  for (int pose = 0; pose < graph.num_poses(); ++pose) times_s[pose] = graph.timestamp_s(pose);
   return times_s;
 }
 
