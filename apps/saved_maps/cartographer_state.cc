@@ -1,7 +1,6 @@
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/memory_limit.h"
+#include "plumbline/apps/io/whole_file.h"
 #include "plumbline/apps/saved_maps/cartographer_pose.h"
 #include "plumbline/apps/saved_maps/cartographer_stream.h"
 #include "plumbline/apps/saved_maps/proto_reader.h"
@@ -359,20 +359,14 @@ class Parser {
   std::vector<bool> has_data_;  // per node
 };
 
+// The size is checked before the file is read; what has none is for the reader to name.
 Status ReadContent(const std::string& path, MemoryLimit* memory, std::string* content) {
-  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return ReadError("open", path, error.value());
-  if (!memory->Keep(size)) return Status::InvalidArgument(path + ": " + memory->Fault());
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return ReadError("open", path, errno);
-  content->resize(size);
-  if (!file.read(content->data(), static_cast<std::streamsize>(size))) {
-    return ReadError("read", path, errno);
+  if (!error && !memory->Keep(size)) {
+    return Status::InvalidArgument(path + ": " + memory->Fault());
   }
-  return Status::Ok();
+  return ReadWholeFile(path, content);
 }
 
 }  // namespace

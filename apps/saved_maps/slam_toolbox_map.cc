@@ -1,14 +1,13 @@
 #include "plumbline/apps/saved_maps/slam_toolbox_map.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
-#include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/whole_file.h"
 #include "plumbline/apps/saved_maps/karto_classes.h"
 
 namespace plumbline {
@@ -18,19 +17,6 @@ constexpr char kGraphExtension[] = ".posegraph";
 
 bool HasGraphExtension(const std::string& path) {
   return std::filesystem::path(path).extension() == kGraphExtension;
-}
-
-Status ReadWholeFile(const std::string& path, std::string* bytes) {
-  PLUMBLINE_RETURN_IF_ERROR(RefusePipe(path));
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) return ReadError("read", path, EISDIR);
-  errno = 0;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return ReadError("open", path, errno);
-  bytes->resize(static_cast<std::size_t>(file.tellg()));
-  file.seekg(0);
-  file.read(bytes->data(), static_cast<std::streamsize>(bytes->size()));
-  return file ? Status::Ok() : ReadError("read", path, errno);
 }
 
 // As a measure: what is kept of a file is its bytes, and less than as much again on the objects.
