@@ -43,9 +43,10 @@ double FreeSpaceScan::ShortestRange(double bearing_rad) const {
   const double turn = 2.0 * kPi / std::abs(laser_.bearing_step_rad);
   double beam = (bearing_rad - laser_.first_bearing_rad) / laser_.bearing_step_rad;
   beam -= turn * std::floor(beam / turn);
-  const int first = static_cast<int>(std::floor(beam)) - (kNumNeighbours / 2 - 1);
-  const int num_ranges = static_cast<int>(shortest_range_.size());
-  return first >= 0 && first < num_ranges ? shortest_range_[first] : 0.0;
+  // Not an int yet: a turn may have any number of steps.
+  const double first = std::floor(beam) - (kNumNeighbours / 2 - 1);
+  const bool is_seen = first >= 0.0 && first < static_cast<double>(shortest_range_.size());
+  return is_seen ? shortest_range_[static_cast<std::size_t>(first)] : 0.0;
 }
 
 FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
