@@ -80,12 +80,16 @@ DEFINE_string(
 DEFINE_int32(seeds, 30,
              "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
+DEFINE_string(online_solver, "incremental",
+              "replay: what refines the map while it grows: incremental (landmarks are kept from "
+              "call to call) or window (the newest poses in a problem of their own each time, all "
+              "poses where a loop closes)");
 DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
              "replay: scans that arrive between two solves");
 DEFINE_int32(window_free_poses, plumbline::WindowOptions().num_free_poses,
-             "replay: newest poses that a window moves");
+             "replay by window: newest poses that a window moves");
 DEFINE_int32(window_fixed_poses, plumbline::WindowOptions().max_fixed_poses,
-             "replay: older poses that hold the map around them, at most");
+             "replay by window: older poses that hold the map around them, at most");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
@@ -323,6 +327,10 @@ void PrintStep(const ReplayStep& step) {
 }
 
 Status ReplayOptionsFromFlags(ReplayOptions* options) {
+  if (!FromString(FLAGS_online_solver, &options->online_solver)) {
+    return Status::InvalidArgument("--online_solver=" + FLAGS_online_solver +
+                                   ": want incremental or window");
+  }
   options->batch_poses = FLAGS_batch_scans;
   options->window.num_free_poses = FLAGS_window_free_poses;
   options->window.max_fixed_poses = FLAGS_window_fixed_poses;

@@ -9,7 +9,7 @@ set(LIBRARY_FOLDERS core factors solvers)
 # The folders inside these two, likewise in order. Their own files come last: the doors of the
 # library, and the main files of the programs.
 set(ROOMS_solvers interface pose_graph front_end loop_closure association terms landmarks acceptance
-    full reduced .)
+    full reduced incremental .)
 set(ROOMS_apps io bags saved_maps simulation program evaluation pictures figures report run convert
     benchmark .)
 set(MAX_LINES_h 250)

@@ -11,7 +11,7 @@ set(PLUMBLINE_DOORS
   solvers/map_log.h
   solvers/seed.h
   solvers/solve.h
-  solvers/sliding_window.h
+  solvers/incremental_solver.h
   solvers/covariance.h
   solvers/calibration.h
   solvers/interface/solver_options.h
@@ -30,8 +30,9 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   solvers/interface/odometry_report.h
   solvers/interface/seeding_options.h
   solvers/interface/seeding_report.h)
-# Those for a host with a solver or a residual of its own, and for Ceres' switches. Also listed in
-# the API reference; solvers/README.md says how to use them.
+# Those for a host with a solver or a residual of its own, for Ceres' switches, and for a window of
+# poses that is solved like a map. Also listed in the API reference; solvers/README.md says how to use
+# them.
 set(PLUMBLINE_EXTENSION_HEADERS
   core/thread_pool.h
   factors/analytic_factor_forward.h
@@ -44,4 +45,5 @@ set(PLUMBLINE_EXTENSION_HEADERS
   solvers/interface/inner_result.h
   solvers/interface/solver.h
   solvers/pose_graph/pose_graph.h
+  solvers/sliding_window.h
   solvers/terms/term.h)

@@ -27,6 +27,10 @@ MeasuredSurface MeasureSurface(const SlamGraph& graph, const ReturnNormalOptions
 MeasuredSurface MeasureSurface(const SlamGraph& graph, std::vector<Eigen::Vector2f> normals,
                                ThreadPool* pool);
 
+/// Adds the scans from first_scan on to the surface of the scans before it.
+void ExtendSurface(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
+                   ThreadPool* pool, MeasuredSurface* surface);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_CORE_MEASURED_SURFACE_H_

@@ -73,16 +73,22 @@ bool ReturnNormalOptions::Check(std::string* error) const {
 std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
                                                    const ReturnNormalOptions& options,
                                                    ThreadPool* pool) {
-  std::vector<Eigen::Vector2f> normals(graph.num_returns(), Eigen::Vector2f::Zero());
+  std::vector<Eigen::Vector2f> normals;
+  ExtendReturnNormals(graph, 0, options, pool, &normals);
+  return normals;
+}
+
+void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
+                         ThreadPool* pool, std::vector<Eigen::Vector2f>* normals) {
+  normals->resize(graph.num_returns(), Eigen::Vector2f::Zero());
   constexpr std::size_t kScansPerChunk = 64;
-  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+  pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        ScanNormalEstimator estimator(graph, options);
                        for (std::size_t s = begin; s < end; ++s) {
-                         estimator.EstimateScan(static_cast<int>(s), &normals);
+                         estimator.EstimateScan(first_scan + static_cast<int>(s), normals);
                        }
                      });
-  return normals;
 }
 
 }  // namespace plumbline

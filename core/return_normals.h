@@ -30,6 +30,10 @@ std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
                                                    const ReturnNormalOptions& options,
                                                    ThreadPool* pool);
 
+/// Adds the normals of the scans from first_scan on to those of the scans before it.
+void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
+                         ThreadPool* pool, std::vector<Eigen::Vector2f>* normals);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_CORE_RETURN_NORMALS_H_

@@ -29,7 +29,8 @@ class Host {
         drive_(drive),
         sequential_poses_(report.sequential_poses),
         steps_(report.pose_graph.begin(), report.pose_graph.begin() + drive.num_poses() - 1),
-        closures_(report.pose_graph.begin() + drive.num_poses() - 1, report.pose_graph.end()) {}
+        closures_(report.pose_graph.begin() + drive.num_poses() - 1, report.pose_graph.end()),
+        incremental_(solver, options.incremental) {}
 
   bool HasArrived() const { return graph_.num_poses() == drive_.num_poses(); }
 
@@ -49,6 +50,7 @@ class Host {
     for (const RelativePoseConstraint& c : closures_) {
       if (!ArrivesIn(first, end, c)) continue;
       arrived_closures_.push_back(c);
+      if (IsIncremental()) PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(c));
       if (EdgeChi2(c, poses) > options_.max_closure_chi2) ++num_news_;
     }
     ++batch_;
@@ -90,22 +92,42 @@ class Host {
     return Status::Ok();
   }
 
+  bool IsIncremental() const { return options_.online_solver == OnlineSolver::kIncremental; }
+
   Status Run(ReplayedSolve solve, ReplayStep* step) {
+    *step = {batch_, graph_.num_poses(), solve, static_cast<int>(arrived_closures_.size()),
+             num_news_};
     const auto start = Clock::now();
-    if (solve == ReplayedSolve::kLoops) CloseLoops();
-    const SolverSummary summary = solve == ReplayedSolve::kWindow
-                                      ? SolveWindow(solver_, options_.window, graph_, &state_)
-                                      : Solve(solver_, graph_, &state_);
-    *step = {batch_,
-             graph_.num_poses(),
-             solve,
-             static_cast<int>(arrived_closures_.size()),
-             num_news_,
-             SecondsSince(start),
-             summary.acceptance.seed_energy,
-             summary.acceptance.final_energy};
-    if (summary.IsSolutionUsable()) return Status::Ok();
-    return Status::InvalidArgument("batch " + std::to_string(batch_) + ": " + summary.message);
+    const Status status =
+        solve != ReplayedSolve::kFinal && IsIncremental() ? Update(step) : SolveOnce(solve, step);
+    step->time_s = SecondsSince(start);
+    if (status.ok()) return status;
+    return Status::InvalidArgument("batch " + std::to_string(batch_) + ": " + status.message());
+  }
+
+  Status Update(ReplayStep* step) {
+    IncrementalSummary summary;
+    PLUMBLINE_RETURN_IF_ERROR(
+        incremental_.Update(graph_, UpdateScope::kAutomatic, &state_.poses, &summary));
+    step->initial_energy = summary.initial_cost;
+    step->final_energy = summary.final_cost;
+    return Status::Ok();
+  }
+
+  Status SolveOnce(ReplayedSolve solve, ReplayStep* step) {
+    SolverSummary summary;
+    if (solve == ReplayedSolve::kWindow) {
+      summary = SolveWindow(solver_, options_.window, graph_, &state_);
+    } else {
+      if (solve == ReplayedSolve::kLoops) CloseLoops();
+      // The whole drive once it is there: without closures, like the solution of all at once.
+      const SlamGraph& graph = HasArrived() ? drive_ : graph_;
+      state_.points = graph.MeasuredMap(state_.poses);
+      summary = Solve(solver_, graph, &state_);
+    }
+    step->initial_energy = summary.acceptance.seed_energy;
+    step->final_energy = summary.acceptance.final_energy;
+    return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
   }
 
   // The shape that the map has by now, with the uncertainty of its steps, under all closures.
@@ -117,7 +139,6 @@ class Host {
     }
     OptimizePoseGraph(steps, arrived_closures_, &poses);
     state_.poses = PoseArray(poses);
-    state_.points = graph_.MeasuredMap(state_.poses);
   }
 
   const SolverOptions& solver_;
@@ -128,6 +149,7 @@ class Host {
   const std::vector<RelativePoseConstraint> closures_;  // of the whole drive
   SlamGraph graph_;
   MapState state_;
+  IncrementalSolver incremental_;
   std::vector<RelativePoseConstraint> arrived_closures_;
   int next_scan_ = 0;
   int batch_ = 0;
@@ -177,6 +199,12 @@ void Compare(const std::vector<Pose2>& batch, Replay* replay) {
 
 }  // namespace
 
+bool FromString(const std::string& name, OnlineSolver* solver) {
+  if (name == "incremental") *solver = OnlineSolver::kIncremental;
+  if (name == "window") *solver = OnlineSolver::kWindow;
+  return name == "incremental" || name == "window";
+}
+
 const char* ToString(ReplayedSolve solve) {
   switch (solve) {
     case ReplayedSolve::kWindow:
@@ -192,6 +220,7 @@ const char* ToString(ReplayedSolve solve) {
 bool ReplayOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(batch_poses, >, 0);
   PLUMBLINE_CHECK_FINITE_OPTION(max_closure_chi2, >, 0.0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(incremental);
   PLUMBLINE_CHECK_NESTED_OPTIONS(window);
   return true;
 }
@@ -214,10 +243,10 @@ Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, cons
     PLUMBLINE_RETURN_IF_ERROR(host.Refine(&step));
     keep();
   }
-  result.online_energy = EnergyOf(host.graph(), host.state(), solver);
+  result.online_energy = EnergyOf(drive, host.state(), solver);
   PLUMBLINE_RETURN_IF_ERROR(host.Finish(&step));
   keep();
-  result.final_energy = EnergyOf(host.graph(), host.state(), solver);
+  result.final_energy = EnergyOf(drive, host.state(), solver);
   result.world_from_robot = PosesOf(host.state().poses);
   MapState batch = seed;
   PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, drive, &batch, &result));

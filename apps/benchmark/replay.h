@@ -7,18 +7,28 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/incremental_solver.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 #include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/sliding_window.h"
 
 namespace plumbline {
 
+/// What refines the map while it grows.
+enum class OnlineSolver {
+  kIncremental,  ///< IncrementalSolver; closures are relative poses of the graph
+  kWindow,       ///< SolveWindow; where closures are news, a pose graph, then Solve
+};
+bool FromString(const std::string& name, OnlineSolver* solver);
+
 /// How a host that maps while driving is replayed.
 struct ReplayOptions {
-  int batch_poses = 100;  ///< that arrive between two solves
+  OnlineSolver online_solver = OnlineSolver::kIncremental;
+  int batch_poses = 10;  ///< that arrive between two solves
   /// A closure is news if its squared Mahalanobis length at the current poses is above this; of
   /// closures that these poses agree with, one of a thousand is (three degrees of freedom).
   double max_closure_chi2 = 16.27;
+  IncrementalOptions incremental;
   WindowOptions window;
 
   bool Check(std::string* error) const;
@@ -26,7 +36,7 @@ struct ReplayOptions {
 
 enum class ReplayedSolve {
   kWindow,  ///< the newest poses
-  kLoops,   ///< a closure was news: the pose graph of all poses, then all poses and points
+  kLoops,   ///< a closure was news: all poses
   kFinal,   ///< all poses and points, once more at the end of the drive
 };
 const char* ToString(ReplayedSolve solve);
@@ -39,7 +49,7 @@ struct ReplayStep {
   int num_closures = 0;  ///< that have arrived
   int num_news = 0;      ///< of these, with this batch and not as the poses had it
   double time_s = 0.0;   ///< pose graph included
-  /// Of what was solved, before and after: comparable with each other alone, see AcceptanceTest.
+  /// Of what was solved, before and after: comparable with each other alone.
   double initial_energy = 0.0;
   double final_energy = 0.0;
 };

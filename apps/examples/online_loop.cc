@@ -1,10 +1,9 @@
-// A robot that maps while it drives. Every few keyframes the newest poses are refined in a sliding
-// window; when the host recognises a place, the loop is closed and everything is solved once. The
-// drive, around a block in a hall, is simulated here; all else is what a host would write.
+// A robot that maps while it drives. Every few keyframes the map is updated, which moves the newest
+// poses; when the host recognises a place, the next update moves all of them. The drive, around a
+// block in a hall, is simulated here; all else is what a host would write.
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/solvers/covariance.h>
-#include <plumbline/solvers/sliding_window.h>
-#include <plumbline/solvers/solve.h>
+#include <plumbline/solvers/incremental_solver.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +19,7 @@ using plumbline::Status;
 
 namespace {
 
-constexpr int kKeyframesPerWindow = 20;  // between two solves
+constexpr int kKeyframesPerUpdate = 5;
 
 plumbline::LaserModel Laser() {
   plumbline::LaserModel laser;
@@ -35,89 +34,66 @@ plumbline::LaserModel Laser() {
 
 class OnlineMapper {
  public:
-  OnlineMapper() {
-    options_.factors.beam.sigma_range_m = 0.01;
-    options_.callback = [](const plumbline::IterationSummary& iteration) {
-      return iteration.total_time_s < 1.0;  // false stops with the best state so far
-    };
-    window_.num_free_poses = 3 * kKeyframesPerWindow;
-  }
-
   // A key frame: ranges [m], one per beam, and the odometry since the one before.
   Status AddKeyframe(const Pose2& previous_from_this, const std::vector<double>& ranges_m) {
     if (graph_.num_poses() == 0) PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(Laser(), &laser_));
     const int previous = graph_.num_poses() - 1;
     Pose2 predicted;  // the first pose is the origin of the map
-    if (previous >= 0) predicted = state_.WorldFromRobot(previous) * previous_from_this;
+    if (previous >= 0) predicted = Pose2(&poses_[3 * previous]) * previous_from_this;
     int pose = 0;
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(predicted, 0.1 * graph_.num_poses(), &pose));
+    poses_.insert(poses_.end(), {predicted.x, predicted.y, predicted.yaw});
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(pose, laser_, ranges_m));
-    graph_.ExtendState(&state_);  // what was estimated before stays
-    if (previous < 0) return Status::Ok();
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry({previous, pose, previous_from_this}));
-    if (graph_.num_poses() % kKeyframesPerWindow != 0) return Status::Ok();
-    ++num_windows_;
-    return Succeeded(plumbline::SolveWindow(options_, window_, graph_, &state_));
+    if (previous >= 0) {
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry({previous, pose, previous_from_this}));
+    }
+    return graph_.num_poses() % kKeyframesPerUpdate == 0 ? Update() : Status::Ok();
   }
 
   // A place that was recognised: earlier and later pose, and how they lie to each other.
   Status CloseLoop(const RelativePoseConstraint& closure) {
     PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(closure));
-    PLUMBLINE_RETURN_IF_ERROR(SpreadOverLoop(closure));
-    const plumbline::SolverSummary summary = plumbline::Solve(options_, graph_, &state_);
-    std::printf("closed the loop: %s\n", summary.BriefReport().c_str());
-    return Succeeded(summary);
+    return Update();
   }
 
   // How sure the newest pose is (x, y [m], yaw [rad]).
   Status NewestCovariance(Eigen::Matrix3d* covariance) const {
     const int newest = graph_.num_poses() - 1;
+    plumbline::MapState state;
+    PLUMBLINE_RETURN_IF_ERROR(solver_.GetState(graph_, &state));
     std::vector<Eigen::Matrix3d> covariances;
-    PLUMBLINE_RETURN_IF_ERROR(plumbline::ComputePoseCovariances(options_, graph_, state_,
+    PLUMBLINE_RETURN_IF_ERROR(plumbline::ComputePoseCovariances(Options(), graph_, state,
                                                                 {{newest, newest}}, &covariances));
     *covariance = covariances.front();
     return Status::Ok();
   }
 
-  const plumbline::MapState& state() const { return state_; }
-  int num_windows() const { return num_windows_; }
+  std::vector<Pose2> poses() const { return plumbline::PosesOf(poses_); }
+  int num_updates() const { return num_updates_; }
 
  private:
-  static Status Succeeded(const plumbline::SolverSummary& summary) {
-    return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
+  static plumbline::SolverOptions Options() {
+    plumbline::SolverOptions options;
+    options.factors.beam.sigma_range_m = 0.01;
+    return options;
   }
 
-  // The joint estimation wants poses that are right to a few decimetres. A loop may be off by more:
-  // a pose graph shares that out to the steps, which keep their shape otherwise.
-  Status SpreadOverLoop(const RelativePoseConstraint& closure) {
-    constexpr double kStepM = 0.01, kStepRad = 0.003;  // standard deviations of a refined step
-    plumbline::SlamGraph steps;
-    int id = 0;
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      const Pose2 here = state_.WorldFromRobot(pose);
-      PLUMBLINE_RETURN_IF_ERROR(steps.AddPose(here, graph_.timestamp_s(pose), &id));
-      if (pose == 0) continue;
-      RelativePoseConstraint step{pose - 1, pose, Between(state_.WorldFromRobot(pose - 1), here)};
-      step.covariance =
-          Eigen::Vector3d(kStepM * kStepM, kStepM * kStepM, kStepRad * kStepRad).asDiagonal();
-      PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(step));
+  Status Update() {
+    plumbline::IncrementalSummary summary;
+    PLUMBLINE_RETURN_IF_ERROR(
+        solver_.Update(graph_, plumbline::UpdateScope::kAutomatic, &poses_, &summary));
+    ++num_updates_;
+    if (summary.num_free_poses == graph_.num_poses() && graph_.num_poses() > 40) {
+      std::printf("all %d poses were moved, in %d steps\n", graph_.num_poses(), summary.num_steps);
     }
-    PLUMBLINE_RETURN_IF_ERROR(steps.AddRelativePose(closure));
-    plumbline::SolverOptions options;
-    options.type = plumbline::SolverType::kPoseGraph;
-    plumbline::MapState spread = steps.InitialState();
-    PLUMBLINE_RETURN_IF_ERROR(Succeeded(plumbline::Solve(options, steps, &spread)));
-    state_.poses = spread.poses;
-    state_.points = graph_.MeasuredMap(state_.poses);
     return Status::Ok();
   }
 
-  plumbline::SolverOptions options_;
-  plumbline::WindowOptions window_;
+  plumbline::IncrementalSolver solver_{Options()};
   plumbline::SlamGraph graph_;  // what was measured
-  plumbline::MapState state_;   // what is estimated: poses and map points
+  std::vector<double> poses_;   // what is estimated: x, y [m], yaw [rad] each
   int laser_ = 0;
-  int num_windows_ = 0;
+  int num_updates_ = 0;
 };
 
 // ---- The world that stands in for a robot. ----
@@ -191,23 +167,23 @@ Status Run(bool* better) {
     PLUMBLINE_RETURN_IF_ERROR(mapper.AddKeyframe(step, robot.Scan(truth[i])));
   }
   const double odometry_m = MeanError(by_odometry, truth);
-  const double windows_m = MeanError(plumbline::PosesOf(mapper.state().poses), truth);
-  std::printf("%d keyframes, %d windows: mean error of the poses %.3f m -> %.3f m\n",
-              mapper.state().num_poses(), mapper.num_windows(), odometry_m, windows_m);
+  const double updated_m = MeanError(mapper.poses(), truth);
+  std::printf("%zu keyframes, %d updates: mean error of the poses %.3f m -> %.3f m\n", truth.size(),
+              mapper.num_updates(), odometry_m, updated_m);
 
   // The place recogniser, good to 1 cm and 3 mrad.
-  const int newest = mapper.state().num_poses() - 1;
+  const int newest = static_cast<int>(truth.size()) - 1;
   RelativePoseConstraint closure{10, newest, Between(truth[10], truth[newest])};
   closure.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
   PLUMBLINE_RETURN_IF_ERROR(mapper.CloseLoop(closure));
-  const double closed_m = MeanError(plumbline::PosesOf(mapper.state().poses), truth);
+  const double closed_m = MeanError(mapper.poses(), truth);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   PLUMBLINE_RETURN_IF_ERROR(mapper.NewestCovariance(&covariance));
   const Eigen::Vector3d sigma = covariance.diagonal().cwiseSqrt();
   std::printf("mean error after the loop: %.4f m\n", closed_m);
   std::printf("newest pose: sigma x %.1f mm, y %.1f mm, yaw %.2f mrad\n", 1e3 * sigma.x(),
               1e3 * sigma.y(), 1e3 * sigma.z());
-  *better = windows_m < odometry_m && closed_m <= windows_m;
+  *better = updated_m < odometry_m && closed_m <= updated_m;
   return Status::Ok();
 }
 

@@ -9,16 +9,6 @@
 namespace plumbline {
 namespace {
 
-// Octant of a direction; octant 0 is centred on the x axis.
-int OctantOf(double x, double y) {
-  constexpr double kTan22 = 0.41421356237309503;
-  const double ax = std::abs(x), ay = std::abs(y);
-  if (ay <= kTan22 * ax) return x >= 0.0 ? 0 : 4;
-  if (ax <= kTan22 * ay) return y >= 0.0 ? 2 : 6;
-  if (y >= 0.0) return x >= 0.0 ? 1 : 3;
-  return x >= 0.0 ? 7 : 5;
-}
-
 // The returns of a chunk of scans, in a table of their own.
 class ChunkSorter {
  public:
@@ -86,6 +76,15 @@ class ChunkSorter {
 constexpr std::size_t kScansPerBatch = 256;
 
 }  // namespace
+
+int OctantOf(double x, double y) {
+  constexpr double kTan22 = 0.41421356237309503;
+  const double ax = std::abs(x), ay = std::abs(y);
+  if (ay <= kTan22 * ax) return x >= 0.0 ? 0 : 4;
+  if (ax <= kTan22 * ay) return y >= 0.0 ? 2 : 6;
+  if (y >= 0.0) return x >= 0.0 ? 1 : 3;
+  return x >= 0.0 ? 7 : 5;
+}
 
 int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
   const std::uint64_t square = PackedSquare(key.x, key.y);

@@ -26,6 +26,9 @@ struct SurfaceCellKey {
   }
 };
 
+/// Octant of a direction; octant 0 is centred on the x axis.
+int OctantOf(double x, double y);
+
 /// The returns that ended in one cell.
 struct SurfaceCell {
   SurfaceCellKey key;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/solvers/landmarks/world_moments.h"
 
 namespace plumbline {
 
@@ -17,14 +18,8 @@ PointMoments WorldMoments(const LineObservations& observations, std::size_t p,
   PointMoments moments;
   for (std::size_t i = observations.first_of_landmark[p]; i < observations.first_of_landmark[p + 1];
        ++i) {
-    const LineObservation& s = observations.observations[i];
-    const PoseFrame& f = frames[s.pose];
-    const Eigen::Vector2d point = f.Rotate(s.centroid) + f.translation() - landmark.origin;
-    moments.Add(point.x(), point.y(), s.weight);
-    const double cc = f.c * f.c, ss = f.s * f.s, cs = f.c * f.s;
-    moments.xx += cc * s.xx - 2.0 * cs * s.xy + ss * s.yy;
-    moments.xy += cs * (s.xx - s.yy) + (cc - ss) * s.xy;
-    moments.yy += ss * s.xx + 2.0 * cs * s.xy + cc * s.yy;
+    const LineObservation& observation = observations.observations[i];
+    AddWorldMoments(observation, frames[observation.pose], landmark.origin, &moments);
   }
   return moments;
 }

@@ -10,6 +10,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/factors/manifold_factor.h"
 #include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/association/surface_cells.h"
 #include "plumbline/solvers/interface/association_options.h"
 
 namespace plumbline {
@@ -42,6 +43,11 @@ struct LineLandmarkOptions {
   SurfaceNoise noise;
   /// Held-out returns have no say in the landmarks. They get the one of their cell, if it has one.
   bool hold_out = false;
+
+  /// How far a return without a normal is off a line, in sigmas and squared; infinitely far if the
+  /// line does not face the laser.
+  double SquaredSigmasOff(const LineLandmark& line, const Eigen::Vector2d& point,
+                          const Eigen::Vector2d& laser) const;
 };
 
 /// The landmarks that suit the noise, and the limit that the tangent lines of single points have.
@@ -49,6 +55,10 @@ struct LineLandmarkOptions {
 /// surface runs that nothing else has seen.
 LineLandmarkOptions LandmarkOptionsFor(const FactorOptions& factors,
                                        const AssociationOptions& association);
+
+/// The axes of the landmarks' cells, for walls that mostly run along or across a direction, see
+/// DominantDirection. largest_m: side of the largest cells.
+SurfaceGrid LandmarkGrid(double dominant_direction_rad, double largest_m);
 
 /// Cuts the surfaces that the scans saw, placed by the poses, (x, y, yaw) each, into landmarks:
 /// cells of a quadtree per octant of the normals' direction. A cell stays whole unless the lines of

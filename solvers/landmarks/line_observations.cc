@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/solvers/landmarks/return_residual.h"
 
 namespace plumbline {
 namespace {
@@ -17,42 +18,6 @@ void CountsToOffsets(std::vector<std::size_t>* counts) {
   for (std::size_t& count : *counts) sum += std::exchange(count, sum);
   counts->push_back(sum);
 }
-
-// From moments about the origin of the robot.
-void SetMoments(const PointMoments& moments, LineObservation* observation) {
-  observation->weight = moments.weight;
-  observation->centroid = {moments.x, moments.y};
-  if (moments.weight > 0.0) observation->centroid /= moments.weight;
-  const Eigen::Vector2d& m = observation->centroid;
-  observation->xx = std::max(0.0, moments.xx - m.x() * moments.x);
-  observation->xy = moments.xy - m.x() * moments.y;
-  observation->yy = std::max(0.0, moments.yy - m.y() * moments.y);
-}
-
-// A landmark's line in the frame of the robot: distance of z = normal . z + offset.
-struct LineInRobot {
-  Eigen::Vector2d normal;
-  double offset;
-
-  LineInRobot(const LineLandmark& landmark, const PoseFrame& frame) {
-    normal = frame.RotateBack(landmark.normal);
-    offset = landmark.normal.dot(frame.translation() - landmark.origin) - landmark.offset_m;
-  }
-};
-
-// A return against the line of its landmark, in the frame of its robot.
-struct Residual {
-  Eigen::Vector2d z, beam, normal;  // the return, seen from robot and laser [m]; of the line
-  double distance, variance;        // from the line [m]; of that [m^2]
-
-  Residual(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& laser, const LineInRobot& line,
-           const SurfaceNoise& noise)
-      : z(in_robot),
-        beam(in_robot - laser),
-        normal(line.normal),
-        distance(line.normal.dot(in_robot) + line.offset),
-        variance(noise.surface_variance + noise.BeamVariance(beam, line.normal)) {}
-};
 
 }  // namespace
 
@@ -195,7 +160,7 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<LineLandma
       const LineInRobot line = lines[entry - first_entry];
       body(entry - first_entry, [&, begin, after](const auto& take) {
         for (std::size_t r = begin; r < after; ++r) {
-          take(Residual(surface_.points[r].cast<double>(), laser, line, noise_));
+          take(ReturnResidual(surface_.points[r].cast<double>(), laser, line, noise_));
         }
       });
     }
@@ -226,7 +191,7 @@ double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
     ForEachRun(pose, landmarks, frames[pose], *observations,
                [&](std::size_t entry, const auto& for_each) {
                  PointMoments run;
-                 for_each([&](const Residual& r) {
+                 for_each([&](const ReturnResidual& r) {
                    const RobustTerm term = loss.Term(r.distance, r.variance);
                    cost += 0.5 * term.rho;
                    run.Add(r.z.x(), r.z.y(), term.information);
@@ -246,7 +211,8 @@ double ReturnCompressor::Cost(const std::vector<LineLandmark>& landmarks,
   return SumOverPoses([&](std::size_t pose) {
     double cost = 0.0;
     ForEachRun(pose, landmarks, frames[pose], observations, [&](std::size_t, const auto& for_each) {
-      for_each([&](const Residual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
+      for_each(
+          [&](const ReturnResidual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
     });
     return cost;
   });
@@ -265,7 +231,7 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
           ForEachRun(pose, landmarks, frames[pose], observations,
                      [&](std::size_t entry, const auto& for_each) {
                        RangeSlope& slope = slopes[observation_of_entry[entry]];
-                       for_each([&](const Residual& r) {
+                       for_each([&](const ReturnResidual& r) {
                          const double weight = loss.Term(r.distance, r.variance).information;
                          const double cosine = r.normal.dot(r.beam.normalized());
                          slope.weight += weight * cosine;

@@ -117,10 +117,14 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
 }
 
 double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose) {
+  return EdgeChi2(edge, world_from_pose[edge.from], world_from_pose[edge.to]);
+}
+
+double EdgeChi2(const RelativePoseConstraint& edge, const Pose2& world_from_from,
+                const Pose2& world_from_to) {
   RelativePoseResidual residual;
   if (!MakeResidual(edge, &residual)) return 0.0;
-  const Pose2& a = world_from_pose[edge.from];
-  const Pose2& b = world_from_pose[edge.to];
+  const Pose2 &a = world_from_from, &b = world_from_to;
   const Block block_a{a.x, a.y, a.yaw}, block_b{b.x, b.y, b.yaw};
   Eigen::Vector3d error;
   residual.Evaluate(block_a.data(), block_b.data(), error.data(), nullptr, nullptr);

@@ -35,6 +35,8 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
                                   const PoseGraphCallback& callback = nullptr);
 
 /// Squared Mahalanobis length of an edge's error, chi-squared with three degrees of freedom.
+double EdgeChi2(const RelativePoseConstraint& edge, const Pose2& world_from_from,
+                const Pose2& world_from_to);
 double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose);
 
 /// The sum of it over all edges.

@@ -16,7 +16,7 @@
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/landmarks/landmark_shape.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
-#include "plumbline/solvers/reduced/pose_preconditioner.h"
+#include "plumbline/solvers/reduced/gauss_newton_step.h"
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/terms/pose_terms.h"
@@ -26,8 +26,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Of conjugate gradients on one linear system. The tolerance ends them long before.
-constexpr int kMaxCgIterations = 200;
 constexpr char kStopped[] = "stopped by the callback";
 
 // What a step came to.
@@ -176,24 +174,16 @@ class LandmarkMinimizer {
   }
 
   void MoveByGaussNewton() {
-    const PosePreconditioner preconditioner(system_, observations_, frames_, pool_);
-    Eigen::VectorXd step;
+    const double cost = cost_;
+    const GaussNewtonStep step = TakeGaussNewtonStep(
+        system_, observations_, frames_, options_.cg_tolerance, std::vector<double>(poses_),
+        [this](const std::vector<double>& moved) { return MoveIfBetter(moved); }, pool_);
     IterationSummary iteration;
     iteration.phase = "poses";
     iteration.gradient_max_norm = system_.gradient.lpNorm<Eigen::Infinity>();
-    iteration.evaluations =
-        SolvePoseSystem(system_, observations_, preconditioner, -system_.gradient,
-                        options_.cg_tolerance, kMaxCgIterations, pool_, &step)
-            .iterations;
-    const double cost = cost_;
-    constexpr int kMaxHalvings = 4;
-    double length = 1.0;
-    for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
-      if (!MoveIfBetter(system_.Moved(poses_, length * step))) continue;
-      iteration.step_norm = length * step.norm();
-      iteration.step_size = length;
-      break;
-    }
+    iteration.evaluations = step.cg_iterations;
+    iteration.step_norm = step.norm;
+    iteration.step_size = step.length;
     iteration.cost = cost_;
     iteration.cost_change = cost - cost_;
     iteration.iteration_time_s = SecondsSince(step_start_);

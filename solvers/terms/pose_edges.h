@@ -16,6 +16,10 @@ struct PoseEdge {
   RelativePoseResidual residual;
 };
 
+/// The residual of a single constraint.
+PoseEdge MotionEdge(const OdometryConstraint& constraint, const MotionOptions& options);
+PoseEdge RelativePoseEdge(const RelativePoseConstraint& constraint);
+
 /// The residuals of a graph's odometry and relative poses.
 struct PoseEdges {
   PoseEdges(const SlamGraph& graph, const FactorOptions& options);

@@ -11,6 +11,7 @@ namespace plumbline {
 
 /// The terms of the energy that see poses only, and which poses are constants.
 struct PoseTerms {
+  PoseTerms() = default;
   PoseTerms(const SlamGraph& graph, const FactorOptions& options);
 
   /// One half of the sum of squared residuals at `poses`, (x, y, yaw) each; NaN where one is

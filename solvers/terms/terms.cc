@@ -153,7 +153,7 @@ TermList MakeTerms(const SlamGraph& graph, const Associations& associations,
   PoseEdges edges(graph, options);
   TermList terms = {
       MakeMotionTerm(std::move(edges.motions)),
-      std::make_shared<EdgeTerm>(kRelativePoseTerm, std::move(edges.relative_poses)),
+      MakeRelativePoseTerm(std::move(edges.relative_poses)),
       std::make_shared<RangeBeamTerm>(graph, options.beam),
       std::make_shared<ManifoldTerm>(graph, associations, options.manifold),
       std::make_shared<ShapeTerm>(graph, associations, options.shape),
@@ -164,6 +164,10 @@ TermList MakeTerms(const SlamGraph& graph, const Associations& associations,
 
 std::shared_ptr<const Term> MakeMotionTerm(std::vector<PoseEdge> motions) {
   return std::make_shared<EdgeTerm>(kMotionTerm, std::move(motions));
+}
+
+std::shared_ptr<const Term> MakeRelativePoseTerm(std::vector<PoseEdge> relative_poses) {
+  return std::make_shared<EdgeTerm>(kRelativePoseTerm, std::move(relative_poses));
 }
 
 }  // namespace plumbline

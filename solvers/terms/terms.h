@@ -26,8 +26,9 @@ constexpr char kManifoldTerm[] = "manifold";
 TermList MakeTerms(const SlamGraph& graph, const Associations& associations,
                    const FactorOptions& options);
 
-/// The term of the odometry, with steps that are weighed differently.
+/// The terms of odometry and relative poses, from residuals of the caller's.
 std::shared_ptr<const Term> MakeMotionTerm(std::vector<PoseEdge> motions);
+std::shared_ptr<const Term> MakeRelativePoseTerm(std::vector<PoseEdge> relative_poses);
 
 }  // namespace plumbline
 

@@ -54,26 +54,31 @@ const SeededDrive& Drive() {
   return *drive;
 }
 
-ReplayOptions SmallBatches() {
+ReplayOptions SmallBatches(OnlineSolver solver) {
   ReplayOptions options;
+  options.online_solver = solver;
+  options.incremental.num_free_poses = 80;
   options.batch_poses = 40;
   options.window.num_free_poses = 80;
   return options;
 }
 
-const Replay& Replayed() {
-  static const Replay* replay = [] {
-    auto* result = new Replay;
-    const Status status = RunReplay(Solver(1), SmallBatches(), Drive().graph, Drive().seed,
-                                    Drive().report, {}, result);
-    EXPECT_TRUE(status.ok()) << status.message();
-    return result;
-  }();
-  return *replay;
+Replay Replayed(OnlineSolver solver, int num_threads = 1) {
+  Replay replay;
+  const Status status = RunReplay(Solver(num_threads), SmallBatches(solver), Drive().graph,
+                                  Drive().seed, Drive().report, {}, &replay);
+  EXPECT_TRUE(status.ok()) << status.message();
+  return replay;
 }
 
-TEST(ReplayTest, EndsWhereSolvingAllAtOnceEnds) {
-  const Replay& replay = Replayed();
+class ReplayTest : public testing::TestWithParam<OnlineSolver> {};
+
+INSTANTIATE_TEST_SUITE_P(OnlineSolvers, ReplayTest,
+                         testing::Values(OnlineSolver::kIncremental, OnlineSolver::kWindow));
+
+TEST_P(ReplayTest, EndsWhereSolvingAllAtOnceEnds) {
+  const Replay replay = Replayed(GetParam());
+  EXPECT_LT(std::abs(replay.online_energy / replay.batch_energy - 1.0), 0.01);
   EXPECT_LT(std::abs(replay.EnergyRatio() - 1.0), 0.01);
   EXPECT_LT(replay.mean_difference_m, 0.005);
   EXPECT_GE(replay.max_difference_m, replay.mean_difference_m);
@@ -88,8 +93,8 @@ TEST(ReplayTest, EndsWhereSolvingAllAtOnceEnds) {
   EXPECT_LT(worst_m, 0.05);
 }
 
-TEST(ReplayTest, BatchesArriveInTurnAndClosuresWhenBothEndsAreThere) {
-  const std::vector<ReplayStep>& steps = Replayed().steps;
+TEST_P(ReplayTest, BatchesArriveInTurnAndClosuresWhenBothEndsAreThere) {
+  const std::vector<ReplayStep> steps = Replayed(GetParam()).steps;
   const int num_poses = Drive().graph.num_poses();
   ASSERT_EQ(static_cast<int>(steps.size()), (num_poses + 39) / 40 + 1);
   for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
@@ -109,8 +114,8 @@ TEST(ReplayTest, BatchesArriveInTurnAndClosuresWhenBothEndsAreThere) {
   EXPECT_EQ(steps.back().num_poses, num_poses);
 }
 
-TEST(ReplayTest, AClosureThatIsNewsMovesEverything) {
-  ReplayOptions options = SmallBatches();
+TEST(ReplayByWindowTest, AClosureThatIsNewsMovesEverything) {
+  ReplayOptions options = SmallBatches(OnlineSolver::kWindow);
   options.max_closure_chi2 = 1e-6;  // all are
   Replay replay;
   std::vector<ReplayedSolve> seen;
@@ -123,12 +128,8 @@ TEST(ReplayTest, AClosureThatIsNewsMovesEverything) {
   EXPECT_LT(std::abs(replay.EnergyRatio() - 1.0), 0.01);
 }
 
-TEST(ReplayTest, TheResultDoesNotDependOnTheNumberOfThreads) {
-  Replay replay;
-  ASSERT_TRUE(
-      RunReplay(Solver(3), SmallBatches(), Drive().graph, Drive().seed, Drive().report, {}, &replay)
-          .ok());
-  const Replay& other = Replayed();
+TEST_P(ReplayTest, TheResultDoesNotDependOnTheNumberOfThreads) {
+  const Replay replay = Replayed(GetParam(), 3), other = Replayed(GetParam(), 1);
   for (std::size_t i = 0; i < replay.world_from_robot.size(); ++i) {
     ASSERT_EQ(replay.world_from_robot[i].x, other.world_from_robot[i].x);
     ASSERT_EQ(replay.world_from_robot[i].y, other.world_from_robot[i].y);
@@ -137,7 +138,7 @@ TEST(ReplayTest, TheResultDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(replay.batch_energy, other.batch_energy);
 }
 
-TEST(ReplayTest, BadInputIsNamed) {
+TEST(ReplayInputTest, BadInputIsNamed) {
   Replay replay;
   const auto message = [&](const ReplayOptions& options, const SlamGraph& graph,
                            const SeedingReport& report, int num_threads = 1) {

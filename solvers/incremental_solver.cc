@@ -1,0 +1,425 @@
+#include "plumbline/solvers/incremental_solver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/options_check.h"
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/point_recovery.h"
+#include "plumbline/solvers/incremental/active_problem.h"
+#include "plumbline/solvers/incremental/edges_by_pose.h"
+#include "plumbline/solvers/incremental/landmark_store.h"
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
+#include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/reduced/gauss_newton_step.h"
+#include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/unanchored_components.h"
+#include "plumbline/solvers/solver_input.h"
+
+namespace plumbline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+Status CheckOptions(const SolverOptions& solver, const IncrementalOptions& options) {
+  std::string error;
+  if (!solver.Check(&error)) return Status::InvalidArgument(error);
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  const auto refuse = [](const char* what) {
+    return Status::InvalidArgument(std::string("the incremental solver takes no ") + what);
+  };
+  if (solver.type != SolverType::kReduced || solver.own_solver) return refuse("other solver type");
+  if (!solver.factors.own_terms.empty()) return refuse("own terms");
+  if (solver.factors.shape.enabled) return refuse("shape terms");
+  if (!solver.factors.downweighted_steps.empty()) return refuse("down-weighted steps");
+  if (!solver.factors.ignored_relative_poses.empty()) return refuse("ignored relative poses");
+  return Status::Ok();
+}
+
+// Squared Mahalanobis length that one of a thousand edges has that the poses agree with (three
+// degrees of freedom).
+constexpr double kMaxAgreeingChi2 = 16.27;
+
+// An edge that closes a loop and agrees frees all poses if there are this many times as many as
+// when they were free last: the newest poses, held by a place that they have come back to, may have
+// taken up all that the drive was off. So the work per pose stays bounded.
+constexpr double kGrowth = 1.1;
+
+// How far the returns of a pose are from where they would be at another [m], at most.
+double LargestMove(const PoseFrame& from, const PoseFrame& to, double reach_m) {
+  const double turn = std::hypot(to.c - from.c, to.s - from.s);
+  return (to.translation() - from.translation()).norm() + turn * reach_m;
+}
+
+}  // namespace
+
+bool IncrementalOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_OPTION(num_free_poses, >, 0);
+  PLUMBLINE_CHECK_OPTION(max_rounds, >, 0);
+  return true;
+}
+
+class IncrementalSolver::Impl {
+ public:
+  Impl(const SolverOptions& solver, const IncrementalOptions& options)
+      : solver_(solver),
+        options_(options),
+        landmark_options_(LandmarkOptionsFor(solver.factors, solver.association)) {
+    Forget();
+  }
+
+  Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
+                IncrementalSummary* summary) {
+    const auto begin = Clock::now();
+    PLUMBLINE_RETURN_IF_ERROR(CheckOptions(solver_, options_));
+    PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, *poses));
+    IncrementalSummary result;
+    std::vector<double> refined;
+    const Status status = CatchExceptions([&] {
+      if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
+      refined = *poses;
+      Run(graph, scope, &refined, &result);
+      poses_ = refined;
+      return Status::Ok();
+    });
+    if (!status.ok()) {
+      Forget();
+      return status;
+    }
+    *poses = std::move(refined);
+    result.total_time_s = SecondsSince(begin);
+    if (summary != nullptr) *summary = result;
+    return Status::Ok();
+  }
+
+  Status GetState(const SlamGraph& graph, MapState* state) const {
+    if (3 * static_cast<std::size_t>(graph.num_poses()) != poses_.size() ||
+        graph.num_returns() != surface_.points.size()) {
+      return Status::InvalidArgument("the graph is not the one of the last update");
+    }
+    return CatchExceptions([&] {
+      std::vector<TangentLine> lines(graph.num_returns(), {0.0, 0.0, 0.0});
+      AddLandmarkLines(Landmarks(), &lines);
+      *state = {poses_, RecoverPoints(graph, poses_, surface_, lines, solver_.factors, &*pool_)};
+      return Status::Ok();
+    });
+  }
+
+ private:
+  void Forget() {
+    store_ = std::make_unique<LandmarkStore>(landmark_options_);
+    edges_ = EdgesByPose();
+    surface_ = MeasuredSurface();
+    poses_.clear();
+    frames_.clear();
+    num_scans_ = num_scans_at_reset_ = num_poses_at_last_loop_ = 0;
+    is_laid_ = false;
+  }
+
+  int NumKnownPoses() const { return static_cast<int>(poses_.size() / 3); }
+
+  Status CheckInput(const SlamGraph& graph, const std::vector<double>& poses) const {
+    if (poses.size() != 3 * static_cast<std::size_t>(graph.num_poses())) {
+      return Status::InvalidArgument("the graph has " + std::to_string(graph.num_poses()) +
+                                     " poses, but there are " + std::to_string(poses.size()) +
+                                     " numbers for them, not three each");
+    }
+    if (graph.num_poses() < NumKnownPoses() || graph.num_scans() < num_scans_ ||
+        graph.num_returns() < surface_.points.size() ||
+        graph.odometry().size() < edges_.motions().size() ||
+        graph.relative_poses().size() < edges_.relative_poses().size()) {
+      return Status::InvalidArgument("the graph has lost something since the last update");
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (IsWithinReach(poses[i])) continue;
+      return Status::InvalidArgument("pose " + std::to_string(i / 3) +
+                                     " is not finite, or beyond 1e8 m or rad");
+    }
+    return Status::Ok();
+  }
+
+  void Run(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
+           IncrementalSummary* summary) {
+    if (graph.num_poses() == 0) return;
+    for (const FixedPose& fixed : graph.fixed_poses()) {
+      const std::vector<double> block = PoseArray({fixed.world_from_robot});
+      std::copy(block.begin(), block.end(), &(*poses)[3 * fixed.pose]);
+    }
+    const auto begin = Clock::now();
+    const std::vector<int> moved = MovedByCaller(*poses);
+    const std::size_t first_new_edge = edges_.relative_poses().size();
+    std::vector<int> active = ActivePoses(graph, scope, moved, first_new_edge, *poses);
+    Extend(graph);
+    if (static_cast<int>(active.size()) == graph.num_poses()) {
+      num_poses_at_last_loop_ = graph.num_poses();
+      SpreadNewEdges(graph, first_new_edge, poses);
+    }
+    TakeFrames(active, *poses);
+    TakeFrames(moved, *poses);
+    summary->num_free_poses = static_cast<int>(active.size());
+    summary->association_time_s += SecondsSince(begin);
+    if (graph.num_returns() == 0) return;
+    for (int round = 0; round < options_.max_rounds; ++round) {
+      const std::vector<int> to_place = PosesToPlace(graph, active, *poses);
+      if (round > 0 && to_place.empty()) break;
+      RunRound(graph, active, to_place, round == 0, poses, summary);
+    }
+  }
+
+  std::vector<int> MovedByCaller(const std::vector<double>& poses) const {
+    std::vector<int> moved;
+    for (int pose = 0; pose < NumKnownPoses(); ++pose) {
+      if (!std::equal(&poses[3 * pose], &poses[3 * pose] + 3, &poses_[3 * pose])) {
+        moved.push_back(pose);
+      }
+    }
+    return moved;
+  }
+
+  // Ascending.
+  std::vector<int> ActivePoses(const SlamGraph& graph, UpdateScope scope,
+                               const std::vector<int>& moved, std::size_t first_new_edge,
+                               const std::vector<double>& poses) const {
+    const int num_poses = graph.num_poses();
+    int first = std::min(NumKnownPoses(), std::max(0, num_poses - options_.num_free_poses));
+    for (int s = num_scans_; s < graph.num_scans(); ++s)
+      first = std::min(first, graph.scan(s).pose);
+    const bool is_due = num_poses >= kGrowth * num_poses_at_last_loop_;
+    bool all = scope == UpdateScope::kAll || !moved.empty();
+    for (std::size_t i = first_new_edge; i < graph.relative_poses().size(); ++i) {
+      const RelativePoseConstraint& edge = graph.relative_poses()[i];
+      if (std::min(edge.from, edge.to) >= first) continue;
+      const Pose2 from(&poses[3 * edge.from]), to(&poses[3 * edge.to]);
+      all = all || is_due || EdgeChi2(edge, from, to) > kMaxAgreeingChi2;
+    }
+    if (all) first = 0;
+    std::vector<int> active(num_poses - first);
+    std::iota(active.begin(), active.end(), first);
+    return active;
+  }
+
+  void Extend(const SlamGraph& graph) {
+    ExtendSurface(graph, num_scans_, NormalOptionsFor(solver_.factors.beam), pool_.get(),
+                  &surface_);
+    num_scans_ = graph.num_scans();
+    edges_.Extend(graph, solver_.factors);
+    store_->Extend(graph);
+    frames_.resize(graph.num_poses());
+  }
+
+  void TakeFrames(const std::vector<int>& of, const std::vector<double>& poses) {
+    for (const int pose : of) frames_[pose] = PoseFrame(&poses[3 * pose]);
+  }
+
+  // Where a new relative pose asks for more than landmarks can bridge (a loop that gapes), a pose
+  // graph shares that out. In it the other constraints keep what earlier updates made of them,
+  // which is better than what they say.
+  void SpreadNewEdges(const SlamGraph& graph, std::size_t first_new,
+                      std::vector<double>* poses) const {
+    std::vector<Pose2> world_from_pose = PosesOf(*poses);
+    double largest_error_m = 0.0;
+    std::vector<RelativePoseConstraint> edges;
+    for (const OdometryConstraint& c : graph.odometry()) {
+      edges.push_back({c.from, c.to, Between(world_from_pose[c.from], world_from_pose[c.to]),
+                       MotionCovariance(c.from_from_to, solver_.factors.motion)});
+    }
+    for (std::size_t i = 0; i < graph.relative_poses().size(); ++i) {
+      RelativePoseConstraint edge = graph.relative_poses()[i];
+      const Pose2 now = Between(world_from_pose[edge.from], world_from_pose[edge.to]);
+      if (i >= first_new) {
+        const double error_m = (now.translation() - edge.from_from_to.translation()).norm();
+        largest_error_m = std::max(largest_error_m, error_m);
+      } else {
+        edge.from_from_to = now;
+      }
+      edges.push_back(edge);
+    }
+    if (largest_error_m < PlacingTolerance()) return;
+    std::vector<int> fixed;
+    for (const FixedPose& pose : graph.fixed_poses()) fixed.push_back(pose.pose);
+    OptimizePoseGraph(edges, {}, &world_from_pose, fixed);
+    *poses = PoseArray(world_from_pose);
+  }
+
+  // Returns that have moved by less [m] are still in their cells, nearly.
+  double PlacingTolerance() const {
+    return 0.5 * LandmarkQuadtree::FinestCell(landmark_options_.largest_m);
+  }
+
+  void RunRound(const SlamGraph& graph, const std::vector<int>& active,
+                const std::vector<int>& to_place, bool first, std::vector<double>* poses,
+                IncrementalSummary* summary) {
+    auto begin = Clock::now();
+    store_->Place(to_place, graph, surface_, frames_, LossOf(1.0), pool_.get());
+    // A wide gate first: what has just arrived may be off by some decimetres.
+    Weigh(to_place, first ? solver_.reduced.first_gate_factor : 1.0, graph);
+    std::vector<int> to_weigh = first ? to_place : std::vector<int>();
+    ActiveProblem problem(active, graph, edges_, *store_, *poses, pool_.get());
+    HoldUnanchored(&problem);
+    summary->num_placed_poses += static_cast<int>(to_place.size());
+    ++summary->num_rounds;
+    summary->association_time_s += SecondsSince(begin);
+    for (int step = 0; step < solver_.reduced.steps_per_round; ++step) {
+      begin = Clock::now();
+      const double gain = Step(&problem, summary);
+      TakeResult(problem, active, poses);
+      summary->minimization_time_s += SecondsSince(begin);
+      begin = Clock::now();
+      const std::vector<int> moved = problem.MovedPoses(*store_, WeighingTolerance());
+      to_weigh.insert(to_weigh.end(), moved.begin(), moved.end());
+      std::sort(to_weigh.begin(), to_weigh.end());
+      to_weigh.erase(std::unique(to_weigh.begin(), to_weigh.end()), to_weigh.end());
+      Weigh(to_weigh, 1.0, graph);
+      summary->association_time_s += SecondsSince(begin);
+      const double least_gain = solver_.reduced.relative_tolerance * summary->final_cost;
+      if (to_weigh.empty() || gain <= least_gain) break;
+      problem.ReadObservations(*store_, pool_.get());
+      to_weigh.clear();
+    }
+  }
+
+  void Weigh(const std::vector<int>& poses, double gate_factor, const SlamGraph& graph) {
+    store_->Weigh(poses, graph, surface_, frames_, LossOf(gate_factor), pool_.get());
+  }
+
+  GemanMcClure LossOf(double gate_factor) const {
+    return GemanMcClure::FromGate(gate_factor * solver_.factors.manifold.robust_gate_sigmas);
+  }
+
+  // Returns that have moved against their line by less [m] keep their weights, nearly.
+  double WeighingTolerance() const {
+    constexpr double kSigmas = 0.2;
+    return kSigmas * landmark_options_.noise.StandardDeviation();
+  }
+
+  std::vector<int> PosesToPlace(const SlamGraph& graph, const std::vector<int>& active,
+                                const std::vector<double>& poses) {
+    // Octants are laid along the walls, and these are known once some scans are there.
+    if (num_scans_ >= 2 * num_scans_at_reset_) {
+      num_scans_at_reset_ = num_scans_;
+      const double direction = DominantDirection(graph, poses, surface_, pool_.get());
+      constexpr double kRightAngle = 0.5 * kPi;
+      const double change = std::remainder(direction - dominant_direction_rad_, kRightAngle);
+      constexpr double kNoticeableRad = 0.05;
+      if (!is_laid_ || std::abs(change) > kNoticeableRad) {
+        is_laid_ = true;
+        dominant_direction_rad_ = direction;
+        store_->Reset(direction);
+        std::vector<int> all(graph.num_poses());
+        std::iota(all.begin(), all.end(), 0);
+        return all;
+      }
+    }
+    std::vector<int> to_place;
+    for (const int pose : active) {
+      if (!store_->IsPlaced(pose) || LargestMove(store_->PlacedAt(pose), frames_[pose],
+                                                 store_->Reach(pose)) > PlacingTolerance()) {
+        to_place.push_back(pose);
+      }
+    }
+    return to_place;
+  }
+
+  // Where a group of poses is as a whole may be anybody's guess. It stays where its first pose is.
+  static void HoldUnanchored(ActiveProblem* problem) {
+    for (const int pose : FindUnanchoredComponents(problem->observations, problem->terms)) {
+      problem->terms.is_constant[pose] = true;
+    }
+  }
+
+  // Gives what it lowered the cost by.
+  double Step(ActiveProblem* problem, IncrementalSummary* summary) {
+    std::vector<PoseFrame> frames = FramesOf(problem->poses);
+    const auto cost_at = [&](const std::vector<double>& poses, const std::vector<PoseFrame>& at) {
+      return FitLandmarkLines(problem->observations, at, pool_.get(), &problem->landmarks) +
+             problem->terms.Cost(poses);
+    };
+    double cost = cost_at(problem->poses, frames);
+    summary->initial_cost = cost;
+    system_.Linearize(problem->observations, problem->landmarks, problem->terms, problem->poses,
+                      frames, pool_.get());
+    const std::vector<double> start = problem->poses;
+    const auto move_if_better = [&](const std::vector<double>& moved) {
+      const double moved_cost = cost_at(moved, FramesOf(moved));
+      if (!(moved_cost < cost)) {
+        cost_at(problem->poses, frames);  // puts the lines back
+        return false;
+      }
+      cost = moved_cost;
+      problem->poses = moved;
+      return true;
+    };
+    TakeGaussNewtonStep(system_, problem->observations, frames, solver_.reduced.cg_tolerance, start,
+                        move_if_better, pool_.get());
+    ++summary->num_steps;
+    summary->final_cost = cost;
+    return summary->initial_cost - cost;
+  }
+
+  void TakeResult(const ActiveProblem& problem, const std::vector<int>& active,
+                  std::vector<double>* poses) {
+    for (std::size_t i = 0; i < problem.pose_ids.size(); ++i) {
+      if (problem.terms.is_constant[i]) continue;
+      std::copy_n(&problem.poses[3 * i], 3, &(*poses)[3 * problem.pose_ids[i]]);
+    }
+    for (std::size_t i = 0; i < problem.landmark_ids.size(); ++i) {
+      store_->SetLine(problem.landmark_ids[i], problem.landmarks[i]);
+    }
+    TakeFrames(active, *poses);
+  }
+
+  LineLandmarks Landmarks() const {
+    LineLandmarks result;
+    result.landmark_of_return = store_->landmark_of_return();
+    for (const StoredLandmark& landmark : store_->landmarks()) {
+      result.landmarks.push_back(landmark.line);
+    }
+    return result;
+  }
+
+  SolverOptions solver_;
+  IncrementalOptions options_;
+  LineLandmarkOptions landmark_options_;
+  mutable std::unique_ptr<ThreadPool> pool_;
+  std::unique_ptr<LandmarkStore> store_;
+  EdgesByPose edges_;
+  MeasuredSurface surface_;
+  std::vector<double> poses_;      // as the last update gave them
+  std::vector<PoseFrame> frames_;  // of these, and of the poses at hand
+  PoseSystem system_;
+  int num_scans_ = 0;
+  int num_scans_at_reset_ = 0;
+  int num_poses_at_last_loop_ = 0;  // when all were free
+  bool is_laid_ = false;
+  double dominant_direction_rad_ = 0.0;
+};
+
+IncrementalSolver::IncrementalSolver(const SolverOptions& solver, const IncrementalOptions& options)
+    : impl_(std::make_unique<Impl>(solver, options)) {}
+IncrementalSolver::~IncrementalSolver() = default;
+IncrementalSolver::IncrementalSolver(IncrementalSolver&&) noexcept = default;
+IncrementalSolver& IncrementalSolver::operator=(IncrementalSolver&&) noexcept = default;
+
+Status IncrementalSolver::Update(const SlamGraph& graph, UpdateScope scope,
+                                 std::vector<double>* poses, IncrementalSummary* summary) {
+  const DefaultFloatEnvironment float_environment;
+  return impl_->Update(graph, scope, poses, summary);
+}
+
+Status IncrementalSolver::GetState(const SlamGraph& graph, MapState* state) const {
+  const DefaultFloatEnvironment float_environment;
+  return impl_->GetState(graph, state);
+}
+
+}  // namespace plumbline

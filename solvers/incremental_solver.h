@@ -1,0 +1,97 @@
+#ifndef PLUMBLINE_SOLVERS_INCREMENTAL_SOLVER_H_
+#define PLUMBLINE_SOLVERS_INCREMENTAL_SOLVER_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/solver_options.h"
+
+namespace plumbline {
+
+/// How a graph is refined while it grows.
+struct IncrementalOptions {
+  /// The newest poses that an update moves; all new ones in any case. Several times as many as
+  /// arrive between two updates, so that each is refined again once its surroundings have been seen
+  /// from further on.
+  int num_free_poses = 40;
+  /// Cuts of the surfaces into landmarks per update, at most, each with up to
+  /// ReducedOptions::steps_per_round Gauss-Newton steps.
+  int max_rounds = 2;
+
+  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
+  bool Check(std::string* error) const;
+};
+
+/// What an update did.
+struct IncrementalSummary {
+  int num_free_poses = 0;    ///< that could move
+  int num_placed_poses = 0;  ///< whose returns were associated, for the first time or anew
+  int num_rounds = 0;        ///< cuts of the surfaces
+  int num_steps = 0;         ///< Gauss-Newton steps
+  /// Of the free poses' landmarks and constraints, at fixed weights: before and after the last
+  /// step.
+  double initial_cost = 0.0, final_cost = 0.0;
+  double association_time_s = 0.0;   ///< placing, cutting, weighing
+  double minimization_time_s = 0.0;  ///< the steps
+  double total_time_s = 0.0;
+};
+
+/// Which poses an update may move.
+enum class UpdateScope {
+  /// The newest ones; all of them if the caller has moved older ones, or if a new relative pose
+  /// that reaches back beyond the newest ones (a loop closure) contradicts the map, or is the first
+  /// for a tenth of the drive.
+  kAutomatic,
+  kAll,  ///< all poses
+};
+
+/// Refines a graph while it grows: for robots that map while they drive, and for mappers that ask
+/// for corrections again and again. Poses are estimated like the reduced solver does it, with
+/// points and tangent lines eliminated. Landmarks and what the poses saw of them are kept between
+/// updates. So an update of the newest poses takes the same time on a large map as on a small one;
+/// an update of all poses goes through the landmarks, and only returns of poses that have moved
+/// are associated anew.
+///
+/// There is no acceptance test, and relative poses are believed: Solve tests both. Own terms, shape
+/// terms and down-weighted steps are refused.
+///
+/// Not for several threads at once; several objects are.
+class IncrementalSolver {
+ public:
+  /// Of `solver`, what says how returns are associated and weighed counts: factors, association,
+  /// reduced and num_threads. Bad options are reported by the first update.
+  explicit IncrementalSolver(const SolverOptions& solver = SolverOptions(),
+                             const IncrementalOptions& options = IncrementalOptions());
+  ~IncrementalSolver();
+  IncrementalSolver(IncrementalSolver&&) noexcept;
+  IncrementalSolver& operator=(IncrementalSolver&&) noexcept;
+
+  /// Takes in what the graph has gained since the last call, and refines *poses, (x, y [m], yaw
+  /// [rad]) each. The graph has to be the one of the last call, grown or not. New poses have to be
+  /// given where odometry or a matcher puts them, seen from the refined poses before them: within a
+  /// few decimetres. Older poses that differ from what the last update gave have been moved by the
+  /// caller, and their surroundings follow. Fixed poses stay where the graph fixes them.
+  ///
+  /// InvalidArgument on bad options, a graph that has shrunk, or poses of another number, not
+  /// finite or beyond 1e8; Unavailable if memory runs out. *poses is then as it was, and the next
+  /// update begins from scratch.
+  Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
+                IncrementalSummary* summary = nullptr);
+
+  /// The map at the poses of the last update: these, and every map point where its beam and its
+  /// tangent line put it. Goes through all returns. The graph has to be the one of the last update,
+  /// not grown; InvalidArgument if it is not.
+  Status GetState(const SlamGraph& graph, MapState* state) const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_INCREMENTAL_SOLVER_H_

@@ -1,0 +1,54 @@
+#ifndef PLUMBLINE_SOLVERS_LANDMARKS_RETURN_RESIDUAL_H_
+#define PLUMBLINE_SOLVERS_LANDMARKS_RETURN_RESIDUAL_H_
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "plumbline/core/line_fit.h"
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/factors/surface_noise.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/landmarks/line_observations.h"
+
+namespace plumbline {
+
+/// A landmark's line in the frame of a robot: distance of z = normal . z + offset.
+struct LineInRobot {
+  Eigen::Vector2d normal;
+  double offset;  ///< [m]
+
+  LineInRobot(const LineLandmark& landmark, const PoseFrame& frame) {
+    normal = frame.RotateBack(landmark.normal);
+    offset = landmark.normal.dot(frame.translation() - landmark.origin) - landmark.offset_m;
+  }
+};
+
+/// A return against the line of its landmark, in the frame of its robot.
+struct ReturnResidual {
+  Eigen::Vector2d z, beam, normal;  ///< the return, seen from robot and laser [m]; of the line
+  double distance, variance;        ///< from the line [m]; of that [m^2]
+
+  ReturnResidual(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& laser,
+                 const LineInRobot& line, const SurfaceNoise& noise)
+      : z(in_robot),
+        beam(in_robot - laser),
+        normal(line.normal),
+        distance(line.normal.dot(in_robot) + line.offset),
+        variance(noise.surface_variance + noise.BeamVariance(beam, line.normal)) {}
+};
+
+/// Gives an observation the weight, centroid and scatter of weighted returns. moments: about the
+/// origin of the robot.
+inline void SetMoments(const PointMoments& moments, LineObservation* observation) {
+  observation->weight = moments.weight;
+  observation->centroid = {moments.x, moments.y};
+  if (moments.weight > 0.0) observation->centroid /= moments.weight;
+  const Eigen::Vector2d& m = observation->centroid;
+  observation->xx = std::max(0.0, moments.xx - m.x() * moments.x);
+  observation->xy = moments.xy - m.x() * moments.y;
+  observation->yy = std::max(0.0, moments.yy - m.y() * moments.y);
+}
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LANDMARKS_RETURN_RESIDUAL_H_
