@@ -86,7 +86,7 @@ class IncrementalSolver::Impl {
     PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, *poses));
     IncrementalSummary result;
     std::vector<double> refined;
-    const Status status = CatchExceptions([&] {
+    Status status = CatchExceptions([&] {
       if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
       refined = *poses;
       Run(graph, scope, &refined, &result);

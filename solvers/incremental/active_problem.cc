@@ -1,6 +1,7 @@
 #include "plumbline/solvers/incremental/active_problem.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "plumbline/solvers/landmarks/return_residual.h"
 #include "plumbline/solvers/landmarks/world_moments.h"
@@ -79,25 +80,30 @@ void ActiveProblem::AddObservations(const LandmarkStore& store,
 
   observations.first_of_pose.assign(pose_ids.size() + 1, 0);
   // The sum of the held ones comes first, if there are any.
+  constexpr std::size_t kLandmarksPerChunk = 64;
+  const auto for_each_landmark = [&](const auto& body) {
+    pool->ForEachChunk(landmark_ids.size(), kLandmarksPerChunk,
+                       [&](std::size_t, std::size_t begin, std::size_t end) {
+                         for (std::size_t p = begin; p < end; ++p) {
+                           body(store.landmarks()[landmark_ids[p]], p);
+                         }
+                       });
+  };
   observations.first_of_landmark.assign(landmark_ids.size() + 1, 0);
-  for (std::size_t p = 0; p < landmark_ids.size(); ++p) {
-    std::size_t num_active = 0;
-    const StoredLandmark& landmark = store.landmarks()[landmark_ids[p]];
-    for (const StoredObservation& o : landmark.observations)
-      num_active += IsActive(o.moments.pose) ? 1 : 0;
-    observations.first_of_landmark[p + 1] = observations.first_of_landmark[p] + num_active +
-                                            (num_active < landmark.observations.size() ? 1 : 0);
-  }
+  for_each_landmark([&](const StoredLandmark& landmark, std::size_t p) {
+    const std::size_t num_active =
+        std::count_if(landmark.observations.begin(), landmark.observations.end(),
+                      [this](const StoredObservation& o) { return IsActive(o.moments.pose); });
+    const bool has_held = num_active < landmark.observations.size();
+    observations.first_of_landmark[p + 1] = num_active + (has_held ? 1 : 0);
+  });
+  std::partial_sum(observations.first_of_landmark.begin(), observations.first_of_landmark.end(),
+                   observations.first_of_landmark.begin());
   landmarks.resize(landmark_ids.size());
   observations.observations.resize(observations.first_of_landmark.back());
   in_store_.resize(observations.first_of_landmark.back());
-  constexpr std::size_t kLandmarksPerChunk = 64;
-  pool->ForEachChunk(landmark_ids.size(), kLandmarksPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t p = begin; p < end; ++p) {
-                         ReadLandmark(store.landmarks()[landmark_ids[p]], p, all_poses);
-                       }
-                     });
+  for_each_landmark(
+      [&](const StoredLandmark& landmark, std::size_t p) { ReadLandmark(landmark, p, all_poses); });
 }
 
 bool ActiveProblem::IsActive(int id) const {
