@@ -98,7 +98,7 @@ class Host {
     *step = {batch_, graph_.num_poses(), solve, static_cast<int>(arrived_closures_.size()),
              num_news_};
     const auto start = Clock::now();
-    const Status status =
+    Status status =
         solve != ReplayedSolve::kFinal && IsIncremental() ? Update(step) : SolveOnce(solve, step);
     step->time_s = SecondsSince(start);
     if (status.ok()) return status;
