@@ -15,6 +15,7 @@
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/acceptance/contradicted_edges.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/point_recovery.h"
 #include "plumbline/solvers/incremental/active_problem.h"
@@ -120,6 +121,8 @@ class IncrementalSolver::Impl {
   void Forget() {
     store_ = std::make_unique<LandmarkStore>(landmark_options_);
     edges_ = EdgesByPose();
+    tests_ = std::make_unique<EdgeTests>(solver_.factors.beam);
+    contradicted_.clear();
     surface_ = MeasuredSurface();
     poses_.clear();
     frames_.clear();
@@ -158,12 +161,14 @@ class IncrementalSolver::Impl {
     }
     const auto begin = Clock::now();
     const std::vector<int> moved = MovedByCaller(*poses);
-    const std::size_t first_new_edge = edges_.relative_poses().size();
-    std::vector<int> active = ActivePoses(graph, scope, moved, first_new_edge, *poses);
+    const News news{num_scans_, edges_.relative_poses().size()};
     Extend(graph);
+    const bool has_revised = TestEdges(graph, news.first_edge);
+    const bool all = scope == UpdateScope::kAll || !moved.empty() || has_revised;
+    const std::vector<int> active = ActivePoses(graph, all, news, *poses);
     if (static_cast<int>(active.size()) == graph.num_poses()) {
       num_poses_at_last_loop_ = graph.num_poses();
-      SpreadNewEdges(graph, first_new_edge, poses);
+      SpreadNewEdges(graph, news.first_edge, poses);
     }
     TakeFrames(active, *poses);
     TakeFrames(moved, *poses);
@@ -175,6 +180,7 @@ class IncrementalSolver::Impl {
       if (round > 0 && to_place.empty()) break;
       RunRound(graph, active, to_place, round == 0, poses, summary);
     }
+    summary->ignored_edges = DescribeIgnored(contradicted_, graph, *poses);
   }
 
   std::vector<int> MovedByCaller(const std::vector<double>& poses) const {
@@ -187,19 +193,24 @@ class IncrementalSolver::Impl {
     return moved;
   }
 
+  // What of the graph is new.
+  struct News {
+    int first_scan;
+    std::size_t first_edge;  // of the relative poses
+  };
+
   // Ascending.
-  std::vector<int> ActivePoses(const SlamGraph& graph, UpdateScope scope,
-                               const std::vector<int>& moved, std::size_t first_new_edge,
+  std::vector<int> ActivePoses(const SlamGraph& graph, bool all, const News& news,
                                const std::vector<double>& poses) const {
     const int num_poses = graph.num_poses();
     int first = std::min(NumKnownPoses(), std::max(0, num_poses - options_.num_free_poses));
-    for (int s = num_scans_; s < graph.num_scans(); ++s)
+    for (int s = news.first_scan; s < graph.num_scans(); ++s) {
       first = std::min(first, graph.scan(s).pose);
+    }
     const bool is_due = num_poses >= kGrowth * num_poses_at_last_loop_;
-    bool all = scope == UpdateScope::kAll || !moved.empty();
-    for (std::size_t i = first_new_edge; i < graph.relative_poses().size(); ++i) {
+    for (std::size_t i = news.first_edge; i < graph.relative_poses().size(); ++i) {
       const RelativePoseConstraint& edge = graph.relative_poses()[i];
-      if (std::min(edge.from, edge.to) >= first) continue;
+      if (std::min(edge.from, edge.to) >= first || FindContradicted(i) != nullptr) continue;
       const Pose2 from(&poses[3 * edge.from]), to(&poses[3 * edge.to]);
       all = all || is_due || EdgeChi2(edge, from, to) > kMaxAgreeingChi2;
     }
@@ -218,13 +229,36 @@ class IncrementalSolver::Impl {
     frames_.resize(graph.num_poses());
   }
 
+  // Whether it has another opinion of an edge than before.
+  bool TestEdges(const SlamGraph& graph, std::size_t first_new) {
+    if (!solver_.test_edges) return false;
+    tests_->Extend(graph, surface_, pool_.get());
+    if (graph.relative_poses().size() == first_new) return false;
+    std::vector<ContradictedEdge> contradicted = tests_->Contradicted(graph);
+    std::vector<std::size_t> before, now;
+    for (const ContradictedEdge& c : contradicted_) before.push_back(c.edge);
+    for (const ContradictedEdge& c : contradicted) now.push_back(c.edge);
+    edges_.Ignore(graph, now);
+    contradicted_ = std::move(contradicted);
+    now.erase(std::lower_bound(now.begin(), now.end(), first_new), now.end());
+    return now != before;
+  }
+
+  // Null if it is not.
+  const ContradictedEdge* FindContradicted(std::size_t edge) const {
+    const auto at = std::lower_bound(
+        contradicted_.begin(), contradicted_.end(), edge,
+        [](const ContradictedEdge& c, std::size_t sought) { return c.edge < sought; });
+    return at != contradicted_.end() && at->edge == edge ? &*at : nullptr;
+  }
+
   void TakeFrames(const std::vector<int>& of, const std::vector<double>& poses) {
     for (const int pose : of) frames_[pose] = PoseFrame(&poses[3 * pose]);
   }
 
   // Where a new relative pose asks for more than landmarks can bridge (a loop that gapes), a pose
   // graph shares that out. In it the other constraints keep what earlier updates made of them,
-  // which is better than what they say.
+  // which is better than what they say; matches take the place of contradicted ones.
   void SpreadNewEdges(const SlamGraph& graph, std::size_t first_new,
                       std::vector<double>* poses) const {
     std::vector<Pose2> world_from_pose = PosesOf(*poses);
@@ -236,6 +270,10 @@ class IncrementalSolver::Impl {
     }
     for (std::size_t i = 0; i < graph.relative_poses().size(); ++i) {
       RelativePoseConstraint edge = graph.relative_poses()[i];
+      if (const ContradictedEdge* contradicted = FindContradicted(i)) {
+        if (!contradicted->match) continue;
+        edge = *contradicted->match;
+      }
       const Pose2 now = Between(world_from_pose[edge.from], world_from_pose[edge.to]);
       if (i >= first_new) {
         const double error_m = (now.translation() - edge.from_from_to.translation()).norm();
@@ -394,6 +432,8 @@ class IncrementalSolver::Impl {
   mutable std::unique_ptr<ThreadPool> pool_;
   std::unique_ptr<LandmarkStore> store_;
   EdgesByPose edges_;
+  std::unique_ptr<EdgeTests> tests_;
+  std::vector<ContradictedEdge> contradicted_;  // in order
   MeasuredSurface surface_;
   std::vector<double> poses_;      // as the last update gave them
   std::vector<PoseFrame> frames_;  // of these, and of the poses at hand

@@ -8,6 +8,7 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/acceptance.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
@@ -35,7 +36,10 @@ struct IncrementalSummary {
   /// Of the free poses' landmarks and constraints, at fixed weights: before and after the last
   /// step.
   double initial_cost = 0.0, final_cost = 0.0;
-  double association_time_s = 0.0;   ///< placing, cutting, weighing
+  /// The relative poses that the scans of their poses contradict, see SolverOptions::test_edges:
+  /// all that are left out so far.
+  std::vector<IgnoredEdge> ignored_edges;
+  double association_time_s = 0.0;   ///< testing edges, placing, cutting, weighing
   double minimization_time_s = 0.0;  ///< the steps
   double total_time_s = 0.0;
 };
@@ -56,14 +60,14 @@ enum class UpdateScope {
 /// an update of all poses goes through the landmarks, and only returns of poses that have moved
 /// are associated anew.
 ///
-/// There is no acceptance test, and relative poses are believed: Solve tests both. Own terms, shape
-/// terms and down-weighted steps are refused.
+/// Relative poses are tested by their scans when they come, as Solve does. There is no acceptance
+/// test of the result. Own terms, shape terms and down-weighted steps are refused.
 ///
 /// Not for several threads at once; several objects are.
 class IncrementalSolver {
  public:
-  /// Of `solver`, what says how returns are associated and weighed counts: factors, association,
-  /// reduced and num_threads. Bad options are reported by the first update.
+  /// Of `solver`, what says how returns are associated and weighed counts: factors, test_edges,
+  /// association, reduced and num_threads. Bad options are reported by the first update.
   explicit IncrementalSolver(const SolverOptions& solver = SolverOptions(),
                              const IncrementalOptions& options = IncrementalOptions());
   ~IncrementalSolver();

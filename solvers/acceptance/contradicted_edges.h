@@ -9,6 +9,9 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/free_space.h"
+#include "plumbline/solvers/front_end/pairwise_icp.h"
+#include "plumbline/solvers/front_end/surface_points.h"
 #include "plumbline/solvers/interface/acceptance.h"
 
 namespace plumbline {
@@ -36,6 +39,56 @@ struct ContradictedEdge {
 std::vector<ContradictedEdge> FindContradictedEdges(const SlamGraph& graph,
                                                     const MeasuredSurface& surface,
                                                     const RangeBeamOptions& beam, ThreadPool* pool);
+
+/// The same for a graph that grows: each edge is tested once, when it comes. What lies beyond its
+/// later pose is not there yet to take the place of its second scan, so that a little less is known
+/// than of the whole graph at once.
+class EdgeTests {
+ public:
+  explicit EdgeTests(const RangeBeamOptions& beam);
+
+  /// Takes in what the graph has gained since the last call. surface: of the graph.
+  void Extend(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool);
+
+  /// By all that has been seen: what is usual between scans may change.
+  std::vector<ContradictedEdge> Contradicted(const SlamGraph& graph) const;
+
+ private:
+  // A scan, and where it was taken as seen from a pose near by.
+  struct Beside {
+    int scan = 0;
+    Pose2 pose_from_scan;
+  };
+  // What the scans say of an edge; without scans, nothing.
+  struct Evidence {
+    PairMatch match;
+    FreeSpaceConflict at_edge, at_match;
+  };
+
+  std::vector<Evidence> Test(const SlamGraph& graph,
+                             const std::vector<RelativePoseConstraint>& edges,
+                             ThreadPool* pool) const;
+  Evidence Test(const SlamGraph& graph, const RelativePoseConstraint& edge) const;
+  std::vector<Beside> ScansBeside(const SlamGraph& graph, int pose, bool alone) const;
+  std::optional<Beside> FindBeside(const SlamGraph& graph, int pose, int direction) const;
+  void TakeSteps(const std::vector<RelativePoseConstraint>& steps,
+                 const std::vector<Evidence>& evidence);
+  bool IsContradictory(const FreeSpaceConflict& conflict) const;
+  bool IsContradicted(const RelativePoseConstraint& edge,
+                      const std::optional<RelativePoseConstraint>& match,
+                      const Evidence& seen) const;
+  std::optional<RelativePoseConstraint> MatchOf(const RelativePoseConstraint& edge,
+                                                const Evidence& seen) const;
+
+  const PairwiseIcpOptions icp_;
+  std::vector<SurfacePoints> surfaces_;  // per scan
+  std::vector<int> scan_of_pose_;
+  std::vector<std::optional<Pose2>> step_to_;  // per pose, from the one before
+  std::size_t num_odometry_ = 0;               // that have been tested
+  std::vector<Evidence> evidence_;             // per relative pose
+  std::vector<double> usual_shares_;           // of conflicting returns, per step
+  double max_conflict_;
+};
 
 /// What is said of them in a summary. poses: (x, y, yaw) each.
 std::vector<IgnoredEdge> DescribeIgnored(const std::vector<ContradictedEdge>& contradicted,

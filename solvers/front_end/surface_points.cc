@@ -9,11 +9,20 @@ namespace plumbline {
 std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const std::vector<Eigen::Vector2f>& normals,
                                                 double spacing_m, ThreadPool* pool) {
-  std::vector<SurfacePoints> surfaces(graph.num_scans());
+  std::vector<SurfacePoints> surfaces;
+  ExtendThinnedSurfacePoints(graph, normals, spacing_m, pool, &surfaces);
+  return surfaces;
+}
+
+void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+                                double spacing_m, ThreadPool* pool,
+                                std::vector<SurfacePoints>* surfaces) {
+  const std::size_t first_scan = surfaces->size();
+  surfaces->resize(graph.num_scans());
   const double spacing_squared = spacing_m * spacing_m;
   const auto thin_scan = [&](int s, std::vector<Eigen::Vector2d>* measured) {
     MeasuredPoints(graph, s, measured);
-    SurfacePoints& surface = surfaces[s];
+    SurfacePoints& surface = (*surfaces)[s];
     for (std::size_t k = 0; k < measured->size(); ++k) {
       const Eigen::Vector2f& normal = normals[graph.scan(s).first_return + k];
       const Eigen::Vector2d& position = (*measured)[k];
@@ -26,14 +35,13 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
     }
   };
   constexpr std::size_t kScansPerChunk = 64;
-  pool->ForEachChunk(surfaces.size(), kScansPerChunk,
+  pool->ForEachChunk(surfaces->size() - first_scan, kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        std::vector<Eigen::Vector2d> measured;
-                       for (std::size_t s = begin; s < end; ++s) {
-                         thin_scan(static_cast<int>(s), &measured);
+                       for (std::size_t i = begin; i < end; ++i) {
+                         thin_scan(static_cast<int>(first_scan + i), &measured);
                        }
                      });
-  return surfaces;
 }
 
 std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,

@@ -50,6 +50,11 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const std::vector<Eigen::Vector2f>& normals,
                                                 double spacing_m, ThreadPool* pool);
 
+/// Adds those of the scans that the graph has gained.
+void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+                                double spacing_m, ThreadPool* pool,
+                                std::vector<SurfacePoints>* surfaces);
+
 /// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
 /// others show is left to the joint estimation. surfaces: per scan.
 std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,

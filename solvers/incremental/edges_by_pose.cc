@@ -17,4 +17,14 @@ void EdgesByPose::Extend(const SlamGraph& graph, const FactorOptions& factors) {
   }
 }
 
+void EdgesByPose::Ignore(const SlamGraph& graph, const std::vector<std::size_t>& ignored) {
+  for (const std::size_t i : ignored_) {
+    relative_poses_[i] = RelativePoseEdge(graph.relative_poses()[i]);
+  }
+  for (const std::size_t i : ignored) {
+    relative_poses_[i].residual.sqrt_information /= kIgnoredSigmaFactor;
+  }
+  ignored_ = ignored;
+}
+
 }  // namespace plumbline

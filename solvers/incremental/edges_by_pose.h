@@ -16,6 +16,11 @@ class EdgesByPose {
   /// Takes in what the graph has gained.
   void Extend(const SlamGraph& graph, const FactorOptions& factors);
 
+  /// Relative poses that say next to nothing from now on, by their indices, see
+  /// FactorOptions::ignored_relative_poses; those that were ignored before and are not named count
+  /// again.
+  void Ignore(const SlamGraph& graph, const std::vector<std::size_t>& ignored);
+
   const std::vector<PoseEdge>& motions() const { return motions_; }
   const std::vector<PoseEdge>& relative_poses() const { return relative_poses_; }
   /// Those of one pose, ascending: indices into the lists above.
@@ -26,6 +31,7 @@ class EdgesByPose {
 
  private:
   std::vector<PoseEdge> motions_, relative_poses_;
+  std::vector<std::size_t> ignored_;
   std::vector<std::vector<std::size_t>> motions_of_pose_, relative_poses_of_pose_;
 };
 

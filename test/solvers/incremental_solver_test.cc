@@ -154,6 +154,19 @@ TEST(IncrementalSolverTest, OfClosuresThatAgreeOnlyTheFirstMovesAll) {
   }
 }
 
+TEST(IncrementalSolverTest, AClosureThatItsScansContradictIsLeftOut) {
+  Host host;
+  host.DriveAll();
+  RelativePoseConstraint closure{2, kNumPoses - 2, Pose2(1.5, -0.8, 0.4)};
+  closure.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+  ASSERT_TRUE(host.graph.AddRelativePose(closure).ok());
+  host.Update();
+  ASSERT_EQ(host.summaries.back().ignored_edges.size(), 1u);
+  EXPECT_EQ(host.summaries.back().ignored_edges[0].to, kNumPoses - 2);
+  EXPECT_GT(host.summaries.back().ignored_edges[0].sigmas, 30.0);
+  EXPECT_LT(host.MeanErrorM(), 0.006);
+}
+
 TEST(IncrementalSolverTest, AllFollowWhenTheCallerMovesAPose) {
   Host host;
   host.DriveAll();

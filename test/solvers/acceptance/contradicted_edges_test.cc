@@ -105,6 +105,26 @@ TEST_F(ContradictedEdgesTest, APoseWithoutAScanHasNoSay) {
   EXPECT_THAT(Find(), IsEmpty());
 }
 
+TEST_F(ContradictedEdgesTest, EdgesThatComeOneByOneAreTestedOnce) {
+  ThreadPool pool(1);
+  EdgeTests tests((RangeBeamOptions()));
+  const auto found = [&] {
+    tests.Extend(graph_, SurfaceOf(graph_), &pool);
+    std::vector<std::size_t> edges;
+    for (const ContradictedEdge& c : tests.Contradicted(graph_)) edges.push_back(c.edge);
+    return edges;
+  };
+  EXPECT_THAT(found(), IsEmpty());
+  AddSteps();
+  EXPECT_THAT(found(), IsEmpty());
+  AddEdge(2, 6, {0.3, 0.0, 0.0});
+  EXPECT_THAT(found(), ElementsAre(kNumPoses - 1));
+  AddEdge(4, 12);
+  AddEdge(2, 14, {3.0, 2.0, 1.0});
+  EXPECT_THAT(found(), ElementsAre(kNumPoses - 1, kNumPoses + 1));
+  EXPECT_THAT(found(), Found());
+}
+
 // A crowd: in every scan a fifth of the beams end at people, who are gone in the next one.
 TEST_F(ContradictedEdgesTest, WhatIsUsualBetweenConsecutiveScansIsNoContradiction) {
   RandomStates random(3);
