@@ -1,17 +1,29 @@
 #include "plumbline/core/laser_scan.h"
 
+#include <tuple>
+
 #include "plumbline/core/input_limits.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
 
+namespace {
+
+auto FieldsOf(const LaserModel& model) {
+  const Pose2& mounting = model.robot_from_laser;
+  return std::tie(model.num_beams, model.first_bearing_rad, model.bearing_step_rad,
+                  model.min_range_m, model.max_range_m, model.beam_period_s, mounting.x, mounting.y,
+                  mounting.yaw);
+}
+
+}  // namespace
+
 bool LaserModel::operator==(const LaserModel& other) const {
-  return num_beams == other.num_beams && first_bearing_rad == other.first_bearing_rad &&
-         bearing_step_rad == other.bearing_step_rad && min_range_m == other.min_range_m &&
-         max_range_m == other.max_range_m && beam_period_s == other.beam_period_s &&
-         robot_from_laser.x == other.robot_from_laser.x &&
-         robot_from_laser.y == other.robot_from_laser.y &&
-         robot_from_laser.yaw == other.robot_from_laser.yaw;
+  return FieldsOf(*this) == FieldsOf(other);
+}
+
+bool LaserModel::operator<(const LaserModel& other) const {
+  return FieldsOf(*this) < FieldsOf(other);
 }
 
 bool LaserModel::Check(std::string* error) const {

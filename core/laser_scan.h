@@ -34,6 +34,8 @@ struct LaserModel {
 
   /// Whether all fields are the same.
   bool operator==(const LaserModel& other) const;
+  /// Some order of all models, for sorted containers.
+  bool operator<(const LaserModel& other) const;
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
 };

@@ -20,18 +20,21 @@ constexpr char kPoseLimits[] = "1e7 m or 1e6 rad";
 Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
   std::string error;
   if (!laser.Check(&error)) return Status::InvalidArgument("laser model: " + error);
-  const auto known = std::find(lasers_.begin(), lasers_.end(), laser);
-  *laser_id = static_cast<int>(known - lasers_.begin());
-  if (known != lasers_.end()) return Status::Ok();
-  const DefaultFloatEnvironment float_environment;
-  std::vector<Eigen::Vector2d> directions;
-  directions.reserve(laser.num_beams);
-  for (int beam = 0; beam < laser.num_beams; ++beam) {
-    directions.push_back(BeamEnd(1.0, laser.Bearing(beam)));
+  const auto known = laser_ids_.find(laser);
+  if (known != laser_ids_.end()) {
+    *laser_id = known->second;
+    return Status::Ok();
   }
-  lasers_.reserve(lasers_.size() + 1);  // both or none, also without memory
-  beam_directions_.push_back(std::move(directions));
-  lasers_.push_back(laser);
+  const DefaultFloatEnvironment float_environment;
+  Laser added{laser, {}};
+  added.beam_directions.reserve(laser.num_beams);
+  for (int beam = 0; beam < laser.num_beams; ++beam) {
+    added.beam_directions.push_back(BeamEnd(1.0, laser.Bearing(beam)));
+  }
+  std::map<LaserModel, int> added_id = {{laser, num_lasers()}};
+  lasers_.push_back(std::move(added));
+  laser_ids_.merge(added_id);  // needs no memory: both or none
+  *laser_id = num_lasers() - 1;
   return Status::Ok();
 }
 
@@ -58,13 +61,14 @@ Status SlamGraph::FixPose(int pose_id, const Pose2& world_from_robot) {
     return Status::InvalidArgument("fixed pose " + std::to_string(pose_id) +
                                    ": coordinates are not finite, or beyond " + kPoseLimits);
   }
-  const auto known = std::find_if(fixed_poses_.begin(), fixed_poses_.end(),
-                                  [&](const FixedPose& fixed) { return fixed.pose == pose_id; });
-  if (known != fixed_poses_.end()) {
-    known->world_from_robot = world_from_robot;
-  } else {
-    fixed_poses_.push_back({pose_id, world_from_robot});
+  const auto known = index_of_fixed_pose_.find(pose_id);
+  if (known != index_of_fixed_pose_.end()) {
+    fixed_poses_[known->second].world_from_robot = world_from_robot;
+    return Status::Ok();
   }
+  std::map<int, std::size_t> added_index = {{pose_id, fixed_poses_.size()}};
+  fixed_poses_.push_back({pose_id, world_from_robot});
+  index_of_fixed_pose_.merge(added_index);  // needs no memory: both or none
   return Status::Ok();
 }
 
@@ -78,7 +82,7 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
   if (pose_id < 0 || pose_id >= num_poses()) {
     return Status::InvalidArgument(name + ": no pose with id " + std::to_string(pose_id));
   }
-  if (laser_id < 0 || laser_id >= static_cast<int>(lasers_.size())) {
+  if (laser_id < 0 || laser_id >= num_lasers()) {
     return Status::InvalidArgument(name + ": no laser with id " + std::to_string(laser_id));
   }
   return Status::Ok();
@@ -97,7 +101,7 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
 Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
   const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
-  const LaserModel& laser = lasers_[laser_id];
+  const LaserModel& laser = lasers_[laser_id].model;
   if (static_cast<int>(ranges.size()) != laser.num_beams) {
     return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": " +
                                    std::to_string(ranges.size()) + " ranges for a laser of " +
@@ -115,7 +119,7 @@ Status SlamGraph::AddPoints(int pose_id, int laser_id,
                             const std::vector<Eigen::Vector2d>& points_in_robot) {
   const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
-  const LaserModel& laser = lasers_[laser_id];
+  const LaserModel& laser = lasers_[laser_id].model;
   const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
   const double middle_beam = 0.5 * (laser.num_beams - 1);
   const double middle_rad = laser.first_bearing_rad + middle_beam * laser.bearing_step_rad;
@@ -207,7 +211,8 @@ void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
   for (const ScanEntry& scan : scans_) {
     const std::size_t end_of_scan = scan.first_return + scan.num_returns;
     if (end_of_scan <= first) continue;
-    const PoseFrame laser{Pose2(&poses[3 * scan.pose]) * lasers_[scan.laser].robot_from_laser};
+    const PoseFrame laser{Pose2(&poses[3 * scan.pose]) *
+                          lasers_[scan.laser].model.robot_from_laser};
     for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
       const Eigen::Vector2d end = laser.Rotate(PointInLaser(r)) + laser.translation();
       (*points)[2 * r] = end.x();
@@ -241,7 +246,11 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
     odometry_[i].from_from_to = corrections.odometry[i];
   }
   for (std::size_t i = 0; i < corrections.robot_from_laser.size(); ++i) {
-    lasers_[i].robot_from_laser = corrections.robot_from_laser[i];
+    lasers_[i].model.robot_from_laser = corrections.robot_from_laser[i];
+  }
+  if (!corrections.robot_from_laser.empty()) {
+    laser_ids_.clear();
+    for (int id = 0; id < num_lasers(); ++id) laser_ids_.emplace(laser(id), id);
   }
   for (std::size_t r = 0; r < corrections.range_m.size(); ++r) {
     const LaserModel& laser = LaserOfScan(returns_.scan[r]);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <map>
 #include <vector>
 
 #include "plumbline/core/laser_scan.h"
@@ -129,9 +130,9 @@ class SlamGraph {
   /// Number of different lasers.
   int num_lasers() const { return static_cast<int>(lasers_.size()); }
   /// The model of a laser, as AddLaser took it.
-  const LaserModel& laser(int laser_id) const { return lasers_[laser_id]; }
+  const LaserModel& laser(int laser_id) const { return lasers_[laser_id].model; }
   /// The model of the laser that made a sweep.
-  const LaserModel& LaserOfScan(int scan_id) const { return lasers_[scans_[scan_id].laser]; }
+  const LaserModel& LaserOfScan(int scan_id) const { return laser(scans_[scan_id].laser); }
   /// Where the laser of a sweep stands, by these poses.
   Pose2 WorldFromLaser(int scan_id, const std::vector<double>& poses) const {
     return Pose2(&poses[3 * scans_[scan_id].pose]) * LaserOfScan(scan_id).robot_from_laser;
@@ -177,14 +178,19 @@ class SlamGraph {
     double range_m, bearing_rad;
     int beam;
   };
+  struct Laser {
+    LaserModel model;
+    std::vector<Eigen::Vector2d> beam_directions;  // unit vectors
+  };
   Status CheckScan(int pose_id, int laser_id) const;
   // In the order of their beams.
   void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
   // Unit vector, in the frame of the laser. Known from the laser's model, but for returns that
   // AddPoints gave bearings of their own: sines and cosines are most of the work of placing a map.
   Eigen::Vector2d BeamDirection(int laser_id, int beam, double bearing_rad) const {
-    const bool by_model = bearing_rad == lasers_[laser_id].Bearing(beam);
-    return by_model ? beam_directions_[laser_id][beam] : BeamEnd(1.0, bearing_rad);
+    const Laser& laser = lasers_[laser_id];
+    const bool by_model = bearing_rad == laser.model.Bearing(beam);
+    return by_model ? laser.beam_directions[beam] : BeamEnd(1.0, bearing_rad);
   }
   // points: two numbers per return, those from `first` on are placed.
   void PlacePoints(const std::vector<double>& poses, std::size_t first,
@@ -194,8 +200,9 @@ class SlamGraph {
 
   std::vector<FixedPose> gauge_;  // the first pose at its initial guess
   std::vector<FixedPose> fixed_poses_;
-  std::vector<LaserModel> lasers_;
-  std::vector<std::vector<Eigen::Vector2d>> beam_directions_;  // per laser and beam
+  std::map<int, std::size_t> index_of_fixed_pose_;
+  std::vector<Laser> lasers_;
+  std::map<LaserModel, int> laser_ids_;  // the first of equal ones
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;
   LaserReturns returns_;

@@ -358,6 +358,32 @@ TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   EXPECT_NEAR(clamped.returns().range_m[1], 10.0, 1e-12);
 }
 
+TEST_F(SlamGraphTest, LasersAreKnownByTheirPresentMounting) {
+  LaserModel laser = ThreeBeamLaser();
+  std::vector<Pose2> mountings = {laser.robot_from_laser};
+  int id = 0;
+  for (int i = 1; i < 100; ++i) {
+    laser.robot_from_laser.x = 0.01 * ((37 * i) % 100) - 5.0;
+    mountings.push_back(laser.robot_from_laser);
+    ASSERT_TRUE(graph_.AddLaser(laser, &id).ok());
+    EXPECT_EQ(id, i);
+  }
+  laser.robot_from_laser = mountings[42];
+  ASSERT_TRUE(graph_.AddLaser(laser, &id).ok());
+  EXPECT_EQ(id, 42);
+  // Two of them come to be alike: the first one counts.
+  const Pose2 given = mountings[42];
+  mountings[42] = mountings[7];
+  SlamGraph corrected = graph_.Corrected({{}, mountings, {}, {}});
+  laser.robot_from_laser = mountings[7];
+  ASSERT_TRUE(corrected.AddLaser(laser, &id).ok());
+  EXPECT_EQ(id, 7);
+  laser.robot_from_laser = given;
+  ASSERT_TRUE(corrected.AddLaser(laser, &id).ok());
+  EXPECT_EQ(id, 100);
+  EXPECT_EQ(corrected.laser(id).robot_from_laser.x, given.x);
+}
+
 TEST_F(SlamGraphTest, WhatIsNotCorrectedStaysAsItIs) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
