@@ -15,6 +15,8 @@
 #include <system_error>
 #include <utility>
 
+#include "plumbline/apps/program/stop_signal.h"
+
 namespace plumbline {
 namespace {
 
@@ -55,10 +57,33 @@ Status StatusOfExit(int wait_status) {
                    : Status::Unavailable("ended with exit code " + std::to_string(code));
 }
 
+// Puts signals off. Between fork and LeaveStopSignalsToParent one would reach the parent's handler
+// in the child, which would delete the parent's files.
+class DeferredSignals {
+ public:
+  DeferredSignals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+  }
+  ~DeferredSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  DeferredSignals(const DeferredSignals&) = delete;
+  DeferredSignals& operator=(const DeferredSignals&) = delete;
+
+ private:
+  sigset_t before_;  // that this thread had blocked
+};
+
+// In the child, stop signals have their default meaning by the time it gets any.
+pid_t Fork() {
+  const DeferredSignals deferred;
+  const pid_t child = fork();
+  if (child == 0) LeaveStopSignalsToParent();
+  return child;
+}
+
 // A stop signal is for the parent to answer. The child ends with it.
 void EndWithParent(pid_t parent) {
-  signal(SIGINT, SIG_DFL);
-  signal(SIGTERM, SIG_DFL);
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
@@ -81,7 +106,7 @@ Status RunInChild(const std::function<std::string()>& work, std::string* result)
   std::cout.flush();
   std::fflush(nullptr);
   const pid_t parent = getpid();
-  const pid_t child = fork();
+  const pid_t child = Fork();
   if (child < 0) {
     Status status = SystemError("fork");
     close(ends[0]);

@@ -164,8 +164,8 @@ std::string HelpText(const std::string& usage) {
     text += "  --" + flag.name + "=" + ReadableDefault(flag) + "\n      " + flag.description + "\n";
   }
   return text +
-         "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written, 130 and "
-         "143 stopped by SIGINT and SIGTERM.\n";
+         "\nExit code: 0 done, 1 bad input, 2 wrong flags, 3 an output cannot be written, 129, 130 "
+         "and 143 stopped by SIGHUP, SIGINT and SIGTERM.\n";
 }
 
 // std::exit is for programs without other threads, as at this moment all are.

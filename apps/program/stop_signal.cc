@@ -3,10 +3,14 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <iterator>
+#include <utility>
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/temporary_files.h"
@@ -14,12 +18,15 @@
 namespace plumbline {
 namespace {
 
-constexpr int kStopSignals[] = {SIGINT, SIGTERM};
+constexpr struct {
+  int number;
+  const char* name;
+} kStopSignals[] = {{SIGINT, "SIGINT"}, {SIGTERM, "SIGTERM"}, {SIGHUP, "SIGHUP"}};
 constexpr int kStoppedBySignal = 128;
 
 // What the handler does with a signal. Made before the signal comes: a handler may not allocate.
 struct Response {
-  std::string on_sigint, on_sigterm;  // lines for standard error
+  std::array<std::string, std::size(kStopSignals)> lines;  // for standard error, by signal
   bool ends_program = false;
   std::vector<std::string> folders;  // to be removed if they are empty
 };
@@ -31,21 +38,33 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler must not 
 static_assert(std::atomic<const Response*>::is_always_lock_free, "a signal handler must not wait");
 
 std::string NameOf(int number) {
-  switch (number) {
-    case 0:
-      return "";
-    case SIGINT:
-      return "SIGINT";
-    default:
-      return "SIGTERM";
+  for (const auto& stop : kStopSignals) {
+    if (stop.number == number) return stop.name;
   }
+  return "";
 }
 
 // What handlers call, from here on, is nothing but what they may call.
 
+// Signals that the caller has switched off stay off.
+void HandleStopSignalsBy(void (*handler)(int)) {
+  struct sigaction handle {};
+  handle.sa_handler = handler;
+  handle.sa_flags = SA_RESTART;
+  sigemptyset(&handle.sa_mask);
+  for (const auto& stop : kStopSignals) {
+    struct sigaction present {};
+    sigaction(stop.number, nullptr, &present);
+    if (present.sa_handler != SIG_IGN) sigaction(stop.number, &handle, nullptr);
+  }
+}
+
 void Respond(const Response& to_signal, int number) {
-  const std::string& line = number == SIGINT ? to_signal.on_sigint : to_signal.on_sigterm;
-  [[maybe_unused]] const ssize_t size = write(STDERR_FILENO, line.data(), line.size());
+  for (std::size_t i = 0; i < to_signal.lines.size(); ++i) {
+    if (kStopSignals[i].number != number) continue;
+    const std::string& line = to_signal.lines[i];
+    [[maybe_unused]] const ssize_t size = write(STDERR_FILENO, line.data(), line.size());
+  }
   if (!to_signal.ends_program) return;
   TemporaryFiles::DeleteForGood();
   for (const std::string& folder : to_signal.folders) rmdir(folder.c_str());
@@ -53,7 +72,7 @@ void Respond(const Response& to_signal, int number) {
 }
 
 void HandleSecondSignal(int number) {
-  for (const int stop : kStopSignals) signal(stop, SIG_DFL);  // for a third one
+  HandleStopSignalsBy(SIG_DFL);  // a third one
   TemporaryFiles::DeleteForGood();
   raise(number);
 }
@@ -62,7 +81,7 @@ void HandleSignal(int number) {
   const int interrupted_errno = errno;
   stop_signal = number;
   // First: a second signal is to end a program whose standard error takes nothing.
-  for (const int stop : kStopSignals) signal(stop, HandleSecondSignal);
+  HandleStopSignalsBy(HandleSecondSignal);
   Respond(*response.load(), number);
   errno = interrupted_errno;
 }
@@ -72,10 +91,11 @@ void HandleSignal(int number) {
 void SetResponse(const std::string& problem, bool ends_program,
                  const std::vector<std::string>& folders) {
   static auto& responses = *new std::deque<Response>;
-  const auto line = [&](int number) {
-    return program_name + ": stopped by " + NameOf(number) + problem + '\n';
-  };
-  response = &responses.emplace_back(Response{line(SIGINT), line(SIGTERM), ends_program, folders});
+  Response next{{}, ends_program, folders};
+  for (std::size_t i = 0; i < next.lines.size(); ++i) {
+    next.lines[i] = program_name + ": stopped by " + kStopSignals[i].name + problem + '\n';
+  }
+  response = &responses.emplace_back(std::move(next));
 }
 
 void SetEndingResponse(const std::string& problem, const std::vector<std::string>& folders) {
@@ -89,17 +109,11 @@ void SetEndingResponse(const std::string& problem, const std::vector<std::string
 void CatchSignals(const std::string& program) {
   program_name = std::filesystem::path(program).filename().string();
   EndIfStoppedWhile("starting");
-  struct sigaction handle {};
-  handle.sa_handler = HandleSignal;
-  handle.sa_flags = SA_RESTART;
-  sigemptyset(&handle.sa_mask);
-  for (const int stop : kStopSignals) {
-    struct sigaction present {};
-    sigaction(stop, nullptr, &present);
-    if (present.sa_handler != SIG_IGN) sigaction(stop, &handle, nullptr);
-  }
+  HandleStopSignalsBy(HandleSignal);
   signal(SIGXFSZ, SIG_IGN);
 }
+
+void LeaveStopSignalsToParent() { HandleStopSignalsBy(SIG_DFL); }
 
 void EndIfStoppedWhile(const std::string& activity, const std::vector<std::string>& folders) {
   SetEndingResponse(" while " + Legible(activity) + ": nothing is written", folders);
@@ -126,7 +140,7 @@ Status WriteWithStopSignal(const std::function<Status(const std::string& signal_
   const std::string signal_name = StopSignalName();
   PLUMBLINE_RETURN_IF_ERROR(write(signal_name));
   if (!signal_name.empty()) return Status::Ok();
-  for (const int stop : kStopSignals) signal(stop, SIG_IGN);
+  HandleStopSignalsBy(SIG_IGN);
   return StopSignal() == 0 ? Status::Ok() : write(StopSignalName());
 }
 

@@ -9,17 +9,20 @@
 
 namespace plumbline {
 
-/// Lets a program come to an end in order when it is told to stop, by Ctrl-C (SIGINT) or SIGTERM.
-/// As long as there is nothing to write, which is so at first, such a signal ends the program: it
-/// says "NAME: stopped by SIGINT while starting: nothing is written" on standard error and exits
-/// with 128 and the number of the signal. Later, see KeepStopSignal, the first signal is kept for
-/// the program to ask about, and the second one ends it. A program that a signal ends deletes its
-/// temporary files. A signal that the caller has switched off, as nohup does, stays off. To be
-/// called first of all, with argv[0].
+/// Lets a program come to an end in order when it is told to stop, by Ctrl-C (SIGINT), SIGTERM, or
+/// the end of its terminal (SIGHUP). As long as there is nothing to write, which is so at first,
+/// such a signal ends the program: it says "NAME: stopped by SIGINT while starting: nothing is
+/// written" on standard error and exits with 128 and the number of the signal. Later, see
+/// KeepStopSignal, the first signal is kept for the program to ask about, and the second one ends
+/// it. A program that a signal ends deletes its temporary files. A signal that the caller has
+/// switched off, as nohup does, stays off. To be called first of all, with argv[0].
 ///
 /// A file that grows beyond the limit that the system sets becomes an error of its writer, instead
 /// of a signal (SIGXFSZ) that ends the program.
 void CatchSignals(const std::string& program);
+
+/// For a child of a program that catches signals: one that stops it just ends it.
+void LeaveStopSignalsToParent();
 
 /// Names what the program does from now on, "reading a.clf", with nothing to write yet: a stop
 /// signal, also one that was kept before, ends the program as above. It removes those of the
@@ -37,7 +40,7 @@ void KeepStopSignal();
 /// Number of the signal that told the program to stop; 0 if none did.
 int StopSignal();
 
-/// "SIGINT" or "SIGTERM"; empty if nothing told the program to stop.
+/// "SIGINT", "SIGTERM" or "SIGHUP"; empty if nothing told the program to stop.
 std::string StopSignalName();
 
 /// A line for people: a signal of this name has ended the estimation early. Empty without a name.

@@ -37,10 +37,12 @@ constexpr int kSeed = 5;
 struct Way {
   int signal = 0, second_signal = 0;
 };
-const std::vector<Way> kWays = {
-    {SIGKILL}, {SIGINT}, {SIGTERM}, {SIGINT, SIGINT}, {SIGTERM, SIGINT}};
+const std::vector<Way> kWays = {{SIGKILL}, {SIGINT},         {SIGTERM},
+                                {SIGHUP},  {SIGINT, SIGINT}, {SIGTERM, SIGINT}};
 
-std::string NameOf(int signal) { return signal == SIGINT ? "SIGINT" : "SIGTERM"; }
+std::string NameOf(int signal) {
+  return signal == SIGINT ? "SIGINT" : signal == SIGTERM ? "SIGTERM" : "SIGHUP";
+}
 
 // A program to end early. "OUT" stands for its folder.
 struct Victim {

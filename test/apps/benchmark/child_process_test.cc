@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,6 +57,28 @@ TEST(ChildProcessTest, ABadEndIsReported) {
   // And the next one is none the worse for it.
   ASSERT_TRUE(RunInChild([] { return std::string("new"); }, &result).ok());
   EXPECT_EQ(result, "new");
+}
+
+// The moment between fork and the child's first line.
+bool signal_after_fork = false;
+void RaiseIfAsked() {
+  if (signal_after_fork) std::raise(SIGTERM);
+}
+
+TEST(ChildProcessTest, NoHandlerOfTheParentRunsInTheChild) {
+  ASSERT_EQ(pthread_atfork(nullptr, nullptr, RaiseIfAsked), 0);
+  const auto handler_before = std::signal(SIGTERM, [](int) { _exit(77); });
+  signal_after_fork = true;
+  std::string result;
+  const Status status = RunInChild([] { return std::string("new"); }, &result);
+  signal_after_fork = false;
+  // The child's end of it is over; the parent's is as it was.
+  EXPECT_THAT(status.message(), HasSubstr("signal 15"));
+  sigset_t blocked;
+  pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
+  EXPECT_EQ(sigismember(&blocked, SIGTERM), 0);
+  EXPECT_EXIT(std::raise(SIGTERM), testing::ExitedWithCode(77), "");
+  std::signal(SIGTERM, handler_before);
 }
 
 // By a stop signal too, which only the parent answers.

@@ -17,7 +17,10 @@ namespace {
 // Signals are for the whole process: every test has one of its own.
 class StopSignalTest : public testing::Test {
  protected:
-  StopSignalTest() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+  StopSignalTest() {
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    signal(SIGHUP, SIG_DFL);  // nohup may have switched it off
+  }
 };
 
 [[noreturn]] void ExitAsTold(int exit_code) {
@@ -42,6 +45,7 @@ TEST_F(StopSignalTest, ASignalAtTheStartEndsTheProgram) {
   EXPECT_EXIT(run(SIGINT), testing::ExitedWithCode(130),
               "^mapper: stopped by SIGINT while starting: nothing is written\n$");
   EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143), "stopped by SIGTERM while starting");
+  EXPECT_EXIT(run(SIGHUP), testing::ExitedWithCode(129), "stopped by SIGHUP while starting");
 }
 
 TEST_F(StopSignalTest, ASignalWithNothingToWriteEndsTheProgramAndRemovesEmptyFolders) {
@@ -64,19 +68,21 @@ TEST_F(StopSignalTest, ASignalWithNothingToWriteEndsTheProgramAndRemovesEmptyFol
 TEST_F(StopSignalTest, ASignalDuringTheWritingOfFilesLeavesThoseThatAreWhole) {
   GTEST_FLAG_SET(death_test_style, "fast");  // the program is to have the folder of this one
   const std::string folder = TempFolder();
-  const auto run = [&folder] {
+  const auto run = [&folder](int number) {
     CatchSignals("mapper");
     EndIfStoppedWhileWriting();
     AtomicFile whole, half;
     if (!whole.Open(folder + "whole").ok() || !whole.Commit().ok()) std::exit(1);
     if (!half.Open(folder + "half").ok()) std::exit(1);
     half.stream() << "half" << std::flush;
-    raise(SIGTERM);
+    raise(number);
     std::exit(0);
   };
-  EXPECT_EXIT(run(), testing::ExitedWithCode(143),
+  EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143),
               "^mapper: stopped by SIGTERM while writing: no file is half-written\n$");
   EXPECT_TRUE(std::filesystem::exists(folder + "whole"));
+  EXPECT_EQ(NumFilesIn(folder), 1);
+  EXPECT_EXIT(run(SIGHUP), testing::ExitedWithCode(129), "SIGHUP while writing");
   EXPECT_EQ(NumFilesIn(folder), 1);
 }
 
@@ -90,6 +96,7 @@ TEST_F(StopSignalTest, ASignalIsKeptOnceThereIsSomethingToWrite) {
   EXPECT_EXIT(run(SIGINT), testing::ExitedWithCode(130),
               "mapper: stopped by SIGINT, ending in order.*\n\\[SIGINT\\]");
   EXPECT_EXIT(run(SIGTERM), testing::ExitedWithCode(143), "by SIGTERM.*\n\\[SIGTERM\\]");
+  EXPECT_EXIT(run(SIGHUP), testing::ExitedWithCode(129), "by SIGHUP.*\n\\[SIGHUP\\]");
 }
 
 TEST_F(StopSignalTest, AKeptSignalEndsAProgramThatHasNothingToWriteAfterAll) {
@@ -169,6 +176,15 @@ TEST_F(StopSignalTest, ASignalThatIsSwitchedOffStaysOff) {
     ExitAsTold(5);
   };
   EXPECT_EXIT(run(), testing::ExitedWithCode(5), "\\[\\]");
+  const auto run_to_its_end = [] {
+    signal(SIGHUP, SIG_IGN);
+    CatchSignals("mapper");
+    KeepStopSignal();
+    raise(SIGTERM);
+    raise(SIGHUP);  // is no second one
+    ExitAsTold(0);
+  };
+  EXPECT_EXIT(run_to_its_end(), testing::ExitedWithCode(143), "\\[SIGTERM\\]");
 }
 
 TEST_F(StopSignalTest, AFileThatGrowsTooLargeDoesNotEndTheProgram) {
