@@ -131,8 +131,8 @@ Status ExpandWith(Expander expander, const std::function<std::string_view()>& ne
         return Status::DataLoss(std::string("the compressed data are damaged: ") + step.fault);
       }
       if (step.num_given > max_size - expanded->size()) {
-        return Status::DataLoss("the compressed data expand to more than " +
-                                std::to_string(max_size) + " bytes");
+        return Status::InvalidArgument("the compressed data expand to more than " +
+                                       std::to_string(max_size) + " bytes");
       }
       // Growing by doubling would take twice the memory; what is reserved is not used before.
       if (expanded->size() > kLargeSize) expanded->reserve(max_size);

@@ -91,7 +91,7 @@ class Parser {
   }
 
   Status Parse(CartographerState* state) {
-    CartographerStream stream(path_, state_.content);
+    CartographerStream stream(path_, state_.content, &memory_);
     stream_ = &stream;
     PLUMBLINE_RETURN_IF_ERROR(ParseHeader());
     PLUMBLINE_RETURN_IF_ERROR(ParsePoseGraph());

@@ -16,9 +16,11 @@ constexpr std::uint64_t kAlwaysExpanded = std::uint64_t{1} << 26;
 
 }  // namespace
 
-CartographerStream::CartographerStream(std::string path, std::string_view content)
+CartographerStream::CartographerStream(std::string path, std::string_view content,
+                                       const MemoryLimit* memory)
     : path_(std::move(path)),
       file_(content),
+      memory_(memory),
       num_left_(std::max<std::uint64_t>(kAlwaysExpanded, kMaxExpansion * content.size())) {
   if (file_.Bytes(kCartographerMagic.size()) != kCartographerMagic) {
     status_ = Error("it does not begin as such files do");
@@ -40,10 +42,17 @@ bool CartographerStream::Next() {
                           std::to_string(num_bytes_left - sizeof(size)) + " left");
     return false;
   }
-  const Status expanded = ExpandFrames(FrameFormat::kGzip, compressed,
-                                       std::min(kMaxMessageBytes, num_left_), &message_);
+  const std::uint64_t max_bytes = std::min(kMaxMessageBytes, num_left_);
+  const std::uint64_t memory_left = memory_ != nullptr ? memory_->Left() : max_bytes;
+  const Status expanded =
+      ExpandFrames(FrameFormat::kGzip, compressed, std::min(max_bytes, memory_left), &message_);
   if (!expanded.ok()) {
-    status_ = Error(expanded.message());
+    const bool lacks_memory =
+        memory_left < max_bytes && expanded.code() == StatusCode::kInvalidArgument;
+    status_ = lacks_memory
+                  ? Status::InvalidArgument(path_ + ": message " + std::to_string(number_) + ": " +
+                                            memory_->Fault())
+                  : Error(expanded.message());
     return false;
   }
   num_left_ -= message_.size();

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "plumbline/apps/io/byte_reader.h"
+#include "plumbline/apps/io/memory_limit.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -18,11 +19,13 @@ constexpr std::string_view kCartographerMagic("\xdb\x01\xf5\x5b\x7b\x1f\x1d\x7b"
 /// its length (8 bytes, the least significant first) and as many bytes of gzip. Messages that
 /// expand to more than 1 GiB, or together to more than 64 MiB and 200 times the file, are refused:
 /// states shrink to a fifth, and a hostile file could keep a program busy with a thousand times its
-/// size.
+/// size. So are those that take more memory than is left.
 class CartographerStream {
  public:
-  /// The content of the file, which has to outlive the stream. path: for messages.
-  CartographerStream(std::string path, std::string_view content);
+  /// The content of the file and the memory, if one is given, have to outlive the stream. path: for
+  /// messages.
+  CartographerStream(std::string path, std::string_view content,
+                     const MemoryLimit* memory = nullptr);
 
   /// Goes to the next message; false at the end of the file or where it is damaged, see status().
   bool Next();
@@ -32,7 +35,8 @@ class CartographerStream {
   std::string_view message() const { return message_; }
   std::string_view rest() const { return file_.rest(); }
 
-  /// Once Next() has returned false: DataLoss if the file is damaged, naming it and the message.
+  /// Once Next() has returned false: DataLoss if the file is damaged, InvalidArgument if it takes
+  /// more memory than there is, naming it and the message.
   const Status& status() const { return status_; }
   /// DataLoss that names the file and the message.
   Status Error(const std::string& problem) const;
@@ -44,6 +48,7 @@ class CartographerStream {
 
   const std::string path_;
   ByteReader file_;
+  const MemoryLimit* memory_;
   std::uint64_t num_left_;  // that messages may expand to [bytes]
   std::size_t number_ = 0;
   std::string message_;

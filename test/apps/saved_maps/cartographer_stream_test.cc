@@ -85,5 +85,15 @@ TEST(CartographerStreamTest, BombsAreRefused) {
                 "message 1: the compressed data expand to more than 67108864 bytes");
 }
 
+TEST(CartographerStreamTest, NoMessageTakesMoreMemoryThanIsLeft) {
+  const std::string content = PbFile({std::string(600, 'x'), std::string(500, 'x')});
+  MemoryLimit memory(1000.0);
+  CartographerStream stream("a.pbstream", content, &memory);
+  EXPECT_TRUE(stream.Next());  // and gone with the next
+  ASSERT_TRUE(memory.Keep(501));
+  EXPECT_FALSE(stream.Next());
+  EXPECT_EQ(stream.status().message(), "a.pbstream: message 2: " + memory.Fault());
+}
+
 }  // namespace
 }  // namespace plumbline
