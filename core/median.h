@@ -3,16 +3,22 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace plumbline {
 
-/// The middle of the values in order of size, the larger one of two; needs a value, and numbers.
-inline double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+/// The value that this share of the values, from 0 to less than 1, comes before in order of size;
+/// needs a value, and numbers.
+inline double Quantile(std::vector<double> values, double share) {
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
 }
+
+/// The middle of the values in order of size, the larger one of two; needs a value, and numbers.
+inline double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
 
 }  // namespace plumbline
 

@@ -16,6 +16,7 @@
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/rotate_axes.h"
+#include "plumbline/solvers/pose_graph/connected_poses.h"
 
 namespace plumbline {
 namespace {
@@ -53,23 +54,6 @@ Eigen::Matrix3d ReadInformation(const PoseGraphDialect& dialect, FieldReader* fi
     information(row, column) = information(column, row) = fields->FiniteNumber(field);
   }
   return information;
-}
-
-// A pose that no edges connect with the first one; -1 if there is none.
-int FindUnconnectedVertex(const SlamGraph& graph) {
-  std::vector<int> parent(graph.num_poses());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int pose) {
-    while (parent[pose] != pose) pose = parent[pose] = parent[parent[pose]];
-    return pose;
-  };
-  for (const RelativePoseConstraint& edge : graph.relative_poses()) {
-    parent[root(edge.from)] = root(edge.to);
-  }
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    if (root(pose) != root(0)) return pose;
-  }
-  return -1;
 }
 
 // Collects the records of one file, then makes a graph of them.
@@ -112,7 +96,7 @@ class Parser {
     PLUMBLINE_RETURN_IF_ERROR(AddScans(log));
     PLUMBLINE_RETURN_IF_ERROR(AddEdges());
     PLUMBLINE_RETURN_IF_ERROR(FixPoses());
-    const int unconnected = FindUnconnectedVertex(file_.graph);
+    const int unconnected = FindUnconnectedPose(file_.graph, {0});
     if (unconnected >= 0) {
       return Error(vertex_lines_[unconnected] + 1,
                    "no edges connect vertex " + std::to_string(file_.vertex_ids[unconnected]) +

@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
-#include "plumbline/solvers/pose_graph/pose_sets.h"
+#include "plumbline/core/median.h"
+#include "plumbline/solvers/pose_graph/connected_poses.h"
 
 namespace plumbline {
 namespace {
@@ -16,13 +17,8 @@ constexpr double kRasterM = 1e-3;       // of the points
 constexpr double kDefaultCellM = 0.05;  // of grids, Cartographer's own default
 constexpr double kMaxSigmas = 3.0;
 
-// The number that this share of them do not exceed.
-double Quantile(std::vector<double>* numbers, double share, double otherwise) {
-  if (numbers->empty()) return otherwise;
-  const auto place =
-      numbers->begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(numbers->size()));
-  std::nth_element(numbers->begin(), place, numbers->end());
-  return *place;
+double QuantileOr(double otherwise, std::vector<double> values, double share) {
+  return values.empty() ? otherwise : Quantile(std::move(values), share);
 }
 
 class GraphBuilder {
@@ -72,7 +68,7 @@ class GraphBuilder {
       }
     }
     // Filters leave gaps between points that were neighbours.
-    const double step_rad = Quantile(&gaps, 0.75, 2.0 * kPi / kDefaultBeams);
+    const double step_rad = QuantileOr(2.0 * kPi / kDefaultBeams, std::move(gaps), 0.75);
     laser_.num_beams = static_cast<int>(
         std::clamp<double>(std::round(2.0 * kPi / step_rad), kMinBeams, kMaxBeams));
     laser_.bearing_step_rad = 2.0 * kPi / laser_.num_beams;
@@ -80,7 +76,7 @@ class GraphBuilder {
     laser_.min_range_m = 0.5 * kRasterM;
     const double largest = ranges.empty() ? 0.0 : *std::max_element(ranges.begin(), ranges.end());
     laser_.max_range_m = largest + kRasterM;
-    median_range_m_ = Quantile(&ranges, 0.5, 1.0);
+    median_range_m_ = QuantileOr(1.0, std::move(ranges), 0.5);
   }
 
   // How far off constraints are at the saved poses.
@@ -97,8 +93,10 @@ class GraphBuilder {
     constexpr double kSigmasPerMedian = 1.4826;  // of a normal distribution
     const double cell_sigma_m = state_.cell_m.value_or(kDefaultCellM) / std::sqrt(12.0);
     const double cell_sigma_rad = cell_sigma_m / std::max(median_range_m_, cell_sigma_m);
-    notes_.sigma_m = std::max(cell_sigma_m, kSigmasPerMedian * Quantile(&off_m, 0.5, 0.0));
-    notes_.sigma_rad = std::max(cell_sigma_rad, kSigmasPerMedian * Quantile(&off_rad, 0.5, 0.0));
+    notes_.sigma_m =
+        std::max(cell_sigma_m, kSigmasPerMedian * QuantileOr(0.0, std::move(off_m), 0.5));
+    notes_.sigma_rad =
+        std::max(cell_sigma_rad, kSigmasPerMedian * QuantileOr(0.0, std::move(off_rad), 0.5));
   }
 
   Status AddNodes() {
@@ -195,22 +193,17 @@ class GraphBuilder {
   }
 
   Status CheckConnected() const {
-    PoseSets sets(graph_.num_poses());
-    for (const RelativePoseConstraint& edge : graph_.relative_poses()) {
-      sets.Join(edge.from, edge.to);
-    }
-    std::set<int> held;
-    for (const FixedPose& fixed : graph_.fixed_poses()) held.insert(sets.Find(fixed.pose));
-    for (int node = 0; node < num_nodes_; ++node) {
-      if (held.count(sets.Find(node)) > 0) continue;
-      const CartographerId& id = state_.nodes[node].id;
-      return Status::InvalidArgument("no constraints connect node " + std::to_string(id.index) +
-                                     " of trajectory " + std::to_string(id.trajectory) + " with " +
-                                     (notes_.frozen_trajectories.empty()
-                                          ? "the first submap"
-                                          : "the trajectories that were loaded frozen"));
-    }
-    return Status::Ok();
+    std::vector<int> held;
+    for (const FixedPose& fixed : graph_.fixed_poses()) held.push_back(fixed.pose);
+    const int node = FindUnconnectedPose(graph_, held);
+    if (node < 0) return Status::Ok();
+    // No submap: each is matched with a node, which comes before it, or fixed.
+    const CartographerId& id = state_.nodes[node].id;
+    return Status::InvalidArgument("no constraints connect node " + std::to_string(id.index) +
+                                   " of trajectory " + std::to_string(id.trajectory) + " with " +
+                                   (notes_.frozen_trajectories.empty()
+                                        ? "the first submap"
+                                        : "the trajectories that were loaded frozen"));
   }
 
   const CartographerState& state_;

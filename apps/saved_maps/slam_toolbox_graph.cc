@@ -12,7 +12,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/input_limits.h"
-#include "plumbline/solvers/pose_graph/pose_sets.h"
+#include "plumbline/solvers/pose_graph/connected_poses.h"
 
 namespace plumbline {
 namespace {
@@ -97,13 +97,9 @@ class SlamToolboxGraphBuilder {
 
   Status Finish(const std::vector<ArchiveObject>& scans, SlamGraph* graph, int* num_restarts) {
     if (graph_.num_poses() == 0) return Fail(path_, "the map has no scans");
-    PoseSets sets(graph_.num_poses());
-    for (const RelativePoseConstraint& edge : graph_.relative_poses()) {
-      sets.Join(edge.from, edge.to);
-    }
-    for (int pose = 0; pose < graph_.num_poses(); ++pose) {
-      if (sets.Find(pose) == sets.Find(0)) continue;
-      return Fail(path_, "no edges connect scan " + std::to_string(ScanId(scans[pose])) +
+    const int unconnected = FindUnconnectedPose(graph_, {0});
+    if (unconnected >= 0) {
+      return Fail(path_, "no edges connect scan " + std::to_string(ScanId(scans[unconnected])) +
                              " with the first scan, " + std::to_string(ScanId(scans[0])));
     }
     *graph = std::move(graph_);
