@@ -133,13 +133,11 @@ class SlamRun {
 
  private:
   Status RefinePoseGraphFile() const {
-    if (FLAGS_max_scans > 0 || !FLAGS_truth.empty() || options_.calibration.IsOn() ||
-        !FLAGS_checkpoint.empty() || !FLAGS_resume.empty() ||
-        !gflags::GetCommandLineFlagInfoOrDie("start").is_default) {
-      return Status::InvalidArgument(
-          "--start, --max_scans, --truth, --calibrate, --checkpoint and --resume go with a log, "
-          "but " +
-          FLAGS_log + " is a pose graph");
+    for (const char* flag : {"start", "max_scans", "truth", "calibrate", "checkpoint", "resume"}) {
+      const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
+      if (info.current_value == info.default_value) continue;
+      return Status::InvalidArgument("--" + info.name + " goes with a log, but " + FLAGS_log +
+                                     " is a pose graph");
     }
     return RunPoseGraph({FLAGS_log, FLAGS_output_dir, outputs_, options_.solver, max_memory_});
   }

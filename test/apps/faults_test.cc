@@ -201,7 +201,7 @@ TEST_F(FaultsTest, RefusesTheCheckpointOfAnotherRun) {
   WriteLog();
   EXPECT_THAT(Slam("a.clf", resume).err, HasSubstr("the size of the log [bytes] was "));
   WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
-  EXPECT_THAT(Slam("a.g2o", resume).err, HasSubstr("go with a log"));
+  EXPECT_THAT(Slam("a.g2o", resume).err, HasSubstr("--resume goes with a log"));
   EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
 }
 

@@ -138,7 +138,8 @@ TEST_F(CartographerProgramsTest, FrozenTrajectoriesAndLandmarksAreWarnings) {
 
 TEST_F(CartographerProgramsTest, FlagsOfLogsAndOtherProgramsAreRefused) {
   WriteState(SmallPbState());
-  ExpectError(Slam("a.pbstream", "--max_scans=5"), "a.pbstream is a pose graph");
+  ExpectError(Slam("a.pbstream", "--max_scans=5"),
+              "--max_scans goes with a log, but " + folder_ + "a.pbstream is a pose graph");
   const std::string in = folder_ + "a.pbstream";
   ExpectError(Run("convert", "--input=" + in + " --output=" + folder_ + "a.tum"),
               in + ": a map that Cartographer has saved, and no log; plumbline_slam refines it");

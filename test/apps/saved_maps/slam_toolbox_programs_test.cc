@@ -88,7 +88,8 @@ TEST_F(SlamToolboxProgramsTest, TheMapIsNotOverwritten) {
 
 TEST_F(SlamToolboxProgramsTest, FlagsOfLogsAreRefused) {
   WriteKartoMap(folder_ + "a", SmallKartoMap());
-  ExpectError(Slam("a.posegraph", "--max_scans=2"), "a.posegraph is a pose graph");
+  ExpectError(Slam("a.posegraph", "--max_scans=2"),
+              "--max_scans goes with a log, but " + folder_ + "a.posegraph is a pose graph");
 }
 
 TEST_F(SlamToolboxProgramsTest, ARealMapGetsThinnerWalls) {
