@@ -19,8 +19,9 @@ mkdir -p "$work"/{unity/test/joined,alone}
 cp .clang-tidy "$work"
 cp test/.clang-tidy "$work/unity/test/joined"
 commands=$build/compile_commands.json
+prefix_path=$(sed -n 's/^CMAKE_PREFIX_PATH:[^=]*=//p' "$build/CMakeCache.txt")
 cmake -S . -B "$work/unity" -DPLUMBLINE_UNITY_BUILD=ON -DCMAKE_BUILD_TYPE=Release \
-  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$work/configure.log"
+  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_PREFIX_PATH="$prefix_path" >"$work/configure.log"
 
 # What the last change touched; everything where nothing is known of it.
 if git rev-parse --quiet --verify HEAD~1 >/dev/null 2>&1; then
@@ -30,29 +31,34 @@ else
   find apps test -name '*.cc' >"$work/changed"
 fi
 
+# As a part of a regular expression, whatever characters the path has.
+literal() { sed 's/[][(){}.*+?^$|\\]/\\&/g' <<<"$1"; }
+root_re=$(literal "$root") build_re=$(literal "$build")
+
 # clang reads no precompiled header of gcc and knows none of its parameters.
-for_clang='s/-Winvalid-pch|--param=[^ ]+|(-Xclang )?-include(-pch)? (-Xclang )?[^ ]+cmake_pch[^ ]+//g'
+pch='(\\"[^"]*cmake_pch[^"]*"|[^ ]+cmake_pch[^ ]+)'  # quoted where the path has blanks
+for_clang="s/-Winvalid-pch|--param=[^ ]+|(-Xclang )?-include(-pch)? (-Xclang )?$pch//g"
 sed -Ei "$for_clang" "$work/unity/compile_commands.json"
 sed -E "$for_clang" "$commands" >"$work/alone/compile_commands.json"
 
 # The largest first, so that both processors are busy to the end. Texts that the build makes are no
 # sources.
 for unit in "$work"/unity/test/joined/*.cc; do
-  if sed -nE "s|^#line 1 \"$root/(.*)\"$|\1|p" "$unit" | grep -xFf "$work/changed" >/dev/null; then
+  if sed -nE "s|^#line 1 \"$root_re/(.*)\"$|\1|p" "$unit" | grep -xFf "$work/changed" >/dev/null; then
     echo "$unit"
   fi
 done >"$work/test_units"
-find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + | xargs -r ls -S \
-  >"$work/source_units"
-sed -nE "s|^ *\"file\": \"($root/.*\.cc)\",?$|\1|p" "$work/unity/compile_commands.json" |
-  grep -vE "_main\.cc$|^$root/apps/examples/|^$root/test/|^$build/" >>"$work/source_units"
-sed -nE "s|^ *\"file\": \"$root/(.*\.cc)\",?$|\1|p" "$commands" |
+find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + |
+  xargs -r -d '\n' ls -S >"$work/source_units"
+sed -nE "s|^ *\"file\": \"($root_re/.*\.cc)\",?$|\1|p" "$work/unity/compile_commands.json" |
+  grep -vE "_main\.cc$|^$root_re/apps/examples/|^$root_re/test/|^$build_re/" >>"$work/source_units"
+sed -nE "s|^ *\"file\": \"$root_re/(.*\.cc)\",?$|\1|p" "$commands" |
   grep -E '_main\.cc$|^apps/examples/|^test/fuzz/' | grep -xFf "$work/changed" |
   sed "s|^|$root/|" >"$work/alone/units" || true
 
 # check UNITS COMMANDS
 check() {
-  xargs --no-run-if-empty --max-procs=2 --max-args=1 "$tidy" --quiet \
+  xargs --no-run-if-empty --delimiter='\n' --max-procs=2 --max-args=1 "$tidy" --quiet \
     --checks=-bugprone-suspicious-include --extra-arg-before=-std=c++17 -p "$2" <"$1"
 }
 cat "$work/test_units" "$work/source_units" "$work/alone/units"
