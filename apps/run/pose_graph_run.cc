@@ -99,8 +99,8 @@ class PoseGraphRun {
   }
 
   void RefineByEdges() {
-    edges_summary_ =
-        RefinePoseGraph(file_.graph, &state_, [](double) { return StopSignal() == 0; });
+    edges_summary_ = RefinePoseGraph(
+        file_.graph, &state_, [](double, const std::vector<Pose2>&) { return StopSignal() == 0; });
     std::cout << edges_summary_.BriefReport() << '\n';
   }
 

@@ -54,17 +54,27 @@ ceres::Solver::Options SolverSettings() {
   return options;
 }
 
-class CostCallback final : public ceres::IterationCallback {
+std::vector<Pose2> PosesOfBlocks(const std::vector<Block>& blocks) {
+  std::vector<Pose2> poses;
+  poses.reserve(blocks.size());
+  for (const Block& block : blocks) poses.emplace_back(block.data());
+  return poses;
+}
+
+class IterationReport final : public ceres::IterationCallback {
  public:
-  explicit CostCallback(const PoseGraphCallback& callback) : callback_(callback) {}
+  IterationReport(const PoseGraphCallback& callback, const std::vector<Block>& blocks)
+      : callback_(callback), blocks_(blocks) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
-    const bool go_on = iteration.iteration == 0 || !callback_ || callback_(iteration.cost);
+    const bool go_on =
+        iteration.iteration == 0 || !callback_ || callback_(iteration.cost, PosesOfBlocks(blocks_));
     return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
  private:
   const PoseGraphCallback& callback_;
+  const std::vector<Block>& blocks_;
 };
 
 }  // namespace
@@ -94,8 +104,9 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
   }
   double scale = kCauchyScale;
   while (scale * scale < worst_chi2) scale *= kNarrowing;
-  CostCallback report(callback);
+  IterationReport report(callback, blocks);
   ceres::Solver::Options settings = SolverSettings();
+  settings.update_state_every_iteration = callback != nullptr;
   settings.callbacks.push_back(&report);
   ceres::Solver::Summary summary;
   PoseGraphResult result;
@@ -109,7 +120,7 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
     result.stopped = summary.termination_type == ceres::USER_SUCCESS;
   }
   if (summary.IsSolutionUsable()) {
-    for (std::size_t i = 0; i < blocks.size(); ++i) (*world_from_pose)[i] = Pose2(blocks[i].data());
+    *world_from_pose = PosesOfBlocks(blocks);
   }
   result.converged = summary.termination_type == ceres::CONVERGENCE;
   result.stop_reason = summary.message;

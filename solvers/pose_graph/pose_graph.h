@@ -21,9 +21,10 @@ struct PoseGraphResult {
   std::vector<double> costs;
 };
 
-/// Called with the cost, as in PoseGraphResult::costs, after each iteration; false asks to stop
-/// with the best poses so far.
-using PoseGraphCallback = std::function<bool(double cost)>;
+/// Called with the cost, as in PoseGraphResult::costs, and the poses after each iteration; false
+/// asks to stop with the best poses so far.
+using PoseGraphCallback =
+    std::function<bool(double cost, const std::vector<Pose2>& world_from_pose)>;
 
 /// Moves the poses to the optimum of the edges: `edges` as they are, `uncertain_edges` under a
 /// Cauchy loss. Edges name poses by their index; the `fixed` ones stay. Poses without edges stay,

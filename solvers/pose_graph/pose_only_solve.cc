@@ -65,7 +65,8 @@ class PoseOnlyRun {
         graph_(problem.graph),
         errors_(graph_.relative_poses()),
         seed_(seed),
-        state_(seed) {
+        state_(seed),
+        last_poses_(seed.poses) {
     summary_.solver = solver_name;
     summary_.num_poses = graph_.num_poses();
     summary_.num_points = graph_.num_returns();
@@ -96,16 +97,10 @@ class PoseOnlyRun {
   PoseGraphResult Descend() {
     std::vector<int> fixed;
     for (const FixedPose& pose : graph_.fixed_poses()) fixed.push_back(pose.pose);
-    std::vector<Pose2> poses = PosesOf(state_.poses), before = poses;
+    std::vector<Pose2> poses = PosesOf(state_.poses);
     StochasticDescentOptions sgd = options_.sgd;
     sgd.callback = [&](int iteration, const std::vector<Pose2>& now) {
-      double squared_step = 0.0;
-      for (std::size_t i = 0; i < now.size(); ++i) {
-        squared_step += std::pow(now[i].x - before[i].x, 2) + std::pow(now[i].y - before[i].y, 2) +
-                        std::pow(now[i].yaw - before[i].yaw, 2);
-      }
-      before = now;
-      const bool go_on = Report(0.5 * errors_.Chi2(now), squared_step) &&
+      const bool go_on = Report(0.5 * errors_.Chi2(now), PoseArray(now)) &&
                          (!options_.sgd.callback || options_.sgd.callback(iteration, now));
       stopped_ = !go_on;
       return go_on;
@@ -116,15 +111,20 @@ class PoseOnlyRun {
   }
 
   PoseGraphResult Optimize() {
-    PoseGraphResult result = RefinePoseGraph(graph_, &state_, [this](double cost) {
-                               return Report(cost, 0.0);
-                             }).optimization;
+    const auto report = [this](double cost, const std::vector<Pose2>& now) {
+      return Report(cost, PoseArray(now));
+    };
+    PoseGraphResult result = RefinePoseGraph(graph_, &state_, report).optimization;
     stopped_ = result.stopped;
     return result;
   }
 
   // Keeps an iteration and hands it on; false asks to stop.
-  bool Report(double cost, double squared_step) {
+  bool Report(double cost, const std::vector<double>& poses) {
+    double squared_step = 0.0;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      squared_step += std::pow(poses[i] - last_poses_[i], 2);
+    }
     IterationSummary row;
     row.iteration = static_cast<int>(summary_.iterations.size()) + 1;
     row.round = 1;
@@ -138,8 +138,9 @@ class PoseOnlyRun {
         row.total_time_s -
         (summary_.iterations.empty() ? 0.0 : summary_.iterations.back().total_time_s);
     last_cost_ = cost;
+    last_poses_ = poses;
     summary_.iterations.push_back(row);
-    row.poses = &state_.poses;
+    row.poses = &poses;
     return !options_.callback || options_.callback(row);
   }
 
@@ -167,6 +168,7 @@ class PoseOnlyRun {
   SolverSummary summary_;
   PoseGraphResult result_;
   double last_cost_ = 0.0;
+  std::vector<double> last_poses_;
   bool stopped_ = false;
 };
 

@@ -76,6 +76,9 @@ TEST_P(PoseOnlySolveTest, ReportsEveryIteration) {
   std::vector<IterationSummary> rows;
   options.callback = [&](const IterationSummary& row) {
     rows.push_back(row);
+    const double chi2 = GraphChi2(room.graph.relative_poses(), PosesOf(*row.poses));
+    EXPECT_NEAR(row.cost, 0.5 * chi2, 1e-9 * chi2);
+    EXPECT_GT(row.step_norm, 0.0);
     return true;
   };
   const SolverSummary summary = Solve(options, room.graph, &room.state);
