@@ -281,6 +281,7 @@ class SlamRun {
 
   Status Refine() {
     std::cout << ProgressHeader() << '\n';
+    options_.solver.measure_rounds = true;  // for report.html
     options_.solver.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return StopSignal() == 0;

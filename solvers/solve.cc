@@ -14,6 +14,7 @@
 #include "plumbline/solvers/acceptance/contradicted_edges.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/round_energies.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/solver_input.h"
 
@@ -63,6 +64,29 @@ SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, Ma
   return summary;
 }
 
+SolverSummary SolveUnmeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
+  const bool has_edges_to_test = problem.options.test_edges && !solver.MovesPosesOnly() &&
+                                 !problem.graph.relative_poses().empty();
+  return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
+}
+
+// With the energies of all rounds.
+SolverSummary SolveMeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
+  const SolverOptions& options = problem.options;
+  MeasuredSurface own_surface;
+  const MeasuredSurface* surface = problem.surface;
+  if (surface == nullptr) {
+    ThreadPool pool(options.num_threads);
+    own_surface = MeasureSurface(problem.graph, NormalOptionsFor(options.factors.beam), &pool);
+    surface = &own_surface;
+  }
+  const RoundEnergyMeter meter(options, problem.graph, *surface, *state);
+  SolverSummary summary = SolveUnmeasured(
+      solver, {meter.options(), problem.graph, surface, problem.suggested_poses}, state);
+  if (summary.IsSolutionUsable()) meter.Measure(*state, &summary);
+  return summary;
+}
+
 // A null surface has not been measured yet.
 SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
                       const SlamGraph& graph, MapState* state) {
@@ -77,7 +101,9 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       if (summary.IsSolutionUsable()) *state = std::move(placed);
       return summary;
     }
-    if (status.ok() && surface != nullptr && !poses_only) status = CheckSurface(*surface, graph);
+    if (status.ok() && surface != nullptr && (!poses_only || options.measure_rounds)) {
+      status = CheckSurface(*surface, graph);
+    }
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {
       suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
@@ -85,9 +111,9 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     }
     if (!status.ok()) return SolverFailure(options, status);
     const SolverProblem problem{options, graph, surface, suggested};
-    const bool has_edges_to_test =
-        options.test_edges && !poses_only && !graph.relative_poses().empty();
-    return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
+    return options.measure_rounds && graph.num_returns() > 0
+               ? SolveMeasured(solver, problem, state)
+               : SolveUnmeasured(solver, problem, state);
   });
 }
 

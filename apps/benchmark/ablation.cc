@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/apps/benchmark/synthetic_drive.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
@@ -17,6 +16,7 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
@@ -64,7 +64,7 @@ AblationOutcome Measure(const AblationInput& input, const MapState& state, Threa
   outcome.entropy = quality.mean_map_entropy;
   const MeasuredSurface surface =
       MeasureSurface(input.graph, NormalOptionsFor(input.full.factors.beam), pool);
-  outcome.energy = YardstickEnergy(input.graph, state.poses, surface, input.full, pool);
+  outcome.energy = MarginalEnergy(input.graph, state.poses, surface, input.full, pool);
   return outcome;
 }
 

@@ -4,11 +4,11 @@
 #include <chrono>
 #include <utility>
 
-#include "plumbline/apps/benchmark/solver_run.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -176,7 +176,7 @@ double EnergyOf(const SlamGraph& graph, const MapState& state, const SolverOptio
   ThreadPool pool(solver.num_threads);
   const MeasuredSurface surface =
       MeasureSurface(graph, NormalOptionsFor(solver.factors.beam), &pool);
-  return YardstickEnergy(graph, state.poses, surface, solver, &pool);
+  return MarginalEnergy(graph, state.poses, surface, solver, &pool);
 }
 
 Status SolveBatch(const SolverOptions& solver, const SlamGraph& graph, MapState* state,

@@ -59,7 +59,7 @@ struct Replay {
   std::vector<Pose2> world_from_robot;  ///< after the final solve
   /// All at once, from the seed.
   double batch_time_s = 0.0;
-  /// YardstickEnergy of the whole drive.
+  /// MarginalEnergy of the whole drive.
   double batch_energy = 0.0;
   double online_energy = 0.0;      ///< before the final solve
   double final_energy = 0.0;       ///< after it

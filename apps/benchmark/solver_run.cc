@@ -13,7 +13,6 @@
 #include "plumbline/apps/benchmark/child_process.h"
 #include "plumbline/apps/benchmark/memory_use.h"
 #include "plumbline/apps/report/run_summary.h"
-#include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/solve.h"
@@ -139,7 +138,7 @@ class TracedRun {
       // Iterations on the map alone leave the poses as they are.
       if (poses != evaluated) {
         evaluated = poses;
-        energy = YardstickEnergy(graph_, poses, surface, solver_.options, pool);
+        energy = MarginalEnergy(graph_, poses, surface, solver_.options, pool);
       }
       point.marginal_energy = energy;
     }
@@ -221,15 +220,6 @@ void Unpack(const std::string& packed, SolverRun* run) {
 }
 
 }  // namespace
-
-double YardstickEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                       const MeasuredSurface& surface, const SolverOptions& options,
-                       ThreadPool* pool) {
-  return MarginalEnergy(
-      graph, poses, surface,
-      LinesFromRadius(graph, poses, surface, options.association, FineRadius(options), pool),
-      options.factors, pool);
-}
 
 SolverRun RunSolver(const ComparedSolver& solver, const std::vector<Relation>& relations,
                     double time_limit_s, const SlamGraph& graph, const MapState& seed) {

@@ -55,12 +55,6 @@ struct SolverRun {
   double final_energy() const { return trace.back().marginal_energy; }
 };
 
-/// The yardstick for all solvers: MarginalEnergy of poses, (x, y, yaw) each, under the lines that
-/// they give at the fine radius.
-double YardstickEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                       const MeasuredSurface& surface, const SolverOptions& options,
-                       ThreadPool* pool);
-
 /// Solves from a seed, with a trace of the way. The clocks stand still while a state is put aside
 /// (in a file, as memory is measured) and all evaluation comes after the solve; states are those
 /// that the callback is shown.

@@ -49,6 +49,17 @@ Json LandmarkRoundsJson(const SolverSummary& solver) {
   return json;
 }
 
+Json RoundEnergiesJson(const SolverSummary& solver) {
+  Json json = Json::array();
+  for (const RoundEnergy& row : solver.round_energies) {
+    json.push_back({{"round", row.round},
+                    {"iteration", row.iteration},
+                    {"total_time_s", row.total_time_s},
+                    {"marginal_energy", row.marginal_energy}});
+  }
+  return json;
+}
+
 Json IterationsJson(const SolverSummary& solver) {
   Json json = Json::array();
   for (const IterationSummary& it : solver.iterations) {
@@ -68,6 +79,8 @@ Json PoseOnlyJson(const SolverSummary& solver) {
           {"relative_poses", solver.num_relative_poses},
           {"chi2_seed", solver.seed_chi2},
           {"chi2_final", solver.final_chi2},
+          {"marginal_energy_final", solver.final_marginal_energy},
+          {"round_energies", RoundEnergiesJson(solver)},
           {"time_s", {{"total", solver.total_time_s}}},
           {"iterations", IterationsJson(solver)}};
 }
@@ -137,6 +150,7 @@ Json SolverJson(const SolverSummary& solver) {
           {"termination", ToString(solver.termination)},
           {"message", solver.message},
           {"marginal_energy_final", solver.final_marginal_energy},
+          {"round_energies", RoundEnergiesJson(solver)},
           {"started_from_constraints", solver.started_from_constraints},
           {"acceptance", AcceptanceJson(solver.acceptance)},
           {"local", LocalJson(solver)},

@@ -22,25 +22,23 @@ ReportFigure LastAndFirst(const std::string& label, const std::string& last,
   return {label, last, name_of_first + ": " + first};
 }
 
-// A round's costs are those of its own associations: the curve of each begins anew.
+// The costs of iterations are those of their round's associations; this is one energy for all.
 ReportPlot ConvergencePlotOf(const SolverSummary& solver) {
   ReportPlot plot;
   plot.title = "Convergence";
-  plot.value_label = "energy";
+  plot.value_label = "marginal energy";
   plot.note =
-      "Associations are rebuilt in every round, so energies compare within a round, not between "
-      "rounds.";
-  int round = 0;
-  for (const IterationSummary& it : solver.iterations) {
-    if (plot.curves.empty() || it.round != round) {
-      round = it.round;
-      plot.curves.push_back({"round " + std::to_string(round), {}});
-      plot.curves.back().points.push_back(
-          {it.total_time_s - it.iteration_time_s, it.iteration - 1.0, it.cost + it.cost_change});
-    }
-    plot.curves.back().points.push_back(
-        {it.total_time_s, static_cast<double>(it.iteration), it.cost});
+      "How well the poses explain the scans, with every point at its optimum and under the "
+      "surfaces "
+      "that these poses give. It compares between rounds, and between solvers that start alike.";
+  ReportCurve rounds{"start and rounds", {}};
+  for (const RoundEnergy& row : solver.round_energies) {
+    rounds.points.push_back(
+        {row.total_time_s, static_cast<double>(row.iteration), row.marginal_energy});
   }
+  const double num_iterations = rounds.points.back().iteration;
+  plot.curves = {std::move(rounds),
+                 {"result", {{solver.total_time_s, num_iterations, solver.final_marginal_energy}}}};
   return plot;
 }
 
@@ -215,6 +213,7 @@ void AddStages(const std::vector<Stage>& stages, HtmlReport* report) {
 }
 
 void AddSolver(const SolverSummary& solver, HtmlReport* report) {
+  if (!solver.round_energies.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   if (solver.num_relative_poses > 0) {
     report->figures.push_back({"Pose graph", FixedText(solver.total_time_s, 2) + " s",
                                solver.solver + ", " + ToString(solver.termination)});
@@ -231,7 +230,6 @@ void AddSolver(const SolverSummary& solver, HtmlReport* report) {
   }
   if (!solver.ignored_edges.empty()) report->tables.push_back(IgnoredTable(solver));
   report->tables.push_back(TermsTable(solver));
-  if (!solver.iterations.empty()) report->plots.push_back(ConvergencePlotOf(solver));
   AddDisplacements(solver.displacements, report);
   report->figures.push_back({"Joint estimation", FixedText(solver.total_time_s, 2) + " s",
                              solver.solver + ", " + ToString(solver.termination)});

@@ -7,6 +7,7 @@
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/scan_chunk.h"
 #include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/terms/pose_terms.h"
@@ -58,6 +59,15 @@ double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
   double total = PoseTerms(graph, factors).Cost(poses) + OwnPointCost(factors, graph, poses);
   for (const double cost : costs) total += cost;
   return total;
+}
+
+double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                      const MeasuredSurface& surface, const SolverOptions& options,
+                      ThreadPool* pool) {
+  return MarginalEnergy(
+      graph, poses, surface,
+      LinesFromRadius(graph, poses, surface, options.association, FineRadius(options), pool),
+      options.factors, pool);
 }
 
 }  // namespace plumbline

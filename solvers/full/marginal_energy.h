@@ -8,6 +8,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/factors/manifold_factor.h"
+#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 
@@ -24,6 +25,12 @@ namespace plumbline {
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
                       const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
                       const FactorOptions& factors, ThreadPool* pool);
+
+/// The same under the lines that the poses give at the fine radius: one measure for the states of
+/// all rounds and all solvers.
+double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
+                      const MeasuredSurface& surface, const SolverOptions& options,
+                      ThreadPool* pool);
 
 }  // namespace plumbline
 

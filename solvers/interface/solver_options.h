@@ -162,6 +162,9 @@ struct SolverOptions {
   /// Threads, the calling one included, up to 1024. Results do not depend on it, but for the last
   /// digits of kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;
+  /// Fills in SolverSummary::round_energies once the solve is done, of graphs with returns. That
+  /// takes as long as finding the lines of every return once per round.
+  bool measure_rounds = false;
   ProgressCallback callback;  ///< may be empty
 
   /// Whether surfaces are cut into landmarks and points eliminated, by whichever solver.

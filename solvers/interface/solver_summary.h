@@ -81,6 +81,14 @@ struct LandmarkRoundSummary {
   int steps = 0;  ///< of Gauss-Newton
 };
 
+/// How well the poses explain the scans at one moment of a solve.
+struct RoundEnergy {
+  int round = 0;              ///< that has just ended; 0: the given state
+  int iteration = 0;          ///< the last one of the round
+  double total_time_s = 0.0;  ///< since the solver was called
+  double marginal_energy = 0.0;
+};
+
 /// Sizes, costs and residuals of one term.
 struct TermSummary {
   std::string name;             ///< "motion", "range beam", ..., or that of an own term
@@ -135,8 +143,14 @@ struct SolverSummary {
   /// See marginal_energy.h.
   double final_marginal_energy = 0.0;
 
+  /// With SolverOptions::measure_rounds: the same energy of the given state and after every round,
+  /// undone ones included. One measure for all rounds and solvers, where costs compare only under
+  /// the associations of one round.
+  std::vector<RoundEnergy> round_energies;
+
   /// Solvers that move the poses only: how many relative poses they went by, and the sum of their
-  /// squared whitened errors. They have neither rounds nor terms nor marginal energies.
+  /// squared whitened errors. They have neither rounds nor terms, and marginal energies only if
+  /// these are asked for; all their iterations count as one round.
   std::size_t num_relative_poses = 0;
   double seed_chi2 = 0.0;   ///< of the poses given
   double final_chi2 = 0.0;  ///< of the result

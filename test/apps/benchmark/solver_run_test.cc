@@ -39,7 +39,7 @@ double EnergyOf(const SlamGraph& graph, const std::vector<double>& poses,
   ThreadPool pool(1);
   const MeasuredSurface surface =
       MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
-  return YardstickEnergy(graph, poses, surface, options, &pool);
+  return MarginalEnergy(graph, poses, surface, options, &pool);
 }
 
 class RunSolverWith : public testing::TestWithParam<SolverType> {};

@@ -34,18 +34,11 @@ TEST(ReportSectionsTest, StagesAreComparedWithTheFirst) {
   EXPECT_EQ(report.figures[0].note, "given: -");
 }
 
-TEST(ReportSectionsTest, EachRoundIsACurveThatStartsBeforeItsFirstIteration) {
+TEST(ReportSectionsTest, TheConvergenceChartShowsOneEnergyFromTheStartToTheResult) {
   SolverSummary solver;
-  for (int i = 1; i <= 3; ++i) {
-    IterationSummary iteration;
-    iteration.iteration = i;
-    iteration.round = i < 3 ? 1 : 2;
-    iteration.cost = 100.0 - i;
-    iteration.cost_change = 1.0;
-    iteration.iteration_time_s = 0.25;
-    iteration.total_time_s = 0.5 * i;
-    solver.iterations.push_back(iteration);
-  }
+  solver.round_energies = {{0, 0, 0.0, 100.0}, {1, 2, 0.5, 80.0}, {2, 3, 0.75, 85.0}};
+  solver.total_time_s = 1.0;
+  solver.final_marginal_energy = 80.0;
   HtmlReport report;
   AddSolver(solver, &report);
   ASSERT_EQ(report.plots.size(), 1u);
@@ -53,11 +46,21 @@ TEST(ReportSectionsTest, EachRoundIsACurveThatStartsBeforeItsFirstIteration) {
   ASSERT_EQ(curves.size(), 2u);
   ASSERT_EQ(curves[0].points.size(), 3u);
   EXPECT_EQ(curves[0].points[0].value, 100.0);
-  EXPECT_EQ(curves[0].points[0].time_s, 0.25);
-  EXPECT_EQ(curves[0].points[0].iteration, 0.0);
-  EXPECT_EQ(curves[1].label, "round 2");
-  EXPECT_EQ(curves[1].points.back().value, 97.0);
-  EXPECT_TRUE(report.histograms.empty());
+  EXPECT_EQ(curves[0].points[1].time_s, 0.5);
+  EXPECT_EQ(curves[0].points[1].iteration, 2.0);
+  EXPECT_EQ(curves[0].points[2].value, 85.0);
+  ASSERT_EQ(curves[1].points.size(), 1u);
+  EXPECT_EQ(curves[1].points[0].value, 80.0);
+  EXPECT_EQ(curves[1].points[0].time_s, 1.0);
+  EXPECT_EQ(curves[1].points[0].iteration, 3.0);
+}
+
+TEST(ReportSectionsTest, WithoutMeasuredRoundsThereIsNoChart) {
+  SolverSummary solver;
+  solver.iterations.resize(2);
+  HtmlReport report;
+  AddSolver(solver, &report);
+  EXPECT_TRUE(report.plots.empty());
 }
 
 TEST(ReportSectionsTest, ASolverOfPoseGraphsHasNoTermsOfReturns) {

@@ -41,6 +41,7 @@ RunSummary MakeSummary() {
   summary.mapping.solver.termination = TerminationType::kConverged;
   summary.mapping.solver.message = "said \"enough\"";
   summary.mapping.solver.final_marginal_energy = 0.1 + 0.2;
+  summary.mapping.solver.round_energies = {{0, 0, 0.0, 7.5}, {1, 2, 0.25, 5.5}};
   summary.mapping.solver.rounds.resize(2);
   summary.mapping.solver.rounds[1].num_lines = 11;
   summary.mapping.solver.iterations.resize(3);
@@ -78,6 +79,10 @@ TEST(RunSummaryTest, ReadsBackAsWritten) {
   EXPECT_EQ(solver["termination"], "converged");
   EXPECT_EQ(solver["message"], "said \"enough\"");
   EXPECT_EQ(solver["marginal_energy_final"].get<double>(), 0.1 + 0.2);  // to the last bit
+  EXPECT_EQ(solver["round_energies"][0]["marginal_energy"], 7.5);
+  EXPECT_EQ(solver["round_energies"][1],
+            Json::parse(R"({"round": 1, "iteration": 2, "total_time_s": 0.25,
+                            "marginal_energy": 5.5})"));
   EXPECT_EQ(solver["rounds"].size(), 2u);
   EXPECT_EQ(solver["rounds"][1]["lines"], 11);
   EXPECT_EQ(solver["iterations"][2]["phase"], "poses");
