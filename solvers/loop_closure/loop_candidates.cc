@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/point_index.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
 namespace plumbline {
@@ -68,6 +69,9 @@ constexpr double kLocalSpacingM = 1.3;
 // from one another at least [m].
 constexpr int kMaxJoins = 16;
 constexpr double kMinJoinSpacingM = 4.0;
+
+// Of distances, where they only save work [m].
+constexpr double kRoundingM = 1e-6;
 
 // A piece of way, or all of one.
 struct Way {
@@ -135,17 +139,22 @@ class Ways {
   // The first keyframe of a node; for num_nodes() the number of keyframes.
   int FirstKeyOf(int node) const { return first_key_[node]; }
 
-  // The cheapest way from a node to every other one (Dijkstra 1959).
-  std::vector<Way> From(int source) const {
+  // The cheapest ways from a node to these others (Dijkstra 1959); those to the rest may be longer
+  // than need be. targets: without repetitions.
+  std::vector<Way> From(int source, const std::vector<int>& targets) const {
     std::vector<Way> ways(links_.size());
+    std::vector<char> is_target(links_.size(), false);
+    for (const int target : targets) is_target[target] = true;
+    std::size_t num_left = targets.size();
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
     ways[source].cost_m = 0.0;
     open.push({0.0, source});
-    while (!open.empty()) {
+    while (num_left > 0 && !open.empty()) {
       const auto [reached, node] = open.top();
       open.pop();
       if (reached > ways[node].cost_m) continue;
+      if (std::exchange(is_target[node], false)) --num_left;
       for (const Link& link : links_[node]) {
         const double through = reached + link.way.cost_m;
         if (through >= ways[link.to].cost_m) continue;
@@ -188,6 +197,9 @@ class CandidateFinder {
       : graph_(graph),
         path_cost_m_(PathCost(graph)),
         ways_(graph, path_cost_m_),
+        discs_(DiscsOfNodes()),
+        centres_(CentresOf(discs_)),
+        largest_radius_m_(LargestRadius(discs_)),
         closed_with_(graph.keyframes.size()) {
     for (const auto* closures : {&graph.closures, &graph.contradicted}) {
       for (const RelativePoseConstraint& closure : *closures) {
@@ -201,9 +213,10 @@ class CandidateFinder {
   // The candidates whose later keyframe lies in the node.
   std::vector<LoopCandidate> OfNode(int node) const {
     std::vector<LoopCandidate> candidates;
-    const std::vector<Way> ways = ways_.From(node);
+    const std::vector<int> near = NodesNear(node);
+    const std::vector<Way> ways = ways_.From(node, near);
     for (int second = ways_.FirstKeyOf(node); second < ways_.FirstKeyOf(node + 1); ++second) {
-      if (BeginsStretch(second, kSpacingM)) AddCandidates(second, ways, &candidates);
+      if (BeginsStretch(second, kSpacingM)) AddCandidates(second, near, ways, &candidates);
     }
     return candidates;
   }
@@ -213,6 +226,53 @@ class CandidateFinder {
     LoopCandidate candidate;
     double cost = kInfinity;
   };
+
+  // Where the keyframes of a node are.
+  struct Disc {
+    Eigen::Vector2d centre;
+    double radius_m = 0.0;
+  };
+
+  std::vector<Disc> DiscsOfNodes() const {
+    std::vector<Disc> discs(num_nodes());
+    for (int node = 0; node < num_nodes(); ++node) {
+      Disc& disc = discs[node];
+      disc.centre = graph_.world_from_key[ways_.FirstKeyOf(node)].translation();
+      for (int key = ways_.FirstKeyOf(node); key < ways_.FirstKeyOf(node + 1); ++key) {
+        const double off_m = (graph_.world_from_key[key].translation() - disc.centre).norm();
+        disc.radius_m = std::max(disc.radius_m, off_m);
+      }
+    }
+    return discs;
+  }
+
+  static PointIndex CentresOf(const std::vector<Disc>& discs) {
+    std::vector<double> centres;
+    for (const Disc& disc : discs)
+      centres.insert(centres.end(), {disc.centre.x(), disc.centre.y()});
+    return PointIndex(std::move(centres));
+  }
+
+  static double LargestRadius(const std::vector<Disc>& discs) {
+    double largest_m = 0.0;
+    for (const Disc& disc : discs) largest_m = std::max(largest_m, disc.radius_m);
+    return largest_m;
+  }
+
+  // The node and those before it that may be in reach of its keyframes, in order.
+  std::vector<int> NodesNear(int node) const {
+    const Disc& disc = discs_[node];
+    const double radius_m =
+        disc.radius_m + kOverlapReachM + kMaxDriftM + largest_radius_m_ + kRoundingM;
+    std::vector<PointIndex::Neighbor> neighbors;
+    centres_.FindWithin(disc.centre, radius_m, &neighbors);
+    std::vector<int> nodes;
+    for (const PointIndex::Neighbor& neighbor : neighbors) {
+      if (static_cast<int>(neighbor.point) <= node) nodes.push_back(neighbor.point);
+    }
+    std::sort(nodes.begin(), nodes.end());
+    return nodes;
+  }
 
   // Whether the keyframe is the first one of a stretch, the path being cut at multiples of it.
   bool BeginsStretch(int key, double stretch_m) const {
@@ -239,9 +299,11 @@ class CandidateFinder {
     return false;
   }
 
-  // Goes through the earlier keyframes once; neighbours in time that are in reach make up a visit.
-  void AddCandidates(int second, const std::vector<Way>& ways,
+  // Goes through the earlier keyframes of these nodes once; neighbours in time that are in reach
+  // make up a visit.
+  void AddCandidates(int second, const std::vector<int>& nodes, const std::vector<Way>& ways,
                      std::vector<LoopCandidate>* candidates) const {
+    const Eigen::Vector2d place = graph_.world_from_key[second].translation();
     std::vector<Nearby> visits;
     Nearby visit, wide;
     std::vector<int> wide_keys;
@@ -249,15 +311,21 @@ class CandidateFinder {
       if (std::isfinite(visit.cost)) visits.push_back(visit);
       visit = Nearby();
     };
-    for (int first = 0; first < second; ++first) {
-      if (PathBetween(first, second) < LoopAcceptance::kRevisitPathM) break;
-      const Nearby pair = Examine(first, second, ways[ways_.NodeOf(first)]);
-      const bool is_wide = pair.candidate.drift_m > kWideDriftM;
-      if (!std::isfinite(pair.cost) || is_wide) finish_visit();
-      if (!std::isfinite(pair.cost)) continue;
-      if (is_wide) wide_keys.push_back(first);
-      Nearby& best = is_wide ? wide : visit;
-      if (pair.cost < best.cost) best = pair;
+    int previous = -1;
+    for (const int node : nodes) {
+      const double reach_m = discs_[node].radius_m + kOverlapReachM + DriftM(ways[node]);
+      if ((place - discs_[node].centre).norm() > reach_m + kRoundingM) continue;
+      for (int first = ways_.FirstKeyOf(node); first < ways_.FirstKeyOf(node + 1); ++first) {
+        if (first >= second || PathBetween(first, second) < LoopAcceptance::kRevisitPathM) break;
+        if (first != std::exchange(previous, first) + 1) finish_visit();
+        const Nearby pair = Examine(first, second, ways[node]);
+        const bool is_wide = pair.candidate.drift_m > kWideDriftM;
+        if (!std::isfinite(pair.cost) || is_wide) finish_visit();
+        if (!std::isfinite(pair.cost)) continue;
+        if (is_wide) wide_keys.push_back(first);
+        Nearby& best = is_wide ? wide : visit;
+        if (pair.cost < best.cost) best = pair;
+      }
     }
     finish_visit();
     AppendNearestVisits(&visits, candidates);
@@ -298,6 +366,9 @@ class CandidateFinder {
   const KeyframeGraph& graph_;
   std::vector<double> path_cost_m_;
   Ways ways_;
+  std::vector<Disc> discs_;  // of the nodes
+  PointIndex centres_;       // of the discs
+  double largest_radius_m_;
   std::vector<std::vector<int>> closed_with_;  // per later keyframe of a closure the earlier ones
 };
 
