@@ -9,6 +9,7 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/input_limits.h"
 #include "plumbline/core/pose_frame.h"
+#include "plumbline/core/sweep_motion.h"
 
 namespace plumbline {
 namespace {
@@ -98,18 +99,54 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
   scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
 }
 
-Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
-  const DefaultFloatEnvironment float_environment;
-  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+Status SlamGraph::ReturnsOf(int laser_id, const std::vector<double>& ranges,
+                            std::vector<Return>* returns) const {
   const LaserModel& laser = lasers_[laser_id].model;
   if (static_cast<int>(ranges.size()) != laser.num_beams) {
     return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": " +
                                    std::to_string(ranges.size()) + " ranges for a laser of " +
                                    std::to_string(laser.num_beams) + " beams");
   }
-  std::vector<Return> returns;
   for (int beam = 0; beam < laser.num_beams; ++beam) {
-    if (laser.IsReturn(ranges[beam])) returns.push_back({ranges[beam], laser.Bearing(beam), beam});
+    if (laser.IsReturn(ranges[beam])) returns->push_back({ranges[beam], laser.Bearing(beam), beam});
+  }
+  return Status::Ok();
+}
+
+Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
+  const DefaultFloatEnvironment float_environment;
+  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  std::vector<Return> returns;
+  PLUMBLINE_RETURN_IF_ERROR(ReturnsOf(laser_id, ranges, &returns));
+  AppendScan(pose_id, laser_id, returns);
+  return Status::Ok();
+}
+
+Status SlamGraph::AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges,
+                           const Pose2& motion, SweepOrder order) {
+  const DefaultFloatEnvironment float_environment;
+  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  const LaserModel& laser = lasers_[laser_id].model;
+  const std::string name = "scan " + std::to_string(num_scans());
+  if (laser.beam_period_s != 0.0) {
+    return Status::InvalidArgument(name + ": the laser has a beam_period_s, so that the motion " +
+                                   "within its sweeps is still to be taken out");
+  }
+  if (!IsWithinLimits(motion)) {
+    return Status::InvalidArgument(name + ": its motion is not finite, or beyond " + kPoseLimits);
+  }
+  std::vector<Return> returns;
+  PLUMBLINE_RETURN_IF_ERROR(ReturnsOf(laser_id, ranges, &returns));
+  const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
+  for (Return& r : returns) {
+    if (order == SweepOrder::kAtOnce) break;
+    const int before = order == SweepOrder::kFirstBeamFirst ? r.beam : laser.num_beams - 1 - r.beam;
+    const double share = static_cast<double>(before) / laser.num_beams;
+    const BeamReturn seen =
+        SeenFromBefore({r.range_m, r.bearing_rad},
+                       laser_from_robot * PartOfMotion(motion, share) * laser.robot_from_laser);
+    r.range_m = ClampRange(laser, seen.range_m);
+    r.bearing_rad = seen.bearing_rad;
   }
   AppendScan(pose_id, laser_id, returns);
   return Status::Ok();
@@ -241,6 +278,10 @@ std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) con
   return points;
 }
 
+double SlamGraph::ClampRange(const LaserModel& laser, double range_m) {
+  return std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0));
+}
+
 void SlamGraph::Correct(const MeasurementCorrections& corrections) {
   for (std::size_t i = 0; i < corrections.odometry.size(); ++i) {
     odometry_[i].from_from_to = corrections.odometry[i];
@@ -254,8 +295,7 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
   }
   for (std::size_t r = 0; r < corrections.range_m.size(); ++r) {
     const LaserModel& laser = LaserOfScan(returns_.scan[r]);
-    returns_.range_m[r] = std::clamp(corrections.range_m[r], laser.min_range_m,
-                                     std::nextafter(laser.max_range_m, 0.0));
+    returns_.range_m[r] = ClampRange(laser, corrections.range_m[r]);
   }
   std::copy(corrections.bearing_rad.begin(), corrections.bearing_rad.end(),
             returns_.bearing_rad.begin());

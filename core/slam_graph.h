@@ -89,6 +89,14 @@ class SlamGraph {
   /// differs from the laser's number of beams.
   Status AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
 
+  /// The same for a sweep that took its time while the robot moved, with that motion taken out: its
+  /// returns are as if seen from the pose, where the robot was when the first beam was measured.
+  /// motion: from there to where it was a beam after the last, by odometry; in between it moves
+  /// steadily. Fails like AddScan, on a motion that AddOdometry refuses, and on a laser with a
+  /// beam_period_s: MapLog would take the motion out once more.
+  Status AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges, const Pose2& motion,
+                  SweepOrder order = SweepOrder::kFirstBeamFirst);
+
   /// Takes points [m], in the frame of the robot, for the returns of a sweep: one whose motion has
   /// been taken out, or whose beams are not evenly spaced. They keep their range and bearing from
   /// the laser's mounting; the beams of its model say which of them are neighbours. Points that are
@@ -183,6 +191,11 @@ class SlamGraph {
     std::vector<Eigen::Vector2d> beam_directions;  // unit vectors
   };
   Status CheckScan(int pose_id, int laser_id) const;
+  // The readings that are returns.
+  Status ReturnsOf(int laser_id, const std::vector<double>& ranges,
+                   std::vector<Return>* returns) const;
+  // What a return becomes if its range is this.
+  static double ClampRange(const LaserModel& laser, double range_m);
   // In the order of their beams.
   void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
   // Unit vector, in the frame of the laser. Known from the laser's model, but for returns that

@@ -44,6 +44,12 @@ Pose2 PartOfMotion(const Pose2& motion, double share) {
   return {Sinc(yaw) * u - Cosc(yaw) * v, Cosc(yaw) * u + Sinc(yaw) * v, yaw};
 }
 
+BeamReturn SeenFromBefore(const BeamReturn& measured, const Pose2& before_from_now) {
+  const Eigen::Vector2d point = before_from_now * BeamEnd(measured.range_m, measured.bearing_rad);
+  const double turn_rad = std::atan2(point.y(), point.x()) - measured.bearing_rad;
+  return {point.norm(), measured.bearing_rad + NormalizeAngle(turn_rad)};
+}
+
 bool HasSweeps(const SlamGraph& graph) {
   for (int laser = 0; laser < graph.num_lasers(); ++laser) {
     if (graph.laser(laser).beam_period_s > 0.0) return true;
@@ -71,12 +77,9 @@ MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder 
       const double share = beam * laser.beam_period_s / velocity->duration_s;
       const Pose2 moved =
           laser_from_robot * PartOfMotion(velocity->motion, share) * laser.robot_from_laser;
-      const Eigen::Vector2d point = moved * BeamEnd(returns.range_m[r], returns.bearing_rad[r]);
-      corrections.range_m[r] = point.norm();
-      // Beside the bearing of the model, not a turn away from it.
-      corrections.bearing_rad[r] =
-          returns.bearing_rad[r] +
-          NormalizeAngle(std::atan2(point.y(), point.x()) - returns.bearing_rad[r]);
+      const BeamReturn before = SeenFromBefore({returns.range_m[r], returns.bearing_rad[r]}, moved);
+      corrections.range_m[r] = before.range_m;
+      corrections.bearing_rad[r] = before.bearing_rad;
     }
   }
   return corrections;

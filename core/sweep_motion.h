@@ -12,6 +12,16 @@ namespace plumbline {
 /// itself, 0 none, 2 twice as long.
 Pose2 PartOfMotion(const Pose2& motion, double share);
 
+/// A return by range [m] and bearing [rad] from its laser.
+struct BeamReturn {
+  double range_m = 0.0;
+  double bearing_rad = 0.0;
+};
+
+/// The same point, measured from `now`, as seen from where the laser was before. Its bearing is
+/// beside the measured one, not a turn away from it.
+BeamReturn SeenFromBefore(const BeamReturn& measured, const Pose2& before_from_now);
+
 /// Whether a laser of the graph measures its beams one after the other.
 bool HasSweeps(const SlamGraph& graph);
 

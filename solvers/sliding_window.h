@@ -30,6 +30,9 @@ struct WindowOptions {
 /// are bit for bit. Like Solve, but its time does not grow with the drive, except for one pass over
 /// the lists of poses, scans and constraints. With a window as long as the graph it is Solve.
 ///
+/// Returns count where the graph has them: what the robot moved during a sweep is taken out when
+/// the sweep is added (SlamGraph::AddSweep).
+///
 /// Loops are not for a window: a closure that older poses have to give way to asks for Solve, after
 /// a pose graph if they are off by more than a few decimetres.
 ///

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -122,6 +123,61 @@ TEST(SweepMotionTest, LasersThatMeasureAtOnceHaveNoSweeps) {
   int laser = 0;
   ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.0), &laser).ok());
   EXPECT_FALSE(HasSweeps(graph));
+}
+
+// One sweep after the other, as a program on a robot gets them.
+TEST(AddSweepTest, ReturnsAreWhereTheirBeamsEnded) {
+  const Arc arc;
+  const SlamGraph measured = Swept(arc, {0.0});
+  for (const SweepOrder order : {SweepOrder::kFirstBeamFirst, SweepOrder::kLastBeamFirst}) {
+    SlamGraph graph;
+    int laser = 0, pose = 0;
+    ASSERT_TRUE(graph.AddLaser(arc.Laser(0.0), &laser).ok());
+    ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+    const std::vector<double> ranges(kNumBeams, 5.0);
+    ASSERT_TRUE(graph.AddSweep(pose, laser, ranges, arc.At(0.01 * kNumBeams), order).ok());
+    EXPECT_FALSE(HasSweeps(graph));
+    ASSERT_EQ(graph.num_returns(), static_cast<std::size_t>(kNumBeams));
+    for (int beam = 0; beam < kNumBeams; ++beam) {
+      const int before = order == SweepOrder::kFirstBeamFirst ? beam : kNumBeams - 1 - beam;
+      const Eigen::Vector2d truth = arc.At(0.01 * before) * measured.PointInRobot(beam);
+      EXPECT_LT((graph.PointInRobot(beam) - truth).norm(), 1e-12) << beam;
+      EXPECT_EQ(graph.returns().beam[beam], beam);
+    }
+  }
+}
+
+TEST(AddSweepTest, KeepsReturnsOfTheLaserOnly) {
+  LaserModel laser = Arc().Laser(0.0);
+  laser.max_range_m = 6.0;
+  SlamGraph graph;
+  int id = 0, pose = 0;
+  ASSERT_TRUE(graph.AddLaser(laser, &id).ok());
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+  std::vector<double> ranges(kNumBeams, 7.0);
+  ranges[3] = 5.9;  // beyond 6 m as seen from the beginning
+  ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0)).ok());
+  ASSERT_EQ(graph.num_returns(), 1u);
+  EXPECT_EQ(graph.returns().beam[0], 3);
+  EXPECT_TRUE(laser.IsReturn(graph.returns().range_m[0]));
+  // At once: as measured.
+  ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0), SweepOrder::kAtOnce).ok());
+  EXPECT_EQ(graph.returns().range_m[1], 5.9);
+}
+
+TEST(AddSweepTest, RefusesWhatWouldBeTakenOutTwiceAndWhatIsNoMotion) {
+  SlamGraph graph;
+  int swept = 0, at_once = 0, pose = 0;
+  ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.01), &swept).ok());
+  ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.0), &at_once).ok());
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+  const std::vector<double> ranges(kNumBeams, 5.0);
+  EXPECT_NE(graph.AddSweep(pose, swept, ranges, Pose2()).message().find("beam_period_s"),
+            std::string::npos);
+  EXPECT_FALSE(graph.AddSweep(pose, at_once, ranges, Pose2(NAN, 0.0, 0.0)).ok());
+  EXPECT_FALSE(graph.AddSweep(pose, at_once, {5.0}, Pose2()).ok());
+  EXPECT_FALSE(graph.AddSweep(1, at_once, ranges, Pose2()).ok());
+  EXPECT_EQ(graph.num_scans(), 0);
 }
 
 }  // namespace
