@@ -44,7 +44,8 @@ constexpr char kUsage[] =
     "           default; ODOM records in between are not kept. plumbline_slam looks for loops in\n"
     "           logs, not in pose graphs: --trajectory hands on what it found\n"
     "  toro     the same; other programs than Plumbline skip the fixed poses and the scans\n"
-    "  ply      the measured ends of the beams at these poses, with the scan of each; doubles\n"
+    "  ply      the measured ends of the beams at these poses, with the scan of each; doubles.\n"
+    "           Lasers that sweep: each by the pose at its own time, see --sweep_time_s\n"
     "  pcd      the same in floats, for PCL\n"
     "  ros_map  .pgm and .yaml, an occupancy grid for ROS and Nav2\n"
     "g2o to TORO and back gives the same numbers, as they are written in the file. What a format\n"
@@ -95,6 +96,10 @@ Status Run() {
             << report.num_edges << " edges, " << report.num_scans << " scans, "
             << report.num_returns << " returns, " << report.counts.num_skipped_records
             << " records skipped\n";
+  if (report.sweep_order) {
+    std::cout << "Sweeps: measured " << ToString(*report.sweep_order)
+              << ", by what the scans say\n";
+  }
   for (std::size_t i = 0; i < options.targets.size(); ++i) {
     const ConversionTarget& target = options.targets[i];
     std::cout << "Wrote";

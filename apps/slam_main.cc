@@ -133,7 +133,8 @@ class SlamRun {
 
  private:
   Status RefinePoseGraphFile() const {
-    for (const char* flag : {"start", "max_scans", "truth", "calibrate", "checkpoint", "resume"}) {
+    for (const char* flag :
+         {"start", "max_scans", "truth", "calibrate", "checkpoint", "resume", "sweep_time_s"}) {
       const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
       if (info.current_value == info.default_value) continue;
       return Status::InvalidArgument("--" + info.name + " goes with a log, but " + FLAGS_log +

@@ -56,6 +56,15 @@ std::size_t NumTimesWithoutScan(const SlamGraph& graph) {
   return count;
 }
 
+// Scans whose beams were measured one after the other.
+std::size_t NumSweeps(const SlamGraph& graph) {
+  std::size_t count = 0;
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    if (graph.LaserOfScan(scan).beam_period_s > 0.0) ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 const char* ToString(ConversionFormat format) { return NamingOf(format).name; }
@@ -121,6 +130,7 @@ std::string LeftOut(ConversionFormat format, const SlamGraph& graph) {
   };
   if (format == ConversionFormat::kG2o || format == ConversionFormat::kToro) {
     add(NumTimesWithoutScan(graph), "time");
+    add(NumSweeps(graph), "sweep time");
     return text;
   }
   const bool is_tum = format == ConversionFormat::kTum;

@@ -10,7 +10,11 @@
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/program/log_flags.h"
 #include "plumbline/apps/program/stop_signal.h"
+#include "plumbline/core/sweep_motion.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/sweep_order.h"
 
 namespace plumbline {
 namespace {
@@ -20,7 +24,13 @@ bool IsPoseGraph(const ConversionTarget& target) {
 }
 
 Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* counts) {
-  if (IsPoseGraphFile(options.input)) return ReadPoseGraphFile(options.input, file);
+  if (IsPoseGraphFile(options.input)) {
+    if (SweepTimeFromFlags()) {
+      return Status::InvalidArgument("--sweep_time_s goes with a log, but " + options.input +
+                                     " is a pose graph");
+    }
+    return ReadPoseGraphFile(options.input, file);
+  }
   PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(options.input, 0, counts, &file->graph));
   if (std::none_of(options.targets.begin(), options.targets.end(), IsPoseGraph)) {
     return Status::Ok();
@@ -28,6 +38,15 @@ Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* 
   // Now, so that the scans keep the poses of the odometry, whatever a trajectory says.
   const Status status = MakePoseGraphFile(std::move(file->graph), MotionOptions(), file);
   return status.ok() ? status : Status::InvalidArgument(options.input + ": " + status.message());
+}
+
+// In which order lasers that turn measured the beams, and the returns where they belong by that.
+void PlaceSweeps(SlamGraph* graph, MapState* state, ConversionReport* report) {
+  const SolverOptions solver;
+  ThreadPool pool(solver.num_threads);
+  report->sweep_order = FindSweepOrder(SeedingOptions(), solver, *graph, &pool);
+  *graph = graph->Corrected(TakeOutSweepMotion(*graph, *report->sweep_order, state->poses));
+  state->points = graph->MeasuredMap(state->poses);
 }
 
 Status Write(const ConversionTarget& target, const PoseGraphFile& file, const MapState& state,
@@ -81,6 +100,9 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
   result.num_edges = file.graph.odometry().size() + file.graph.relative_poses().size();
   result.num_scans = file.graph.num_scans();
   result.num_returns = file.graph.num_returns();
+  const bool shows_returns = std::any_of(options.targets.begin(), options.targets.end(),
+                                         [](const auto& target) { return target.NeedsReturns(); });
+  if (shows_returns && HasSweeps(file.graph)) PlaceSweeps(&file.graph, &state, &result);
   EndIfStoppedWhileWriting();
   for (const ConversionTarget& target : options.targets) {
     PLUMBLINE_RETURN_IF_ERROR(Write(target, file, state, options.map_resolution_m));

@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_CONVERT_CONVERT_H_
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,14 +30,17 @@ struct ConversionReport {
   std::size_t num_scans = 0;
   std::size_t num_returns = 0;
   LogCounts counts;
-  std::vector<std::string> left_out;  ///< of each target, see LeftOut
+  std::optional<SweepOrder> sweep_order;  ///< of lasers that sweep, where returns are placed by it
+  std::vector<std::string> left_out;      ///< of each target, see LeftOut
 };
 
 /// Reads the input and writes the targets, each of them whole or not at all. A pose graph that
 /// becomes a pose graph keeps its numbers as they are written (WritePoseGraphFile); of a log come
 /// the scans and the odometry from each to the next, with the noise that MotionOptions' defaults
-/// give it (MakePoseGraphFile). Points of PLY and PCD are the measured ends of the beams. Messages
-/// about the input go to standard error, as ReadLogIntoGraph has them.
+/// give it (MakePoseGraphFile). Points of PLY and PCD are the measured ends of the beams. What
+/// shows returns alone has them where the poses put the robot at their own times
+/// (TakeOutSweepMotion); pose graphs keep the readings. Messages about the input go to standard
+/// error, as ReadLogIntoGraph has them.
 ///
 /// Before anything is written: InvalidArgument on options out of range and on an input without
 /// returns for a target that shows nothing else; and all that readers and ReplacePoses fail on.

@@ -58,10 +58,10 @@ class ProgramTest : public testing::Test {
   }
 
   // The first scans of a drive through the small building, and the truth of the whole.
-  void SimulateLog(int num_scans) {
-    const Outcome run =
-        Run("simulate", "--world=" PLUMBLINE_WORLD " --log=" + folder_ +
-                            "all.clf --truth=" + folder_ + "a.tum --hits=" + folder_ + "a.hits");
+  void SimulateLog(int num_scans, const std::string& flags = "") {
+    const Outcome run = Run("simulate", "--world=" PLUMBLINE_WORLD " --log=" + folder_ +
+                                            "all.clf --truth=" + folder_ +
+                                            "a.tum --hits=" + folder_ + "a.hits " + flags);
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.out, testing::HasSubstr(" scans, "));
     EXPECT_THAT(run.err, testing::IsEmpty());

@@ -85,6 +85,16 @@ TEST(ConversionTargetTest, WhatHasNoPlaceIsCounted) {
   ASSERT_TRUE(times.AddPose(Pose2(), 1.5, &pose).ok());
   EXPECT_EQ(LeftOut(ConversionFormat::kG2o, times), "1 time");
   EXPECT_EQ(LeftOut(ConversionFormat::kTum, times), "");
+
+  LaserModel turning = graph.laser(0);
+  turning.beam_period_s = 1e-3;
+  SlamGraph sweeps;
+  int laser = 0;
+  ASSERT_TRUE(sweeps.AddLaser(turning, &laser).ok());
+  ASSERT_TRUE(sweeps.AddPose(Pose2(), 0.0, &pose).ok());
+  ASSERT_TRUE(sweeps.AddScan(pose, laser, std::vector<double>(turning.num_beams, 1.0)).ok());
+  EXPECT_EQ(LeftOut(ConversionFormat::kG2o, sweeps), "1 sweep time");
+  EXPECT_EQ(LeftOut(ConversionFormat::kPly, sweeps), "1 pose");
 }
 
 }  // namespace

@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "plumbline/apps/io/ply_reader.h"
+#include "plumbline/core/point_index.h"
 #include "plumbline/test/apps/program_testing.h"
 
 namespace plumbline {
@@ -32,6 +38,7 @@ TEST_F(ConvertProgramTest, ALogSurvivesTheWayThroughPoseGraphs) {
                              HasSubstr("Wrote " + folder_ + "a.g2o (g2o)\n")));
   ASSERT_EQ(Convert("a.g2o", "b.graph").exit_code, 0);
   ASSERT_EQ(Convert("b.graph", "b.g2o").exit_code, 0);
+  ExpectError(Convert("b.graph", "c.g2o", "--sweep_time_s=0.1"), "--sweep_time_s goes with a log");
   EXPECT_EQ(ReadFile(folder_ + "a.g2o"), ReadFile(folder_ + "b.g2o"));
   ASSERT_EQ(Convert("a.clf", "a.tum").exit_code, 0);
   ASSERT_EQ(Convert("b.g2o", "b.tum").exit_code, 0);
@@ -65,6 +72,37 @@ TEST_F(ConvertProgramTest, SaysWhatItLeavesOut) {
                          "floor: left out 5 poses, 4 edges, 5 scans; ros_map has no place for "
                          "them\n");
   EXPECT_THAT(ReadFile(folder_ + "floor.yaml"), HasSubstr("\nresolution: 0.1\n"));
+}
+
+TEST_F(ConvertProgramTest, ReturnsOfASweepAreWhereTheRobotWasAtTheirTimes) {
+  SimulateLog(60, "--sweep_time_s=0.15");
+  std::vector<double> hits;
+  for (const std::string& line : Lines(ReadFile(folder_ + "a.hits"))) {
+    double time_s = 0.0, beam = 0.0, x = 0.0, y = 0.0;
+    std::istringstream(line) >> time_s >> beam >> x >> y;
+    hits.insert(hits.end(), {x, y});
+  }
+  const PointIndex true_points(std::move(hits));
+  std::vector<PointIndex::Neighbor> nearest;
+  double mean_error_m[2] = {};
+  for (const bool as_swept : {false, true}) {
+    const Outcome run =
+        Convert("a.clf", "a.ply,b.g2o",
+                "--trajectory=" + folder_ + "a.tum --sweep_time_s=" + (as_swept ? "0" : "0.15"));
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(run.out.find("Sweeps: measured first beam first") == run.out.npos, as_swept);
+    EXPECT_EQ(run.err.find("b.g2o: left out 60 sweep times; g2o") == run.err.npos, as_swept);
+    std::vector<double> points;
+    ASSERT_TRUE(ReadPointsPly(folder_ + "a.ply", &points).ok());
+    ASSERT_GT(points.size(), 10000u);
+    for (std::size_t i = 0; i < points.size(); i += 2) {
+      true_points.FindNearest({points[i], points[i + 1]}, 1, &nearest);
+      mean_error_m[as_swept] += std::sqrt(nearest[0].squared_distance);
+    }
+    mean_error_m[as_swept] /= 0.5 * static_cast<double>(points.size());
+  }
+  EXPECT_LT(mean_error_m[false], 0.02);  // range noise
+  EXPECT_GT(mean_error_m[true], 1.3 * mean_error_m[false]);
 }
 
 TEST_F(ConvertProgramTest, ErrorsAreOneLineAndAnExitCode) {
