@@ -33,13 +33,6 @@ double Chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-std::vector<FreeSpaceScan> FreeSpaceOf(const SlamGraph& graph, const std::vector<int>& scans) {
-  std::vector<FreeSpaceScan> free_space;
-  free_space.reserve(scans.size());
-  for (const int scan : scans) free_space.emplace_back(graph, scan);
-  return free_space;
-}
-
 bool IsEnough(const FreeSpaceConflict& conflict) {
   return conflict.num_compared >= kFewestCompared;
 }
@@ -116,9 +109,10 @@ EdgeTests::Evidence EdgeTests::Test(const SlamGraph& graph,
   const std::vector<Beside> scans_a = ScansBeside(graph, edge.from, IsStep(edge)),
                             scans_b = ScansBeside(graph, edge.to, IsStep(edge));
   const auto free_space_of = [&](const std::vector<Beside>& scans) {
-    std::vector<int> ids;
-    for (const Beside& one : scans) ids.push_back(one.scan);
-    return FreeSpaceOf(graph, ids);
+    std::vector<FreeSpaceScan> free_space;
+    free_space.reserve(scans.size());
+    for (const Beside& one : scans) free_space.emplace_back(graph, one.scan);
+    return free_space;
   };
   const std::vector<FreeSpaceScan> free_a = free_space_of(scans_a), free_b = free_space_of(scans_b);
   for (std::size_t a = 0; a < scans_a.size(); ++a) {
