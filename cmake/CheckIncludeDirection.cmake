@@ -11,7 +11,10 @@ set(LIBRARY_FOLDERS core factors solvers)
 set(ROOMS_solvers interface pose_graph front_end loop_closure association terms landmarks acceptance
     full reduced incremental .)
 set(ROOMS_apps io bags saved_maps simulation program evaluation pictures figures report run convert
-    benchmark .)
+    slam_toolbox benchmark .)
+# A package of its own, which is built against the installed library: its files include each other
+# by their names alone, and of ours what is installed.
+set(PACKAGE apps/slam_toolbox)
 set(MAX_LINES_h 250)
 set(MAX_LINES_cc 600)
 
@@ -53,6 +56,10 @@ function(check_include file folder include)
       check_rooms(${file} ${folder} ${include})
     endif()
   elseif(include MATCHES "^\"")
+    string(REPLACE "\"" "" own "${include}")
+    if(file MATCHES "^${PACKAGE}/" AND EXISTS ${ROOT}/${PACKAGE}/${own})
+      return()
+    endif()
     complain("${file}: write ${include} as \"plumbline/<folder>/<file>\"")
   elseif(folder STREQUAL "core" AND include MATCHES "[/.]"
          AND NOT include MATCHES "^<(Eigen/|nanoflann\\.hpp>|xmmintrin\\.h>)")

@@ -23,6 +23,8 @@ function(make_good_tree)
        "#include <gflags/gflags.h>\n#include <iostream>\n#include \"plumbline/solvers/door.h\"\n")
   file(WRITE ${TREE}/test/a_test.cc
        "#include \"plumbline/core/a.h\"\n#include \"plumbline/test/e.h\"\n")
+  file(WRITE ${TREE}/apps/slam_toolbox/f.h "#include <plumbline/core/a.h>\n")
+  file(WRITE ${TREE}/apps/slam_toolbox/plugin.cc "#include \"f.h\"\n")
 endfunction()
 
 function(expect_complaint file text complaint)
@@ -51,6 +53,9 @@ expect_complaint(solvers/reduced/x.h "#include \"plumbline/solvers/door.h\"\n"
                  "its folder may not include")
 expect_complaint(apps/attic/x.h "#include \"plumbline/apps/io/y.h\"\n" "the folder of")
 expect_complaint(core/x.cc "int y;\n#include \"a.h\"\n" "write \"a.h\" as")
+expect_complaint(apps/slam_toolbox/x.h "#include \"none.h\"\n" "write \"none.h\" as")
+expect_complaint(apps/slam_toolbox/x.h "#include \"plumbline/apps/d_main.h\"\n"
+                 "its folder may not include")
 expect_complaint(core/x.h "#include <ceres/jet.h>\n" "core may not include <ceres/jet.h>")
 expect_complaint(solvers/x.h "#include <nanoflann.hpp>\n" "a public header may not include")
 expect_complaint(solvers/x.cc "int x = std::fprintf (stderr, 0);\n" "the library may not print")

@@ -81,8 +81,8 @@ foreach(source all_headers extra_headers)
     message(SEND_ERROR "${source}.cc does not compile with what is installed")
   endif()
 endforeach()
-# Examples, which the build compiles, show what is installed only.
-file(GLOB examples ${ROOT}/apps/examples/*.cc)
+# Examples and the plug-in, which the build compiles, include what is installed only.
+file(GLOB examples ${ROOT}/apps/examples/*.cc ${ROOT}/apps/slam_toolbox/*)
 foreach(source ${examples})
   file(STRINGS ${source} includes REGEX "^#include <plumbline/")
   list(TRANSFORM includes REPLACE "^#include <plumbline/([^>]+)>.*" "\\1")
