@@ -117,7 +117,9 @@ class SensorManager {
     if (!override && sensors_.count(pSensor->GetName()) > 0) throw Exception("known already");
     sensors_[pSensor->GetName()] = pSensor;
   }
-  void UnregisterSensor(Sensor* pSensor) { sensors_.erase(pSensor->GetName()); }
+  void UnregisterSensor(Sensor* pSensor) {
+    if (sensors_.erase(pSensor->GetName()) == 0) throw Exception("not registered");
+  }
   template <class T>
   T* GetSensorByName(const Name& rName) {
     const auto sensor = sensors_.find(rName);
