@@ -49,7 +49,11 @@ endif()
 add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -D BUILD_DIR=${PROJECT_BINARY_DIR}
                                     -P ${PROJECT_SOURCE_DIR}/cmake/Uninstall.cmake)
 
-# cpack -G DEB: libplumbline-dev, and plumbline with the programs.
+# cpack -G DEB: libplumbline-dev, and plumbline with the programs, if they are built. It packs what
+# is there and builds nothing.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
+set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/cmake/PackWhatIsBuilt.cmake)
+set(CPACK_PLUMBLINE_PROGRAM ${PROJECT_BINARY_DIR}/bin/plumbline_slam)
 set(CPACK_PACKAGE_NAME plumbline)
 set(CPACK_PACKAGE_VENDOR "Plumbline")
 set(CPACK_PACKAGE_CONTACT "The Plumbline developers <plumbline@localhost>")
@@ -63,7 +67,8 @@ set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libplumbline-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libceres-dev (>= 2.1), libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
+    "libceres-dev (>= ${PLUMBLINE_CERES_VERSION}), libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME plumbline)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)

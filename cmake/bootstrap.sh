@@ -1,24 +1,39 @@
 #!/usr/bin/env bash
-# Usage: cmake/bootstrap.sh [--tests]
-# Installs what the build needs and the system lacks; with --tests also what tests can do without:
-# doxygen for the API reference, clang-format, clang-tidy, other locales, the browser that report.html
-# is tested in (300 MB), and the library for bags of ROS 1 (200 MB). Debian and its kin only: elsewhere it says what
-# is wanted and leaves the rest to CMake.
+# Usage: cmake/bootstrap.sh [library | programs | tests | all]
+# Installs what a build needs and the system lacks: of the library alone, of the programs too, or of
+# the tests as well (the default). `all` adds what tests can do without: doxygen for the API
+# reference, clang-format, clang-tidy, other locales, the browser that report.html is tested in
+# (300 MB), and libraries of ROS, for its bags and for the plug-in (200 MB). Debian and its kin only:
+# elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
 packages=(
   g++ cmake make pkg-config
-  libceres-dev libeigen3-dev libsuitesparse-dev libnanoflann-dev                    # library
-  libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev      # programs
-  libsqlite3-dev liblz4-dev libzstd-dev libyaml-cpp-dev                             # bags of ROS 2
-  libgtest-dev libgmock-dev                                                         # tests
+  libceres-dev libeigen3-dev libsuitesparse-dev libnanoflann-dev
 )
+programs=(
+  libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev
+  libsqlite3-dev liblz4-dev libzstd-dev libyaml-cpp-dev  # bags of ROS 2
+)
+tests=(libgtest-dev libgmock-dev)
 browser=(chromium chromium-driver python3-selenium)
 rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev)
+plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)
+
+wanted=${1:-tests}
+case $wanted in
+  library) ;;
+  programs) packages+=("${programs[@]}") ;;
+  tests | all) packages+=("${programs[@]}" "${tests[@]}") ;;
+  *)
+    echo "bootstrap: '$wanted' is none of library, programs, tests, all" >&2
+    exit 2
+    ;;
+esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
-  echo "bootstrap: bags of ROS 1 want ${rosbag[*]}" >&2
+  if [[ $wanted != library ]]; then echo "bootstrap: bags of ROS 1 want ${rosbag[*]}" >&2; fi
   exit 0
 fi
 
@@ -47,11 +62,12 @@ install_missing() {
 }
 
 install_missing "${packages[@]}"
-if [[ ${1:-} == --tests ]]; then
+if [[ $wanted == all ]]; then
   install_missing doxygen || echo "bootstrap: no doxygen; the API reference is not tested" >&2
   install_missing git clang-tidy-14 || echo "bootstrap: no clang-tidy-14; the test tidy is skipped" >&2
   install_missing clang-format-14 || echo "bootstrap: no clang-format-14; formatting is not tested" >&2
   install_missing locales || echo "bootstrap: no locales; the test of decimal commas is skipped" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
+  install_missing "${plugin[@]}" || echo "bootstrap: no ament; the plug-in of slam_toolbox is not built" >&2
   install_missing "${rosbag[@]}" || echo "bootstrap: no library for bags of ROS 1; the build goes without" >&2
 fi

@@ -9,7 +9,7 @@
 #   fuzz [SECONDS]  every fuzz target for SECONDS each (default: 600)
 #   kills [N]       N runs of the programs (default: 500), killed or stopped at random times
 # Warnings are errors everywhere. Tests on real logs run if PLUMBLINE_DATASETS names their folder.
-# Needs clang, clang-tidy and gcovr besides what cmake/bootstrap.sh --tests installs; takes ninja
+# Needs clang, clang-tidy and gcovr besides what cmake/bootstrap.sh all installs; takes ninja
 # where there is one.
 set -euo pipefail
 
@@ -19,7 +19,7 @@ jobs=$(nproc)
 debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
 # What compiles, installs or shows elsewhere has nothing to say to sanitizers.
 elsewhere='^(un)?install|^(shared_)?consumer_|^(public_headers|readme_code|shared_library)$'
-elsewhere+='|^(api_reference|report_browser)$'
+elsewhere+='|^(api_reference|report_browser|packages|bootstrap|slam_toolbox_package)$'
 
 # configure FOLDER COMPILER CMAKE_ARGUMENT...
 configure() {

@@ -59,6 +59,8 @@ expect_complaint(apps/slam_toolbox/x.h "#include \"plumbline/apps/d_main.h\"\n"
 expect_complaint(core/x.h "#include <ceres/jet.h>\n" "core may not include <ceres/jet.h>")
 expect_complaint(solvers/x.h "#include <nanoflann.hpp>\n" "a public header may not include")
 expect_complaint(solvers/x.cc "int x = std::fprintf (stderr, 0);\n" "the library may not print")
+expect_complaint(solvers/x.cc "const ceres::Manifold* x;\n" "Ceres 2.0 has no manifolds")
+expect_complaint(solvers/x.h "ceres::LocalParameterization x;\n" "Ceres 2.0 has no manifolds")
 foreach(header gflags/gflags.h glog/logging.h iostream fstream)
   foreach(folder core factors solvers)
     expect_complaint(${folder}/x.cc "#include <${header}>\n" "the library may not include <${header}>")

@@ -16,7 +16,7 @@ else
   exit 1
 fi
 
-"$root/cmake/bootstrap.sh" --tests
+"$root/cmake/bootstrap.sh" all
 "$root/cmake/build.sh"
 echo "Tests on real logs: $real_data"
 cd "$root/build"

@@ -3,6 +3,7 @@
 
 #include <ceres/cost_function.h>
 #include <ceres/gradient_checker.h>
+#include <ceres/version.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -109,9 +110,17 @@ inline void ExpectSame(const ceres::CostFunction& a, const ceres::CostFunction& 
   }
 }
 
+/// What shape the space of a block has. All of ours are flat, and nothing but the signature of
+/// ceres::GradientChecker asks.
+#if CERES_VERSION_MAJOR < 2 || (CERES_VERSION_MAJOR == 2 && CERES_VERSION_MINOR < 1)
+using BlockGeometry = ceres::LocalParameterization;
+#else
+using BlockGeometry = ceres::Manifold;
+#endif
+
 /// Jacobians against numeric differences. Keep the state some 0.01 away from any jump.
 inline void ExpectGradientsCorrect(const ceres::CostFunction& factor, const Blocks& blocks) {
-  const std::vector<const ceres::Manifold*>* euclidean = nullptr;  // typed: Ceres 2.1 overloads
+  const std::vector<const BlockGeometry*>* euclidean = nullptr;  // typed: Ceres 2.1 overloads
   ceres::NumericDiffOptions options;
   options.ridders_relative_initial_step_size = 1e-4;  // Ceres starts at 32 times this
   const ceres::GradientChecker checker(&factor, euclidean, options);
