@@ -18,9 +18,11 @@
 #include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
+#include "plumbline/apps/benchmark/mapper_record.h"
 #include "plumbline/apps/benchmark/replay.h"
 #include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
+#include "plumbline/apps/benchmark/scan_solver_replay.h"
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/sensor_matrix.h"
 #include "plumbline/apps/benchmark/sensor_report.h"
@@ -53,9 +55,11 @@ const plumbline::ComparisonOptions& Defaults() {
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-              "scaling, log, synthetic, ablation, replay, adversarial, sensors");
+              "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors");
 DEFINE_string(
-    csv, "", "seeding_study, scaling, adversarial: table to write, one line per run (empty: none)");
+    csv, "",
+    "seeding_study, scaling, scan_solver, adversarial: table to write, one line per run or "
+    "computation (empty: none)");
 DEFINE_int32(buildings, 180, "seeding_study: simulated buildings, one run each");
 DEFINE_uint64(study_first_seed, 1,
               "seeding_study: seeds of buildings, noise and faults count from this one, half as "
@@ -63,10 +67,16 @@ DEFINE_uint64(study_first_seed, 1,
 DEFINE_string(
     log, "",
     "solver_comparison, log, ablation, replay: CARMEN log, plain or .gz (empty: a simulated "
-    "building; ablation: none)");
-DEFINE_string(relations, "",
-              "solver_comparison, log, ablation: true relative poses of the log ('t1 t2 x y z roll "
-              "pitch yaw')");
+    "building; ablation: none); scan_solver: the log of --graph, whose odometry leads from node to "
+    "node");
+DEFINE_string(
+    graph, "",
+    "scan_solver: pose graph with scans, its vertices in the order in which a mapper made "
+    "them (empty: that of a simulated mapper)");
+DEFINE_string(
+    relations, "",
+    "solver_comparison, log, ablation, scan_solver: true relative poses of the log ('t1 t2 "
+    "x y z roll pitch yaw')");
 DEFINE_string(
     corrected_log, "",
     "log: the same drive with poses that another mapper corrected, to start from as well");
@@ -76,7 +86,7 @@ DEFINE_double(time_limit_s, Defaults().time_limit_s,
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
-    "for seeding_study, scaling and adversarial only)");
+    "for seeding_study, scaling, scan_solver and adversarial only)");
 DEFINE_int32(seeds, 30,
              "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
@@ -359,6 +369,27 @@ Status ReplayDrive(const OutputFolder& output, HtmlReport* page) {
   return WriteReplayChart(output.File("replay.png"), replay);
 }
 
+Status ReplayMapper(const OutputFolder&, HtmlReport* page) {
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  MapperRecord record;
+  PLUMBLINE_RETURN_IF_ERROR(FLAGS_graph.empty()
+                                ? SimulateMapper(&record)
+                                : ReadMapper(FLAGS_graph, FLAGS_log, FLAGS_relations, &record));
+  ScanSolverReplay replay;
+  PLUMBLINE_RETURN_IF_ERROR(ReplayScanSolver(
+      solver, record.graph,
+      [](const ScanSolverCall& call) {
+        std::cout << "  " << call.num_nodes << " nodes, " << call.num_edges
+                  << " edges: " << std::fixed << std::setprecision(3) << call.wall_s << " s\n"
+                  << std::flush;
+      },
+      &replay));
+  Print("Scan solver of a mapper",
+        ScanSolverTable(replay) + MapperErrors(record, replay.world_from_robot), page);
+  return FLAGS_csv.empty() ? Status::Ok() : WriteScanSolverCsv(FLAGS_csv, replay);
+}
+
 struct Experiment {
   const char* name;
   Status (*run)(const OutputFolder& output, HtmlReport* page);
@@ -382,6 +413,7 @@ constexpr Experiment kExperiments[] = {
      false, true, true, true},
     {"ablation", Ablation, "ablation.csv ablation.json", false, true, true},
     {"replay", ReplayDrive, "trajectory.tum replay.csv replay.png", false, true, false},
+    {"scan_solver", ReplayMapper, "", false, false, false, false, true},
     {"adversarial", Adversarial, "", false, false, false, false, true},
     {"sensors", Sensors, "sensors.csv sensors.json", false, true, false}};
 
@@ -430,6 +462,7 @@ std::vector<std::string> TablesOfExperiments(const std::string& csv) {
 const std::vector<FileFlag>& FileFlags() {
   static const std::vector<FileFlag> flags = {
       {"log", &FLAGS_log, FileUse::kInput, LogFiles},
+      {"graph", &FLAGS_graph, FileUse::kInput},
       {"relations", &FLAGS_relations, FileUse::kInput},
       {"corrected_log", &FLAGS_corrected_log, FileUse::kInput},
       {"csv", &FLAGS_csv, FileUse::kOutput, TablesOfExperiments},
@@ -540,6 +573,8 @@ int main(int argc, char** argv) {
       "on simulated buildings and on a log\n"
       "  replay             a host that maps while driving: time of each solve, and how the end "
       "compares to solving all at once\n"
+      "  scan_solver        the calls of a mapper as slam_toolbox to its scan solver: time of "
+      "each\n"
       "  adversarial        falsified graphs and logs of simulated buildings: is any result worse "
       "than "
       "its start?\n"
@@ -552,6 +587,8 @@ int main(int argc, char** argv) {
       "  plumbline_benchmark --experiment=synthetic,log,ablation --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
       "  plumbline_benchmark --experiment=replay --log=fr079.clf.gz --output_dir=out\n"
+      "  plumbline_benchmark --experiment=scan_solver --graph=intel.g2o --log=intel.clf.gz "
+      "--relations=intel.relations\n"
       "  plumbline_benchmark --experiment=adversarial --seeds=5 --csv=adversarial.csv\n"
       "  plumbline_benchmark --experiment=sensors --output_dir=out",
       argc, argv);

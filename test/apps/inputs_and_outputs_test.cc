@@ -53,7 +53,7 @@ const std::vector<Program> kPrograms = {
      {{"trajectory", "IN/a.tum"}, {"truth", "IN/a.tum"}}},
     {"convert", {"input", "trajectory"}, {{"input", "IN/a.clf"}, {"output", "IN/b.tum"}}},
     {"benchmark",
-     {"log", "relations", "corrected_log"},
+     {"log", "graph", "relations", "corrected_log"},
      {{"experiment", "replay,seeding_study"},
       {"log", "IN/a.clf"},
       {"output_dir", "IN/out"},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/test/apps/program_testing.h"
+#include "plumbline/test/apps/room_as_g2o.h"
 
 namespace plumbline {
 namespace {
@@ -236,6 +237,17 @@ TEST_F(ProgramsTest, StudiesTheSeeding) {
   EXPECT_EQ(Lines(ReadFile(folder_ + "study.csv")).size(), 5u);
   ExpectUsageError(Run("benchmark", "--experiment=magic"), "--experiment='magic'");
   ExpectUsageError(Run("benchmark", "--experiment=log --output_dir=" + folder_ + "out"), "--log");
+}
+
+TEST_F(ProgramsTest, ReplaysAMapper) {
+  WriteFile(folder_ + "room.g2o", AsG2o(MakeNoisyRoom()));
+  const std::string replay = "--experiment=scan_solver --graph=" + folder_ + "room.g2o ";
+  const Outcome run = Run("benchmark", replay + "--csv=" + folder_ + "calls.csv");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("\n1 computations, the last with 12 nodes and 12 edges\n"),
+                             HasSubstr("wall time: mean "), HasSubstr("CPU time:  mean ")));
+  EXPECT_EQ(Lines(ReadFile(folder_ + "calls.csv")).size(), 2u);
+  ExpectUsageError(Run("benchmark", replay + "--relations=a.relations"), "need --log");
 }
 
 TEST_F(ProgramsTest, ReplaysALog) {
