@@ -6,13 +6,11 @@
 #include <plumbline/core/pose2.h>
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/core/status.h>
-#include <plumbline/solvers/pose_graph/pose_graph.h>
 #include <plumbline/solvers/solve.h>
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,7 +60,7 @@ class JointMap {
   /// axes of the source. Fails on unknown ids, and on what SlamGraph::AddRelativePose refuses.
   Status AddConstraint(int source, int target, const Pose2& source_from_target,
                        const Eigen::Matrix3d& covariance) {
-    const Constraint constraint{source, target, source_from_target, covariance, true};
+    const Constraint constraint{source, target, source_from_target, covariance};
     const std::string name =
         "constraint " + std::to_string(source) + " -> " + std::to_string(target);
     if (nodes_.count(source) == 0 || nodes_.count(target) == 0) {
@@ -95,9 +93,6 @@ class JointMap {
       return Named(id, Status::InvalidArgument("is moved to a pose that is not finite"));
     }
     node->second.world_from_robot = world_from_robot;
-    for (Constraint& constraint : constraints_) {
-      if (constraint.source == id || constraint.target == id) constraint.is_new = true;
-    }
     return Status::Ok();
   }
 
@@ -106,17 +101,19 @@ class JointMap {
     constraints_.clear();
   }
 
-  /// Moves the nodes to the estimate; the one of the lowest id stays. Where the joint estimation
-  /// fails the nodes are at the optimum of a pose graph, and the status says why.
+  /// Moves the nodes to the estimate; the one of the lowest id stays. Loops may gape by metres, and
+  /// constraints may be false, see Solve. Without any scan it is the optimum of the constraints.
+  /// Unavailable if that fails; then all nodes stay.
   Status Estimate() {
-    if (nodes_.empty()) return Status::Ok();
-    SpreadConstraints();
-    for (Constraint& constraint : constraints_) constraint.is_new = false;
     SlamGraph graph;
     PLUMBLINE_RETURN_IF_ERROR(MakeGraph(&graph));
-    if (graph.num_returns() == 0) return Status::Ok();
+    SolverOptions options = options_;
+    if (graph.num_returns() == 0) {
+      if (constraints_.empty()) return Status::Ok();
+      options.type = SolverType::kPoseGraph;
+    }
     MapState state = graph.InitialState();
-    const SolverSummary summary = Solve(options_, graph, &state);
+    const SolverSummary summary = Solve(options, graph, &state);
     if (!summary.IsSolutionUsable()) return Status::Unavailable(summary.message);
     for (auto& [id, node] : nodes_) node.world_from_robot = state.WorldFromRobot(node.pose);
     return Status::Ok();
@@ -141,13 +138,12 @@ class JointMap {
     double timestamp_s = 0.0;
     LaserModel laser;
     std::vector<double> ranges_m;  // empty: no scan
-    int pose = 0;                  // its number, within Estimate
+    int pose = 0;                  // within Estimate
   };
   struct Constraint {
     int source = 0, target = 0;
     Pose2 source_from_target;
     Eigen::Matrix3d covariance;
-    bool is_new = true;  // no estimate has taken it in
   };
 
   static Status Named(int id, const Status& status) {
@@ -161,60 +157,20 @@ class JointMap {
                        constraints_.end());
   }
 
-  RelativePoseConstraint EdgeOf(const Constraint& constraint) const {
-    return {nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
-            constraint.source_from_target, constraint.covariance};
-  }
-
-  // The first pose of each group of nodes that constraints join: what a pose graph has to hold.
-  static std::vector<int> FirstOfGroups(int num_poses,
-                                        const std::vector<RelativePoseConstraint>& edges) {
-    std::vector<int> first(num_poses);
-    std::iota(first.begin(), first.end(), 0);
-    const auto find = [&first](int pose) {
-      while (first[pose] != pose) pose = first[pose] = first[first[pose]];
-      return pose;
-    };
-    for (const RelativePoseConstraint& edge : edges) {
-      const int from = find(edge.from), to = find(edge.to);
-      first[std::max(from, to)] = std::min(from, to);
-    }
-    std::vector<int> result;
-    for (int pose = 0; pose < num_poses; ++pose) {
-      if (first[pose] == pose) result.push_back(pose);
-    }
-    return result;
-  }
-
-  // The joint estimation wants poses that are right to a few decimetres, and a new constraint may
-  // close a loop that gapes wider: a pose graph brings them there. In it, constraints that an
-  // earlier estimate has taken in keep what it made of them, which is better than what they say.
-  void SpreadConstraints() {
-    std::vector<Pose2> poses;
+  // Numbers the nodes as poses.
+  Status MakeGraph(SlamGraph* graph) {
     for (auto& [id, node] : nodes_) {
-      node.pose = static_cast<int>(poses.size());
-      poses.push_back(node.world_from_robot);
-    }
-    std::vector<RelativePoseConstraint> edges;
-    for (const Constraint& constraint : constraints_) {
-      RelativePoseConstraint edge = EdgeOf(constraint);
-      if (!constraint.is_new) edge.from_from_to = Between(poses[edge.from], poses[edge.to]);
-      edges.push_back(edge);
-    }
-    OptimizePoseGraph(edges, {}, &poses, FirstOfGroups(static_cast<int>(poses.size()), edges));
-    for (auto& [id, node] : nodes_) node.world_from_robot = poses[node.pose];
-  }
-
-  Status MakeGraph(SlamGraph* graph) const {
-    for (const auto& [id, node] : nodes_) {
-      int pose = 0, laser = 0;
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(node.world_from_robot, node.timestamp_s, &pose));
+      int laser = 0;
+      PLUMBLINE_RETURN_IF_ERROR(
+          graph->AddPose(node.world_from_robot, node.timestamp_s, &node.pose));
       if (node.ranges_m.empty()) continue;
       PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(node.laser, &laser));
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, node.ranges_m));
+      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(node.pose, laser, node.ranges_m));
     }
-    for (const Constraint& constraint : constraints_) {
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(EdgeOf(constraint)));
+    for (const Constraint& c : constraints_) {
+      PLUMBLINE_RETURN_IF_ERROR(
+          graph->AddRelativePose({nodes_.at(c.source).pose, nodes_.at(c.target).pose,
+                                  c.source_from_target, c.covariance}));
     }
     return Status::Ok();
   }

@@ -42,6 +42,21 @@ TEST(JointScanSolverTest, ScansMakeTheMapBetterThanConstraintsDo) {
   EXPECT_GT(mapper.ErrorOfPoseGraph(), 3.0 * mapper.Error());
 }
 
+TEST(JointScanSolverTest, FalseClosuresDoNotBendTheMap) {
+  JointScanSolver solver;
+  SimulatedMapper mapper(&solver);
+  mapper.RegisterLaser();
+  mapper.Drive(70);
+  mapper.Link(5, 60, {1.5, -1.0, 0.3});
+  mapper.CorrectPoses();
+  mapper.Drive(kOnceRound - 70);
+  mapper.Link(4, kOnceRound - 1);
+  mapper.Link(30, 100, {-2.0, 0.5, 0.1});
+  mapper.CorrectPoses();
+  EXPECT_LT(mapper.Error(), 0.02);
+  EXPECT_GT(mapper.ErrorOfPoseGraph(), 10.0 * mapper.Error());
+}
+
 TEST(JointScanSolverTest, CorrectionsLastUntilTheyAreCleared) {
   JointScanSolver solver;
   SimulatedMapper mapper(&solver);

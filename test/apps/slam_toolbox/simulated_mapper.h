@@ -63,11 +63,13 @@ class SimulatedMapper {
       scans_[id] = MakeScan(id, pose);
       vertices_[id] = std::make_unique<Vertex>(scans_[id].get());
       solver_->AddNode(vertices_[id].get());
-      if (id > 0) Link(id - 1, id, matched);
+      if (id > 0) AddEdge(id - 1, id, matched);
     }
   }
-  /// A loop closure, or any other match.
-  void Link(int from, int to) { Link(from, to, Match(from, to)); }
+  /// A loop closure, or any other match; `error` makes it a false one.
+  void Link(int from, int to, const Pose2& error = Pose2()) {
+    AddEdge(from, to, Match(from, to) * error);
+  }
   /// MapperGraph::CorrectPoses. Returns the number of corrections.
   int CorrectPoses() {
     solver_->Compute();
@@ -177,7 +179,7 @@ class SimulatedMapper {
     const double x = kMatchM * noise_(engine_), y = kMatchM * noise_(engine_);
     return Between(TruePose(from), TruePose(to)) * Pose2(x, y, kMatchRad * noise_(engine_));
   }
-  void Link(int from, int to, const Pose2& motion) {
+  void AddEdge(int from, int to, const Pose2& motion) {
     const Pose2 here = PoseOf(from), there = here * motion;
     karto::Matrix3 covariance;
     covariance(0, 0) = covariance(1, 1) = kMatchM * kMatchM;
