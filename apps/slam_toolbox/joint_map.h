@@ -6,6 +6,8 @@
 #include <plumbline/core/pose2.h>
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/core/status.h>
+#include <plumbline/solvers/incremental_solver.h>
+#include <plumbline/solvers/pose_graph/pose_graph.h>
 #include <plumbline/solvers/solve.h>
 
 #include <Eigen/Core>
@@ -15,23 +17,29 @@
 #include <utility>
 #include <vector>
 
+#include "map_input.h"
+
 namespace plumbline {
 
 /// A map under the ids of a mapper: nodes with scans, and constraints between them. Both come and
 /// go. Estimate() fits the nodes that are there to their constraints and to all laser returns. What
 /// is refused changes nothing.
+///
+/// As long as the map only grows, and new constraints agree with it, an estimate goes on where the
+/// last one ended (IncrementalSolver). Where a new constraint contradicts the map, everything is
+/// estimated with all constraints, which the scans test (Solve); those that contradict the result
+/// do not count until the next such time.
 class JointMap {
  public:
-  explicit JointMap(SolverOptions options = SolverOptions()) : options_(std::move(options)) {}
+  explicit JointMap(SolverOptions options = SolverOptions())
+      : options_(std::move(options)), solver_(options_) {}
 
   /// Adds a node at its initial guess, time in [s]. A known id gives way to the new node, with its
   /// constraints. Fails on a pose or time that SlamGraph::AddPose refuses.
   Status AddNode(int id, const Pose2& world_from_robot, double timestamp_s) {
-    int pose = 0;
-    SlamGraph trial;
-    PLUMBLINE_RETURN_IF_ERROR(Named(id, trial.AddPose(world_from_robot, timestamp_s, &pose)));
+    PLUMBLINE_RETURN_IF_ERROR(CheckNode(id, world_from_robot, timestamp_s));
     RemoveNode(id);
-    nodes_[id] = {world_from_robot, timestamp_s, {}, {}, 0};
+    nodes_[id] = {world_from_robot, timestamp_s, {}, {}, kNotInGraph};
     return Status::Ok();
   }
 
@@ -39,12 +47,9 @@ class JointMap {
   /// on an unknown id, and on a laser or ranges that SlamGraph refuses.
   Status SetScan(int id, const LaserModel& laser, std::vector<double> ranges_m) {
     const auto node = nodes_.find(id);
-    if (node == nodes_.end()) return Named(id, Status::NotFound("is not in the map"));
-    int ignored = 0;
-    SlamGraph trial;
-    PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &ignored));
-    PLUMBLINE_RETURN_IF_ERROR(Named(id, trial.AddLaser(laser, &ignored)));
-    PLUMBLINE_RETURN_IF_ERROR(Named(id, trial.AddScan(0, 0, ranges_m)));
+    if (node == nodes_.end()) return NoSuchNode(id);
+    PLUMBLINE_RETURN_IF_ERROR(CheckScan(id, laser, ranges_m));
+    if (node->second.pose != kNotInGraph) is_outdated_ = true;
     node->second.laser = laser;
     node->second.ranges_m = std::move(ranges_m);
     return Status::Ok();
@@ -52,7 +57,10 @@ class JointMap {
 
   /// Removes a node and its constraints, if there is one of this id.
   void RemoveNode(int id) {
-    if (nodes_.erase(id) == 0) return;
+    const auto node = nodes_.find(id);
+    if (node == nodes_.end()) return;
+    if (node->second.pose != kNotInGraph) is_outdated_ = true;
+    nodes_.erase(node);
     EraseConstraints([id](const Constraint& c) { return c.source == id || c.target == id; });
   }
 
@@ -60,20 +68,11 @@ class JointMap {
   /// axes of the source. Fails on unknown ids, and on what SlamGraph::AddRelativePose refuses.
   Status AddConstraint(int source, int target, const Pose2& source_from_target,
                        const Eigen::Matrix3d& covariance) {
-    const Constraint constraint{source, target, source_from_target, covariance};
-    const std::string name =
-        "constraint " + std::to_string(source) + " -> " + std::to_string(target);
-    if (nodes_.count(source) == 0 || nodes_.count(target) == 0) {
-      return Status::NotFound(name + ": no such nodes");
+    for (const int id : {source, target}) {
+      if (nodes_.count(id) == 0) return NoSuchNode(id);
     }
-    int ignored = 0;
-    SlamGraph trial;
-    PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &ignored));
-    PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &ignored));
-    const Status status =
-        trial.AddRelativePose({0, source == target ? 0 : 1, source_from_target, covariance});
-    if (!status.ok()) return Status::InvalidArgument(name + ": " + status.message());
-    constraints_.push_back(constraint);
+    PLUMBLINE_RETURN_IF_ERROR(CheckConstraint(source, target, source_from_target, covariance));
+    constraints_.push_back({source, target, source_from_target, covariance, Standing::kNew});
     return Status::Ok();
   }
 
@@ -84,14 +83,11 @@ class JointMap {
     });
   }
 
-  /// Puts a node where the next estimation starts from. Fails on an unknown id and on a pose that
-  /// is not finite.
+  /// Puts a node where the next estimation starts from. Fails on an unknown id and like AddNode.
   Status MoveNode(int id, const Pose2& world_from_robot) {
     const auto node = nodes_.find(id);
-    if (node == nodes_.end()) return Named(id, Status::NotFound("is not in the map"));
-    if (!IsFinite(world_from_robot)) {
-      return Named(id, Status::InvalidArgument("is moved to a pose that is not finite"));
-    }
+    if (node == nodes_.end()) return NoSuchNode(id);
+    PLUMBLINE_RETURN_IF_ERROR(CheckNode(id, world_from_robot, node->second.timestamp_s));
     node->second.world_from_robot = world_from_robot;
     return Status::Ok();
   }
@@ -99,31 +95,32 @@ class JointMap {
   void Clear() {
     nodes_.clear();
     constraints_.clear();
+    is_outdated_ = true;
   }
 
-  /// Moves the nodes to the estimate; the one of the lowest id stays. Loops may gape by metres, and
+  /// Moves the nodes to the estimate; the one that came first stays. Loops may gape by metres, and
   /// constraints may be false, see Solve. Without any scan it is the optimum of the constraints.
   /// Unavailable if that fails; then all nodes stay.
   Status Estimate() {
-    SlamGraph graph;
-    PLUMBLINE_RETURN_IF_ERROR(MakeGraph(&graph));
-    SolverOptions options = options_;
-    if (graph.num_returns() == 0) {
-      if (constraints_.empty()) return Status::Ok();
-      options.type = SolverType::kPoseGraph;
+    if (is_outdated_) StartAnew();
+    PLUMBLINE_RETURN_IF_ERROR(ExtendGraph());
+    std::vector<Pose2> world_from_robot(nodes_.size());
+    for (const auto& [id, node] : nodes_) world_from_robot[node.pose] = node.world_from_robot;
+    std::vector<double> poses = PoseArray(world_from_robot);
+    const bool has_scans = graph_.num_returns() > 0;
+    const bool all_agree = TakeInAgreeing(world_from_robot);
+    if (!all_agree || !has_scans) PLUMBLINE_RETURN_IF_ERROR(TestOthers(&poses));
+    if (has_scans) {
+      PLUMBLINE_RETURN_IF_ERROR(solver_.Update(graph_, UpdateScope::kAutomatic, &poses));
     }
-    MapState state = graph.InitialState();
-    const SolverSummary summary = Solve(options, graph, &state);
-    if (!summary.IsSolutionUsable()) return Status::Unavailable(summary.message);
-    for (auto& [id, node] : nodes_) node.world_from_robot = state.WorldFromRobot(node.pose);
+    for (auto& [id, node] : nodes_) node.world_from_robot = Pose2(&poses[3 * node.pose]);
     return Status::Ok();
   }
 
   /// Where the nodes are, by id.
   std::map<int, Pose2> Poses() const {
     std::map<int, Pose2> poses;
-    for (const auto& [id, node] : nodes_)
-      poses.emplace_hint(poses.end(), id, node.world_from_robot);
+    for (const auto& [id, node] : nodes_) poses[id] = node.world_from_robot;
     return poses;
   }
   /// Null for an unknown id.
@@ -133,51 +130,111 @@ class JointMap {
   }
 
  private:
+  static constexpr int kNotInGraph = -1;
+  // Squared Mahalanobis length, beyond which a constraint contradicts the map: of those that agree,
+  // one of a thousand is (three degrees of freedom).
+  static constexpr double kContradictsChi2 = 16.27;
+
   struct Node {
     Pose2 world_from_robot;
     double timestamp_s = 0.0;
     LaserModel laser;
     std::vector<double> ranges_m;  // empty: no scan
-    int pose = 0;                  // within Estimate
+    int pose = kNotInGraph;
   };
+  enum class Standing { kNew, kBelieved, kRefused };
   struct Constraint {
     int source = 0, target = 0;
     Pose2 source_from_target;
     Eigen::Matrix3d covariance;
+    Standing standing = Standing::kNew;
   };
-
-  static Status Named(int id, const Status& status) {
-    if (status.ok()) return status;
-    return Status::InvalidArgument("node " + std::to_string(id) + ": " + status.message());
-  }
 
   template <typename Condition>
   void EraseConstraints(const Condition& condition) {
-    constraints_.erase(std::remove_if(constraints_.begin(), constraints_.end(), condition),
-                       constraints_.end());
+    const auto end = std::remove_if(constraints_.begin(), constraints_.end(), condition);
+    if (end != constraints_.end()) is_outdated_ = true;
+    constraints_.erase(end, constraints_.end());
   }
 
-  // Numbers the nodes as poses.
-  Status MakeGraph(SlamGraph* graph) {
+  RelativePoseConstraint EdgeOf(const Constraint& constraint) const {
+    return {nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
+            constraint.source_from_target, constraint.covariance};
+  }
+
+  // A graph only grows: after something of it has gone, there is a new one.
+  void StartAnew() {
+    graph_ = SlamGraph();
+    solver_ = IncrementalSolver(options_);
+    for (auto& [id, node] : nodes_) node.pose = kNotInGraph;
+    for (Constraint& constraint : constraints_) {
+      if (constraint.standing == Standing::kBelieved) constraint.standing = Standing::kNew;
+    }
+    is_outdated_ = false;
+  }
+
+  // Takes in new nodes.
+  Status ExtendGraph() {
     for (auto& [id, node] : nodes_) {
+      if (node.pose != kNotInGraph) continue;
       int laser = 0;
       PLUMBLINE_RETURN_IF_ERROR(
-          graph->AddPose(node.world_from_robot, node.timestamp_s, &node.pose));
+          graph_.AddPose(node.world_from_robot, node.timestamp_s, &node.pose));
       if (node.ranges_m.empty()) continue;
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(node.laser, &laser));
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(node.pose, laser, node.ranges_m));
-    }
-    for (const Constraint& c : constraints_) {
-      PLUMBLINE_RETURN_IF_ERROR(
-          graph->AddRelativePose({nodes_.at(c.source).pose, nodes_.at(c.target).pose,
-                                  c.source_from_target, c.covariance}));
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(node.laser, &laser));
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(node.pose, laser, node.ranges_m));
     }
     return Status::Ok();
+  }
+
+  // Takes in new constraints that agree with the map. False if there are others.
+  bool TakeInAgreeing(const std::vector<Pose2>& world_from_robot) {
+    bool all = true;
+    for (Constraint& constraint : constraints_) {
+      if (constraint.standing != Standing::kNew) continue;
+      if (!BelieveIfAgreeing(world_from_robot, &constraint)) all = false;
+    }
+    return all;
+  }
+
+  // Estimates everything with all constraints, which the scans test, and takes in those that the
+  // result agrees with. The others do not count until the next time.
+  Status TestOthers(std::vector<double>* poses) {
+    SlamGraph trial = graph_;
+    for (const Constraint& constraint : constraints_) {
+      if (constraint.standing == Standing::kBelieved) continue;
+      PLUMBLINE_RETURN_IF_ERROR(trial.AddRelativePose(EdgeOf(constraint)));
+    }
+    if (trial.relative_poses().empty()) return Status::Ok();
+    SolverOptions options = options_;
+    if (trial.num_returns() == 0) options.type = SolverType::kPoseGraph;
+    MapState state{*poses, trial.MeasuredMap(*poses)};
+    const SolverSummary summary = Solve(options, trial, &state);
+    if (!summary.IsSolutionUsable()) return Status::Unavailable(summary.message);
+    *poses = std::move(state.poses);
+    const std::vector<Pose2> world_from_robot = PosesOf(*poses);
+    for (Constraint& constraint : constraints_) {
+      if (constraint.standing == Standing::kBelieved) continue;
+      constraint.standing = Standing::kRefused;
+      BelieveIfAgreeing(world_from_robot, &constraint);
+    }
+    return Status::Ok();
+  }
+
+  bool BelieveIfAgreeing(const std::vector<Pose2>& world_from_robot, Constraint* constraint) {
+    const RelativePoseConstraint edge = EdgeOf(*constraint);
+    if (EdgeChi2(edge, world_from_robot) > kContradictsChi2) return false;
+    // AddConstraint has found it sound.
+    if (graph_.AddRelativePose(edge).ok()) constraint->standing = Standing::kBelieved;
+    return true;
   }
 
   SolverOptions options_;
   std::map<int, Node> nodes_;
   std::vector<Constraint> constraints_;
+  SlamGraph graph_;  // the nodes that were estimated, and the constraints that are believed
+  IncrementalSolver solver_;
+  bool is_outdated_ = false;  // something that graph_ has is no more
 };
 
 }  // namespace plumbline

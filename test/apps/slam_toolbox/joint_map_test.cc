@@ -144,7 +144,8 @@ TEST(JointMapTest, RefusesByNameAndChangesNothing) {
   bad.max_range_m = -1.0;
   EXPECT_THAT(map.SetScan(2, bad, {1, 1, 1, 1}).message(), HasSubstr("max_range_m"));
 
-  EXPECT_THAT(map.AddConstraint(1, 3, {}, Covariance(0.1)).message(), HasSubstr("1 -> 3"));
+  EXPECT_THAT(map.AddConstraint(1, 3, {}, Covariance(0.1)).message(),
+              HasSubstr("node 3 is not in the map"));
   EXPECT_THAT(map.AddConstraint(1, 1, {}, Covariance(0.1)).message(), HasSubstr("1 -> 1"));
   EXPECT_THAT(map.AddConstraint(1, 2, {nan, 0, 0}, Covariance(0.1)).message(), HasSubstr("1 -> 2"));
   EXPECT_THAT(map.AddConstraint(1, 2, {}, Covariance(0.0)).message(), HasSubstr("covariance"));

@@ -222,7 +222,7 @@ TEST(JointScanSolverTest, BadInputIsReportedAndLeftOut) {
     solver.AddConstraint(&edge);
     return solver.status().message();
   };
-  EXPECT_THAT(link(&vertex, 1e-4), HasSubstr("constraint 3 -> 77: no such nodes"));
+  EXPECT_THAT(link(&vertex, 1e-4), HasSubstr("node 77 is not in the map"));
   EXPECT_THAT(link(mapper.vertex(4), 0.0), HasSubstr("constraint 3 -> 4"));
   EXPECT_THAT(link(mapper.vertex(3), 1e-4), HasSubstr("constraint 3 -> 3"));
   EXPECT_EQ(mapper.CorrectPoses(), 10);
