@@ -36,19 +36,16 @@ class SimulatedMapper {
     laser_->SetOffsetPose(karto::Pose2(0.15, 0.0, 0.1));
   }
   ~SimulatedMapper() {
-    if (is_registered_) UnregisterLaser();
+    try {
+      UnregisterLaser();
+    } catch (const karto::Exception&) {  // It was not registered.
+    }
   }
   SimulatedMapper(const SimulatedMapper&) = delete;
   SimulatedMapper& operator=(const SimulatedMapper&) = delete;
 
-  void RegisterLaser() {
-    karto::SensorManager::GetInstance()->RegisterSensor(laser_.get(), true);
-    is_registered_ = true;
-  }
-  void UnregisterLaser() {
-    karto::SensorManager::GetInstance()->UnregisterSensor(laser_.get());
-    is_registered_ = false;
-  }
+  void RegisterLaser() { karto::SensorManager::GetInstance()->RegisterSensor(laser_.get(), true); }
+  void UnregisterLaser() { karto::SensorManager::GetInstance()->UnregisterSensor(laser_.get()); }
 
   /// The next scans of the drive: a node each, linked to the one before. At 120 the robot has come
   /// round.
@@ -207,7 +204,6 @@ class SimulatedMapper {
 
   karto::ScanSolver* solver_;
   std::unique_ptr<karto::LaserRangeFinder> laser_;
-  bool is_registered_ = false;
   std::map<int, std::unique_ptr<karto::LocalizedRangeScan>> scans_;
   std::map<int, std::unique_ptr<Vertex>> vertices_;
   std::vector<std::unique_ptr<Edge>> edges_;
