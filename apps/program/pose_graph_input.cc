@@ -1,4 +1,4 @@
-#include "plumbline/apps/run/pose_graph_input.h"
+#include "plumbline/apps/program/pose_graph_input.h"
 
 #include <iomanip>
 #include <memory>
@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 // g2o or TORO.
-Status ReadText(const std::string& path, double max_bytes, PoseGraphInput* input) {
+Status ReadTextGraph(const std::string& path, double max_bytes, PoseGraphInput* input) {
   const auto file = std::make_shared<PoseGraphFile>();
   PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphFile(path, file.get(), max_bytes));
   input->format = ToString(file->format);
@@ -42,7 +42,7 @@ std::string NoteText(const CartographerState& state, const CartographerGraphNote
   return text.str();
 }
 
-Status ReadCartographer(const std::string& path, double max_bytes, PoseGraphInput* input) {
+Status ReadCartographerGraph(const std::string& path, double max_bytes, PoseGraphInput* input) {
   CartographerState state;
   CartographerGraphNotes notes;
   PLUMBLINE_RETURN_IF_ERROR(ReadCartographerState(path, &state, max_bytes));
@@ -63,7 +63,7 @@ Status ReadCartographer(const std::string& path, double max_bytes, PoseGraphInpu
   return Status::Ok();
 }
 
-Status ReadSlamToolbox(const std::string& path, double max_bytes, PoseGraphInput* input) {
+Status ReadSlamToolboxGraph(const std::string& path, double max_bytes, PoseGraphInput* input) {
   const auto map = std::make_shared<SlamToolboxMap>();
   int num_restarts = 0;
   PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolboxMap(path, max_bytes, map.get()));
@@ -89,11 +89,11 @@ bool IsPoseGraph(const std::string& path) {
 Status ReadPoseGraph(const std::string& path, double max_bytes, PoseGraphInput* input) {
   PoseGraphInput result;
   if (IsCartographerState(path)) {
-    PLUMBLINE_RETURN_IF_ERROR(ReadCartographer(path, max_bytes, &result));
+    PLUMBLINE_RETURN_IF_ERROR(ReadCartographerGraph(path, max_bytes, &result));
   } else if (IsSlamToolboxMap(path)) {
-    PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolbox(path, max_bytes, &result));
+    PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolboxGraph(path, max_bytes, &result));
   } else {
-    PLUMBLINE_RETURN_IF_ERROR(ReadText(path, max_bytes, &result));
+    PLUMBLINE_RETURN_IF_ERROR(ReadTextGraph(path, max_bytes, &result));
   }
   *input = std::move(result);
   return Status::Ok();
