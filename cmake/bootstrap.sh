@@ -2,9 +2,9 @@
 # Usage: cmake/bootstrap.sh [library | programs | tests | all]
 # Installs what a build needs and the system lacks: of the library alone, of the programs too, or of
 # the tests as well (the default). `all` adds what tests can do without: doxygen for the API
-# reference, clang-format, clang-tidy, other locales, the browser that report.html is tested in
-# (300 MB), and libraries of ROS, for its bags and for the plug-in (200 MB). Debian and its kin only:
-# elsewhere it says what is wanted and leaves the rest to CMake.
+# reference, clang-format, clang-tidy, other locales, what the Python module needs, the browser that
+# report.html is tested in (300 MB), and libraries of ROS, for its bags and for the plug-in (200 MB).
+# Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
 packages=(
@@ -17,6 +17,7 @@ programs=(
 )
 tests=(libgtest-dev libgmock-dev)
 browser=(chromium chromium-driver python3-selenium)
+python=(pybind11-dev python3-dev python3-numpy python3-pytest)
 rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev)
 plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)
 
@@ -33,7 +34,9 @@ esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
-  if [[ $wanted != library ]]; then echo "bootstrap: bags of ROS 1 want ${rosbag[*]}" >&2; fi
+  if [[ $wanted != library ]]; then
+    echo "bootstrap: bags of ROS 1 want ${rosbag[*]}, the Python module ${python[*]}" >&2
+  fi
   exit 0
 fi
 
@@ -67,6 +70,7 @@ if [[ $wanted == all ]]; then
   install_missing git clang-tidy-14 || echo "bootstrap: no clang-tidy-14; the test tidy is skipped" >&2
   install_missing clang-format-14 || echo "bootstrap: no clang-format-14; formatting is not tested" >&2
   install_missing locales || echo "bootstrap: no locales; the test of decimal commas is skipped" >&2
+  install_missing "${python[@]}" || echo "bootstrap: no pybind11; the Python module is not built" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
   install_missing "${plugin[@]}" || echo "bootstrap: no ament; the plug-in of slam_toolbox is not built" >&2
   install_missing "${rosbag[@]}" || echo "bootstrap: no library for bags of ROS 1; the build goes without" >&2
