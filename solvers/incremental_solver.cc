@@ -233,7 +233,6 @@ class IncrementalSolver::Impl {
   bool TestEdges(const SlamGraph& graph, std::size_t first_new) {
     if (!solver_.test_edges) return false;
     tests_->Extend(graph, surface_, pool_.get());
-    if (graph.relative_poses().size() == first_new) return false;
     std::vector<ContradictedEdge> contradicted = tests_->Contradicted(graph);
     std::vector<std::size_t> before, now;
     for (const ContradictedEdge& c : contradicted_) before.push_back(c.edge);

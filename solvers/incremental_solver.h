@@ -33,15 +33,15 @@ struct IncrementalSummary {
   int num_placed_poses = 0;  ///< whose returns were associated, for the first time or anew
   int num_rounds = 0;        ///< cuts of the surfaces
   int num_steps = 0;         ///< Gauss-Newton steps
-  /// Of the free poses' landmarks and constraints, at fixed weights: before and after the last
-  /// step.
-  double initial_cost = 0.0, final_cost = 0.0;
+  /// Of the free poses' landmarks and constraints, before the last step, at fixed weights.
+  double initial_cost = 0.0;
+  double final_cost = 0.0;  ///< the same after it
   /// The relative poses that the scans of their poses contradict, see SolverOptions::test_edges:
   /// all that are left out so far.
   std::vector<IgnoredEdge> ignored_edges;
   double association_time_s = 0.0;   ///< testing edges, placing, cutting, weighing
   double minimization_time_s = 0.0;  ///< the steps
-  double total_time_s = 0.0;
+  double total_time_s = 0.0;         ///< of the update
 };
 
 /// Which poses an update may move.
@@ -71,8 +71,8 @@ class IncrementalSolver {
   explicit IncrementalSolver(const SolverOptions& solver = SolverOptions(),
                              const IncrementalOptions& options = IncrementalOptions());
   ~IncrementalSolver();
-  IncrementalSolver(IncrementalSolver&&) noexcept;
-  IncrementalSolver& operator=(IncrementalSolver&&) noexcept;
+  IncrementalSolver(IncrementalSolver&&) noexcept;             ///< with all that is kept
+  IncrementalSolver& operator=(IncrementalSolver&&) noexcept;  ///< likewise
 
   /// Takes in what the graph has gained since the last call, and refines *poses, (x, y [m], yaw
   /// [rad]) each. The graph has to be the one of the last call, grown or not. New poses have to be

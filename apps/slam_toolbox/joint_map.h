@@ -7,7 +7,6 @@
 #include <plumbline/core/slam_graph.h>
 #include <plumbline/core/status.h>
 #include <plumbline/solvers/incremental_solver.h>
-#include <plumbline/solvers/pose_graph/pose_graph.h>
 #include <plumbline/solvers/solve.h>
 
 #include <Eigen/Core>
@@ -25,10 +24,8 @@ namespace plumbline {
 /// go. Estimate() fits the nodes that are there to their constraints and to all laser returns. What
 /// is refused changes nothing.
 ///
-/// As long as the map only grows, and new constraints agree with it, an estimate goes on where the
-/// last one ended (IncrementalSolver). Where a new constraint contradicts the map, everything is
-/// estimated with all constraints, which the scans test (Solve); those that contradict the result
-/// do not count until the next such time.
+/// As long as the map only grows, an estimate goes on where the last one ended (IncrementalSolver).
+/// Constraints that their scans contradict do not count.
 class JointMap {
  public:
   explicit JointMap(SolverOptions options = SolverOptions())
@@ -72,7 +69,7 @@ class JointMap {
       if (nodes_.count(id) == 0) return NoSuchNode(id);
     }
     PLUMBLINE_RETURN_IF_ERROR(CheckConstraint(source, target, source_from_target, covariance));
-    constraints_.push_back({source, target, source_from_target, covariance, Standing::kNew});
+    constraints_.push_back({source, target, source_from_target, covariance, false});
     return Status::Ok();
   }
 
@@ -98,21 +95,18 @@ class JointMap {
     is_outdated_ = true;
   }
 
-  /// Moves the nodes to the estimate; the one that came first stays. Loops may gape by metres, and
-  /// constraints may be false, see Solve. Without any scan it is the optimum of the constraints.
-  /// Unavailable if that fails; then all nodes stay.
+  /// Moves the nodes to the estimate; the one that came first stays. Loops may gape by metres.
+  /// Without any scan it is the optimum of the constraints. Unavailable if that fails; then all
+  /// nodes stay.
   Status Estimate() {
     if (is_outdated_) StartAnew();
     PLUMBLINE_RETURN_IF_ERROR(ExtendGraph());
     std::vector<Pose2> world_from_robot(nodes_.size());
     for (const auto& [id, node] : nodes_) world_from_robot[node.pose] = node.world_from_robot;
     std::vector<double> poses = PoseArray(world_from_robot);
-    const bool has_scans = graph_.num_returns() > 0;
-    const bool all_agree = TakeInAgreeing(world_from_robot);
-    if (!all_agree || !has_scans) PLUMBLINE_RETURN_IF_ERROR(TestOthers(&poses));
-    if (has_scans) {
-      PLUMBLINE_RETURN_IF_ERROR(solver_.Update(graph_, UpdateScope::kAutomatic, &poses));
-    }
+    PLUMBLINE_RETURN_IF_ERROR(graph_.num_returns() > 0
+                                  ? solver_.Update(graph_, UpdateScope::kAll, &poses)
+                                  : OptimizeConstraints(&poses));
     for (auto& [id, node] : nodes_) node.world_from_robot = Pose2(&poses[3 * node.pose]);
     return Status::Ok();
   }
@@ -131,10 +125,6 @@ class JointMap {
 
  private:
   static constexpr int kNotInGraph = -1;
-  // Squared Mahalanobis length, beyond which a constraint contradicts the map: of those that agree,
-  // one of a thousand is (three degrees of freedom).
-  static constexpr double kContradictsChi2 = 16.27;
-
   struct Node {
     Pose2 world_from_robot;
     double timestamp_s = 0.0;
@@ -142,12 +132,11 @@ class JointMap {
     std::vector<double> ranges_m;  // empty: no scan
     int pose = kNotInGraph;
   };
-  enum class Standing { kNew, kBelieved, kRefused };
   struct Constraint {
     int source = 0, target = 0;
     Pose2 source_from_target;
     Eigen::Matrix3d covariance;
-    Standing standing = Standing::kNew;
+    bool is_in_graph = false;
   };
 
   template <typename Condition>
@@ -157,23 +146,16 @@ class JointMap {
     constraints_.erase(end, constraints_.end());
   }
 
-  RelativePoseConstraint EdgeOf(const Constraint& constraint) const {
-    return {nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
-            constraint.source_from_target, constraint.covariance};
-  }
-
   // A graph only grows: after something of it has gone, there is a new one.
   void StartAnew() {
     graph_ = SlamGraph();
     solver_ = IncrementalSolver(options_);
     for (auto& [id, node] : nodes_) node.pose = kNotInGraph;
-    for (Constraint& constraint : constraints_) {
-      if (constraint.standing == Standing::kBelieved) constraint.standing = Standing::kNew;
-    }
+    for (Constraint& constraint : constraints_) constraint.is_in_graph = false;
     is_outdated_ = false;
   }
 
-  // Takes in new nodes.
+  // Takes in new nodes and constraints.
   Status ExtendGraph() {
     for (auto& [id, node] : nodes_) {
       if (node.pose != kNotInGraph) continue;
@@ -184,55 +166,31 @@ class JointMap {
       PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(node.laser, &laser));
       PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(node.pose, laser, node.ranges_m));
     }
+    for (Constraint& constraint : constraints_) {
+      if (constraint.is_in_graph) continue;
+      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(
+          {nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
+           constraint.source_from_target, constraint.covariance}));
+      constraint.is_in_graph = true;
+    }
     return Status::Ok();
   }
 
-  // Takes in new constraints that agree with the map. False if there are others.
-  bool TakeInAgreeing(const std::vector<Pose2>& world_from_robot) {
-    bool all = true;
-    for (Constraint& constraint : constraints_) {
-      if (constraint.standing != Standing::kNew) continue;
-      if (!BelieveIfAgreeing(world_from_robot, &constraint)) all = false;
-    }
-    return all;
-  }
-
-  // Estimates everything with all constraints, which the scans test, and takes in those that the
-  // result agrees with. The others do not count until the next time.
-  Status TestOthers(std::vector<double>* poses) {
-    SlamGraph trial = graph_;
-    for (const Constraint& constraint : constraints_) {
-      if (constraint.standing == Standing::kBelieved) continue;
-      PLUMBLINE_RETURN_IF_ERROR(trial.AddRelativePose(EdgeOf(constraint)));
-    }
-    if (trial.relative_poses().empty()) return Status::Ok();
+  Status OptimizeConstraints(std::vector<double>* poses) {
+    if (constraints_.empty()) return Status::Ok();
     SolverOptions options = options_;
-    if (trial.num_returns() == 0) options.type = SolverType::kPoseGraph;
-    MapState state{*poses, trial.MeasuredMap(*poses)};
-    const SolverSummary summary = Solve(options, trial, &state);
+    options.type = SolverType::kPoseGraph;
+    MapState state{*poses, {}};
+    const SolverSummary summary = Solve(options, graph_, &state);
     if (!summary.IsSolutionUsable()) return Status::Unavailable(summary.message);
     *poses = std::move(state.poses);
-    const std::vector<Pose2> world_from_robot = PosesOf(*poses);
-    for (Constraint& constraint : constraints_) {
-      if (constraint.standing == Standing::kBelieved) continue;
-      constraint.standing = Standing::kRefused;
-      BelieveIfAgreeing(world_from_robot, &constraint);
-    }
     return Status::Ok();
-  }
-
-  bool BelieveIfAgreeing(const std::vector<Pose2>& world_from_robot, Constraint* constraint) {
-    const RelativePoseConstraint edge = EdgeOf(*constraint);
-    if (EdgeChi2(edge, world_from_robot) > kContradictsChi2) return false;
-    // AddConstraint has found it sound.
-    if (graph_.AddRelativePose(edge).ok()) constraint->standing = Standing::kBelieved;
-    return true;
   }
 
   SolverOptions options_;
   std::map<int, Node> nodes_;
   std::vector<Constraint> constraints_;
-  SlamGraph graph_;  // the nodes that were estimated, and the constraints that are believed
+  SlamGraph graph_;  // of the nodes and constraints at the last estimate
   IncrementalSolver solver_;
   bool is_outdated_ = false;  // something that graph_ has is no more
 };

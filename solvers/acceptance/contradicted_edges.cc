@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "plumbline/core/angle.h"
@@ -49,13 +50,13 @@ void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, T
   step_to_.resize(graph.num_poses());
   // The steps first: they tell how the scans beside each other lie, and what is usual.
   const std::vector<RelativePoseConstraint>& all = graph.relative_poses();
-  std::vector<RelativePoseConstraint> odometry, steps, others;
+  std::vector<RelativePoseConstraint> odometry, steps;
   for (; num_odometry_ < graph.odometry().size(); ++num_odometry_) {
     const OdometryConstraint& c = graph.odometry()[num_odometry_];
     if (IsStep(c.from, c.to)) odometry.push_back({c.from, c.to, c.from_from_to});
   }
   for (std::size_t i = evidence_.size(); i < all.size(); ++i) {
-    (IsStep(all[i]) ? steps : others).push_back(all[i]);
+    if (IsStep(all[i])) steps.push_back(all[i]);
   }
   const std::vector<Evidence> of_odometry = Test(graph, odometry, pool);
   const std::vector<Evidence> of_steps = Test(graph, steps, pool);
@@ -70,11 +71,43 @@ void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, T
   }
   TakeSteps(odometry, of_odometry);
   TakeSteps(steps, of_steps);
-  const std::vector<Evidence> of_others = Test(graph, others, pool);
-  auto step = of_steps.begin(), other = of_others.begin();
+  auto step = of_steps.begin();
+  std::vector<std::size_t> others;
   for (std::size_t i = evidence_.size(); i < all.size(); ++i) {
-    evidence_.push_back(IsStep(all[i]) ? *step++ : *other++);
+    if (!IsStep(all[i])) others.push_back(i);
+    evidence_.push_back(IsStep(all[i]) ? *step++ : Evidence());
   }
+  TestOthers(graph, std::move(others), pool);
+}
+
+// The new ones, and once more those whose scan beyond the later pose was still to come.
+void EdgeTests::TestOthers(const SlamGraph& graph, std::vector<std::size_t> to_test,
+                           ThreadPool* pool) {
+  const std::vector<RelativePoseConstraint>& all = graph.relative_poses();
+  const auto is_near_the_end = [&](std::size_t i) {
+    return IsNearTheEnd(std::max(all[i].from, all[i].to));
+  };
+  const auto ready = std::stable_partition(waiting_.begin(), waiting_.end(), is_near_the_end);
+  const std::vector<std::size_t> again(ready, waiting_.end());
+  waiting_.erase(ready, waiting_.end());
+  std::copy_if(to_test.begin(), to_test.end(), std::back_inserter(waiting_), is_near_the_end);
+  to_test.insert(to_test.end(), again.begin(), again.end());
+  std::vector<RelativePoseConstraint> edges;
+  edges.reserve(to_test.size());
+  for (const std::size_t i : to_test) edges.push_back(all[i]);
+  const std::vector<Evidence> evidence = Test(graph, edges, pool);
+  for (std::size_t k = 0; k < edges.size(); ++k) evidence_[to_test[k]] = evidence[k];
+}
+
+// Whether nothing is known yet of what lies a metre of path beyond a pose.
+bool EdgeTests::IsNearTheEnd(int pose) const {
+  double path_m = 0.0;
+  for (std::size_t next = pose + 1; next < step_to_.size(); ++next) {
+    if (!step_to_[next]) return false;
+    path_m += std::hypot(step_to_[next]->x, step_to_[next]->y);
+    if (path_m >= kBesideM) return false;
+  }
+  return true;
 }
 
 std::vector<ContradictedEdge> EdgeTests::Contradicted(const SlamGraph& graph) const {

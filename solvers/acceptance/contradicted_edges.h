@@ -40,9 +40,8 @@ std::vector<ContradictedEdge> FindContradictedEdges(const SlamGraph& graph,
                                                     const MeasuredSurface& surface,
                                                     const RangeBeamOptions& beam, ThreadPool* pool);
 
-/// The same for a graph that grows: each edge is tested once, when it comes. What lies beyond its
-/// later pose is not there yet to take the place of its second scan, so that a little less is known
-/// than of the whole graph at once.
+/// The same for a graph that grows: edges are tested when they come, and those of the newest poses
+/// again when what lies beyond these has been seen.
 class EdgeTests {
  public:
   explicit EdgeTests(const RangeBeamOptions& beam);
@@ -71,6 +70,8 @@ class EdgeTests {
   Evidence Test(const SlamGraph& graph, const RelativePoseConstraint& edge) const;
   std::vector<Beside> ScansBeside(const SlamGraph& graph, int pose, bool alone) const;
   std::optional<Beside> FindBeside(const SlamGraph& graph, int pose, int direction) const;
+  void TestOthers(const SlamGraph& graph, std::vector<std::size_t> to_test, ThreadPool* pool);
+  bool IsNearTheEnd(int pose) const;
   void TakeSteps(const std::vector<RelativePoseConstraint>& steps,
                  const std::vector<Evidence>& evidence);
   bool IsContradictory(const FreeSpaceConflict& conflict) const;
@@ -86,6 +87,7 @@ class EdgeTests {
   std::vector<std::optional<Pose2>> step_to_;  // per pose, from the one before
   std::size_t num_odometry_ = 0;               // that have been tested
   std::vector<Evidence> evidence_;             // per relative pose
+  std::vector<std::size_t> waiting_;           // relative poses that are to be tested again
   std::vector<double> usual_shares_;           // of conflicting returns, per step
   double max_conflict_;
 };

@@ -83,10 +83,10 @@ struct LandmarkRoundSummary {
 
 /// How well the poses explain the scans at one moment of a solve.
 struct RoundEnergy {
-  int round = 0;              ///< that has just ended; 0: the given state
-  int iteration = 0;          ///< the last one of the round
-  double total_time_s = 0.0;  ///< since the solver was called
-  double marginal_energy = 0.0;
+  int round = 0;                 ///< that has just ended; 0: the given state
+  int iteration = 0;             ///< the last one of the round
+  double total_time_s = 0.0;     ///< since the solver was called
+  double marginal_energy = 0.0;  ///< of poses and surfaces, with the points eliminated
 };
 
 /// Sizes, costs and residuals of one term.
