@@ -60,6 +60,10 @@ enum class UpdateScope {
 /// an update of all poses goes through the landmarks, and only returns of poses that have moved
 /// are associated anew.
 ///
+/// New returns join what lies where they end. So the drift has to stay below the distance between
+/// surfaces that are not the same, a metre or two, until a relative pose closes the loop: after a
+/// longer way around, close it before updates go on in the old part of the map.
+///
 /// Relative poses are tested by their scans when they come, as Solve does. There is no acceptance
 /// test of the result. Own terms, shape terms and down-weighted steps are refused.
 ///

@@ -51,9 +51,9 @@ Status ScansByPose(const SlamGraph& graph, std::vector<int>* scans) {
 }
 
 // What a mapper does with its solver.
-class Mapper {
+class ReplayedMapper {
  public:
-  Mapper(const SolverOptions& options, const SlamGraph& graph)
+  ReplayedMapper(const SolverOptions& options, const SlamGraph& graph)
       : graph_(graph), edges_(EdgesByArrival(graph)), map_(options) {}
 
   Status AddNode(int pose, int scan) {
@@ -125,7 +125,7 @@ Status ReplayScanSolver(const SolverOptions& options, const SlamGraph& graph,
                         ScanSolverReplay* replay) {
   std::vector<int> scans;
   PLUMBLINE_RETURN_IF_ERROR(ScansByPose(graph, &scans));
-  Mapper mapper(options, graph);
+  ReplayedMapper mapper(options, graph);
   ScanSolverReplay result;
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     PLUMBLINE_RETURN_IF_ERROR(mapper.AddNode(pose, scans[pose]));
