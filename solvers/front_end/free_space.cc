@@ -44,7 +44,8 @@ double FreeSpaceScan::ShortestRange(double bearing_rad) const {
   double beam = (bearing_rad - laser_.first_bearing_rad) / laser_.bearing_step_rad;
   beam -= turn * std::floor(beam / turn);
   // Not an int yet: a turn may have any number of steps.
-  const double first = std::floor(beam) - (kNumNeighbours / 2 - 1);
+  constexpr int kNumBefore = kNumNeighbours / 2 - 1;
+  const double first = std::floor(beam) - kNumBefore;
   const bool is_seen = first >= 0.0 && first < static_cast<double>(shortest_range_.size());
   return is_seen ? shortest_range_[static_cast<std::size_t>(first)] : 0.0;
 }
