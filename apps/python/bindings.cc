@@ -11,6 +11,7 @@ PYBIND11_MODULE(_plumbline, module) {
   plumbline::BindSummaries(&module);
   plumbline::BindSeedReports(&module);
   plumbline::BindSolvers(&module);
+  plumbline::BindIncrementalSolver(&module);
   plumbline::BindMapLog(&module);
   plumbline::BindFiles(&module);
   plumbline::BindEvaluation(&module);

@@ -76,6 +76,10 @@ void BindLaser(py::module_* module) {
       .Method(
           "__eq__", [](const LaserModel& a, const LaserModel& b) { return a == b; },
           py::is_operator());
+  py::enum_<SweepOrder>(*module, "SweepOrder", "When the beams of a sweep are measured.")
+      .value("FIRST_BEAM_FIRST", SweepOrder::kFirstBeamFirst, "in their order")
+      .value("LAST_BEAM_FIRST", SweepOrder::kLastBeamFirst, "at the same pace against it")
+      .value("AT_ONCE", SweepOrder::kAtOnce, "all at the same time");
 }
 
 void BindMeasurements(py::module_* module) {
@@ -136,6 +140,15 @@ int AddScan(GraphObject& graph, int pose, int laser, const py::object& ranges) {
   CheckLaser(graph, laser);
   const std::vector<double> numbers = NumbersOf("ranges", ranges);
   RaiseIfError(graph.Mutable()->AddScan(pose, laser, numbers));
+  return graph->num_scans() - 1;
+}
+
+int AddSweep(GraphObject& graph, int pose, int laser, const py::object& ranges, const Pose2& motion,
+             SweepOrder order) {
+  CheckPose(graph, pose);
+  CheckLaser(graph, laser);
+  const std::vector<double> numbers = NumbersOf("ranges", ranges);
+  RaiseIfError(graph.Mutable()->AddSweep(pose, laser, numbers, motion, order));
   return graph->num_scans() - 1;
 }
 
@@ -216,6 +229,14 @@ void BindSlamGraph(py::module_* module) {
       .def("add_scan", &AddScan, py::arg("pose"), py::arg("laser"), py::arg("ranges"),
            "Takes every return of a sweep as a map point. ranges [m]: shape (num_beams,); NaN, "
            "infinity and what is out of the laser's limits is no return. Returns the scan id.")
+      .def("add_sweep", &AddSweep, py::arg("pose"), py::arg("laser"), py::arg("ranges"),
+           py::arg("motion"),
+           py::arg_v("order", SweepOrder::kFirstBeamFirst, "SweepOrder.FIRST_BEAM_FIRST"),
+           "add_scan of a sweep that took its time while the robot moved, with that motion taken "
+           "out: the returns are as if seen from the pose, where the robot was when the first beam "
+           "was measured. motion: from there to where it was a beam after the last, by odometry; "
+           "in between it moves steadily. The laser must have no beam_period_s. Returns the scan "
+           "id.")
       .def("add_points", &AddPoints, py::arg("pose"), py::arg("laser"), py::arg("points_in_robot"),
            "Takes points of shape (K, 2) [m], in the frame of the robot, for the returns of a "
            "sweep: one whose motion has been taken out. Points that are not finite, or not within "

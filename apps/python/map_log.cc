@@ -52,10 +52,6 @@ py::object Map(const GraphObject& graph, MapLogOptions options, py::object seedi
 }  // namespace
 
 void BindMapLog(py::module_* module) {
-  py::enum_<SweepOrder>(*module, "SweepOrder", "When the beams of a sweep are measured.")
-      .value("FIRST_BEAM_FIRST", SweepOrder::kFirstBeamFirst)
-      .value("LAST_BEAM_FIRST", SweepOrder::kLastBeamFirst)
-      .value("AT_ONCE", SweepOrder::kAtOnce);
   Fields<FrozenStretch>(module, "FrozenStretch", "Scans that a frozen laser repeated.")
       .Field("laser", &FrozenStretch::laser, "laser id")
       .Field("first_scan", &FrozenStretch::first_scan, "scan id: the genuine one")

@@ -12,11 +12,16 @@ namespace plumbline {
 namespace py = pybind11;
 namespace {
 
-// Null if somebody has changed an array of a state to something else.
+// Null unless an array has this shape and numbers of type double, row by row.
 const double* NumbersIn(const py::array& array, int columns) {
-  const bool is_ours = array.dtype().is(py::dtype::of<double>()) && array.ndim() == 2 &&
-                       array.shape(1) == columns && (array.flags() & py::array::c_style) != 0;
-  return is_ours ? static_cast<const double*>(array.data()) : nullptr;
+  const bool has_rows = py::isinstance<py::array_t<double, py::array::c_style>>(array) &&
+                        array.ndim() == 2 && array.shape(1) == columns;
+  return has_rows ? static_cast<const double*>(array.data()) : nullptr;
+}
+
+bool CanTake(const std::vector<double>& values, int columns, const py::array& array) {
+  return NumbersIn(array, columns) != nullptr && array.writeable() &&
+         static_cast<std::size_t>(array.size()) == values.size();
 }
 
 std::vector<double> CopyOf(const char* name, const py::array& array, int columns) {
@@ -37,9 +42,7 @@ void CheckWritable(const char* name, const py::array& array) {
 }
 
 void WriteInto(std::vector<double> values, int columns, py::array* array) {
-  const bool fits = NumbersIn(*array, columns) != nullptr && array->writeable() &&
-                    static_cast<std::size_t>(array->size()) == values.size();
-  if (fits) {
+  if (CanTake(values, columns, *array)) {
     std::copy(values.begin(), values.end(), static_cast<double*>(array->mutable_data()));
   } else {
     *array = ArrayOf(std::move(values), columns);
@@ -95,6 +98,23 @@ std::vector<double> PosesFor(const SlamGraph& graph, const py::object& poses) {
   }
   CheckReach("poses", rows, 3);
   return rows;
+}
+
+std::vector<double> WritablePosesFor(const SlamGraph& graph, const py::array& poses) {
+  std::vector<double> rows = PosesFor(graph, poses);
+  if (!CanTake(rows, 3, poses)) {
+    throw py::value_error(
+        "poses: the result is written into the array, which must be of type float64, row by row, "
+        "and writable");
+  }
+  return rows;
+}
+
+void WritePoses(const std::vector<double>& values, py::array* poses) {
+  if (!CanTake(values, 3, *poses)) {
+    throw py::value_error("poses: the array was changed while the library worked");
+  }
+  std::copy(values.begin(), values.end(), static_cast<double*>(poses->mutable_data()));
 }
 
 }  // namespace plumbline

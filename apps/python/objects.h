@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
@@ -71,6 +72,13 @@ struct StateObject {
 
 /// MapState::poses from an argument of shape (N, 3): one finite pose per pose of the graph.
 std::vector<double> PosesFor(const SlamGraph& graph, const pybind11::object& poses);
+
+/// @{
+/// The same of an array that the result is written into. ValueError unless it is of type float64,
+/// row by row, and writable, and unless it still is, with the same size, when it is written.
+std::vector<double> WritablePosesFor(const SlamGraph& graph, const pybind11::array& poses);
+void WritePoses(const std::vector<double>& values, pybind11::array* poses);
+/// @}
 
 }  // namespace plumbline
 

@@ -5,6 +5,7 @@
 #include "plumbline/apps/python/bindings.h"
 #include "plumbline/apps/python/fields.h"
 #include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/incremental_solver.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/solver_options.h"
@@ -203,13 +204,23 @@ void BindSolverOptions(py::module_* module) {
           "ceres", [](SolverOptions& options) -> CeresOptions& { return *options.ceres; }, "CERES")
       .Option("sgd", &SolverOptions::sgd, "SGD")
       .Option("num_threads", &SolverOptions::num_threads,
-              "the calling one included; results do not depend on it, but for CERES");
+              "the calling one included; results do not depend on it, but for CERES")
+      .Option("measure_rounds", &SolverOptions::measure_rounds,
+              "whether to fill in SolverSummary.round_energies, which takes as long as finding the "
+              "lines of every return once per round");
   Fields<WindowOptions>(module, "WindowOptions",
                         "What of a growing graph solve_window refines at a time.")
       .Options()
       .Option("num_free_poses", &WindowOptions::num_free_poses, "the newest poses that may move")
       .Option("max_fixed_poses", &WindowOptions::max_fixed_poses,
               "older poses that hold the map around them, at most");
+  Fields<IncrementalOptions>(module, "IncrementalOptions",
+                             "How IncrementalSolver refines a graph while it grows.")
+      .Options()
+      .Option("num_free_poses", &IncrementalOptions::num_free_poses,
+              "the newest poses that an update moves; all new ones in any case")
+      .Option("max_rounds", &IncrementalOptions::max_rounds,
+              "cuts of the surfaces into landmarks per update, at most");
   Fields<CalibrationOptions>(module, "CalibrationOptions",
                              "What of the sensors is estimated along with poses and points.")
       .Options()
@@ -248,6 +259,10 @@ void BindChoices(py::module_* module) {
       .value("CERES", SolverType::kCeres, "one problem of Ceres")
       .value("POSE_GRAPH", SolverType::kPoseGraph, "poses by relative poses alone")
       .value("SGD", SolverType::kSgd, "likewise, by stochastic gradient descent");
+  py::enum_<UpdateScope>(*module, "UpdateScope", "Which poses an update may move.")
+      .value("AUTOMATIC", UpdateScope::kAutomatic,
+             "the newest ones; all of them if older ones were moved, or a loop closure asks for it")
+      .value("ALL", UpdateScope::kAll, "all poses");
   py::enum_<NeighborhoodType>(*module, "NeighborhoodType", "Neighbourhoods of tangent lines.")
       .value("RADIUS", NeighborhoodType::kRadius, "all points within a radius")
       .value("NEAREST", NeighborhoodType::kNearest, "the published form: nearest points");

@@ -7,6 +7,7 @@
 #include "plumbline/apps/python/fields.h"
 #include "plumbline/apps/python/progress.h"
 #include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/incremental_solver.h"
 #include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
@@ -63,6 +64,13 @@ void BindRounds(py::module_* module) {
       .Field("moved_sigmas", &LandmarkRoundSummary::moved_sigmas,
              "root mean square of how far returns moved across their surfaces")
       .Field("steps", &LandmarkRoundSummary::steps, "of Gauss-Newton");
+  Fields<RoundEnergy>(module, "RoundEnergy",
+                      "How well the poses explain the scans at one moment of a solve.")
+      .Field("round", &RoundEnergy::round, "that has just ended; 0: the state given")
+      .Field("iteration", &RoundEnergy::iteration, "the last one of the round")
+      .Field("total_time_s", &RoundEnergy::total_time_s, "since the solver was called [s]")
+      .Field("marginal_energy", &RoundEnergy::marginal_energy,
+             "comparable between rounds and solvers");
   Fields<TermSummary>(module, "TermSummary", "Sizes, costs and residuals of one term.")
       .Field("name", &TermSummary::name, "motion, range beam, ...")
       .Field("count", &TermSummary::count, "residual blocks")
@@ -132,6 +140,8 @@ void BindSummary(py::module_* module) {
       .Field("terms", &SolverSummary::terms, "of the last associations")
       .Field("final_marginal_energy", &SolverSummary::final_marginal_energy,
              "comparable between solvers")
+      .Field("round_energies", &SolverSummary::round_energies,
+             "with SolverOptions.measure_rounds: of the state given and after every round")
       .Field("num_relative_poses", &SolverSummary::num_relative_poses,
              "solvers of poses only: how many they went by")
       .Field("seed_chi2", &SolverSummary::seed_chi2, "likewise: squared errors of the poses given")
@@ -150,6 +160,23 @@ void BindSummary(py::module_* module) {
       .Field("total_time_s", &SolverSummary::total_time_s, "[s]")
       .Method("brief_report", &SolverSummary::BriefReport, "One line.")
       .Method("full_report", &SolverSummary::FullReport, "Terms, rounds, times, why it stopped.");
+}
+
+void BindIncrementalSummary(py::module_* module) {
+  Fields<IncrementalSummary>(module, "IncrementalSummary", "What an update did.")
+      .Field("num_free_poses", &IncrementalSummary::num_free_poses, "that could move")
+      .Field("num_placed_poses", &IncrementalSummary::num_placed_poses,
+             "whose returns were associated, for the first time or anew")
+      .Field("num_rounds", &IncrementalSummary::num_rounds, "cuts of the surfaces")
+      .Field("num_steps", &IncrementalSummary::num_steps, "of Gauss-Newton")
+      .Field("initial_cost", &IncrementalSummary::initial_cost,
+             "of what could move, before the last step")
+      .Field("final_cost", &IncrementalSummary::final_cost, "the same after it")
+      .Field("ignored_edges", &IncrementalSummary::ignored_edges,
+             "relative poses that did not count: all so far")
+      .Field("association_time_s", &IncrementalSummary::association_time_s, "[s]")
+      .Field("minimization_time_s", &IncrementalSummary::minimization_time_s, "[s]")
+      .Field("total_time_s", &IncrementalSummary::total_time_s, "[s]");
 }
 
 void BindCalibration(py::module_* module) {
@@ -177,6 +204,7 @@ void BindSummaries(py::module_* module) {
   BindRounds(module);
   BindAcceptance(module);
   BindSummary(module);
+  BindIncrementalSummary(module);
   BindCalibration(module);
 }
 

@@ -60,6 +60,11 @@ class LaserModel(_Checked):
     robot_from_laser: Pose2
     def __eq__(self, other: object) -> bool: ...
 
+class SweepOrder(_Choice):
+    FIRST_BEAM_FIRST: ClassVar[SweepOrder]
+    LAST_BEAM_FIRST: ClassVar[SweepOrder]
+    AT_ONCE: ClassVar[SweepOrder]
+
 class OdometryConstraint:
     from_pose: Final[int]
     to_pose: Final[int]
@@ -108,6 +113,14 @@ class SlamGraph:
     def add_pose(self, world_from_robot: _PoseLike, timestamp_s: float) -> int: ...
     def fix_pose(self, pose: int, world_from_robot: _PoseLike | None = ...) -> None: ...
     def add_scan(self, pose: int, laser: int, ranges: ArrayLike) -> int: ...
+    def add_sweep(
+        self,
+        pose: int,
+        laser: int,
+        ranges: ArrayLike,
+        motion: _PoseLike,
+        order: SweepOrder = ...,
+    ) -> int: ...
     def add_points(self, pose: int, laser: int, points_in_robot: ArrayLike) -> int: ...
     def add_odometry(self, from_pose: int, to_pose: int, from_from_to: _PoseLike) -> None: ...
     def add_relative_pose(
@@ -145,6 +158,10 @@ class SolverType(_Choice):
     CERES: ClassVar[SolverType]
     POSE_GRAPH: ClassVar[SolverType]
     SGD: ClassVar[SolverType]
+
+class UpdateScope(_Choice):
+    AUTOMATIC: ClassVar[UpdateScope]
+    ALL: ClassVar[UpdateScope]
 
 class NeighborhoodType(_Choice):
     RADIUS: ClassVar[NeighborhoodType]
@@ -262,10 +279,15 @@ class SolverOptions(_Checked):
     ceres: CeresOptions
     sgd: StochasticDescentOptions
     num_threads: int
+    measure_rounds: bool
 
 class WindowOptions(_Checked):
     num_free_poses: int
     max_fixed_poses: int
+
+class IncrementalOptions(_Checked):
+    num_free_poses: int
+    max_rounds: int
 
 class CalibrationOptions(_Options):
     laser_mounting: bool
@@ -327,6 +349,12 @@ class LandmarkRoundSummary:
     moved_sigmas: Final[float]
     steps: Final[int]
 
+class RoundEnergy:
+    round: Final[int]
+    iteration: Final[int]
+    total_time_s: Final[float]
+    marginal_energy: Final[float]
+
 class TermSummary:
     name: Final[str]
     count: Final[int]
@@ -378,6 +406,7 @@ class SolverSummary:
     iterations: Final[tuple[IterationSummary, ...]]
     terms: Final[tuple[TermSummary, ...]]
     final_marginal_energy: Final[float]
+    round_energies: Final[tuple[RoundEnergy, ...]]
     num_relative_poses: Final[int]
     seed_chi2: Final[float]
     final_chi2: Final[float]
@@ -393,6 +422,18 @@ class SolverSummary:
     total_time_s: Final[float]
     def brief_report(self) -> str: ...
     def full_report(self) -> str: ...
+
+class IncrementalSummary:
+    num_free_poses: Final[int]
+    num_placed_poses: Final[int]
+    num_rounds: Final[int]
+    num_steps: Final[int]
+    initial_cost: Final[float]
+    final_cost: Final[float]
+    ignored_edges: Final[tuple[IgnoredEdge, ...]]
+    association_time_s: Final[float]
+    minimization_time_s: Final[float]
+    total_time_s: Final[float]
 
 class CalibratedParameter:
     name: Final[str]
@@ -596,10 +637,19 @@ def relative_pose_covariance(
     bb: ArrayLike,
 ) -> _Array: ...
 
-class SweepOrder(_Choice):
-    FIRST_BEAM_FIRST: ClassVar[SweepOrder]
-    LAST_BEAM_FIRST: ClassVar[SweepOrder]
-    AT_ONCE: ClassVar[SweepOrder]
+class IncrementalSolver:
+    def __init__(
+        self,
+        options: SolverOptions = ...,
+        incremental: IncrementalOptions = ...,
+    ) -> None: ...
+    def update(
+        self,
+        graph: SlamGraph,
+        poses: _Array,
+        scope: UpdateScope = ...,
+    ) -> IncrementalSummary: ...
+    def get_state(self, graph: SlamGraph) -> MapState: ...
 
 class FrozenStretch:
     laser: Final[int]

@@ -91,6 +91,26 @@ def test_a_measured_map_is_where_the_beams_end(room):
     np.testing.assert_allclose(points, ends, atol=1e-12)
 
 
+def test_a_sweep_is_seen_from_where_it_began(room):
+    beams, model = np.arange(room.NUM_BEAMS), room.graph.laser(0)
+    bearings = model.first_bearing_rad + model.bearing_step_rad * beams
+    order = plumbline.SweepOrder
+    for kind, before in [(order.FIRST_BEAM_FIRST, beams), (order.LAST_BEAM_FIRST, beams[::-1])]:
+        graph = plumbline.SlamGraph()
+        laser = graph.add_laser(model)
+        x = 0.3 * before / room.NUM_BEAMS
+        ranges = [room.ranges(np.array([x[i], 0, 0]), bearings[i : i + 1])[0] for i in beams]
+        for _ in range(3):
+            graph.add_pose((0, 0, 0), 0.0)
+        assert graph.add_sweep(0, laser, ranges, (0.3, 0, 0), kind) == 0
+        assert graph.add_sweep(1, laser, ranges, (0.3, 0, 0), order=order.AT_ONCE) == 1
+        graph.add_scan(2, laser, ranges)
+        per_scan = np.max(np.abs(graph.measured_map(graph.initial_poses)), axis=1).reshape(3, -1)
+        np.testing.assert_allclose(per_scan[0], 3.0, atol=1e-9)  # on the walls
+        assert np.max(np.abs(per_scan[1] - 3.0)) > 0.1
+        np.testing.assert_allclose(per_scan[1], per_scan[2], atol=1e-12)
+
+
 @pytest.mark.parametrize("kind", [np.float32, np.float64, np.int64, np.uint8, list])
 def test_numbers_of_any_real_type_are_taken(kind):
     graph = plumbline.SlamGraph()

@@ -29,6 +29,11 @@ COVARIANCE = np.diag([1e-4, 1e-4, 1e-5])
         (lambda g: g.add_scan(0, 0, np.ones(180, complex)), TypeError, "ranges: .*complex128"),
         (lambda g: g.add_scan(0, 0, ["a"] * 180), TypeError, "ranges: an array of type <U1"),
         (lambda g: g.add_scan(0, 0, np.array([None] * 180)), TypeError, "ranges: .*object"),
+        (lambda g: g.add_sweep(0, 0, np.ones(7), (0, 0, 0)), ValueError, "7 ranges for a laser"),
+        (lambda g: g.add_sweep(12, 0, np.ones(180), (0, 0, 0)), IndexError, "no pose with id 12"),
+        (lambda g: g.add_sweep(0, 1, np.ones(180), (0, 0, 0)), IndexError, "no laser with id 1"),
+        (lambda g: g.add_sweep(0, 0, np.ones(180), (0, math.nan, 0)), ValueError, "its motion is"),
+        (lambda g: g.add_sweep(0, 0, np.ones(180), (0, 0, 0), 0), TypeError, "SweepOrder"),
         (lambda g: g.add_points(0, 0, np.ones((4, 3))), ValueError, r"points_in_robot: .*\(4, 3\)"),
         (lambda g: g.add_points(0, 9, np.ones((4, 2))), IndexError, "no laser with id 9"),
         (lambda g: g.fix_pose(99), IndexError, "no pose with id 99"),
@@ -213,6 +218,11 @@ def odd_values(graph, rng):
     graphs = values.setdefault("plumbline.SlamGraph", [])
     graphs[:] = [graph, graph, graph, plumbline.SlamGraph()]
     values["plumbline.MapState"] = [state, state.copy(), broken, plumbline.MapState([[0, 0, 0]], [])]
+    solver, updated = plumbline.IncrementalSolver(), plumbline.IncrementalSolver()
+    updated.update(graph, graph.initial_poses)
+    values["plumbline.IncrementalSolver"] = [solver, updated]
+    values["plumbline.UpdateScope"] = list(plumbline.UpdateScope.__members__.values())
+    values["numpy.ndarray"] = [graph.initial_poses, np.zeros((12, 3)), np.full((12, 3), np.nan)]
     values["plumbline.Relation"] = [plumbline.Relation(), plumbline.Relation(to_s=2.0)]
     values["int"] = [-1, 0, 1, 2, 3, 12, 10**6, 10**20, np.int32(4)]
     values["float"] = [0.05, 1.0, -1.0, math.nan, math.inf, 1e300, np.float64(2.0)]

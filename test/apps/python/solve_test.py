@@ -95,6 +95,19 @@ def test_options_reach_the_solver(room):
     np.testing.assert_allclose(loose.beams[:, 0] * 0.5, tight.beams[:, 0] * sigma_m)
 
 
+def test_energies_of_rounds_are_measured_on_request(room):
+    state = room.graph.initial_state()
+    assert plumbline.solve(room.graph, state.copy()).round_energies == ()
+    options = plumbline.SolverOptions(measure_rounds=True)
+    summary = plumbline.solve(room.graph, state, options)
+    energies = summary.round_energies
+    assert [e.round for e in energies] == list(range(len(summary.landmark_rounds) + 1))
+    assert energies[0].iteration == 0
+    assert energies[-1].iteration == len(summary.iterations)
+    assert energies[-1].marginal_energy < energies[0].marginal_energy
+    assert energies[0].total_time_s <= energies[-1].total_time_s <= summary.total_time_s
+
+
 def test_progress_sees_iterations_that_outlive_the_solve(room):
     seen = []
     state = room.graph.initial_state()
