@@ -257,7 +257,9 @@ class IncrementalSolver::Impl {
 
   // Where a new relative pose asks for more than landmarks can bridge (a loop that gapes), a pose
   // graph shares that out. In it the other constraints keep what earlier updates made of them,
-  // which is better than what they say; matches take the place of contradicted ones.
+  // which is better than what they say; matches take the place of contradicted ones. What no scans
+  // speak for may be false: it is left to the joint estimation, where scans hold the map against
+  // it.
   void SpreadNewEdges(const SlamGraph& graph, std::size_t first_new,
                       std::vector<double>* poses) const {
     std::vector<Pose2> world_from_pose = PosesOf(*poses);
@@ -269,6 +271,8 @@ class IncrementalSolver::Impl {
     }
     for (std::size_t i = 0; i < graph.relative_poses().size(); ++i) {
       RelativePoseConstraint edge = graph.relative_poses()[i];
+      const bool is_step = std::abs(edge.from - edge.to) == 1;
+      if (i >= first_new && !is_step && solver_.test_edges && !tests_->HasMatch(graph, i)) continue;
       if (const ContradictedEdge* contradicted = FindContradicted(i)) {
         if (!contradicted->match) continue;
         edge = *contradicted->match;

@@ -52,6 +52,12 @@ class EdgeTests {
   /// By all that has been seen: what is usual between scans may change.
   std::vector<ContradictedEdge> Contradicted(const SlamGraph& graph) const;
 
+  /// Whether the two scans of an edge match each other somewhere near it. Without a match they say
+  /// nothing for the edge, contradicted or not.
+  bool HasMatch(const SlamGraph& graph, std::size_t edge) const {
+    return MatchOf(graph.relative_poses()[edge], evidence_[edge]).has_value();
+  }
+
  private:
   // A scan, and where it was taken as seen from a pose near by.
   struct Beside {
