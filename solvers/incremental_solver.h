@@ -85,8 +85,8 @@ class IncrementalSolver {
   /// caller, and their surroundings follow. Fixed poses stay where the graph fixes them.
   ///
   /// InvalidArgument on bad options, a graph that has shrunk, or poses of another number, not
-  /// finite or beyond 1e8; Unavailable if memory runs out. *poses is then as it was, and the next
-  /// update begins from scratch.
+  /// finite or beyond 1e8; nothing has changed then. Unavailable if memory runs out: *poses is as
+  /// it was, and the next update begins from scratch.
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary = nullptr);
 
