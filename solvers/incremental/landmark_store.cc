@@ -378,7 +378,8 @@ void LandmarkStore::CutAll(const std::vector<int>& squares, const SlamGraph& gra
     for (std::size_t i = 0; i < part.lines.size(); ++i) {
       const auto& [level, key] = part.cells[i];
       ids.push_back(NewLandmark(part.lines[i]));
-      Square& square = squares_[SquareAt({key.x << level, key.y << level, key.octant})];
+      const int scale = 1 << level;  // no shift: coordinates may be negative
+      Square& square = squares_[SquareAt({key.x * scale, key.y * scale, key.octant})];
       square.cells.push_back({CellWithin(key, level), ids.back()});
     }
     const std::size_t begin = chunk * kSquaresPerChunk;
