@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -100,7 +102,7 @@ class IncrementalSolver::Impl {
     }
     *poses = std::move(refined);
     result.total_time_s = SecondsSince(begin);
-    if (summary != nullptr) *summary = result;
+    if (summary != nullptr) *summary = std::move(result);
     return Status::Ok();
   }
 
@@ -110,9 +112,11 @@ class IncrementalSolver::Impl {
       return Status::InvalidArgument("the graph is not the one of the last update");
     }
     return CatchExceptions([&] {
+      if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
       std::vector<TangentLine> lines(graph.num_returns(), {0.0, 0.0, 0.0});
       AddLandmarkLines(Landmarks(), &lines);
-      *state = {poses_, RecoverPoints(graph, poses_, surface_, lines, solver_.factors, &*pool_)};
+      *state = {poses_,
+                RecoverPoints(graph, poses_, surface_, lines, solver_.factors, pool_.get())};
       return Status::Ok();
     });
   }
@@ -144,6 +148,9 @@ class IncrementalSolver::Impl {
         graph.relative_poses().size() < edges_.relative_poses().size()) {
       return Status::InvalidArgument("the graph has lost something since the last update");
     }
+    if (graph.num_returns() > std::numeric_limits<std::uint32_t>::max()) {
+      return Status::InvalidArgument("the graph has more returns than 32 bits can count");
+    }
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (IsWithinReach(poses[i])) continue;
       return Status::InvalidArgument("pose " + std::to_string(i / 3) +
@@ -155,6 +162,7 @@ class IncrementalSolver::Impl {
   void Run(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
            IncrementalSummary* summary) {
     if (graph.num_poses() == 0) return;
+    MoveToFirstFixed(graph.fixed_poses().front(), poses);
     for (const FixedPose& fixed : graph.fixed_poses()) {
       const std::vector<double> block = PoseArray({fixed.world_from_robot});
       std::copy(block.begin(), block.end(), &(*poses)[3 * fixed.pose]);
@@ -163,15 +171,14 @@ class IncrementalSolver::Impl {
     const std::vector<int> moved = MovedByCaller(*poses);
     const News news{num_scans_, edges_.relative_poses().size()};
     Extend(graph);
-    const bool has_revised = TestEdges(graph, news.first_edge);
-    const bool all = scope == UpdateScope::kAll || !moved.empty() || has_revised;
+    const std::vector<std::size_t> revised = TestEdges(graph, news.first_edge);
+    const bool all = scope == UpdateScope::kAll || !moved.empty() || !revised.empty();
     const std::vector<int> active = ActivePoses(graph, all, news, *poses);
     if (static_cast<int>(active.size()) == graph.num_poses()) {
       num_poses_at_last_loop_ = graph.num_poses();
-      SpreadNewEdges(graph, news.first_edge, poses);
+      SpreadNewEdges(graph, news.first_edge, revised, poses);
     }
     TakeFrames(active, *poses);
-    TakeFrames(moved, *poses);
     summary->num_free_poses = static_cast<int>(active.size());
     summary->association_time_s += SecondsSince(begin);
     if (graph.num_returns() == 0) return;
@@ -181,6 +188,16 @@ class IncrementalSolver::Impl {
       RunRound(graph, active, to_place, round == 0, poses, summary);
     }
     summary->ignored_edges = DescribeIgnored(contradicted_, graph, *poses);
+  }
+
+  // A map is fixed somewhere else as a whole.
+  static void MoveToFirstFixed(const FixedPose& fixed, std::vector<double>* poses) {
+    const Pose2 given(&(*poses)[3 * fixed.pose]), to = fixed.world_from_robot;
+    if (given.x == to.x && given.y == to.y && given.yaw == to.yaw) return;
+    const Pose2 motion = to * given.Inverse();
+    std::vector<Pose2> moved = PosesOf(*poses);
+    for (Pose2& pose : moved) pose = motion * pose;
+    *poses = PoseArray(moved);
   }
 
   std::vector<int> MovedByCaller(const std::vector<double>& poses) const {
@@ -229,9 +246,9 @@ class IncrementalSolver::Impl {
     frames_.resize(graph.num_poses());
   }
 
-  // Whether it has another opinion of an edge than before.
-  bool TestEdges(const SlamGraph& graph, std::size_t first_new) {
-    if (!solver_.test_edges) return false;
+  // Gives the edges, ascending, that it has another opinion of than before.
+  std::vector<std::size_t> TestEdges(const SlamGraph& graph, std::size_t first_new) {
+    if (!solver_.test_edges) return {};
     tests_->Extend(graph, surface_, pool_.get());
     std::vector<ContradictedEdge> contradicted = tests_->Contradicted(graph);
     std::vector<std::size_t> before, now;
@@ -240,7 +257,10 @@ class IncrementalSolver::Impl {
     edges_.Ignore(graph, now);
     contradicted_ = std::move(contradicted);
     now.erase(std::lower_bound(now.begin(), now.end(), first_new), now.end());
-    return now != before;
+    std::vector<std::size_t> revised;
+    std::set_symmetric_difference(now.begin(), now.end(), before.begin(), before.end(),
+                                  std::back_inserter(revised));
+    return revised;
   }
 
   // Null if it is not.
@@ -261,7 +281,7 @@ class IncrementalSolver::Impl {
   // speak for may be false: it is left to the joint estimation, where scans hold the map against
   // it.
   void SpreadNewEdges(const SlamGraph& graph, std::size_t first_new,
-                      std::vector<double>* poses) const {
+                      const std::vector<std::size_t>& revised, std::vector<double>* poses) const {
     std::vector<Pose2> world_from_pose = PosesOf(*poses);
     double largest_error_m = 0.0;
     std::vector<RelativePoseConstraint> edges;
@@ -272,13 +292,14 @@ class IncrementalSolver::Impl {
     for (std::size_t i = 0; i < graph.relative_poses().size(); ++i) {
       RelativePoseConstraint edge = graph.relative_poses()[i];
       const bool is_step = std::abs(edge.from - edge.to) == 1;
-      if (i >= first_new && !is_step && solver_.test_edges && !tests_->HasMatch(graph, i)) continue;
+      const bool is_new = i >= first_new || std::binary_search(revised.begin(), revised.end(), i);
+      if (is_new && !is_step && solver_.test_edges && tests_->LacksMatch(graph, i)) continue;
       if (const ContradictedEdge* contradicted = FindContradicted(i)) {
         if (!contradicted->match) continue;
         edge = *contradicted->match;
       }
       const Pose2 now = Between(world_from_pose[edge.from], world_from_pose[edge.to]);
-      if (i >= first_new) {
+      if (is_new) {
         const double error_m = (now.translation() - edge.from_from_to.translation()).norm();
         largest_error_m = std::max(largest_error_m, error_m);
       } else {

@@ -56,9 +56,9 @@ enum class UpdateScope {
 /// Refines a graph while it grows: for robots that map while they drive, and for mappers that ask
 /// for corrections again and again. Poses are estimated like the reduced solver does it, with
 /// points and tangent lines eliminated. Landmarks and what the poses saw of them are kept between
-/// updates. So an update of the newest poses takes the same time on a large map as on a small one;
-/// an update of all poses goes through the landmarks, and only returns of poses that have moved
-/// are associated anew.
+/// updates. So the time of an update of the newest poses does not grow with the map, but for the
+/// number of poses that saw the same surfaces; an update of all poses goes through the landmarks,
+/// and only returns of poses that have moved are associated anew.
 ///
 /// New returns join what lies where they end. So the drift has to stay below the distance between
 /// surfaces that are not the same, a metre or two, until a relative pose closes the loop: after a
@@ -82,7 +82,7 @@ class IncrementalSolver {
   /// [rad]) each. The graph has to be the one of the last call, grown or not. New poses have to be
   /// given where odometry or a matcher puts them, seen from the refined poses before them: within a
   /// few decimetres. Older poses that differ from what the last update gave have been moved by the
-  /// caller, and their surroundings follow. Fixed poses stay where the graph fixes them.
+  /// caller: all poses are estimated anew from there. Fixed poses stay where the graph fixes them.
   ///
   /// InvalidArgument on bad options, a graph that has shrunk, or poses of another number, not
   /// finite or beyond 1e8; nothing has changed then. Unavailable if memory runs out: *poses is as

@@ -86,6 +86,7 @@ class JointMap {
     if (node == nodes_.end()) return NoSuchNode(id);
     PLUMBLINE_RETURN_IF_ERROR(CheckNode(id, world_from_robot, node->second.timestamp_s));
     node->second.world_from_robot = world_from_robot;
+    if (node->second.pose == 0) is_outdated_ = true;  // it holds the map in the world
     return Status::Ok();
   }
 
@@ -95,9 +96,9 @@ class JointMap {
     is_outdated_ = true;
   }
 
-  /// Moves the nodes to the estimate; the one that came first stays. Loops may gape by metres.
-  /// Without any scan it is the optimum of the constraints. Unavailable if that fails; then all
-  /// nodes stay.
+  /// Moves the nodes to the estimate; one of them stays and holds the map in the world. Loops may
+  /// gape by metres. Without any scan it is the optimum of the constraints. Unavailable if that
+  /// fails; then all nodes stay.
   Status Estimate() {
     if (is_outdated_) StartAnew();
     PLUMBLINE_RETURN_IF_ERROR(ExtendGraph());

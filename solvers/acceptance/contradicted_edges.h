@@ -52,10 +52,12 @@ class EdgeTests {
   /// By all that has been seen: what is usual between scans may change.
   std::vector<ContradictedEdge> Contradicted(const SlamGraph& graph) const;
 
-  /// Whether the two scans of an edge match each other somewhere near it. Without a match they say
-  /// nothing for the edge, contradicted or not.
-  bool HasMatch(const SlamGraph& graph, std::size_t edge) const {
-    return MatchOf(graph.relative_poses()[edge], evidence_[edge]).has_value();
+  /// Whether both poses of an edge have scans, but these do not match each other anywhere near it:
+  /// they say nothing for the edge, contradicted or not.
+  bool LacksMatch(const SlamGraph& graph, std::size_t edge) const {
+    const RelativePoseConstraint& constraint = graph.relative_poses()[edge];
+    return scan_of_pose_[constraint.from] >= 0 && scan_of_pose_[constraint.to] >= 0 &&
+           !MatchOf(constraint, evidence_[edge]);
   }
 
  private:

@@ -74,7 +74,14 @@ class LandmarkStore {
 
   /// By id. Ids of landmarks that are no more have no observations.
   const std::vector<StoredLandmark>& landmarks() const { return landmarks_; }
-  void SetLine(int landmark, const LineLandmark& line) { landmarks_[landmark].line = line; }
+  /// A fit does not know which side of its line was seen: the normal keeps the side that it has.
+  void SetLine(int landmark, LineLandmark line) {
+    if (line.normal.dot(landmarks_[landmark].line.normal) < 0.0) {
+      line.normal = -line.normal;
+      line.offset_m = -line.offset_m;
+    }
+    landmarks_[landmark].line = line;
+  }
   /// The landmarks that a pose saw, ascending.
   const std::vector<int>& LandmarksOfPose(int pose) const { return landmarks_of_pose_[pose]; }
   /// Per return; LineLandmarks::kNone for those without.
