@@ -192,6 +192,35 @@ TEST(IncrementalSolverTest, FixedPosesStay) {
   EXPECT_LT(host.MeanErrorM(), 0.006);
 }
 
+TEST(IncrementalSolverTest, AMapThatIsFixedElsewhereIsMovedThereAsAWhole) {
+  Host host;
+  host.DriveAll();
+  const Pose2 away(10.0, -5.0, 1.57);
+  ASSERT_TRUE(host.graph.FixPose(30, away * host.drive.truth[30]).ok());
+  host.Update();
+  for (const int pose : {0, 29, kNumPoses - 1}) {
+    EXPECT_LT(DistanceM(Pose2(&host.poses[3 * pose]), away * host.drive.truth[pose]), 0.03);
+  }
+}
+
+TEST(IncrementalSolverTest, ClosuresOfPosesWithoutScansCount) {
+  SlamGraph graph;
+  std::vector<double> poses;
+  int id = 0;
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(graph.AddPose({0.5 * i, 0.0, 0.0}, i, &id).ok());
+    poses.insert(poses.end(), {0.5 * i, 0.0, 0.0});
+    if (i == 0) continue;
+    ASSERT_TRUE(graph.AddOdometry({i - 1, i, {0.5, 0.0, 0.0}}).ok());
+  }
+  RelativePoseConstraint closure{0, 29, {14.5, 1.0, 0.0}};
+  closure.covariance = Eigen::Vector3d(1e-6, 1e-6, 1e-6).asDiagonal();
+  ASSERT_TRUE(graph.AddRelativePose(closure).ok());
+  IncrementalSolver solver;
+  ASSERT_TRUE(solver.Update(graph, UpdateScope::kAutomatic, &poses).ok());
+  EXPECT_NEAR(poses[3 * 29 + 1], 1.0, 0.01);
+}
+
 TEST(IncrementalSolverTest, AScanThatComesLateMovesItsPose) {
   Host host;
   host.DriveAll();

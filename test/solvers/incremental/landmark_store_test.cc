@@ -150,6 +150,18 @@ TEST(LandmarkStoreTest, AFewReturnsMoreJoinTheLandmarksThatAreThere) {
   EXPECT_GT(stored.store.LandmarksOfPose(kNumPoses - 1).size(), 10u);
 }
 
+TEST(LandmarkStoreTest, ALineKeepsTheSideThatItWasSeenFrom) {
+  StoredRoom stored;
+  stored.Place(Range(0, kNumPoses));
+  const LineLandmark before = stored.store.landmarks()[0].line;
+  LineLandmark fitted = before;
+  fitted.normal = -before.normal;
+  fitted.offset_m = -before.offset_m;
+  stored.store.SetLine(0, fitted);
+  EXPECT_EQ(stored.store.landmarks()[0].line.normal, before.normal);
+  EXPECT_EQ(stored.store.landmarks()[0].line.offset_m, before.offset_m);
+}
+
 TEST(LandmarkStoreTest, APoseWithAnotherScanIsNotPlacedYet) {
   StoredRoom stored;
   stored.Place(Range(0, kNumPoses));
