@@ -168,11 +168,11 @@ class IncrementalSolver::Impl {
       std::copy(block.begin(), block.end(), &(*poses)[3 * fixed.pose]);
     }
     const auto begin = Clock::now();
-    const std::vector<int> moved = MovedByCaller(*poses);
+    const bool is_moved = IsMovedByCaller(*poses);
     const News news{num_scans_, edges_.relative_poses().size()};
     Extend(graph);
     const std::vector<std::size_t> revised = TestEdges(graph, news.first_edge);
-    const bool all = scope == UpdateScope::kAll || !moved.empty() || !revised.empty();
+    const bool all = scope == UpdateScope::kAll || is_moved || !revised.empty();
     const std::vector<int> active = ActivePoses(graph, all, news, *poses);
     if (static_cast<int>(active.size()) == graph.num_poses()) {
       num_poses_at_last_loop_ = graph.num_poses();
@@ -200,14 +200,8 @@ class IncrementalSolver::Impl {
     *poses = PoseArray(moved);
   }
 
-  std::vector<int> MovedByCaller(const std::vector<double>& poses) const {
-    std::vector<int> moved;
-    for (int pose = 0; pose < NumKnownPoses(); ++pose) {
-      if (!std::equal(&poses[3 * pose], &poses[3 * pose] + 3, &poses_[3 * pose])) {
-        moved.push_back(pose);
-      }
-    }
-    return moved;
+  bool IsMovedByCaller(const std::vector<double>& poses) const {
+    return !std::equal(poses_.begin(), poses_.end(), poses.begin());
   }
 
   // What of the graph is new.
