@@ -15,6 +15,7 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/core/sort_unique.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/acceptance/contradicted_edges.h"
@@ -334,8 +335,7 @@ class IncrementalSolver::Impl {
       begin = Clock::now();
       const std::vector<int> moved = problem.MovedPoses(*store_, WeighingTolerance());
       to_weigh.insert(to_weigh.end(), moved.begin(), moved.end());
-      std::sort(to_weigh.begin(), to_weigh.end());
-      to_weigh.erase(std::unique(to_weigh.begin(), to_weigh.end()), to_weigh.end());
+      SortUnique(&to_weigh);
       Weigh(to_weigh, 1.0, graph);
       summary->association_time_s += SecondsSince(begin);
       const double least_gain = solver_.reduced.relative_tolerance * summary->final_cost;

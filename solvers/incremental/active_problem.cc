@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
 #include "plumbline/solvers/landmarks/world_moments.h"
 #include "plumbline/solvers/terms/terms.h"
@@ -54,8 +55,7 @@ void ActiveProblem::AddEdges(const EdgesByPose& edges, const std::vector<double>
     append(edges.RelativePosesOf(pose_ids[part]), &relative_poses);
   }
   const auto in_part = [&](const std::vector<PoseEdge>& all, std::vector<std::size_t>* indices) {
-    std::sort(indices->begin(), indices->end());
-    indices->erase(std::unique(indices->begin(), indices->end()), indices->end());
+    SortUnique(indices);
     std::vector<PoseEdge> chosen;
     chosen.reserve(indices->size());
     for (const std::size_t i : *indices) {
@@ -75,8 +75,7 @@ void ActiveProblem::AddObservations(const LandmarkStore& store,
     const std::vector<int>& seen = store.LandmarksOfPose(pose_ids[part]);
     landmark_ids.insert(landmark_ids.end(), seen.begin(), seen.end());
   }
-  std::sort(landmark_ids.begin(), landmark_ids.end());
-  landmark_ids.erase(std::unique(landmark_ids.begin(), landmark_ids.end()), landmark_ids.end());
+  SortUnique(&landmark_ids);
 
   observations.first_of_pose.assign(pose_ids.size() + 1, 0);
   // The sum of the held ones comes first, if there are any.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
 
 namespace plumbline {
@@ -95,11 +96,6 @@ struct Sighting {
   }
 };
 
-void SortUnique(std::vector<int>* values) {
-  std::sort(values->begin(), values->end());
-  values->erase(std::unique(values->begin(), values->end()), values->end());
-}
-
 }  // namespace
 
 void LandmarkStore::Extend(const SlamGraph& graph) {
@@ -151,12 +147,17 @@ LandmarkStore::Square* LandmarkStore::Change(int square) {
   return &squares_[square];
 }
 
+// The first entry of this cell, or of one after it.
+std::vector<LandmarkStore::CellEntry>::const_iterator LandmarkStore::FirstFrom(
+    const std::vector<CellEntry>& cells, int cell) {
+  return std::lower_bound(cells.begin(), cells.end(), cell,
+                          [](const CellEntry& e, int sought) { return e.cell < sought; });
+}
+
 int LandmarkStore::LandmarkOfCell(const Square& square, const SurfaceCellKey& finest) const {
   for (int level = 0; level < LandmarkQuadtree::kNumLevels; ++level) {
     const int cell = CellWithin(AtLevel(finest, level), level);
-    const auto entry =
-        std::lower_bound(square.cells.begin(), square.cells.end(), cell,
-                         [](const CellEntry& e, int sought) { return e.cell < sought; });
+    const auto entry = FirstFrom(square.cells, cell);
     if (entry != square.cells.end() && entry->cell == cell) return entry->landmark;
   }
   return LineLandmarks::kNone;
@@ -170,8 +171,7 @@ int LandmarkStore::LandmarkNear(const Square& square, const SurfaceCellKey& fine
   for (int level = 0; level < LandmarkQuadtree::kNumLevels; ++level) {
     if (best != LineLandmarks::kNone) break;
     const int first = CellWithin({finest.x >> level, finest.y >> level, 0}, level);
-    auto entry = std::lower_bound(square.cells.begin(), square.cells.end(), first,
-                                  [](const CellEntry& e, int sought) { return e.cell < sought; });
+    auto entry = FirstFrom(square.cells, first);
     for (; entry != square.cells.end() && entry->cell < first + kNumOctants; ++entry) {
       const double squared =
           options_.SquaredSigmasOff(landmarks_[entry->landmark].line, point, laser);

@@ -109,6 +109,8 @@ class LandmarkStore {
 
   int SquareAt(const SurfaceCellKey& finest);
   Square* Change(int square);
+  static std::vector<CellEntry>::const_iterator FirstFrom(const std::vector<CellEntry>& cells,
+                                                          int cell);
   int LandmarkOfCell(const Square& square, const SurfaceCellKey& finest) const;
   int LandmarkNear(const Square& square, const SurfaceCellKey& finest, const Eigen::Vector2d& point,
                    const Eigen::Vector2d& laser) const;
