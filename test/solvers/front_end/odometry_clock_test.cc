@@ -143,12 +143,13 @@ TEST(OdometryClock, StampsThatNearlyCoincideDoNoHarm) {
   Recording recording;
   const Drive drive(Winding);
   for (int i = 0; i < kNumPoses; ++i) {
-    const double time_s = kPeriodS * (i / 2 * 2) + 1e-6 * (i % 2);
+    const int pair = i / 2, pair_before = (i - 1) / 2;
+    const double time_s = kPeriodS * 2 * pair + 1e-6 * (i % 2);
     int pose_id;
     ASSERT_TRUE(recording.graph.AddPose(drive.At(time_s), time_s, &pose_id).ok());
     recording.trajectory.world_from_robot.push_back(drive.At(time_s) *
                                                     Pose2(0.0, 0.0, i % 2 == 0 ? 0.001 : -0.001));
-    const double before_s = std::max(0.0, kPeriodS * ((i - 1) / 2 * 2));
+    const double before_s = kPeriodS * 2 * pair_before;
     recording.trajectory.odometry.push_back(
         Between(drive.At(before_s + 0.13), drive.At(time_s + 0.13)));
   }
