@@ -258,6 +258,15 @@ void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
   }
 }
 
+std::vector<double> SlamGraph::RangesOfScan(int scan_id, double no_return_m) const {
+  const ScanEntry& scan = scans_[scan_id];
+  std::vector<double> ranges_m(LaserOfScan(scan_id).num_beams, no_return_m);
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    ranges_m[returns_.beam[r]] = returns_.range_m[r];
+  }
+  return ranges_m;
+}
+
 MapState SlamGraph::InitialState() const {
   MapState state;
   ExtendState(&state);

@@ -146,6 +146,10 @@ class SlamGraph {
     return Pose2(&poses[3 * scans_[scan_id].pose]) * LaserOfScan(scan_id).robot_from_laser;
   }
 
+  /// The readings of a sweep as AddScan takes them, one range [m] per beam; no_return_m for beams
+  /// without a return.
+  std::vector<double> RangesOfScan(int scan_id, double no_return_m) const;
+
   /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
   /// Measured end of a beam [m] in the frame of its laser.

@@ -24,7 +24,6 @@
 #include "plumbline/solvers/incremental/active_problem.h"
 #include "plumbline/solvers/incremental/edges_by_pose.h"
 #include "plumbline/solvers/incremental/landmark_store.h"
-#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/reduced/gauss_newton_step.h"
 #include "plumbline/solvers/reduced/pose_system.h"
@@ -396,28 +395,15 @@ class IncrementalSolver::Impl {
 
   // Gives what it lowered the cost by.
   double Step(ActiveProblem* problem, IncrementalSummary* summary) {
-    std::vector<PoseFrame> frames = FramesOf(problem->poses);
-    const auto cost_at = [&](const std::vector<double>& poses, const std::vector<PoseFrame>& at) {
-      return FitLandmarkLines(problem->observations, at, pool_.get(), &problem->landmarks) +
-             problem->terms.Cost(poses);
-    };
-    double cost = cost_at(problem->poses, frames);
+    const std::vector<PoseFrame> frames = FramesOf(problem->poses);
+    const LandmarkCost landmark_cost{problem->observations, problem->terms, true, pool_.get(),
+                                     &problem->landmarks};
+    double cost = landmark_cost.At(problem->poses, frames);
     summary->initial_cost = cost;
     system_.Linearize(problem->observations, problem->landmarks, problem->terms, problem->poses,
                       frames, pool_.get());
-    const std::vector<double> start = problem->poses;
-    const auto move_if_better = [&](const std::vector<double>& moved) {
-      const double moved_cost = cost_at(moved, FramesOf(moved));
-      if (!(moved_cost < cost)) {
-        cost_at(problem->poses, frames);  // puts the lines back
-        return false;
-      }
-      cost = moved_cost;
-      problem->poses = moved;
-      return true;
-    };
-    TakeGaussNewtonStep(system_, problem->observations, frames, solver_.reduced.cg_tolerance, start,
-                        move_if_better, pool_.get());
+    TakeGaussNewtonStep(system_, landmark_cost, frames, solver_.reduced.cg_tolerance,
+                        &problem->poses, &cost);
     ++summary->num_steps;
     summary->final_cost = cost;
     return summary->initial_cost - cost;

@@ -15,16 +15,7 @@
 namespace plumbline {
 namespace {
 
-// As the mapper has them.
-std::vector<double> RangesOf(const SlamGraph& graph, int scan) {
-  std::vector<double> ranges_m(graph.LaserOfScan(scan).num_beams,
-                               std::numeric_limits<double>::infinity());
-  const ScanEntry& entry = graph.scan(scan);
-  for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    ranges_m[graph.returns().beam[r]] = graph.returns().range_m[r];
-  }
-  return ranges_m;
-}
+constexpr double kNoReturn = std::numeric_limits<double>::infinity();
 
 // The edges of each pose with earlier ones.
 using ArrivingEdges = std::vector<std::vector<RelativePoseConstraint>>;
@@ -60,7 +51,7 @@ class ReplayedMapper {
     PLUMBLINE_RETURN_IF_ERROR(map_.AddNode(pose, Start(pose), graph_.timestamp_s(pose)));
     if (scan >= 0) {
       PLUMBLINE_RETURN_IF_ERROR(
-          map_.SetScan(pose, graph_.LaserOfScan(scan), RangesOf(graph_, scan)));
+          map_.SetScan(pose, graph_.LaserOfScan(scan), graph_.RangesOfScan(scan, kNoReturn)));
     }
     for (const RelativePoseConstraint& edge : edges_[pose]) {
       PLUMBLINE_RETURN_IF_ERROR(

@@ -24,12 +24,10 @@ constexpr int kNumNeighbours = 4;
 FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
   const ScanEntry& entry = graph.scan(scan);
   const PoseFrame mounting(laser_.robot_from_laser);
-  std::vector<double> range_of_beam(laser_.num_beams, 0.0);
-  for (std::size_t k = 0; k < entry.num_returns; ++k) {
-    const std::size_t r = entry.first_return + k;
-    range_of_beam[graph.returns().beam[r]] = graph.returns().range_m[r];
-    if (k % kReturnStride != 0) continue;
-    points_in_robot_.push_back(mounting.Rotate(graph.PointInLaser(r)) + mounting.translation());
+  const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
+  for (std::size_t k = 0; k < entry.num_returns; k += kReturnStride) {
+    const Eigen::Vector2d point = graph.PointInLaser(entry.first_return + k);
+    points_in_robot_.push_back(mounting.Rotate(point) + mounting.translation());
   }
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;

@@ -1,25 +1,45 @@
 #include "plumbline/solvers/reduced/gauss_newton_step.h"
 
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 
 namespace plumbline {
 
-GaussNewtonStep TakeGaussNewtonStep(
-    const PoseSystem& system, const LineObservations& observations,
-    const std::vector<PoseFrame>& frames, double cg_tolerance, const std::vector<double>& poses,
-    const std::function<bool(const std::vector<double>& moved)>& move_if_better, ThreadPool* pool) {
+double LandmarkCost::At(const std::vector<double>& poses,
+                        const std::vector<PoseFrame>& frames) const {
+  const double cost = lines_follow ? FitLandmarkLines(observations, frames, pool, landmarks)
+                                   : LandmarkLineCost(observations, frames, *landmarks, pool);
+  return cost + terms.Cost(poses);
+}
+
+bool LandmarkCost::MoveIfBetter(const std::vector<double>& moved, std::vector<double>* poses,
+                                double* cost) const {
+  const double moved_cost = At(moved, FramesOf(moved));
+  if (!(moved_cost < *cost)) {
+    At(*poses, FramesOf(*poses));
+    return false;
+  }
+  *cost = moved_cost;
+  *poses = moved;
+  return true;
+}
+
+GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
+                                    const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    std::vector<double>* poses, double* cost) {
   // The tolerance ends conjugate gradients long before.
   constexpr int kMaxCgIterations = 200;
   constexpr int kMaxHalvings = 4;
-  const PosePreconditioner preconditioner(system, observations, frames, pool);
+  const LineObservations& observations = landmark_cost.observations;
+  const PosePreconditioner preconditioner(system, observations, frames, landmark_cost.pool);
   Eigen::VectorXd step;
   GaussNewtonStep result;
   result.cg_iterations = SolvePoseSystem(system, observations, preconditioner, -system.gradient,
-                                         cg_tolerance, kMaxCgIterations, pool, &step)
+                                         cg_tolerance, kMaxCgIterations, landmark_cost.pool, &step)
                              .iterations;
   double length = 1.0;
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
-    if (!move_if_better(system.Moved(poses, length * step))) continue;
+    if (!landmark_cost.MoveIfBetter(system.Moved(*poses, length * step), poses, cost)) continue;
     result.length = length;
     result.norm = length * step.norm();
     break;

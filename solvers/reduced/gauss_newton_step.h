@@ -1,15 +1,32 @@
 #ifndef PLUMBLINE_SOLVERS_REDUCED_GAUSS_NEWTON_STEP_H_
 #define PLUMBLINE_SOLVERS_REDUCED_GAUSS_NEWTON_STEP_H_
 
-#include <functional>
 #include <vector>
 
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
+
+/// What poses cost at fixed weights: the observations of landmarks and the terms between poses.
+struct LandmarkCost {
+  const LineObservations& observations;
+  const PoseTerms& terms;
+  bool lines_follow;  ///< refitted to all poses whose cost is asked for, see ReducedOptions
+  ThreadPool* pool;
+  std::vector<LineLandmark>* landmarks;
+
+  /// frames: of the poses, (x, y, yaw) each.
+  double At(const std::vector<double>& poses, const std::vector<PoseFrame>& frames) const;
+
+  /// Takes over poses that cost less, and their cost. Otherwise puts the lines back.
+  bool MoveIfBetter(const std::vector<double>& moved, std::vector<double>* poses,
+                    double* cost) const;
+};
 
 /// How a Gauss-Newton step went.
 struct GaussNewtonStep {
@@ -18,13 +35,12 @@ struct GaussNewtonStep {
   int cg_iterations = 0;  ///< of the linear system
 };
 
-/// Solves a linearised system by conjugate gradients to a residual of cg_tolerance times the
-/// right-hand side, and offers `poses`, (x, y, yaw) each, moved by the step to move_if_better: the
-/// whole step first, then half of it, up to four times, until one is taken.
-GaussNewtonStep TakeGaussNewtonStep(
-    const PoseSystem& system, const LineObservations& observations,
-    const std::vector<PoseFrame>& frames, double cg_tolerance, const std::vector<double>& poses,
-    const std::function<bool(const std::vector<double>& moved)>& move_if_better, ThreadPool* pool);
+/// Solves the system, linearised at the poses, by conjugate gradients to a residual of cg_tolerance
+/// times the right-hand side, and moves the poses by the step, or by half of it, up to four times
+/// halved, if that lowers the cost. frames: of the poses.
+GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
+                                    const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    std::vector<double>* poses, double* cost);
 
 }  // namespace plumbline
 

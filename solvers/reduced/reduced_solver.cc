@@ -111,7 +111,7 @@ class LandmarkMinimizer {
       if (row.steps == 0 && !options_.lines_follow) {
         FitLandmarkLines(observations_, frames_, pool_, &landmarks_);
       }
-      cost_ = Cost(poses_, frames_);
+      cost_ = landmark_cost_.At(poses_, frames_);
       if (row.steps == 0) row.initial_cost = cost_;
       outcome = Step();
       moved_squared += outcome.moved_squared;
@@ -156,14 +156,6 @@ class LandmarkMinimizer {
     result_.cutting_time_s += SecondsSince(start);
   }
 
-  // Refits the lines, if they follow.
-  double Cost(const std::vector<double>& poses, const std::vector<PoseFrame>& frames) {
-    const double cost = options_.lines_follow
-                            ? FitLandmarkLines(observations_, frames, pool_, &landmarks_)
-                            : LandmarkLineCost(observations_, frames, landmarks_, pool_);
-    return cost + terms_.Cost(poses);
-  }
-
   StepOutcome Step() {
     system_.Linearize(observations_, landmarks_, terms_, poses_, frames_, pool_);
     if (!options_.lines_follow) system_.HoldLines();
@@ -175,9 +167,8 @@ class LandmarkMinimizer {
 
   void MoveByGaussNewton() {
     const double cost = cost_;
-    const GaussNewtonStep step = TakeGaussNewtonStep(
-        system_, observations_, frames_, options_.cg_tolerance, std::vector<double>(poses_),
-        [this](const std::vector<double>& moved) { return MoveIfBetter(moved); }, pool_);
+    const GaussNewtonStep step = TakeGaussNewtonStep(system_, landmark_cost_, frames_,
+                                                     options_.cg_tolerance, &poses_, &cost_);
     IterationSummary iteration;
     iteration.phase = "poses";
     iteration.gradient_max_norm = system_.gradient.lpNorm<Eigen::Infinity>();
@@ -204,7 +195,7 @@ class LandmarkMinimizer {
         [this](const IterationSummary& iteration) { return Report(iteration); }, &poses_);
     poses_.swap(poses);
     if (is_gauge) MoveBack(static_cast<int>(gauge - terms.is_constant.begin()), &poses);
-    MoveIfBetter(poses);
+    landmark_cost_.MoveIfBetter(poses, &poses_, &cost_);
     result_.setup_time_s += inner.setup_time_s;
     result_.usable = inner.usable;
     if (!inner.usable) result_.stop_reason = inner.stop_reason;
@@ -217,17 +208,6 @@ class LandmarkMinimizer {
     for (Pose2& pose : moved) pose = motion * pose;
     *poses = PoseArray(moved);
     std::copy_n(&poses_[3 * in_place], 3, &(*poses)[3 * in_place]);
-  }
-
-  bool MoveIfBetter(const std::vector<double>& poses) {
-    const double cost = Cost(poses, FramesOf(poses));
-    if (!(cost < cost_)) {
-      Cost(poses_, frames_);  // puts the lines back
-      return false;
-    }
-    cost_ = cost;
-    poses_ = poses;
-    return true;
   }
 
   // How far returns moved across their surfaces, but for what they share with those of the pose
@@ -295,6 +275,8 @@ class LandmarkMinimizer {
   std::vector<AdjacentLandmarks> adjacent_;
   LineObservations observations_;
   std::vector<PoseFrame> frames_;
+  const LandmarkCost landmark_cost_{observations_, terms_, options_.lines_follow, pool_,
+                                    &landmarks_};
   PoseSystem system_;
   double cost_ = 0.0;
   Clock::time_point step_start_;

@@ -33,12 +33,7 @@ inline std::string AsG2o(const NoisyRoom& room) {
     text << "VERTEX_SE2 " << 10 * i << Text(i == 0 ? room.truth[0] : room.truth[i] * noise(0.05))
          << "\nROBOTLASER1 0 " << laser.first_bearing_rad << " 6.28 " << laser.bearing_step_rad
          << " 80 0.01 0 " << laser.num_beams;
-    std::vector<double> ranges(laser.num_beams, 80.0);
-    const ScanEntry& scan = graph.scan(i);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      ranges[graph.returns().beam[r]] = graph.returns().range_m[r];
-    }
-    for (const double range_m : ranges) text << ' ' << range_m;
+    for (const double range_m : graph.RangesOfScan(i, 80.0)) text << ' ' << range_m;
     text << " 0" << Text(room.truth[i] * laser.robot_from_laser) << Text(room.truth[i])
          << " 0 0 0 0 0 " << 100 + i << " host 0\n";
   }

@@ -133,6 +133,14 @@ TEST_F(SlamGraphTest, PointsInOrderOfAFanThatTurnsClockwise) {
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(2.0, 3.0, 1.0));
 }
 
+TEST_F(SlamGraphTest, GivesTheRangesOfASweepBack) {
+  const double none = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {none, 3.0, 2.0}).ok());
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, std::nan(""), 1000.0}).ok());
+  EXPECT_THAT(graph_.RangesOfScan(0, none), testing::ElementsAre(none, 3.0, 2.0));
+  EXPECT_THAT(graph_.RangesOfScan(1, -1.0), testing::ElementsAre(1.0, -1.0, -1.0));
+}
+
 TEST_F(SlamGraphTest, AScanWithoutReturnsIsAScan) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {0.0, 0.0, 0.0}).ok());
   EXPECT_EQ(graph_.num_scans(), 1);

@@ -28,11 +28,7 @@ KartoMap AsKartoMap(const NoisyRoom& room) {
     const double yaw = random.Gaussian(0.02), y = random.Gaussian(0.05);
     const Pose2 noise = i == 0 ? Pose2() : Pose2(random.Gaussian(0.05), y, yaw);
     KartoScan scan = {i, 100.0 + i, room.truth[i], room.truth[i] * noise, {}};
-    scan.ranges.assign(laser.num_beams, 80.0);
-    const ScanEntry& entry = graph.scan(i);
-    for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-      scan.ranges[graph.returns().beam[r]] = graph.returns().range_m[r];
-    }
+    scan.ranges = graph.RangesOfScan(i, 80.0);
     map.scans.push_back(scan);
     if (i == 0) continue;
     map.edges.push_back({i - 1, i, Between(map.scans[i - 1].corrected, scan.corrected)});

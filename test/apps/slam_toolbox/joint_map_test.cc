@@ -13,22 +13,14 @@
 namespace plumbline {
 namespace {
 
+constexpr double kNoReturn = std::numeric_limits<double>::infinity();
+
 using testing::HasSubstr;
 
 constexpr int kFirstId = 100;  // ids are the mapper's: neither from 0 nor without gaps
 
 Eigen::Matrix3d Covariance(double sigma) {
   return Eigen::Vector3d::Constant(sigma * sigma).asDiagonal();
-}
-
-std::vector<double> RangesOf(const SlamGraph& graph, int scan) {
-  std::vector<double> ranges_m(graph.LaserOfScan(scan).num_beams,
-                               std::numeric_limits<double>::infinity());
-  const ScanEntry& entry = graph.scan(scan);
-  for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    ranges_m[graph.returns().beam[r]] = graph.returns().range_m[r];
-  }
-  return ranges_m;
 }
 
 // The drive through the room, from poses that are a few centimetres off; `place` moves it
@@ -41,7 +33,8 @@ void AddRoom(const NoisyRoom& room, int first_id, const Pose2& place, JointMap* 
     const Pose2 off = i == 0 ? Pose2() : Pose2(random.Gaussian(0.03), y, yaw);
     const int id = first_id + 2 * i;
     ASSERT_TRUE(map->AddNode(id, place * room.truth[i] * off, 0.5 * i).ok());
-    ASSERT_TRUE(map->SetScan(id, room.graph.LaserOfScan(i), RangesOf(room.graph, i)).ok());
+    ASSERT_TRUE(
+        map->SetScan(id, room.graph.LaserOfScan(i), room.graph.RangesOfScan(i, kNoReturn)).ok());
     if (i == 0) continue;
     ASSERT_TRUE(map->AddConstraint(id - 2, id, Between(room.truth[i - 1], room.truth[i]) * off,
                                    Covariance(0.05))
@@ -84,9 +77,11 @@ TEST(JointMapTest, PartsThatNothingJoinsAreFittedEachForItself) {
   EXPECT_LT(WorstError(room, kFirstId + 1, elsewhere, map), 0.1);
   // One node alone, too.
   ASSERT_TRUE(map.AddNode(9, {-300.0, 0.0, 0.0}, 0.0).ok());
-  ASSERT_TRUE(map.SetScan(9, room.graph.LaserOfScan(0), RangesOf(room.graph, 0)).ok());
+  ASSERT_TRUE(
+      map.SetScan(9, room.graph.LaserOfScan(0), room.graph.RangesOfScan(0, kNoReturn)).ok());
   ASSERT_TRUE(map.AddNode(999, {-600.0, 0.0, 0.0}, 0.0).ok());
-  ASSERT_TRUE(map.SetScan(999, room.graph.LaserOfScan(0), RangesOf(room.graph, 0)).ok());
+  ASSERT_TRUE(
+      map.SetScan(999, room.graph.LaserOfScan(0), room.graph.RangesOfScan(0, kNoReturn)).ok());
   ASSERT_TRUE(map.Estimate().ok());
   EXPECT_LT(WorstError(room, kFirstId, {}, map), 0.1);
   EXPECT_NEAR(map.FindPose(999)->x, -600.0, 0.1);

@@ -133,10 +133,7 @@ TEST_F(ContradictedEdgesTest, WhatIsUsualBetweenConsecutiveScansIsNoContradictio
   ASSERT_TRUE(crowded.AddLaser(graph_.laser(0), &laser).ok());
   for (int s = 0; s < graph_.num_scans(); ++s) {
     const ScanEntry& scan = graph_.scan(s);
-    std::vector<double> ranges(graph_.laser(0).num_beams, 0.0);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      ranges[graph_.returns().beam[r]] = graph_.returns().range_m[r];
-    }
+    std::vector<double> ranges = graph_.RangesOfScan(s, 0.0);
     for (int first = 0; first < 180; first += 10) {
       if (random.Uniform(0.0, 1.0) > 0.2) continue;
       std::fill_n(ranges.begin() + first, 10, 0.4);

@@ -50,12 +50,8 @@ SlamGraph Reversed(const SlamGraph& from, const Predicate& is_reversed) {
   int laser = 0, pose = 0;
   for (int s = 0; s < from.num_scans(); ++s) {
     const ScanEntry& scan = from.scan(s);
-    const int num_beams = from.LaserOfScan(s).num_beams;
-    std::vector<double> ranges(num_beams, std::numeric_limits<double>::infinity());
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const int beam = from.returns().beam[r];
-      ranges[is_reversed(s) ? num_beams - 1 - beam : beam] = from.returns().range_m[r];
-    }
+    std::vector<double> ranges = from.RangesOfScan(s, std::numeric_limits<double>::infinity());
+    if (is_reversed(s)) std::reverse(ranges.begin(), ranges.end());
     EXPECT_TRUE(graph.AddLaser(from.LaserOfScan(s), &laser).ok());
     EXPECT_TRUE(graph.AddPose(from.InitialPose(scan.pose), s, &pose).ok());
     EXPECT_TRUE(graph.AddScan(pose, laser, ranges).ok());
@@ -117,11 +113,8 @@ TEST(MirroredScansTest, UpsideDownIsNoticedWhereverTheFanLooks) {
   int laser = 0, pose = 0;
   ASSERT_TRUE(told.AddLaser(scene.laser, &laser).ok());
   for (int s = 0; s < seen.num_scans(); ++s) {
-    const ScanEntry& scan = seen.scan(s);
-    std::vector<double> ranges(scene.laser.num_beams, std::numeric_limits<double>::infinity());
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      ranges[seen.returns().beam[r]] = seen.returns().range_m[r];
-    }
+    const std::vector<double> ranges =
+        seen.RangesOfScan(s, std::numeric_limits<double>::infinity());
     ASSERT_TRUE(told.AddPose(seen.InitialPose(s), s, &pose).ok());
     ASSERT_TRUE(told.AddScan(pose, laser, ranges).ok());
   }

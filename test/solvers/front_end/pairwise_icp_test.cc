@@ -146,11 +146,9 @@ TEST_P(PairwiseIcpTest, TheOdometryStandsWhereScansDoNotMatch) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(graph.AddPose(scene.poses[i], i, &id).ok());
     const SlamGraph& seen = i == 4 ? there : here;
-    std::vector<double> ranges(scene.laser.num_beams, scene.laser.max_range_m + 1.0);
-    const ScanEntry& scan = seen.scan(i);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (i != 1 && i != 2) ranges[seen.returns().beam[r]] = seen.returns().range_m[r];
-    }
+    const double no_return = scene.laser.max_range_m + 1.0;
+    std::vector<double> ranges = seen.RangesOfScan(i, no_return);
+    if (i == 1 || i == 2) ranges.assign(ranges.size(), no_return);
     ASSERT_TRUE(graph.AddScan(id, laser, ranges).ok());
   }
   AddOdometry([](const Pose2& step) { return Pose2(step.x + 0.02, 0.0, 0.0); }, &graph);

@@ -178,11 +178,7 @@ TEST(MapConsistency, APersonWhoStoodThereOnceIsNoContradiction) {
   scene.discs = {{{-1.0, 0.9}, 0.25}};
   const SlamGraph with_person = MakeGraph(scene);
   for (int s = 0; s < with_person.num_scans(); ++s) {
-    const ScanEntry& scan = with_person.scan(s);
-    std::vector<double> ranges(scene.laser.num_beams, scene.laser.max_range_m);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      ranges[with_person.returns().beam[r]] = with_person.returns().range_m[r];
-    }
+    const std::vector<double> ranges = with_person.RangesOfScan(s, scene.laser.max_range_m);
     int pose = 0;
     ASSERT_TRUE(graph.AddPose(scene.poses[s], graph.num_poses(), &pose).ok());
     ASSERT_TRUE(graph.AddScan(pose, 0, ranges).ok());
