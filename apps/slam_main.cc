@@ -256,12 +256,15 @@ class SlamRun {
   // results outlive one that comes to nothing.
   Status RecordStart() {
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
-    if (!mapping_.report.seeding.odometry_noise.is_prediction) {
-      PLUMBLINE_RETURN_IF_ERROR(
-          RecordMap("Odometry", "map_odometry.png", mapping_.graph.InitialState()));
-    }
     const bool by_pose_graph = options_.solver.MovesPosesOnly();
-    PLUMBLINE_RETURN_IF_ERROR(RecordMap(StartTitle(by_pose_graph), "map_seed.png", mapping_.state));
+    std::vector<WriteTask> tasks;
+    MapState odometry;
+    if (!mapping_.report.seeding.odometry_noise.is_prediction) {
+      odometry = mapping_.graph.InitialState();
+      RecordMap("Odometry", "map_odometry.png", odometry, &tasks);
+    }
+    RecordMap(StartTitle(by_pose_graph), "map_seed.png", mapping_.state, &tasks);
+    PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
     if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
     return Trajectory("trajectory_seed.tum");
   }
@@ -315,16 +318,17 @@ class SlamRun {
       return WriteClosurePicture(output_.File("closures.png"), mapping_.graph, mapping_.state,
                                  mapping_.report.seeding.loops.matches, outputs_.picture_side_px);
     });
-    Stage optimised;
+    Stage measured, optimised;
+    tasks.push_back([&] {
+      const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
+      const MapState state{mapping_.state.poses, mapping_.graph.MeasuredMap(mapping_.state.poses)};
+      return Measure("refined, " + ranges + " ranges", state, &measured);
+    });
     tasks.push_back(
         [&] { return Measure("refined, optimised points", mapping_.state, &optimised); });
     PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
     if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
-    // The map is written: its points make room for the measured ones.
-    mapping_.state.points = mapping_.graph.MeasuredMap(mapping_.state.poses);
-    const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
-    summary_.stages.push_back(
-        MeasureStage("refined, " + ranges + " ranges", mapping_.state, TruthOrNull(), &*pool_));
+    summary_.stages.push_back(measured);
     summary_.stages.push_back(optimised);
     summary_.mapping = std::move(mapping_.report);
     PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal([&](const std::string& signal_name) {
@@ -395,15 +399,18 @@ class SlamRun {
     return Status::Ok();
   }
 
-  // What a map looks like, and how good it is.
-  Status RecordMap(const std::string& title, const std::string& picture, const MapState& state) {
+  // Adds the tasks that draw a map and measure how good it is.
+  void RecordMap(const std::string& title, const std::string& picture, const MapState& state,
+                 std::vector<WriteTask>* tasks) {
+    // By number: the lists still grow.
+    const std::size_t map = maps_.size(), stage = summary_.stages.size();
     maps_.push_back({title, output_.File(picture), MapArea()});
     summary_.stages.emplace_back();
-    std::string stage = title;
-    stage.front() = static_cast<char>(std::tolower(stage.front()));
-    return RunAll({[&] { return Draw(state, &maps_.back()); },
-                   [&] { return Measure(stage, state, &summary_.stages.back()); }},
-                  &*pool_);
+    std::string name = title;
+    name.front() = static_cast<char>(std::tolower(name.front()));
+    tasks->push_back(
+        [this, name, stage, &state] { return Measure(name, state, &summary_.stages[stage]); });
+    tasks->push_back([this, map, &state] { return Draw(state, &maps_[map]); });
   }
   Status Draw(const MapState& state, ReportMap* map) const {
     MapPictureOptions options;

@@ -20,6 +20,7 @@
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/acceptance/contradicted_edges.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/full/point_recovery.h"
 #include "plumbline/solvers/incremental/active_problem.h"
 #include "plumbline/solvers/incremental/edges_by_pose.h"
@@ -113,7 +114,7 @@ class IncrementalSolver::Impl {
     }
     return CatchExceptions([&] {
       if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
-      std::vector<TangentLine> lines(graph.num_returns(), {0.0, 0.0, 0.0});
+      TangentLines lines(graph.num_returns());
       AddLandmarkLines(Landmarks(), &lines);
       *state = {poses_,
                 RecoverPoints(graph, poses_, surface_, lines, solver_.factors, pool_.get())};

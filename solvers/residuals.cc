@@ -24,14 +24,14 @@ constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kScansPerChunk = 16;
 
 // The lines that a solver of this kind would draw the points to.
-std::vector<TangentLine> LinesOf(const SolverOptions& options, const SlamGraph& graph,
-                                 const MapState& state, ThreadPool* pool) {
+TangentLines LinesOf(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
+                     ThreadPool* pool) {
   const FactorOptions& factors = options.factors;
   const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), pool);
   if (options.association.neighborhood == NeighborhoodType::kNearest) {
     return LinesFromNearest(graph, state, surface.normals, options.association, pool);
   }
-  std::vector<TangentLine> lines =
+  TangentLines lines =
       LinesFromRadius(graph, state.poses, surface, options.association, FineRadius(options), pool);
   if (!options.IsOverLandmarks()) return lines;
   LineLandmarks cut = CutIntoLandmarks(graph, state.poses, surface,

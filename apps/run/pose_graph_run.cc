@@ -112,9 +112,8 @@ class PoseGraphRun {
     const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
     // The widest neighbourhoods: the narrow ones do not see a double wall.
     const auto energy = [&](const std::vector<double>& poses) {
-      const std::vector<TangentLine> lines =
-          LinesFromRadius(graph, poses, surface, options_.solver.association,
-                          options_.solver.rounds.coarse_radius_m, &pool_);
+      const TangentLines lines = LinesFromRadius(graph, poses, surface, options_.solver.association,
+                                                 options_.solver.rounds.coarse_radius_m, &pool_);
       return MarginalEnergy(graph, poses, surface, lines, factors, &pool_);
     };
     joint_starts_as_given_ = energy(graph.initial_poses()) < energy(state_.poses);

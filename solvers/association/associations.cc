@@ -2,12 +2,6 @@
 
 namespace plumbline {
 
-std::size_t Associations::CountLines() const {
-  std::size_t count = 0;
-  for (const TangentLine& line : lines) count += HasLine(line);
-  return count;
-}
-
 Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
                                const MeasuredSurface& surface, const AssociationOptions& options,
                                double radius_m, ThreadPool* pool) {

@@ -9,8 +9,8 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/manifold_factor.h"
 #include "plumbline/factors/shape_factor.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/interface/association_options.h"
 
 namespace plumbline {
@@ -34,16 +34,8 @@ struct ShapePair {
 
 /// What the map prior is made of: rebuilt from the current map in the outer loop, fixed inside.
 struct Associations {
-  /// Per return; the zero normal marks a point that no tangent line draws.
-  std::vector<TangentLine> lines;
+  TangentLines lines;
   std::vector<ShapePair> shape_pairs;  ///< in order of scans
-
-  /// Whether it is a line at all.
-  static bool HasLine(const TangentLine& line) {
-    return line.normal_x != 0.0 || line.normal_y != 0.0;
-  }
-  /// Returns with a line.
-  std::size_t CountLines() const;
 };
 
 /// Builds the associations of a state of the graph.
@@ -56,13 +48,12 @@ Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
 /// placed by the poses, (x, y, yaw) each; the other two see the state's points, (x, y) each.
 /// Without normals (empty) LinesFromNearest has a line for every point, and no face of a wall or
 /// side of a corner stays apart.
-std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
-                                         const MeasuredSurface& surface,
-                                         const AssociationOptions& options, double radius_m,
-                                         ThreadPool* pool);
-std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph, const MapState& state,
-                                          const std::vector<Eigen::Vector2f>& normals,
-                                          const AssociationOptions& options, ThreadPool* pool);
+TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
+                             const MeasuredSurface& surface, const AssociationOptions& options,
+                             double radius_m, ThreadPool* pool);
+TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
+                              const std::vector<Eigen::Vector2f>& normals,
+                              const AssociationOptions& options, ThreadPool* pool);
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<Eigen::Vector2f>& normals,
                                       const AssociationOptions& options, ThreadPool* pool);

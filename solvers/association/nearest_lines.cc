@@ -127,20 +127,23 @@ class NearestLineFitter {
 
 }  // namespace
 
-std::vector<TangentLine> LinesFromNearest(const SlamGraph& graph, const MapState& state,
-                                          const std::vector<Eigen::Vector2f>& normals,
-                                          const AssociationOptions& options, ThreadPool* pool) {
-  std::vector<TangentLine> lines(graph.num_returns(), TangentLine{0.0, 0.0, 0.0});
+TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
+                              const std::vector<Eigen::Vector2f>& normals,
+                              const AssociationOptions& options, ThreadPool* pool) {
   const SurfaceMap map = CollectSurface(graph, state, normals);
   const NearestLineFitter fitter(map, options, pool);
+  std::vector<TangentLine> lines(map.size());
   pool->ForEachChunk(map.size(), kPointsPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        std::vector<PointIndex::Neighbor> neighbors;
                        for (std::size_t i = begin; i < end; ++i) {
-                         lines[map.return_ids[i]] = fitter.Fit(i, &neighbors);
+                         lines[i] = fitter.Fit(i, &neighbors);
                        }
                      });
-  return lines;
+  std::vector<int> line_of_return(graph.num_returns(), TangentLines::kNone);
+  for (std::size_t i = 0; i < map.size(); ++i)
+    line_of_return[map.return_ids[i]] = static_cast<int>(i);
+  return {std::move(lines), std::move(line_of_return)};
 }
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 // twice again.
 
 #include <cmath>
+#include <utility>
 
 #include "plumbline/core/line_fit.h"
 #include "plumbline/solvers/association/associations.h"
@@ -60,10 +61,10 @@ TangentLine LineOfCell(const std::vector<SurfaceCells>& tables, std::size_t id,
 
 }  // namespace
 
-std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
-                                         const MeasuredSurface& surface,
-                                         const AssociationOptions& options, double radius_m,
-                                         ThreadPool* pool) {
+TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
+                             const MeasuredSurface& surface, const AssociationOptions& options,
+                             double radius_m, ThreadPool* pool) {
+  static_assert(TangentLines::kNone == SurfaceCells::kNone);
   const SurfaceGrid grid{0.5 * radius_m, 0.0, DominantDirection(graph, poses, surface, pool)};
   std::vector<int> cell_of_return;
   std::vector<SurfaceCells> tables;
@@ -78,16 +79,7 @@ std::vector<TangentLine> LinesFromRadius(const SlamGraph& graph, const std::vect
                          line_of_cell[id] = LineOfCell(tables, id, options);
                        }
                      });
-  std::vector<TangentLine> lines(graph.num_returns(), TangentLine{0.0, 0.0, 0.0});
-  constexpr std::size_t kReturnsPerChunk = 65536;
-  pool->ForEachChunk(lines.size(), kReturnsPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t r = begin; r < end; ++r) {
-                         if (cell_of_return[r] != SurfaceCells::kNone)
-                           lines[r] = line_of_cell[cell_of_return[r]];
-                       }
-                     });
-  return lines;
+  return {std::move(line_of_cell), std::move(cell_of_return)};
 }
 
 }  // namespace plumbline

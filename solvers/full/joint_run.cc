@@ -99,15 +99,15 @@ LineLandmarks JointRun::CutSurfaces(const std::vector<double>& poses) {
   return CutIntoLandmarks(graph_, poses, *surface_, cutting, &pool_);
 }
 
-std::vector<TangentLine> JointRun::CurrentLines() {
+TangentLines JointRun::CurrentLines() {
   const auto start = Clock::now();
-  std::vector<TangentLine> lines = LinesFromRadius(graph_, state_.poses, *surface_,
-                                                   options_.association, fine_radius_m_, &pool_);
+  TangentLines lines = LinesFromRadius(graph_, state_.poses, *surface_, options_.association,
+                                       fine_radius_m_, &pool_);
   summary_.association_time_s += SecondsSince(start);
   return lines;
 }
 
-double JointRun::MarginalEnergyUnder(const std::vector<TangentLine>& lines) {
+double JointRun::MarginalEnergyUnder(const TangentLines& lines) {
   return MarginalEnergy(graph_, state_.poses, *surface_, lines, factors_, &pool_);
 }
 

@@ -11,6 +11,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/acceptance/candidate.h"
 #include "plumbline/solvers/acceptance/contradicted_steps.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/full/energy.h"
 #include "plumbline/solvers/interface/inner_result.h"
 #include "plumbline/solvers/interface/solver.h"
@@ -56,8 +57,8 @@ class JointRun {
   /// The surfaces as these poses place them, without what is held out.
   LineLandmarks CutSurfaces(const std::vector<double>& poses);
   /// The lines that the current poses give.
-  std::vector<TangentLine> CurrentLines();
-  double MarginalEnergyUnder(const std::vector<TangentLine>& lines);
+  TangentLines CurrentLines();
+  double MarginalEnergyUnder(const TangentLines& lines);
   PointDisplacements Displacements();
   void RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost);
   /// Keeps every iteration, numbered through, and hands it on.

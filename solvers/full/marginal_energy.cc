@@ -17,7 +17,7 @@ namespace {
 
 // Cost of the returns of one scan, given the lines of the map.
 double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
-                const MeasuredSurface& surface, int scan_id, const std::vector<TangentLine>& lines,
+                const MeasuredSurface& surface, int scan_id, const TangentLines& lines,
                 const FactorOptions& factors) {
   const ScanEntry& scan = graph.scan(scan_id);
   const Pose2 pose(&poses[3 * scan.pose]);
@@ -27,11 +27,11 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
   const SurfaceNoise noise = NoiseOf(factors);
   double cost = 0.0;
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const TangentLine& line = lines[r];
-    if (!Associations::HasLine(line)) {
+    if (!lines.HasLine(r)) {
       cost += 0.5 * loss.ClutterRho();
       continue;
     }
+    const TangentLine& line = lines[r];
     const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,
                                  -s * line.normal_x + c * line.normal_y);
     const Eigen::Vector2d point = surface.points[r].cast<double>();
@@ -46,7 +46,7 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
 }  // namespace
 
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                      const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                      const MeasuredSurface& surface, const TangentLines& lines,
                       const FactorOptions& factors, ThreadPool* pool) {
   std::vector<double> costs(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk), 0.0);
   pool->ForEachChunk(graph.num_scans(), kScansPerChunk,

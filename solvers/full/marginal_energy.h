@@ -7,7 +7,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/factors/manifold_factor.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
@@ -23,7 +23,7 @@ namespace plumbline {
 /// terms with the points at the ends of their beams; shape terms, which tie points to each other,
 /// are left out.
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                      const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                      const MeasuredSurface& surface, const TangentLines& lines,
                       const FactorOptions& factors, ThreadPool* pool);
 
 /// The same under the lines that the poses give at the fine radius: one measure for the states of

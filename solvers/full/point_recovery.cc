@@ -33,7 +33,7 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
 }
 
 void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
-                 const MeasuredSurface& surface, const std::vector<TangentLine>& lines,
+                 const MeasuredSurface& surface, const TangentLines& lines,
                  const FactorOptions& factors, int scan_id, std::vector<double>* points) {
   const ScanEntry& scan = graph.scan(scan_id);
   const PoseFrame frame(&poses[3 * scan.pose]);
@@ -44,7 +44,7 @@ void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
     const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
     Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
     point = frame.Rotate(in_robot) + frame.translation();
-    if (!Associations::HasLine(lines[r])) continue;
+    if (!lines.HasLine(r)) continue;
     const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
     const Eigen::Vector2d covariance_normal =
         noise.BeamCovarianceTimes(frame.Rotate(in_robot - laser), normal);
@@ -110,8 +110,7 @@ void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSu
 }  // namespace
 
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
-                                  const MeasuredSurface& surface,
-                                  const std::vector<TangentLine>& lines,
+                                  const MeasuredSurface& surface, const TangentLines& lines,
                                   const FactorOptions& factors, ThreadPool* pool) {
   std::vector<double> points(2 * graph.num_returns());
   pool->ForEachChunk(

@@ -7,7 +7,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/factors/manifold_factor.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
@@ -19,8 +19,7 @@ namespace plumbline {
 /// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
 /// per return, as LinesFromRadius gives them. Shape terms are left out.
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
-                                  const MeasuredSurface& surface,
-                                  const std::vector<TangentLine>& lines,
+                                  const MeasuredSurface& surface, const TangentLines& lines,
                                   const FactorOptions& factors, ThreadPool* pool);
 
 /// How far the points of a state are from where its poses and the measurements put them.

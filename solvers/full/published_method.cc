@@ -93,7 +93,7 @@ class PublishedRun final : public JointRun {
     RecordTerms(energy, state_, &TermSummary::initial_cost);
     RoundSummary row;
     row.gate_sigmas = gaussian_.manifold.robust_gate_sigmas;
-    row.num_lines = prior.CountLines();
+    row.num_lines = prior.lines.CountReturns();
     row.num_shape_pairs = prior.shape_pairs.size();
     last_inner_ = Minimize(energy);
     RecordTerms(energy, state_, &TermSummary::final_cost);

@@ -45,11 +45,13 @@ void RoundEnergyMeter::Measure(const MapState& result, SolverSummary* summary) c
   const auto energy = [&](const std::vector<double>& poses) {
     return MarginalEnergy(graph_, poses, surface_, options, &pool);
   };
-  for (const Moment& moment : moments_) {
-    summary->round_energies.push_back(moment.row);
-    summary->round_energies.back().marginal_energy = energy(InPlace(graph_, moment.poses));
-  }
   if (options.MovesPosesOnly()) summary->final_marginal_energy = energy(result.poses);
+  for (const Moment& moment : moments_) {
+    const std::vector<double> poses = InPlace(graph_, moment.poses);
+    summary->round_energies.push_back(moment.row);
+    summary->round_energies.back().marginal_energy =
+        poses == result.poses ? summary->final_marginal_energy : energy(poses);
+  }
 }
 
 }  // namespace plumbline

@@ -127,7 +127,7 @@ class RoundsRun final : public JointRun {
     auto start = Clock::now();
     const Associations associations = Associate(scale.radius_m);
     summary_.association_time_s += SecondsSince(start);
-    row.num_lines = associations.CountLines();
+    row.num_lines = associations.lines.CountReturns();
     row.num_shape_pairs = associations.shape_pairs.size();
 
     start = Clock::now();

@@ -95,13 +95,16 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
   return result;
 }
 
-void AddLandmarkLines(const LineLandmarks& landmarks, std::vector<TangentLine>* lines) {
+void AddLandmarkLines(const LineLandmarks& landmarks, TangentLines* lines) {
+  int first = TangentLines::kNone;
+  for (const LineLandmark& landmark : landmarks.landmarks) {
+    const double offset = landmark.offset_m + landmark.normal.dot(landmark.origin);
+    const int number = lines->Add({landmark.normal.x(), landmark.normal.y(), offset});
+    if (first == TangentLines::kNone) first = number;
+  }
   for (std::size_t r = 0; r < lines->size(); ++r) {
     const int id = landmarks.landmark_of_return[r];
-    if (id == LineLandmarks::kNone || Associations::HasLine((*lines)[r])) continue;
-    const LineLandmark& landmark = landmarks.landmarks[id];
-    const double offset = landmark.offset_m + landmark.normal.dot(landmark.origin);
-    (*lines)[r] = {landmark.normal.x(), landmark.normal.y(), offset};
+    if (id != LineLandmarks::kNone && !lines->HasLine(r)) lines->Assign(r, first + id);
   }
 }
 

@@ -8,9 +8,9 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
-#include "plumbline/factors/manifold_factor.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/surface_cells.h"
+#include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/interface/association_options.h"
 
 namespace plumbline {
@@ -73,7 +73,7 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
 
 /// Gives every return without a line of its own (too far from others, or seen at a grazing angle)
 /// that of its landmark, if it lies on one. lines: per return.
-void AddLandmarkLines(const LineLandmarks& landmarks, std::vector<TangentLine>* lines);
+void AddLandmarkLines(const LineLandmarks& landmarks, TangentLines* lines);
 
 }  // namespace plumbline
 

@@ -90,7 +90,7 @@ class ManifoldTerm final : public TermOf<ManifoldTerm, ManifoldFactor, PointId> 
   std::string name() const override { return kManifoldTerm; }
   std::string unit() const override { return "m (robust)"; }
   double sigma() const override { return options_.sigma_m; }
-  std::size_t num_blocks() const override { return associations_.CountLines(); }
+  std::size_t num_blocks() const override { return associations_.lines.CountReturns(); }
   std::size_t num_measurements() const override { return graph_.num_returns(); }
   GemanMcClure loss() const { return GemanMcClure::FromGate(options_.robust_gate_sigmas); }
 
@@ -99,9 +99,8 @@ class ManifoldTerm final : public TermOf<ManifoldTerm, ManifoldFactor, PointId> 
     const ScanEntry& scan = graph_.scan(scan_id);
     const double inv_sigma = 1.0 / options_.sigma_m;
     for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
-      const TangentLine& line = associations_.lines[i];
-      if (!Associations::HasLine(line)) continue;
-      if (!visit(i, ManifoldResidual{line, inv_sigma}, PointId{i})) return false;
+      if (!associations_.lines.HasLine(i)) continue;
+      if (!visit(i, ManifoldResidual{associations_.lines[i], inv_sigma}, PointId{i})) return false;
     }
     return true;
   }

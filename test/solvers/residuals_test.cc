@@ -97,7 +97,7 @@ TEST(ResidualsTest, SurfacesGoByTheLinesOfTheSolver) {
   ASSERT_TRUE(energy.Evaluate(room.state.poses, room.state.points, &costs));
   EXPECT_NEAR(RobustCost(residuals.surfaces, options.factors.manifold), costs.cost[3],
               1e-9 * costs.cost[3]);
-  EXPECT_EQ(Count(residuals.surfaces), associations.CountLines());
+  EXPECT_EQ(Count(residuals.surfaces), associations.lines.CountReturns());
 }
 
 TEST(ResidualsTest, AWrongClosureStandsOut) {

@@ -115,14 +115,10 @@ class Oracle {
 };
 
 // Of the initial state.
-std::vector<TangentLine> LinesOf(const SlamGraph& graph, const AssociationOptions& options,
-                                 int num_threads = 1) {
+TangentLines LinesOf(const SlamGraph& graph, const AssociationOptions& options,
+                     int num_threads = 1) {
   ThreadPool pool(num_threads);
   return LinesFromNearest(graph, graph.InitialState(), NormalsOf(graph), options, &pool);
-}
-
-std::size_t CountLines(const std::vector<TangentLine>& lines) {
-  return std::count_if(lines.begin(), lines.end(), Associations::HasLine);
 }
 
 TEST(NearestLinesTest, FollowTheRule) {
@@ -134,10 +130,10 @@ TEST(NearestLinesTest, FollowTheRule) {
   unsigned seed = 1;
   for (const AssociationOptions& options : {AssociationOptions(), few, fixed_number}) {
     const SlamGraph graph = MakeGraph(Room(0.01), seed++);
-    const std::vector<TangentLine> lines = LinesOf(graph, options);
+    const TangentLines lines = LinesOf(graph, options);
     const Oracle oracle(graph, NormalsOf(graph), options);
     ASSERT_EQ(lines.size(), graph.num_returns());
-    EXPECT_GE(CountLines(lines), graph.num_returns() / 3);
+    EXPECT_GE(lines.CountReturns(), graph.num_returns() / 3);
     for (std::size_t r = 0; r < lines.size(); ++r) {
       const TangentLine expected = oracle.Fit(r);
       ASSERT_NEAR(lines[r].normal_x, expected.normal_x, 1e-6) << r;
@@ -153,11 +149,10 @@ TEST(NearestLinesTest, EveryPointHasOneWithoutNormals) {
   options.several_poses = false;
   options.max_eigenvalue_ratio = 1.0;
   ThreadPool pool(1);
-  const std::vector<TangentLine> lines =
-      LinesFromNearest(graph, graph.InitialState(), {}, options, &pool);
-  EXPECT_EQ(CountLines(lines), graph.num_returns());
+  const TangentLines lines = LinesFromNearest(graph, graph.InitialState(), {}, options, &pool);
+  EXPECT_EQ(lines.CountReturns(), graph.num_returns());
   // With normals the points around corners, which have none, go without.
-  EXPECT_LT(CountLines(LinesOf(graph, options)), graph.num_returns());
+  EXPECT_LT(LinesOf(graph, options).CountReturns(), graph.num_returns());
 }
 
 TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {
@@ -167,10 +162,10 @@ TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {
   scene.range_sigma_m = 0.002;
   const SlamGraph graph = MakeGraph(scene);
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph, AssociationOptions());
-  EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
+  const TangentLines lines = LinesOf(graph, AssociationOptions());
+  EXPECT_GE(lines.CountReturns(), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (!Associations::HasLine(lines[r])) continue;
+    if (!lines.HasLine(r)) continue;
     EXPECT_LT(lines[r].normal_y, -0.99);
     const double x = MapPoint(state, r).x();
     // Ten points and more: 5 sigma.
@@ -181,25 +176,25 @@ TEST(NearestLinesTest, LieOnTheWallAndLookAtTheRobot) {
 TEST(NearestLinesTest, NeedSeveralScansAndEnoughPoints) {
   SyntheticScene scene = Room(0.0);
   scene.poses.resize(1);
-  EXPECT_EQ(CountLines(LinesOf(MakeGraph(scene), AssociationOptions())), 0u);
+  EXPECT_EQ(LinesOf(MakeGraph(scene), AssociationOptions()).CountReturns(), 0u);
   scene.poses.push_back(scene.poses.front());
   const SlamGraph graph = MakeGraph(scene);
-  EXPECT_GT(CountLines(LinesOf(graph, AssociationOptions())), 0u);
+  EXPECT_GT(LinesOf(graph, AssociationOptions()).CountReturns(), 0u);
   AssociationOptions demanding;
   demanding.min_points = demanding.max_points = static_cast<int>(graph.num_returns()) + 1;
-  EXPECT_EQ(CountLines(LinesOf(graph, demanding)), 0u);
+  EXPECT_EQ(LinesOf(graph, demanding).CountReturns(), 0u);
 }
 
 TEST(NearestLinesTest, AGraphWithoutReturnsHasNone) {
-  EXPECT_TRUE(LinesOf(SlamGraph(), AssociationOptions()).empty());
+  EXPECT_EQ(LinesOf(SlamGraph(), AssociationOptions()).size(), 0u);
 }
 
 TEST(NearestLinesTest, AllThreadCountsAgree) {
   SyntheticScene scene = Room(0.01);
   scene.laser = PanoramicLaser(1440);  // More than one chunk of points.
   const SlamGraph graph = MakeGraph(scene);
-  const std::vector<TangentLine> one = LinesOf(graph, AssociationOptions(), 1);
-  const std::vector<TangentLine> three = LinesOf(graph, AssociationOptions(), 3);
+  const TangentLines one = LinesOf(graph, AssociationOptions(), 1);
+  const TangentLines three = LinesOf(graph, AssociationOptions(), 3);
   ASSERT_EQ(one.size(), three.size());
   for (std::size_t r = 0; r < one.size(); ++r) {
     ASSERT_EQ(one[r].normal_x, three[r].normal_x);

@@ -15,18 +15,14 @@ namespace {
 constexpr double kRadius = 0.3;
 constexpr double kSigma = 0.01;
 
-std::vector<TangentLine> LinesOf(const SlamGraph& graph, const std::vector<double>& poses,
-                                 int num_threads = 1) {
+TangentLines LinesOf(const SlamGraph& graph, const std::vector<double>& poses,
+                     int num_threads = 1) {
   ThreadPool pool(num_threads);
   return LinesFromRadius(graph, poses, SurfaceOf(graph), AssociationOptions(), kRadius, &pool);
 }
 
-std::vector<TangentLine> LinesOf(const SlamGraph& graph, int num_threads = 1) {
+TangentLines LinesOf(const SlamGraph& graph, int num_threads = 1) {
   return LinesOf(graph, graph.initial_poses(), num_threads);
-}
-
-std::size_t CountLines(const std::vector<TangentLine>& lines) {
-  return std::count_if(lines.begin(), lines.end(), Associations::HasLine);
 }
 
 double Height(const TangentLine& line, const Eigen::Vector2d& point) {
@@ -52,10 +48,10 @@ const std::vector<Pose2> kPoses = {{-0.3, 0.0, 0.2}, {0.0, 0.1, 1.0},   {0.2, -0
 TEST(RadiusLinesTest, AWallIsFoundBetterThanASinglePoint) {
   const SlamGraph graph = MakeGraph(NoisyScene({{{-2.0, 1.5}, {2.0, 1.5}}}, kPoses));
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph);
-  EXPECT_GE(CountLines(lines), graph.num_returns() * 95 / 100);
+  const TangentLines lines = LinesOf(graph);
+  EXPECT_GE(lines.CountReturns(), graph.num_returns() * 95 / 100);
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (!Associations::HasLine(lines[r])) continue;
+    if (!lines.HasLine(r)) continue;
     // Beams are at most 1.5 m x 0.5 deg / cos^2(53 deg) = 3.6 cm apart, so six scans put at least
     // n = 100 points on 0.6 m, and n = 50 where the wall ends. Offset good to sigma / sqrt(n) at
     // the centroid, direction to sigma / sqrt(n) / (0.6 m / sqrt(12)); half that length at the
@@ -76,13 +72,13 @@ TEST(RadiusLinesTest, TheSidesOfACornerStayApart) {
   const SlamGraph graph =
       MakeGraph(NoisyScene({{{2.0, -1.0}, {2.0, 2.0}}, {{2.0, 2.0}, {-1.0, 2.0}}}, kPoses));
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph);
-  EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
+  const TangentLines lines = LinesOf(graph);
+  EXPECT_GE(lines.CountReturns(), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
     const Eigen::Vector2d point = MapPoint(state, r);
     // Within the noise of the corner itself a point may belong to either side.
     const double to_corner_m = (Eigen::Vector2d(2.0, 2.0) - point).norm();
-    if (!Associations::HasLine(lines[r]) || to_corner_m < 4.0 * kSigma) continue;
+    if (!lines.HasLine(r) || to_corner_m < 4.0 * kSigma) continue;
     const bool on_top = point.y() - point.x() > 0.0;
     const Eigen::Vector2d normal = on_top ? Eigen::Vector2d::UnitY() : Eigen::Vector2d::UnitX();
     const Eigen::Vector2d foot =
@@ -103,10 +99,10 @@ TEST(RadiusLinesTest, TheTwoFacesOfAThinWallStayApart) {
     const SlamGraph graph = MakeGraph(
         NoisyScene({{{-1.5, upper}, {1.5, upper}}, {{-1.5, -upper}, {1.5, -upper}}}, poses));
     const MapState state = graph.InitialState();
-    const std::vector<TangentLine> lines = LinesOf(graph);
-    EXPECT_GE(CountLines(lines), graph.num_returns() * 95 / 100);
+    const TangentLines lines = LinesOf(graph);
+    EXPECT_GE(lines.CountReturns(), graph.num_returns() * 95 / 100);
     for (std::size_t r = 0; r < lines.size(); ++r) {
-      if (!Associations::HasLine(lines[r])) continue;
+      if (!lines.HasLine(r)) continue;
       const bool from_above = graph.InitialPose(graph.returns().scan[r]).y > 0.0;
       const Eigen::Vector2d foot(MapPoint(state, r).x(), from_above ? upper : -upper);
       EXPECT_LE(std::abs(Height(lines[r], foot)), 0.01) << foot.transpose();
@@ -123,10 +119,10 @@ TEST(RadiusLinesTest, ADiscIsFollowedAlongItsTangents) {
   }
   const SlamGraph graph = MakeGraph(scene);
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph);
-  EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
+  const TangentLines lines = LinesOf(graph);
+  EXPECT_GE(lines.CountReturns(), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (!Associations::HasLine(lines[r])) continue;
+    if (!lines.HasLine(r)) continue;
     const Eigen::Vector2d radial = (MapPoint(state, r) - scene.discs[0].center).normalized();
     // The points of a cell share a line, as do those of the disc of cells around it: a cell's half
     // diagonal of 0.11 m turns the tangent by 0.11 rad, and the same again if the disc is filled
@@ -151,21 +147,22 @@ TEST(RadiusLinesTest, ClutterHasNone) {
     ASSERT_TRUE(graph.AddScan(pose, laser, ranges).ok());
   }
   // One in ten has a normal by chance, and few of those meet others that draw a line with them.
-  EXPECT_LE(CountLines(LinesOf(graph)), graph.num_returns() / 50);
+  EXPECT_LE(LinesOf(graph).CountReturns(), graph.num_returns() / 50);
 }
 
 TEST(RadiusLinesTest, ASingleScanHasNone) {
   SyntheticScene scene = NoisyScene({{{-2.0, 1.5}, {2.0, 1.5}}}, {{0.0, 0.0, 0.0}});
   const SlamGraph single = MakeGraph(scene);
-  EXPECT_EQ(CountLines(LinesOf(single)), 0u);
+  EXPECT_EQ(LinesOf(single).CountReturns(), 0u);
   AssociationOptions of_one_pose;
   of_one_pose.several_poses = false;
   ThreadPool pool(1);
-  EXPECT_GT(CountLines(LinesFromRadius(single, single.initial_poses(), SurfaceOf(single),
-                                       of_one_pose, kRadius, &pool)),
+  EXPECT_GT(LinesFromRadius(single, single.initial_poses(), SurfaceOf(single), of_one_pose, kRadius,
+                            &pool)
+                .CountReturns(),
             0u);
   scene.poses.push_back({0.0, 0.0, 0.0});
-  EXPECT_GT(CountLines(LinesOf(MakeGraph(scene))), 0u);
+  EXPECT_GT(LinesOf(MakeGraph(scene)).CountReturns(), 0u);
 }
 
 TEST(RadiusLinesTest, TheRadiusGrowsOnSparseSurface) {
@@ -176,15 +173,15 @@ TEST(RadiusLinesTest, TheRadiusGrowsOnSparseSurface) {
   scene.laser = PanoramicLaser(360);
   const SlamGraph graph = MakeGraph(scene);
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph);
-  EXPECT_GE(CountLines(lines), graph.num_returns() * 9 / 10);
+  const TangentLines lines = LinesOf(graph);
+  EXPECT_GE(lines.CountReturns(), graph.num_returns() * 9 / 10);
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (!Associations::HasLine(lines[r])) continue;
+    if (!lines.HasLine(r)) continue;
     EXPECT_LE(std::abs(Height(lines[r], {15.0, MapPoint(state, r).y()})), 0.02);
   }
   // One more factor of four is out of reach.
   scene.faces = {{{60.0, -12.0}, {60.0, 12.0}}};
-  EXPECT_EQ(CountLines(LinesOf(MakeGraph(scene))), 0u);
+  EXPECT_EQ(LinesOf(MakeGraph(scene)).CountReturns(), 0u);
 }
 
 /// A room seen from within, as wide as it takes to fall on many cells.
@@ -199,7 +196,7 @@ SyntheticScene Room() {
 TEST(RadiusLinesTest, TheyMoveAlongWithTheWorld) {
   const SlamGraph graph = MakeGraph(Room());
   const MapState state = graph.InitialState();
-  const std::vector<TangentLine> lines = LinesOf(graph);
+  const TangentLines lines = LinesOf(graph);
   const Pose2 new_from_old(13.7, -4.9, 0.6);
   const Eigen::Rotation2Dd turn(new_from_old.yaw);
   MapState moved = state;
@@ -207,10 +204,10 @@ TEST(RadiusLinesTest, TheyMoveAlongWithTheWorld) {
     moved.SetPose(p, new_from_old * state.WorldFromRobot(p));
   }
   moved.points = graph.MeasuredMap(moved.poses);
-  const std::vector<TangentLine> moved_lines = LinesOf(graph, moved.poses);
+  const TangentLines moved_lines = LinesOf(graph, moved.poses);
   int compared = 0;
   for (std::size_t r = 0; r < lines.size(); ++r) {
-    if (!Associations::HasLine(lines[r]) || !Associations::HasLine(moved_lines[r])) continue;
+    if (!lines.HasLine(r) || !moved_lines.HasLine(r)) continue;
     ++compared;
     const Eigen::Vector2d normal = turn * Eigen::Vector2d(lines[r].normal_x, lines[r].normal_y);
     // The cells fall elsewhere, so other points of the same wall make the line.
@@ -226,9 +223,9 @@ TEST(RadiusLinesTest, AllThreadCountsAgree) {
   scene.laser = PanoramicLaser(180);
   for (int i = 0; i < 140; ++i) scene.poses.push_back({0.005 * i, -0.003 * i, 0.1 * i});
   const SlamGraph graph = MakeGraph(scene);
-  const std::vector<TangentLine> one = LinesOf(graph, 1), three = LinesOf(graph, 3);
+  const TangentLines one = LinesOf(graph, 1), three = LinesOf(graph, 3);
   ASSERT_EQ(one.size(), three.size());
-  EXPECT_GT(CountLines(one), one.size() / 2);
+  EXPECT_GT(one.CountReturns(), one.size() / 2);
   for (std::size_t r = 0; r < one.size(); ++r) {
     ASSERT_EQ(one[r].normal_x, three[r].normal_x);
     ASSERT_EQ(one[r].normal_y, three[r].normal_y);
@@ -236,7 +233,7 @@ TEST(RadiusLinesTest, AllThreadCountsAgree) {
   }
 }
 
-TEST(RadiusLinesTest, AGraphWithoutReturnsHasNone) { EXPECT_TRUE(LinesOf(SlamGraph()).empty()); }
+TEST(RadiusLinesTest, AGraphWithoutReturnsHasNone) { EXPECT_EQ(LinesOf(SlamGraph()).size(), 0u); }
 
 }  // namespace
 }  // namespace plumbline

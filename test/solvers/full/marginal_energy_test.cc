@@ -47,11 +47,11 @@ TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
   FactorOptions factors;
   factors.manifold.robust_gate_sigmas = 1000.0;
   ThreadPool pool(1);
-  const std::vector<TangentLine> lines =
+  const TangentLines lines =
       LinesFromRadius(graph, poses, SurfaceOf(graph), AssociationOptions(), kRadius_m, &pool);
   double expected = PoseTerms(graph, factors).Cost(poses);
   for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    if (!Associations::HasLine(lines[r])) {
+    if (!lines.HasLine(r)) {
       expected += 0.5 * 16.0;  // clutter
       continue;
     }

@@ -18,16 +18,17 @@ namespace {
 struct LinedRoom {
   NoisyRoom room = MakeNoisyRoom();
   MeasuredSurface surface;
-  std::vector<TangentLine> lines;
+  TangentLines lines;
 
   explicit LinedRoom(double reach_m) {
     RandomStates random(9);
     surface = SurfaceOf(room.graph);
+    lines = TangentLines(room.graph.num_returns());
     for (std::size_t r = 0; r < room.graph.num_returns(); ++r) {
       const Eigen::Vector2d normal = random.Direction();
       const double offset = normal.dot(MapPoint(room.state, r)) + random.Uniform(-reach_m, reach_m);
-      lines.push_back({normal.x(), normal.y(), offset});
-      if (r % 8 == 5) lines.back() = {0.0, 0.0, 0.0};
+      const int line = lines.Add({normal.x(), normal.y(), offset});
+      lines.Assign(r, r % 8 == 5 ? TangentLines::kNone : line);
     }
   }
 
@@ -83,7 +84,7 @@ TEST(PointRecoveryTest, WithoutOutliersItIsTheClosedForm) {
   factors.manifold.robust_gate_sigmas = 1e4;
   lined.Recover(factors);
   for (std::size_t r = 0; r < lined.lines.size(); ++r) {
-    if (!Associations::HasLine(lined.lines[r])) continue;
+    if (!lined.lines.HasLine(r)) continue;
     const Eigen::Vector2d normal(lined.lines[r].normal_x, lined.lines[r].normal_y);
     const Eigen::Matrix2d covariance = lined.Covariance(r, factors);
     const double variance = std::pow(factors.manifold.sigma_m, 2) + normal.dot(covariance * normal);
@@ -98,7 +99,7 @@ TEST(PointRecoveryTest, EachPointIsAtTheMinimumOfItsTerms) {
   lined.Recover(factors);
   int num_on_line = 0, num_outliers = 0;
   for (std::size_t r = 0; r < lined.lines.size(); ++r) {
-    if (!Associations::HasLine(lined.lines[r])) continue;
+    if (!lined.lines.HasLine(r)) continue;
     const double cost = lined.Cost(r, MapPoint(lined.room.state, r), factors);
     // Along the way that costs least per distance, C n: all minima lie on it.
     const Eigen::Vector2d normal(lined.lines[r].normal_x, lined.lines[r].normal_y);
@@ -183,7 +184,14 @@ TEST(PointRecoveryTest, LengthsBeyondAllBinsAreInTheLast) {
 
 TEST(PointRecoveryTest, DistantLinesMoveNothing) {
   LinedRoom lined(0.0);
-  for (TangentLine& line : lined.lines) line.offset += 3.0;
+  TangentLines distant(lined.lines.size());
+  for (std::size_t r = 0; r < distant.size(); ++r) {
+    if (!lined.lines.HasLine(r)) continue;
+    TangentLine line = lined.lines[r];
+    line.offset += 3.0;
+    distant.Assign(r, distant.Add(line));
+  }
+  lined.lines = distant;
   lined.Recover(FactorOptions());
   for (std::size_t r = 0; r < lined.lines.size(); ++r) {
     EXPECT_LT(lined.Moved(r).norm(), 1e-4);

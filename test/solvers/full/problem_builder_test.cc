@@ -70,7 +70,7 @@ TEST(ProblemBuilderTest, CeresGetsABlockPerPosePointAndMeasurement) {
   EXPECT_EQ(static_cast<std::size_t>(joint.problem->NumParameterBlocks()),
             room.graph.num_poses() + room.graph.num_returns());
   const std::size_t counts[] = {room.graph.odometry().size(), room.graph.relative_poses().size(),
-                                room.graph.num_returns(), associations.CountLines(),
+                                room.graph.num_returns(), associations.lines.CountReturns(),
                                 associations.shape_pairs.size()};
   ASSERT_EQ(joint.residual_blocks.size(), std::size(counts));
   std::size_t total = 0;
