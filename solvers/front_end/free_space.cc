@@ -21,7 +21,11 @@ constexpr int kNumNeighbours = 4;
 
 }  // namespace
 
-FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.LaserOfScan(scan)) {
+FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
+    : laser_(graph.LaserOfScan(scan)),
+      first_bearing_rad_(NormalizeAngle(laser_.first_bearing_rad)),
+      turn_direction_(laser_.bearing_step_rad < 0.0 ? -1.0 : 1.0),
+      beams_per_rad_(1.0 / std::abs(laser_.bearing_step_rad)) {
   const ScanEntry& entry = graph.scan(scan);
   const PoseFrame mounting(laser_.robot_from_laser);
   const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
@@ -37,15 +41,14 @@ FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan) : laser_(graph.La
 
 // The shortest of the four beams next to a bearing, 0 if one of them has no return.
 double FreeSpaceScan::ShortestRange(double bearing_rad) const {
-  // In beams from the first one, on the turn that the sweep is on.
-  const double turn = 2.0 * kPi / std::abs(laser_.bearing_step_rad);
-  double beam = (bearing_rad - laser_.first_bearing_rad) / laser_.bearing_step_rad;
-  beam -= turn * std::floor(beam / turn);
+  double from_first_rad = turn_direction_ * (bearing_rad - first_bearing_rad_);
+  if (from_first_rad < 0.0) from_first_rad += 2.0 * kPi;
   // Not an int yet: a turn may have any number of steps.
+  const double beam = from_first_rad * beams_per_rad_;
   constexpr int kNumBefore = kNumNeighbours / 2 - 1;
-  const double first = std::floor(beam) - kNumBefore;
-  const bool is_seen = first >= 0.0 && first < static_cast<double>(shortest_range_.size());
-  return is_seen ? shortest_range_[static_cast<std::size_t>(first)] : 0.0;
+  const bool is_seen =
+      beam >= kNumBefore && beam < static_cast<double>(shortest_range_.size() + kNumBefore);
+  return is_seen ? shortest_range_[static_cast<std::size_t>(beam) - kNumBefore] : 0.0;
 }
 
 FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,

@@ -23,9 +23,13 @@ class FreeSpaceScan {
                             Eigen::Vector2d* conflicting_point) const;
 
  private:
+  // bearing_rad: in [-pi, pi].
   double ShortestRange(double bearing_rad) const;
 
   LaserModel laser_;
+  double first_bearing_rad_;  // in [-pi, pi)
+  double turn_direction_;     // of the sweep: 1 counter-clockwise, -1 clockwise
+  double beams_per_rad_;
   // Per beam: the shortest range [m] of it and the three beams after it, 0 if one has no return.
   std::vector<double> shortest_range_;
   std::vector<Eigen::Vector2d> points_in_robot_;  // of every second return
