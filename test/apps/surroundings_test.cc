@@ -5,12 +5,16 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/core/pose2.h"
 #include "plumbline/test/apps/bags/bag_testing.h"
 #include "plumbline/test/apps/bags/mcap_writer.h"
 #include "plumbline/test/apps/bags/sqlite_writer.h"
@@ -158,6 +162,27 @@ TEST_F(SurroundingsTest, FilesMayHaveAnyNames) {
   for (const char* run : {"log/", "g2o/", "toro/"}) {
     EXPECT_TRUE(nlohmann::json::accept(results[run + std::string("summary.json")])) << run;
     EXPECT_THAT(results[run + std::string("report.html")], Not(HasSubstr("<b>&amp;"))) << run;
+  }
+}
+
+// The C library rounds sines and exponentials otherwise where it cannot multiply and add at once.
+TEST_F(SurroundingsTest, AnOlderProcessorChangesNoPoseByAMillimetre) {
+  SimulateLog(150);
+  limits_ = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable ";
+  ASSERT_EQ(Slam("a.clf", "", "older").exit_code, 0);
+  limits_.clear();
+  ASSERT_EQ(Slam("a.clf", "", "usual").exit_code, 0);
+  for (const char* name : {"trajectory_seed.tum", "trajectory.tum"}) {
+    std::vector<TimedPose> older, usual;
+    ASSERT_TRUE(ReadTumTrajectory(folder_ + "older/" + name, &older).ok());
+    ASSERT_TRUE(ReadTumTrajectory(folder_ + "usual/" + name, &usual).ok());
+    ASSERT_EQ(older.size(), usual.size());
+    ASSERT_EQ(usual.size(), 150u);
+    for (std::size_t i = 0; i < usual.size(); ++i) {
+      const Pose2 moved = Between(usual[i].world_from_robot, older[i].world_from_robot);
+      EXPECT_LT(std::hypot(moved.x, moved.y), 1e-3) << name << ' ' << i;
+      EXPECT_LT(std::abs(moved.yaw), 1e-3) << name << ' ' << i;
+    }
   }
 }
 
