@@ -27,6 +27,7 @@
 #include "plumbline/apps/benchmark/sensor_matrix.h"
 #include "plumbline/apps/benchmark/sensor_report.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
+#include "plumbline/apps/benchmark/stage_profile.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
@@ -55,7 +56,7 @@ const plumbline::ComparisonOptions& Defaults() {
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-              "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors");
+              "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors, profile");
 DEFINE_string(
     csv, "",
     "seeding_study, scaling, scan_solver, adversarial: table to write, one line per run or "
@@ -66,7 +67,8 @@ DEFINE_uint64(study_first_seed, 1,
               "many as there are buildings");
 DEFINE_string(
     log, "",
-    "solver_comparison, log, ablation, replay: CARMEN log, plain or .gz (empty: a simulated "
+    "solver_comparison, log, ablation, replay, profile: CARMEN log, plain or .gz (empty: a "
+    "simulated "
     "building; ablation: none); scan_solver: the log of --graph, whose odometry leads from node to "
     "node");
 DEFINE_string(
@@ -390,6 +392,19 @@ Status ReplayMapper(const OutputFolder&, HtmlReport* page) {
   return FLAGS_csv.empty() ? Status::Ok() : WriteScanSolverCsv(FLAGS_csv, replay);
 }
 
+Status Profile(const OutputFolder& output, HtmlReport* page) {
+  MapLogOptions options;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
+  PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options.solver, &options.start));
+  ThreadPool pool(options.solver.num_threads);
+  LogProfile profile;
+  PLUMBLINE_RETURN_IF_ERROR(ProfileLog(FLAGS_log, options, output, &pool, &profile));
+  Print("Stages of a run", ProfileTable(profile), page);
+  page->pictures.push_back({"The map", output.File("map_refined.png")});
+  return WriteProfileCsv(output.File("profile.csv"), profile);
+}
+
 struct Experiment {
   const char* name;
   Status (*run)(const OutputFolder& output, HtmlReport* page);
@@ -415,7 +430,11 @@ constexpr Experiment kExperiments[] = {
     {"replay", ReplayDrive, "trajectory.tum replay.csv replay.png", false, true, false},
     {"scan_solver", ReplayMapper, "", false, false, false, false, true},
     {"adversarial", Adversarial, "", false, false, false, false, true},
-    {"sensors", Sensors, "sensors.csv sensors.json", false, true, false}};
+    {"sensors", Sensors, "sensors.csv sensors.json", false, true, false},
+    {"profile", Profile,
+     "profile.csv map_refined.png before_after.png conflicts.png map.pgm map.yaml points.ply "
+     "points.pcd",
+     true, true, false, true}};
 
 Status FindExperiment(const std::string& name, const Experiment** found) {
   for (const Experiment& experiment : kExperiments) {
@@ -579,7 +598,9 @@ int main(int argc, char** argv) {
       "than "
       "its start?\n"
       "  sensors            fields of view, ranges, noise, mountings, moving things, glass and "
-      "other buildings, each against the truth\n\n"
+      "other buildings, each against the truth\n"
+      "  profile            time of each stage of a run over a log, and how far it is from the time "
+      "to move its bytes\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=180 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
       "--relations=fr079.relations --output_dir=out\n"
@@ -590,7 +611,8 @@ int main(int argc, char** argv) {
       "  plumbline_benchmark --experiment=scan_solver --graph=intel.g2o --log=intel.clf.gz "
       "--relations=intel.relations\n"
       "  plumbline_benchmark --experiment=adversarial --seeds=5 --csv=adversarial.csv\n"
-      "  plumbline_benchmark --experiment=sensors --output_dir=out",
+      "  plumbline_benchmark --experiment=sensors --output_dir=out\n"
+      "  plumbline_benchmark --experiment=profile --log=fr079.clf.gz --output_dir=out",
       argc, argv);
   google::InitGoogleLogging(argv[0]);
   return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);

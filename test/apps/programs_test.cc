@@ -264,6 +264,25 @@ TEST_F(ProgramsTest, ReplaysALog) {
   EXPECT_EQ(Lines(Result("out", "replay.csv")).size(), 1u + 3u + 1u);
 }
 
+TEST_F(ProgramsTest, ProfilesTheStagesOfALog) {
+  SimulateLog(50);
+  const std::string profile = "--experiment=profile --log=" + folder_ + "a.clf ";
+  ExpectUsageError(Run("benchmark", profile), "--output_dir");
+  const Outcome run = Run("benchmark", profile + "--output_dir=" + folder_ + "out");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(FilesOf("out"), ElementsAre("before_after.png", "conflicts.png", "map.pgm",
+                                          "map.yaml", "map_refined.png", "points.pcd", "points.ply",
+                                          "profile.csv", "report.html"));
+  std::vector<std::string> stages;
+  for (const std::string& line : Lines(Result("out", "profile.csv"))) {
+    stages.push_back(line.substr(0, line.find(',')));
+    EXPECT_THAT(run.out, HasSubstr(stages.back().substr(1, stages.back().size() - 2)));
+  }
+  EXPECT_THAT(stages, ElementsAre("stage", "\"reading\"", "\"surfaces\"", "\"matching scans\"",
+                                  "\"closing loops\"", "\"joint estimation\"",
+                                  "\"sharpness of a map\"", "\"pictures and points\""));
+}
+
 TEST_F(ProgramsTest, TruthOfAnotherLogIsAnError) {
   SimulateLog(2);
   WriteFile(folder_ + "a.tum", "77 0 0 0 0 0 0 1\n");
