@@ -134,6 +134,36 @@ TEST_P(FixedPosesTest, AStateThatIsElsewhereStaysThereIfTheSolverFails) {
   EXPECT_EQ(room.state, before);
 }
 
+// The energy knows no world frame.
+TEST_P(FixedPosesTest, AMapThatIsMovedAsAWholeIsRefinedAlike) {
+  const auto refined = [](const Pose2& motion) {
+    NoisyRoom room = DisturbedRoom();
+    EXPECT_TRUE(room.graph.FixPose(0, motion * room.state.WorldFromRobot(0)).ok());
+    SolverOptions options = GetParam().Options();
+    options.factors.shape.enabled = true;
+    options.published.max_passes = 6;
+    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
+    EXPECT_NE(summary.termination, TerminationType::kNoImprovement) << summary.message;
+    return room.state;
+  };
+  const Pose2 motion(30.0, -20.0, DegToRad(117.0));
+  const MapState reference = refined(Pose2()), moved = refined(motion);
+  // Where a solver stops, and where surfaces are cut into landmarks, depends on the frame a little.
+  for (int i = 0; i < reference.num_poses(); ++i) {
+    const Pose2 difference = Between(motion * reference.WorldFromRobot(i), moved.WorldFromRobot(i));
+    EXPECT_LT(difference.translation().norm(), 0.003) << i;
+    EXPECT_LT(std::abs(difference.yaw), 0.002) << i;
+  }
+  double sum_m = 0.0;
+  const std::size_t num_points = reference.points.size() / 2;
+  for (std::size_t p = 0; p < num_points; ++p) {
+    const Eigen::Vector2d at_reference(&reference.points[2 * p]), at_moved(&moved.points[2 * p]);
+    sum_m += (motion * at_reference - at_moved).norm();
+  }
+  EXPECT_LT(sum_m / static_cast<double>(num_points), 0.003);
+}
+
 TEST_P(FixedPosesOfScansTest, TheOnlyScanIsReturnedAtItsFixedPose) {
   SyntheticScene scene;
   scene.faces = {{{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}, {{-3, -2}, {3, -2}}};
