@@ -71,10 +71,8 @@ class Experiment {
   Status RunWholeLog(const CarmenLog& log) {
     PLUMBLINE_RETURN_IF_ERROR(Start("raw log", log));
     AddStage("odometry", mapping_.state, 0.0);
+    PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromIcp());
     MapState chain;
-    PLUMBLINE_RETURN_IF_ERROR(
-        ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &chain));
-    PLUMBLINE_RETURN_IF_ERROR(RunPublished("published method, from that", chain));
     PLUMBLINE_RETURN_IF_ERROR(
         ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line", &chain));
     AddPanel("pairwise ICP", chain);
@@ -94,6 +92,9 @@ class Experiment {
   Status RunCorrectedLog(const CorrectedLog& pair) {
     PLUMBLINE_RETURN_IF_ERROR(Start("corrected poses", pair.corrected));
     AddStage("as corrected", mapping_.state, 0.0);
+    PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromIcp());
+    PLUMBLINE_RETURN_IF_ERROR(
+        RunPublished("published method, from the corrected poses", mapping_.state));
     const SolverSummary summary =
         Solve(inputs_.solver, mapping_.surface, mapping_.graph, &mapping_.state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
@@ -136,6 +137,14 @@ class Experiment {
     PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_, {}, &pool_, &mapping_));
     *time_s = SecondsSince(start);
     return Status::Ok();
+  }
+
+  // The start that the paper describes.
+  Status RunPublishedFromIcp() {
+    MapState chain;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &chain));
+    return RunPublished("published method, from that", chain);
   }
 
   Status RunPublished(const std::string& name, MapState state) {

@@ -53,9 +53,10 @@ struct LogExperiment {
 };
 
 /// Maps the log by the baselines (pairwise ICP, with both metrics; stochastic gradient descent on
-/// the seed's pose graph, from the sequential matching), as a seed and refined. With a corrected
-/// log, also refines its scans from the corrected poses, which then stand for the odometry, and
-/// from the raw odometry. `done` is called after each stage.
+/// the seed's pose graph, from the sequential matching), by the published method, as a seed and
+/// refined. With a corrected log, also refines its scans from the corrected poses, which then stand
+/// for the odometry, and from the raw odometry; the published method starts from the former and
+/// from ICP. `done` is called after each stage.
 ///
 /// Maps in the figure lie upon the refined one by their trajectories; its two details are where
 /// refinement makes the largest difference. Everything but the times is the same for any number of
