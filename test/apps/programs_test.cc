@@ -187,6 +187,13 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
                    "--cg_max_sweeps is ignored by --solver=reduced");
   ExpectUsageError(Run("benchmark", "--experiment=adversarial --coarse_rounds=2"),
                    "--coarse_rounds is ignored by --solver=reduced");
+  for (const char* ignored : {"seeding_study --shape", "scaling --solver=sgd", "sensors --shape",
+                              "solver_comparison --solver=ceres", "replay --start=icp"}) {
+    const std::string text = ignored, flag = text.substr(text.find("--"));
+    ExpectUsageError(Run("benchmark", "--output_dir=out --log=a.clf --experiment=" + text),
+                     flag.substr(0, flag.find('=')) +
+                         " is ignored by --experiment=" + text.substr(0, text.find(' ')));
+  }
   ExpectUsageError(Slam("a.clf", "--max_scans=-1"), "--max_scans");
   ExpectUsageError(Slam("a.clf", "--hits=a.hits"), "--hits needs --truth");
   ExpectUsageError(Slam("a.clf", "--no_such_flag=1"), "no_such_flag");
