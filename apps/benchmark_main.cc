@@ -54,9 +54,10 @@ const plumbline::ComparisonOptions& Defaults() {
 
 }  // namespace
 
-DEFINE_string(experiment, "",
-              "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-              "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors, profile");
+DEFINE_string(
+    experiment, "",
+    "What to run, one or more of these with commas: seeding_study, solver_comparison, "
+    "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors, profile");
 DEFINE_string(
     csv, "",
     "seeding_study, scaling, scan_solver, adversarial: table to write, one line per run or "
@@ -602,7 +603,8 @@ int main(int argc, char** argv) {
       "its start?\n"
       "  sensors            fields of view, ranges, noise, mountings, moving things, glass and "
       "other buildings, each against the truth\n"
-      "  profile            time of each stage of a run over a log, and how far it is from the time "
+      "  profile            time of each stage of a run over a log, and how far it is from the "
+      "time "
       "to move its bytes\n\n"
       "  plumbline_benchmark --experiment=seeding_study --buildings=180 --csv=seeding_study.csv\n"
       "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
