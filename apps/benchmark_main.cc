@@ -534,6 +534,14 @@ Status CheckFlags() {
       return Status::InvalidArgument("--" + flag +
                                      " is ignored by --experiment=" + experiment->name);
     }
+    const bool is_incremental =
+        experiment->run == ReplayMapper ||
+        (experiment->run == ReplayDrive && replay.online_solver == OnlineSolver::kIncremental);
+    if (is_incremental && solver.type != SolverType::kReduced) {
+      return Status::InvalidArgument(std::string("--solver=") + ToString(solver.type) +
+                                     " does not go with --experiment=" + experiment->name +
+                                     ", which runs the incremental solver");
+    }
   }
   return SeedingOptionsFromFlags(&seeding);
 }

@@ -263,6 +263,9 @@ TEST_F(ProgramsTest, ReplaysALog) {
   ExpectUsageError(Run("benchmark", replay), "--output_dir");
   ExpectUsageError(Run("benchmark", replay + "--output_dir=" + folder_ + "out --batch_scans=0"),
                    "--batch_scans");
+  ExpectUsageError(
+      Run("benchmark", replay + "--output_dir=" + folder_ + "out --solver=alternating_cg"),
+      "--solver=alternating_cg does not go with --experiment=replay");
   const Outcome run = Run("benchmark", replay + "--output_dir=" + folder_ + "out --batch_scans=20");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("difference  energy"));
