@@ -35,6 +35,9 @@ constexpr int kMaxRevisions = 6;
 constexpr std::size_t kMaxStepsInQuestion = 12;
 // At most so many of them are taken as wrong without a closure that says so, one at a time.
 constexpr int kMaxForcedBreaks = 3;
+// A step leads elsewhere if it is off by this much [m]: more than matching leaves, less than a jump
+// that matters.
+constexpr double kElsewhereM = 0.15;
 // At most so many steps are looked at as ones over which the robot may have been carried anywhere.
 constexpr int kMostCarried = 3;
 // Places that are tried with closures of their own where a robot may have been carried to: the best
@@ -54,6 +57,43 @@ FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
   FreeSpaceConflict all = consistency.within_pass;
   all += consistency.between_passes;
   return all;
+}
+
+// Squared error of the steps from keyframe `first` to keyframe `end`.
+double StepsChi2(const KeyframeGraph& keys, int first, int end) {
+  double chi2 = 0.0;
+  for (int k = first; k < end; ++k) {
+    const SequentialEdge& edge = keys.sequential[k];
+    if (!edge.broken) chi2 += EdgeChi2(edge.constraint, keys.world_from_key);
+  }
+  return chi2;
+}
+
+// What a stretch of steps may be off by, in squared errors. Scans match better than their
+// covariances say: on sound drives the graph is off by a hundredth of what they allow.
+double MostStrain(const KeyframeGraph& keys) {
+  double chi2 = StepsChi2(keys, 0, keys.size() - 1);
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    chi2 += EdgeChi2(closure, keys.world_from_key);
+  }
+  const double degrees_of_freedom = 3.0 * static_cast<double>(keys.closures.size());
+  return LoopAcceptance::kMaxEdgeChi2 * std::min(1.0, chi2 / std::max(1.0, degrees_of_freedom));
+}
+
+// From keyframe to keyframe, between the ends of neighbouring closures.
+std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys) {
+  std::vector<char> is_end(keys.size(), 0);
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    is_end[closure.from] = is_end[closure.to] = 1;
+  }
+  std::vector<std::pair<int, int>> stretches;
+  int first = 0;
+  for (int k = 1; k < keys.size(); ++k) {
+    if (is_end[k] == 0) continue;
+    stretches.emplace_back(first, k);
+    first = k;
+  }
+  return stretches;
 }
 
 class HypothesisSearch {
@@ -108,23 +148,73 @@ class HypothesisSearch {
 
   // Steps of the sequential matching as wrong as closures say, or as it takes.
   Status TryBreaks(MapHypothesis* best) {
+    if (best->kind != HypothesisKind::kMatching) return Status::Ok();
     const std::vector<int> suspects = MostSuspectSteps();
-    if (suspects.empty() || best->kind != HypothesisKind::kMatching) return Status::Ok();
-    if (!IsSuspicious(best->consistency) && !best->loops.IsUnresolved() &&
-        !GivesWay(suspects, best->keys)) {
-      return Status::Ok();
-    }
     KeyframeGraph in_question = suspected_;
     in_question.refused = best->keys.refused;
     for (const int step : suspects) in_question.sequential[step].in_question = true;
-    PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
-    for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
-      if (!IsSuspicious(best->consistency)) break;
-      KeyframeGraph forced = in_question;
-      forced.sequential[suspects[i]].broken = true;
-      PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
+    if (!suspects.empty() && (IsSuspicious(best->consistency) || best->loops.IsUnresolved() ||
+                              GivesWay(suspects, best->keys))) {
+      PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
+      for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
+        if (!IsSuspicious(best->consistency)) break;
+        KeyframeGraph forced = in_question;
+        forced.sequential[suspects[i]].broken = true;
+        PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
+      }
+    }
+    return TrySharedOut(in_question, best);
+  }
+
+  // A step that is held as firmly as its neighbours shares its error out among all that lie between
+  // two closures: no edge is far off then, and the map contradicts itself a little, everywhere.
+  Status TrySharedOut(const KeyframeGraph& in_question, MapHypothesis* best) {
+    KeyframeGraph marked = in_question;
+    std::vector<int> steps = MostStrainedSteps(best->keys, &marked);
+    std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
+      return marked.sequential[a].evidence > marked.sequential[b].evidence;
+    });
+    int num_tried = 0;
+    for (const int step : steps) {
+      if (!LeadsElsewhere(step, best->keys)) continue;
+      if (++num_tried > kMaxForcedBreaks) break;
+      KeyframeGraph forced = WithContradicted(best->keys);
+      forced.sequential[step] = marked.sequential[step];
+      forced.sequential[step].in_question = forced.sequential[step].broken = true;
+      // Other steps were in question when it was filled.
+      memories_.erase(HypothesisKind::kBrokenSteps);
+      MapHypothesis broken;
+      PLUMBLINE_RETURN_IF_ERROR(MakeBroken(forced, &broken));
+      // The graph has spoken against the step: the map need not do it again.
+      if (Score(broken.consistency) < Score(best->consistency)) *best = std::move(broken);
     }
     return Status::Ok();
+  }
+
+  // Of each stretch between closures that strain it more than noise can, the step whose sides agree
+  // worst; it is marked in `marked`. One that is off alone bends no other.
+  std::vector<int> MostStrainedSteps(const KeyframeGraph& keys, KeyframeGraph* marked) const {
+    const double most_chi2 = MostStrain(keys);
+    std::vector<int> steps;
+    for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
+      const double chi2 = StepsChi2(keys, first, end);
+      if (chi2 <= most_chi2) continue;
+      const int step =
+          MarkWorstEdge(graph_, surfaces_, matched_.world_from_robot, first, end, marked);
+      const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);
+      if (marked->sequential[step].evidence > 0.0 && others_chi2 > most_chi2) steps.push_back(step);
+    }
+    return steps;
+  }
+
+  // Whether closures put the far side of a step elsewhere once it does not hold it itself, by more
+  // than matching leaves.
+  static bool LeadsElsewhere(int step, KeyframeGraph keys) {
+    if (keys.sequential[step].broken) return false;
+    keys.sequential[step].broken = true;
+    OptimizeKeyframes(&keys);
+    const Pose2 off = Between(keys.sequential[step].constraint.from_from_to, StepAt(step, keys));
+    return std::hypot(off.x, off.y) > kElsewhereM;
   }
 
   // What lies beyond a wrong step may be anywhere. One step after the other, the worst first.
@@ -259,9 +349,17 @@ class HypothesisSearch {
                          [pose](const SuspectStep& d) { return d.first_pose_after == pose; });
   }
 
-  // Whether the closures at hand move a step beyond its noise if it is allowed to be wrong: held as
-  // firmly as its neighbours, it shares its error out among them.
+  // What the others contradicted gets another chance.
+  static KeyframeGraph WithContradicted(KeyframeGraph keys) {
+    keys.closures.insert(keys.closures.end(), keys.contradicted.begin(), keys.contradicted.end());
+    keys.contradicted.clear();
+    return keys;
+  }
+
+  // Whether the closures that were found move a step beyond its noise if it is allowed to be wrong:
+  // held as firmly as its neighbours, it shares its error out among them, or contradicts closures.
   static bool GivesWay(const std::vector<int>& steps, KeyframeGraph keys) {
+    keys = WithContradicted(std::move(keys));
     for (const int step : steps) keys.sequential[step].in_question = true;
     OptimizeKeyframes(&keys);
     return std::any_of(steps.begin(), steps.end(), [&](int step) {
@@ -272,12 +370,17 @@ class HypothesisSearch {
 
   Status TryBreak(const KeyframeGraph& keys, MapHypothesis* best) {
     MapHypothesis broken;
-    broken.kind = HypothesisKind::kBrokenSteps;
-    broken.start = matched_;
-    broken.keys = keys;
-    PLUMBLINE_RETURN_IF_ERROR(Close(&broken));
-    Weigh(&broken);
+    PLUMBLINE_RETURN_IF_ERROR(MakeBroken(keys, &broken));
     if (IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
+    return Status::Ok();
+  }
+
+  Status MakeBroken(const KeyframeGraph& keys, MapHypothesis* broken) {
+    broken->kind = HypothesisKind::kBrokenSteps;
+    broken->start = matched_;
+    broken->keys = keys;
+    PLUMBLINE_RETURN_IF_ERROR(Close(broken));
+    Weigh(broken);
     return Status::Ok();
   }
 

@@ -24,8 +24,8 @@ constexpr int kPosesBeforeInMap = 2;
 constexpr double kMinGain = 0.05;
 // ... and all but all of it, ...
 constexpr double kMinLeapInlierRatio = 0.8;
-// ... or by this much more and at least half of it, if it makes the steps of the robot more even.
-constexpr double kMinGainEven = 0.1;
+// ... or just more and at least half of it, if it makes the steps of the robot more even: then scan
+// and odometry say the same.
 constexpr double kMinInlierRatioEven = 0.5;
 // Starts along a leap, at most.
 constexpr int kMaxStarts = 8;
@@ -158,7 +158,7 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
         BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
     fits_well[p] = match.inlier_ratio >= kMinLeapInlierRatio && gain >= kMinGain;
-    if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain >= kMinGainEven)) {
+    if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain > 0.0)) {
       after[p] = match.world_from_robot;
     }
   });

@@ -69,11 +69,20 @@ double Disagreement(const std::vector<SurfacePoints>& surfaces, const Side& befo
 
 class EdgeEvidence {
  public:
+  // Knows the edges from keyframe `first` to keyframe `last`.
   EdgeEvidence(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-               const std::vector<Pose2>& world_from_robot, const KeyframeGraph& keyframe_graph)
-      : graph_(graph), surfaces_(surfaces), poses_(world_from_robot), keys_(keyframe_graph) {
-    of_key_.reserve(keyframe_graph.keyframes.size());
-    for (const Keyframe& key : keyframe_graph.keyframes) of_key_.emplace_back(graph, key.scan);
+               const std::vector<Pose2>& world_from_robot, const KeyframeGraph& keyframe_graph,
+               int first, int last)
+      : graph_(graph),
+        surfaces_(surfaces),
+        poses_(world_from_robot),
+        keys_(keyframe_graph),
+        first_known_(std::max(0, first + 1 - kKeysPerSide)) {
+    const int end = std::min(keyframe_graph.size(), last + kKeysPerSide);
+    of_key_.reserve(std::max(0, end - first_known_));
+    for (int k = first_known_; k < end; ++k) {
+      of_key_.emplace_back(graph, keyframe_graph.keyframes[k].scan);
+    }
   }
 
   // Of an edge, its sides reaching to the next suspect edge at most.
@@ -95,7 +104,7 @@ class EdgeEvidence {
     int worst_pose = keys_.keyframes[edge + 1].pose;
     double worst = 0.0;
     Side before{PlacedKey(edge)};
-    FreeSpaceScan free_space_before = of_key_[edge];
+    FreeSpaceScan free_space_before = of_key_[edge - first_known_];
     before.front().free_space = &free_space_before;
     for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
          ++pose) {
@@ -116,14 +125,15 @@ class EdgeEvidence {
  private:
   PlacedScan PlacedKey(int key) const {
     const Keyframe& keyframe = keys_.keyframes[key];
-    return {keyframe.scan, poses_[keyframe.pose], &of_key_[key]};
+    return {keyframe.scan, poses_[keyframe.pose], &of_key_[key - first_known_]};
   }
 
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
   const std::vector<Pose2>& poses_;
   const KeyframeGraph& keys_;
-  std::vector<FreeSpaceScan> of_key_;
+  int first_known_;
+  std::vector<FreeSpaceScan> of_key_;  // from that keyframe on
 };
 
 // What three quarters of the edges stay below. suspects: sorted, the worst first, with a minus.
@@ -137,7 +147,8 @@ void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& 
                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
                       KeyframeGraph* keyframe_graph) {
   std::vector<SequentialEdge>& edges = keyframe_graph->sequential;
-  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph);
+  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph, 0,
+                                   keyframe_graph->size());
   std::vector<std::pair<double, int>> suspects(edges.size());
   pool->ForEachChunk(edges.size(), 1, [&](std::size_t e, std::size_t, std::size_t) {
     suspects[e] = {-edge_evidence.Evidence(static_cast<int>(e)), static_cast<int>(e)};
@@ -153,6 +164,24 @@ void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& 
     edges[edge].evidence = evidence;
     edges[edge].first_pose_after = edge_evidence.FirstPoseAfter(edge, scan_of_pose);
   }
+}
+
+int MarkWorstEdge(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const std::vector<Pose2>& world_from_robot, int first, int last,
+                  KeyframeGraph* keyframe_graph) {
+  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph, first, last);
+  int worst = first;
+  double most = -1.0;
+  for (int e = first; e < last; ++e) {
+    const double evidence = edge_evidence.Evidence(e);
+    if (evidence <= most) continue;
+    most = evidence;
+    worst = e;
+  }
+  SequentialEdge& edge = keyframe_graph->sequential[worst];
+  edge.evidence = std::max(edge.evidence, most);
+  edge.first_pose_after = edge_evidence.FirstPoseAfter(worst, MatchedScanOfPoses(graph, surfaces));
+  return worst;
 }
 
 }  // namespace plumbline

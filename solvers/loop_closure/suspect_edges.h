@@ -18,6 +18,12 @@ void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& 
                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
                       KeyframeGraph* keyframe_graph);
 
+/// Marks the edge whose two sides agree worst of those from keyframe `first` to keyframe `last`,
+/// however little that is. Returns it.
+int MarkWorstEdge(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+                  const std::vector<Pose2>& world_from_robot, int first, int last,
+                  KeyframeGraph* keyframe_graph);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_SUSPECT_EDGES_H_

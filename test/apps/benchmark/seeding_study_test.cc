@@ -159,6 +159,19 @@ TEST(SeedingStudyTest, ASilentJumpIsNotMistakenForAGoodMap) {
   for (int i = 0; i < 2; ++i) EXPECT_EQ(on_one[i].max_error_m, on_two[i].max_error_m);
 }
 
+// Floors on which a mapper once shared a wrong step out among its neighbours, or left scans behind
+// where wheels had slipped, and did not say so.
+TEST(SeedingStudyTest, SmallErrorsAreNotSharedOut) {
+  const std::vector<SeedingCase> all = SeedingCases(400, 9001);
+  const std::vector<SeedingCase> cases = {all[5], all[161], all[311], all[337]};
+  std::vector<SeedingOutcome> outcomes;
+  ThreadPool pool(2);
+  ASSERT_TRUE(RunSeedingStudy(cases, SeedingOptions(), FactorOptions(), &pool, &outcomes).ok());
+  for (const SeedingOutcome& outcome : outcomes) {
+    EXPECT_TRUE(outcome.IsRight()) << ToString(outcome.run.fault.kind) << outcome.max_error_m;
+  }
+}
+
 // Whatever the odometry makes of the rest, and however the two buildings come to lie.
 TEST(SeedingStudyTest, JudgesWhatCanBeRightOfAFrozenLaserAndOfTwoBuildings) {
   std::vector<SeedingOutcome> outcomes;

@@ -22,23 +22,31 @@ SyntheticScene LapOfTheRoom() {
   return scene;
 }
 
-// The edges of the lap if all poses from first_moved on are believed to be `error` off.
-std::vector<SequentialEdge> EdgesOfLap(int first_moved, const Pose2& error) {
-  const SyntheticScene scene = LapOfTheRoom();
-  const SlamGraph graph = MakeGraph(scene);
-  std::vector<Pose2> poses = scene.poses;
-  for (std::size_t p = first_moved; p < poses.size(); ++p) poses[p] = error * poses[p];
-  KeyframeGraph keys;
-  for (int pose = 0; pose < graph.num_poses(); pose += kPosesPerKey) {
-    Keyframe key;
-    key.pose = key.scan = pose;
-    keys.keyframes.push_back(key);
-    keys.world_from_key.push_back(poses[pose]);
+// The lap as matched, if all poses from first_moved on are believed to be `error` off.
+struct MatchedLap {
+  MatchedLap(int first_moved, const Pose2& error)
+      : graph(MakeGraph(LapOfTheRoom())), surfaces(SurfacesOf(graph)), poses(LapOfTheRoom().poses) {
+    for (std::size_t p = first_moved; p < poses.size(); ++p) poses[p] = error * poses[p];
+    for (int pose = 0; pose < graph.num_poses(); pose += kPosesPerKey) {
+      Keyframe key;
+      key.pose = key.scan = pose;
+      keys.keyframes.push_back(key);
+      keys.world_from_key.push_back(poses[pose]);
+    }
+    keys.sequential.resize(keys.size() - 1);
   }
-  keys.sequential.resize(keys.size() - 1);
+
+  SlamGraph graph;
+  std::vector<SurfacePoints> surfaces;
+  std::vector<Pose2> poses;
+  KeyframeGraph keys;
+};
+
+std::vector<SequentialEdge> EdgesOfLap(int first_moved, const Pose2& error) {
+  MatchedLap lap(first_moved, error);
   ThreadPool pool(2);
-  MarkSuspectEdges(graph, SurfacesOf(graph), poses, &pool, &keys);
-  return keys.sequential;
+  MarkSuspectEdges(lap.graph, lap.surfaces, lap.poses, &pool, &lap.keys);
+  return lap.keys.sequential;
 }
 
 int NumSuspect(const std::vector<SequentialEdge>& edges) {
@@ -72,6 +80,20 @@ TEST(SuspectEdges, TheFirstAndTheLastEdgeAreCheckedToo) {
   const std::vector<SequentialEdge> last = EdgesOfLap(60, Pose2(0.8, 0.5, 0.2));
   EXPECT_EQ(NumSuspect(last), 1);
   EXPECT_EQ(last.back().first_pose_after, 60);
+}
+
+TEST(SuspectEdges, TheWorstOfAStretchIsMarkedHoweverLittleItDisagrees) {
+  MatchedLap lap(32, Pose2(0.1, -0.06, 0.02));
+  ThreadPool pool(1);
+  MarkSuspectEdges(lap.graph, lap.surfaces, lap.poses, &pool, &lap.keys);
+  ASSERT_EQ(NumSuspect(lap.keys.sequential), 0);
+  EXPECT_EQ(MarkWorstEdge(lap.graph, lap.surfaces, lap.poses, 4, 18, &lap.keys), 10);
+  EXPECT_GT(lap.keys.sequential[10].evidence, 0.0);
+  EXPECT_EQ(lap.keys.sequential[10].first_pose_after, 32);
+  EXPECT_EQ(NumSuspect(lap.keys.sequential), 1);
+  // Edges beyond the stretch do not count.
+  EXPECT_GE(MarkWorstEdge(lap.graph, lap.surfaces, lap.poses, 12, 20, &lap.keys), 12);
+  EXPECT_LT(MarkWorstEdge(lap.graph, lap.surfaces, lap.poses, 0, 8, &lap.keys), 8);
 }
 
 }  // namespace
