@@ -1,12 +1,18 @@
 #include "plumbline/solvers/alarm.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iomanip>
 #include <sstream>
 
 namespace plumbline {
 namespace {
+
+// Of the floors of the seeding study (apps/benchmark) that ended with such an alarm, the share
+// whose map was wrong; see "How sure a warning is" there.
+constexpr double kWrongIfContradictory = 0.94;
+constexpr double kWrongIfUnresolved = 0.07;
 
 // The alarm of one peak, if that peak by itself is a contradiction.
 void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, const std::string& what,
@@ -16,7 +22,7 @@ void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, cons
   std::ostringstream reason;
   reason << what << std::fixed << std::setprecision(1) << " (" << consistency.Ratio(peak)
          << " times the conflicts that people, doors and noise explain)";
-  alarms->push_back({PlaceOfPose(graph, poses, peak.pose), reason.str()});
+  alarms->push_back({PlaceOfPose(graph, poses, peak.pose), reason.str(), kWrongIfContradictory});
 }
 
 Alarm UnresolvedStep(const SuspectStep& step, const SlamGraph& graph,
@@ -31,7 +37,7 @@ Alarm UnresolvedStep(const SuspectStep& step, const SlamGraph& graph,
     reason += step.num_closures_across == 0 ? "no loop closure ties" : "a single loop closure ties";
     reason += " them together: all that comes later may be displaced";
   }
-  return {PlaceOfPose(graph, poses, step.first_pose_after), reason};
+  return {PlaceOfPose(graph, poses, step.first_pose_after), reason, kWrongIfUnresolved};
 }
 
 // The seed contradicts itself too little for an alarm of its own, but there is another weak sign.
@@ -43,7 +49,7 @@ Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph,
          << consistency.Ratio() << " times as often as can be explained, and "
          << (seeding.loops.suspect_steps.empty() ? "all loops had to be left open"
                                                  : "some odometry steps are suspect");
-  return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str()};
+  return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str(), std::nullopt};
 }
 
 }  // namespace
@@ -54,6 +60,12 @@ std::string ScanPlace::Text() const {
        << std::setprecision(2) << " (t = " << time_s << " s, x = " << world_position.x()
        << " m, y = " << world_position.y() << " m)";
   return text.str();
+}
+
+std::string Alarm::Text() const {
+  if (!wrong_share) return reason;
+  return reason + " (" + std::to_string(std::lround(100.0 * *wrong_share)) +
+         " % of the simulated maps with such a warning were wrong)";
 }
 
 ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, int pose) {
@@ -70,8 +82,8 @@ std::string AlarmText(const std::vector<Alarm>& alarms) {
   constexpr std::size_t kMaxLines = 5;
   std::string text;
   for (std::size_t i = 0; i < std::min(alarms.size(), kMaxLines); ++i) {
-    text += "WARNING: the map is probably wrong around " + alarms[i].place.Text() + ": " +
-            alarms[i].reason + ".\n";
+    text += std::string("WARNING: the map ") + (alarms[i].IsProbable() ? "is probably" : "may be") +
+            " wrong around " + alarms[i].place.Text() + ": " + alarms[i].Text() + ".\n";
   }
   if (alarms.size() > kMaxLines) {
     text += "WARNING: and around " + std::to_string(alarms.size() - kMaxLines) + " more places.\n";
@@ -90,7 +102,8 @@ std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph&
     std::ostringstream reason;
     reason << "many of the places that were seen on several visits contradict each other, "
               "this one most of all";
-    alarms.push_back({PlaceOfPose(graph, poses, consistency.worst_between.pose), reason.str()});
+    alarms.push_back({PlaceOfPose(graph, poses, consistency.worst_between.pose), reason.str(),
+                      kWrongIfContradictory});
   }
   return alarms;
 }
@@ -104,8 +117,8 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
            << stretch.last_scan << ", while the wheels drove " << std::fixed << std::setprecision(1)
            << stretch.moved_m
            << " m: the repetitions are left out, and these poses are the odometry's";
-    alarms.push_back(
-        {PlaceOfPose(graph, poses, graph.scan(stretch.first_scan).pose), reason.str()});
+    alarms.push_back({PlaceOfPose(graph, poses, graph.scan(stretch.first_scan).pose), reason.str(),
+                      std::nullopt});
   }
   return alarms;
 }
@@ -115,7 +128,10 @@ std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency&
   std::vector<Alarm> alarms = MapAlarms(refined, graph, poses);
   if (alarms.empty()) {
     alarms = MapAlarms(seeding.consistency, graph, poses);
-    for (Alarm& alarm : alarms) alarm.reason += " before the refinement, though not after it";
+    for (Alarm& alarm : alarms) {
+      alarm.reason += " before the refinement, though not after it";
+      alarm.wrong_share.reset();
+    }
   }
   for (const SuspectStep& step : seeding.loops.suspect_steps) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));

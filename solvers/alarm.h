@@ -25,10 +25,18 @@ struct ScanPlace {
 /// The first scan taken at a pose. poses: (x, y, yaw) each.
 ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, int pose);
 
-/// Why a map is probably wrong, and where.
+/// Why a map is probably wrong, or may be, and where.
 struct Alarm {
   ScanPlace place;     ///< where
   std::string reason;  ///< why, for people
+  /// How sure that is: of simulated drives with a fault and such an alarm, the share whose map was
+  /// wrong. None if too few had it.
+  std::optional<double> wrong_share;
+
+  /// More likely than not.
+  bool IsProbable() const { return wrong_share.value_or(1.0) > 0.5; }
+  /// For people: why, and how sure that is.
+  std::string Text() const;
 };
 
 /// A warning per line, for people: the first few, and how many more there are.

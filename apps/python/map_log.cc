@@ -64,9 +64,11 @@ void BindMapLog(py::module_* module) {
       .Field("time_s", &ScanPlace::time_s, "[s]")
       .Field("world_position", &ScanPlace::world_position, "(2,): of the robot [m]")
       .Method("text", &ScanPlace::Text, "With time and position.");
-  Fields<Alarm>(module, "Alarm", "Why a map is probably wrong, and where.")
+  Fields<Alarm>(module, "Alarm", "Why a map is probably wrong, or may be, and where.")
       .Field("place", &Alarm::place, "where")
-      .Field("reason", &Alarm::reason, "why");
+      .Field("reason", &Alarm::reason, "why")
+      .Field("wrong_share", &Alarm::wrong_share,
+             "of simulated maps with such an alarm, how many were wrong, or None");
   Fields<MappingReport>(module, "MappingReport",
                         "What was found on the way from a log to a map, and whether to trust it.")
       .Field("frozen_laser", &MappingReport::frozen_laser, "repetitions that were left out")

@@ -95,7 +95,7 @@ struct ReportOption {
 struct HtmlReport {
   std::string title;
   std::string subtitle;
-  std::vector<std::string> alarms;  ///< why the result is probably wrong
+  std::vector<std::string> alarms;  ///< where and why the result may be wrong
   std::string all_clear;            ///< shown where there is no alarm
   std::vector<ReportFigure> figures;
   /// In the order in which they came about: the viewer compares the first with the last, until the

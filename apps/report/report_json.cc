@@ -219,7 +219,8 @@ Json AlarmsJson(const std::vector<Alarm>& alarms) {
                     {"time_s", alarm.place.time_s},
                     {"x_m", alarm.place.world_position.x()},
                     {"y_m", alarm.place.world_position.y()},
-                    {"reason", alarm.reason}});
+                    {"reason", alarm.reason},
+                    {"wrong_share", alarm.wrong_share ? Json(*alarm.wrong_share) : Json()}});
   }
   return json;
 }

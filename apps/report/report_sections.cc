@@ -165,7 +165,7 @@ std::string ConflictText(const FreeSpaceConflict& conflict) {
 
 void AddAlarms(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report) {
   for (const Alarm& alarm : alarms) {
-    report->alarms.push_back("Around " + alarm.place.Text() + ": " + alarm.reason + ".");
+    report->alarms.push_back("Around " + alarm.place.Text() + ": " + alarm.Text() + ".");
   }
   report->all_clear = all_clear;
 }

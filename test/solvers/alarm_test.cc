@@ -101,6 +101,7 @@ TEST(RunAlarmsTest, TheRefinedMapSpeaksBeforeTheSeed) {
   ASSERT_EQ(of_seed.size(), 1u);
   EXPECT_EQ(of_seed[0].place.scan, 1);
   EXPECT_THAT(of_seed[0].reason, HasSubstr("before the refinement"));
+  EXPECT_FALSE(of_seed[0].wrong_share.has_value());
 }
 
 TEST(RunAlarmsTest, StepsThatNothingSettles) {
@@ -151,13 +152,35 @@ TEST(RunAlarmsTest, ASuspiciousSeedIsWrongWhereItsRatioIsHighest) {
 
 TEST(AlarmTextTest, ShowsTheFirstFew) {
   EXPECT_EQ(AlarmText({}), "");
-  std::vector<Alarm> alarms(5, Alarm{{3, 1.0, {2.0, 0.0}}, "reasons"});
+  std::vector<Alarm> alarms(5, Alarm{{3, 1.0, {2.0, 0.0}}, "reasons", std::nullopt});
   const std::string text = AlarmText(alarms);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
   EXPECT_THAT(text, testing::StartsWith("WARNING: the map is probably wrong around scan 3 (t = "
                                         "1.00 s, x = 2.00 m, y = 0.00 m): reasons.\n"));
   alarms.resize(8);
   EXPECT_EQ(AlarmText(alarms), text + "WARNING: and around 3 more places.\n");
+}
+
+TEST(AlarmTextTest, SaysHowSureItIs) {
+  EXPECT_THAT(AlarmText({{{}, "reasons", 0.07}}),
+              AllOf(HasSubstr("the map may be wrong"),
+                    HasSubstr("reasons (7 % of the simulated maps with such a warning were")));
+  EXPECT_THAT(AlarmText({{{}, "reasons", 0.9}}), HasSubstr("the map is probably wrong"));
+  EXPECT_THAT(AlarmText({{{}, "reasons", std::nullopt}}), HasSubstr("reasons.\n"));
+}
+
+TEST(RunAlarmsTest, AMapThatContradictsItselfIsWorseThanAStepThatNothingSettles) {
+  const SlamGraph graph = MakeScans(4);
+  SuspectStep step;
+  step.first_pose_after = 3;
+  step.broken = true;
+  const std::vector<Alarm> both =
+      RunAlarms(ReportWithSuspect(step), Contradiction(&MapConsistency::worst_within, 1), graph,
+                graph.initial_poses());
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_TRUE(both[0].IsProbable());
+  EXPECT_FALSE(both[1].IsProbable());
+  EXPECT_GT(*both[1].wrong_share, 0.0);
 }
 
 }  // namespace

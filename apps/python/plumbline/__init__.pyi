@@ -668,6 +668,7 @@ class ScanPlace:
 class Alarm:
     place: Final[ScanPlace]
     reason: Final[str]
+    wrong_share: Final[float | None]
 
 class MappingReport:
     frozen_laser: Final[tuple[FrozenStretch, ...]]

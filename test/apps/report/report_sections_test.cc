@@ -18,6 +18,9 @@ TEST(ReportSectionsTest, AlarmsNameTheirPlace) {
   ASSERT_EQ(report.alarms.size(), 1u);
   EXPECT_THAT(report.alarms[0], HasSubstr("Around scan 7 (t = 0.00 s"));
   EXPECT_THAT(report.alarms[0], HasSubstr("): because."));
+  alarm.wrong_share = 0.08;
+  AddAlarms({alarm}, "", &report);
+  EXPECT_THAT(report.alarms[1], HasSubstr("because (8 % of the simulated maps"));
 }
 
 TEST(ReportSectionsTest, StagesAreComparedWithTheFirst) {

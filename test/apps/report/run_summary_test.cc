@@ -127,12 +127,14 @@ TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
   EXPECT_EQ(refined["worst_over_explicable"], 1.0);
   EXPECT_EQ(refined["contradictory"], false);
 
-  summary.mapping.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps"}};
+  summary.mapping.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps", 0.25}};
   json = WriteAndRead(summary);
   EXPECT_EQ(json["alarm"], true);
   EXPECT_EQ(json["alarm_reasons"],
             Json::parse(R"([{"scan": 7, "time_s": 1.5, "x_m": 2.0, "y_m": -3.0,
-                             "reason": "it leaps"}])"));
+                             "reason": "it leaps", "wrong_share": 0.25}])"));
+  summary.mapping.alarms[0].wrong_share.reset();
+  EXPECT_TRUE(WriteAndRead(summary)["alarm_reasons"][0]["wrong_share"].is_null());
   summary.mapping.alarms[0].place.scan.reset();
   EXPECT_TRUE(WriteAndRead(summary)["alarm_reasons"][0]["scan"].is_null());
 }
