@@ -174,6 +174,7 @@ class HypothesisSearch {
     std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
       return marked.sequential[a].evidence > marked.sequential[b].evidence;
     });
+    if (steps.size() > kMaxStepsInQuestion) steps.resize(kMaxStepsInQuestion);
     int num_tried = 0;
     for (const int step : steps) {
       if (!LeadsElsewhere(step, best->keys)) continue;
