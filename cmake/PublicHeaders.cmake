@@ -39,6 +39,7 @@ set(PLUMBLINE_EXTENSION_HEADERS
   factors/manifold_factor.h
   factors/shape_factor.h
   solvers/association/associations.h
+  solvers/association/tangent_lines.h
   solvers/full/energy.h
   solvers/full/rounds_solver.h
   solvers/interface/ceres_options.h

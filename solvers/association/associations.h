@@ -34,7 +34,7 @@ struct ShapePair {
 
 /// What the map prior is made of: rebuilt from the current map in the outer loop, fixed inside.
 struct Associations {
-  TangentLines lines;
+  TangentLines lines;                  ///< per return
   std::vector<ShapePair> shape_pairs;  ///< in order of scans
 };
 

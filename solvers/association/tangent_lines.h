@@ -31,6 +31,7 @@ class TangentLines {
     const int number = line_of_return_[return_id];
     return number == kNone ? kNoLine : lines_[number];
   }
+  /// Whether the return has a line.
   bool HasLine(std::size_t return_id) const {
     const TangentLine& line = (*this)[return_id];
     return line.normal_x != 0.0 || line.normal_y != 0.0;
@@ -47,6 +48,7 @@ class TangentLines {
     lines_.push_back(line);
     return static_cast<int>(lines_.size()) - 1;
   }
+  /// Gives a return the line of this number, or none (kNone).
   void Assign(std::size_t return_id, int number) { line_of_return_[return_id] = number; }
 
  private:

@@ -16,6 +16,7 @@
 #include "plumbline/solvers/loop_closure/part_joins.h"
 #include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
 #include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
+#include "plumbline/solvers/loop_closure/strained_stretches.h"
 #include "plumbline/solvers/loop_closure/suspect_clusters.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -57,43 +58,6 @@ FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
   FreeSpaceConflict all = consistency.within_pass;
   all += consistency.between_passes;
   return all;
-}
-
-// Squared error of the steps from keyframe `first` to keyframe `end`.
-double StepsChi2(const KeyframeGraph& keys, int first, int end) {
-  double chi2 = 0.0;
-  for (int k = first; k < end; ++k) {
-    const SequentialEdge& edge = keys.sequential[k];
-    if (!edge.broken) chi2 += EdgeChi2(edge.constraint, keys.world_from_key);
-  }
-  return chi2;
-}
-
-// What a stretch of steps may be off by, in squared errors. Scans match better than their
-// covariances say: on sound drives the graph is off by a hundredth of what they allow.
-double MostStrain(const KeyframeGraph& keys) {
-  double chi2 = StepsChi2(keys, 0, keys.size() - 1);
-  for (const RelativePoseConstraint& closure : keys.closures) {
-    chi2 += EdgeChi2(closure, keys.world_from_key);
-  }
-  const double degrees_of_freedom = 3.0 * static_cast<double>(keys.closures.size());
-  return LoopAcceptance::kMaxEdgeChi2 * std::min(1.0, chi2 / std::max(1.0, degrees_of_freedom));
-}
-
-// From keyframe to keyframe, between the ends of neighbouring closures.
-std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys) {
-  std::vector<char> is_end(keys.size(), 0);
-  for (const RelativePoseConstraint& closure : keys.closures) {
-    is_end[closure.from] = is_end[closure.to] = 1;
-  }
-  std::vector<std::pair<int, int>> stretches;
-  int first = 0;
-  for (int k = 1; k < keys.size(); ++k) {
-    if (is_end[k] == 0) continue;
-    stretches.emplace_back(first, k);
-    first = k;
-  }
-  return stretches;
 }
 
 class HypothesisSearch {

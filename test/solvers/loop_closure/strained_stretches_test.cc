@@ -1,0 +1,59 @@
+#include "plumbline/solvers/loop_closure/strained_stretches.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
+
+namespace plumbline {
+namespace {
+
+using testing::ElementsAre;
+using testing::Pair;
+
+// Six keyframes a metre apart, each edge with sigmas of 0.1. The step before keyframe 3 is two
+// sigmas off; a closure leads from keyframe 4 back to keyframe 1.
+KeyframeGraph SixKeys() {
+  KeyframeGraph keys;
+  for (int k = 0; k < 6; ++k) {
+    keys.keyframes.emplace_back();
+    keys.world_from_key.push_back({1.0 * k, 0.0, 0.0});
+    if (k == 0) continue;
+    SequentialEdge edge;
+    edge.constraint.from = k - 1;
+    edge.constraint.to = k;
+    edge.constraint.from_from_to = {k == 3 ? 1.2 : 1.0, 0.0, 0.0};
+    edge.constraint.covariance = 0.01 * Eigen::Matrix3d::Identity();
+    keys.sequential.push_back(edge);
+  }
+  RelativePoseConstraint closure = keys.sequential[0].constraint;
+  closure.from = 1;
+  closure.to = 4;
+  closure.from_from_to = {3.0, 0.0, 0.0};
+  keys.closures.push_back(closure);
+  return keys;
+}
+
+TEST(StrainedStretches, LieBetweenTheEndsOfClosures) {
+  const KeyframeGraph keys = SixKeys();
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(Pair(0, 1), Pair(1, 4)));
+}
+
+TEST(StrainedStretches, AreOffByWhatTheirEdgesAreButBrokenOnes) {
+  KeyframeGraph keys = SixKeys();
+  EXPECT_NEAR(StepsChi2(keys, 1, 4), 4.0, 1e-9);
+  EXPECT_NEAR(StepsChi2(keys, 3, 5), 0.0, 1e-9);
+  keys.sequential[2].broken = true;
+  EXPECT_NEAR(StepsChi2(keys, 1, 4), 0.0, 1e-9);
+}
+
+TEST(StrainedStretches, MayBeOffByLessWhereTheDriveIsLessOff) {
+  KeyframeGraph keys = SixKeys();
+  // Four squared sigmas for three degrees of freedom: as much as covariances allow.
+  EXPECT_NEAR(MostStrain(keys), LoopAcceptance::kMaxEdgeChi2, 1e-9);
+  keys.sequential[2].constraint.from_from_to.x = 1.05;
+  EXPECT_NEAR(MostStrain(keys), LoopAcceptance::kMaxEdgeChi2 * 0.25 / 3.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace plumbline
