@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <chrono>
+#include <future>
 #include <iomanip>
 #include <iostream>
 #include <iterator>
@@ -238,8 +239,10 @@ class SlamRun {
     return StartFromSeed(options_, std::move(start_poses), std::move(seeding), &mapping_);
   }
 
+  // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
   Status Seed() {
     const auto start = Clock::now();
+    StartMeasuringOdometry();
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
@@ -257,14 +260,22 @@ class SlamRun {
   Status RecordStart() {
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
     const bool by_pose_graph = options_.solver.MovesPosesOnly();
+    if (!odometry_stage_.valid()) StartMeasuringOdometry();  // resumed: nothing was seeded
+    const Stage odometry = odometry_stage_.get();
     std::vector<WriteTask> tasks;
-    MapState odometry;
     if (!mapping_.report.seeding.odometry_noise.is_prediction) {
-      odometry = mapping_.graph.InitialState();
-      RecordMap("Odometry", "map_odometry.png", odometry, &tasks);
+      summary_.stages.push_back(odometry);
+      maps_.push_back({"Odometry", output_.File("map_odometry.png"), MapArea()});
+      tasks.push_back([this] { return Draw(odometry_, &maps_.front()); });
     }
-    RecordMap(StartTitle(by_pose_graph), "map_seed.png", mapping_.state, &tasks);
+    const std::string title = StartTitle(by_pose_graph);
+    maps_.push_back({title, output_.File("map_seed.png"), MapArea()});
+    Stage seed;
+    tasks.push_back([&] { return Measure(InLowerCase(title), mapping_.state, &seed); });
+    tasks.push_back([this] { return Draw(mapping_.state, &maps_.back()); });
     PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, &*pool_));
+    summary_.stages.push_back(seed);
+    odometry_ = MapState();
     if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
     return Trajectory("trajectory_seed.tum");
   }
@@ -399,18 +410,17 @@ class SlamRun {
     return Status::Ok();
   }
 
-  // Adds the tasks that draw a map and measure how good it is.
-  void RecordMap(const std::string& title, const std::string& picture, const MapState& state,
-                 std::vector<WriteTask>* tasks) {
-    // By number: the lists still grow.
-    const std::size_t map = maps_.size(), stage = summary_.stages.size();
-    maps_.push_back({title, output_.File(picture), MapArea()});
-    summary_.stages.emplace_back();
-    std::string name = title;
-    name.front() = static_cast<char>(std::tolower(name.front()));
-    tasks->push_back(
-        [this, name, stage, &state] { return Measure(name, state, &summary_.stages[stage]); });
-    tasks->push_back([this, map, &state] { return Draw(state, &maps_[map]); });
+  void StartMeasuringOdometry() {
+    odometry_ = mapping_.graph.InitialState();
+    const auto when = pool_->num_threads() > 1 ? std::launch::async : std::launch::deferred;
+    odometry_stage_ = std::async(when, [this] {
+      ThreadPool one_thread(1);
+      return MeasureStage("odometry", odometry_, TruthOrNull(), &one_thread);
+    });
+  }
+  static std::string InLowerCase(std::string title) {
+    title.front() = static_cast<char>(std::tolower(title.front()));
+    return title;
   }
   Status Draw(const MapState& state, ReportMap* map) const {
     MapPictureOptions options;
@@ -438,6 +448,8 @@ class SlamRun {
   Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
   double max_memory_ = 0.0;     // [bytes], 0: no limit
   std::optional<Truth> truth_;
+  MapState odometry_;                  // until its map is recorded
+  std::future<Stage> odometry_stage_;  // refers to the two before
   RunSummary summary_;
   std::vector<ReportMap> maps_;
   std::size_t num_refused_maps_ = 0;
