@@ -365,6 +365,7 @@ Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprin
   writer(contents);
   std::array<unsigned char, kCrcSize> crc;
   StoreLittleEndian(Crc(writer.bytes(), Crc(kHeading)), crc.data());
+  RemoveAbandonedTemporaries(path);
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   file.stream() << kHeading << writer.bytes();
