@@ -263,11 +263,15 @@ Status MapLogByAll(const OutputFolder& output, HtmlReport* page) {
   return WriteMapFigure(output.File("log_maps.png"), experiment.maps, MapFigureOptions());
 }
 
+Status MapLogOptionsFromFlags(MapLogOptions* options) {
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options->solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options->seeding));
+  return StartFromFlags(options->solver, &options->start);
+}
+
 Status Synthetic(const OutputFolder& output, HtmlReport* page) {
   MapLogOptions options;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
-  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
-  PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options.solver, &options.start));
+  PLUMBLINE_RETURN_IF_ERROR(MapLogOptionsFromFlags(&options));
   ThreadPool pool(options.solver.num_threads);
   const std::vector<SyntheticNoise> noises = SyntheticNoises();
   std::vector<SyntheticOutcome> outcomes;
@@ -396,9 +400,7 @@ Status ReplayMapper(const OutputFolder&, HtmlReport* page) {
 
 Status Profile(const OutputFolder& output, HtmlReport* page) {
   MapLogOptions options;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
-  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
-  PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(options.solver, &options.start));
+  PLUMBLINE_RETURN_IF_ERROR(MapLogOptionsFromFlags(&options));
   ThreadPool pool(options.solver.num_threads);
   LogProfile profile;
   PLUMBLINE_RETURN_IF_ERROR(ProfileLog(FLAGS_log, options, output, &pool, &profile));

@@ -311,12 +311,7 @@ class SlamRun {
   Status WriteResults() {
     maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
     std::string map_warning;
-    RefinedMap map;
-    map.graph = &mapping_.graph;
-    map.state = &mapping_.state;
-    map.poses_before = &mapping_.start_poses;
-    map.before_title = "seed";
-    map.consistency = &mapping_.report.consistency;
+    RefinedMap map = RefinedMapOf(mapping_);
     map.picture_area = &maps_.back().area;
     map.map_warning = &map_warning;
     std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);

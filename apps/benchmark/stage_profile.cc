@@ -109,16 +109,6 @@ double JointBytes(const SolverSummary& summary, double num_returns) {
          (num_rounds * (cut + laid_out + weighed) + 2.0 * cut + lines + points + terms);
 }
 
-Status WriteMap(const LogMapping& mapping, const OutputFolder& output, ThreadPool* pool) {
-  RefinedMap map;
-  map.graph = &mapping.graph;
-  map.state = &mapping.state;
-  map.poses_before = &mapping.start_poses;
-  map.before_title = "seed";
-  map.consistency = &mapping.report.consistency;
-  return RunAll(MapWriteTasks(map, RunOutputOptions(), output), pool);
-}
-
 }  // namespace
 
 MachineSpeed MeasureMachine(ThreadPool* pool) {
@@ -154,7 +144,8 @@ Status ProfileLog(const std::string& path, const MapLogOptions& options, const O
   clock.End("joint estimation", JointBytes(mapping.report.solver, n));
   MeasureStage("", mapping.state, nullptr, pool);
   clock.End("sharpness of a map", n * (2.0 * kPoint + kNumber));
-  PLUMBLINE_RETURN_IF_ERROR(WriteMap(mapping, output, pool));
+  PLUMBLINE_RETURN_IF_ERROR(
+      RunAll(MapWriteTasks(RefinedMapOf(mapping), RunOutputOptions(), output), pool));
   clock.End("pictures and points", n * (5.0 * kPoint + 2.0 * kWritten));
   *profile = std::move(result);
   return Status::Ok();

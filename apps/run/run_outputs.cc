@@ -89,6 +89,16 @@ Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapS
   return WriteGrid(stem, graph, state, options, &grid);
 }
 
+RefinedMap RefinedMapOf(const LogMapping& mapping) {
+  RefinedMap map;
+  map.graph = &mapping.graph;
+  map.state = &mapping.state;
+  map.poses_before = &mapping.start_poses;
+  map.before_title = "seed";
+  map.consistency = &mapping.report.consistency;
+  return map;
+}
+
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output) {
   const SlamGraph& graph = *map.graph;

@@ -13,6 +13,7 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/interface/map_consistency.h"
+#include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
 
@@ -41,6 +42,9 @@ struct RefinedMap {
   /// Becomes a line for people if the cells of map.pgm are coarser than asked for; may be null.
   std::string* map_warning = nullptr;
 };
+
+/// That of a log. Refers to the mapping.
+RefinedMap RefinedMapOf(const LogMapping& mapping);
 
 using WriteTask = std::function<Status()>;
 

@@ -141,8 +141,9 @@ TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
                        }
                      });
   std::vector<int> line_of_return(graph.num_returns(), TangentLines::kNone);
-  for (std::size_t i = 0; i < map.size(); ++i)
+  for (std::size_t i = 0; i < map.size(); ++i) {
     line_of_return[map.return_ids[i]] = static_cast<int>(i);
+  }
   return {std::move(lines), std::move(line_of_return)};
 }
 

@@ -43,10 +43,12 @@ class TangentLines {
     return count;
   }
 
+  /// Number of lines, which count from 0.
+  int num_lines() const { return static_cast<int>(lines_.size()); }
   /// Gives the number of the new line.
   int Add(const TangentLine& line) {
     lines_.push_back(line);
-    return static_cast<int>(lines_.size()) - 1;
+    return num_lines() - 1;
   }
   /// Gives a return the line of this number, or none (kNone).
   void Assign(std::size_t return_id, int number) { line_of_return_[return_id] = number; }

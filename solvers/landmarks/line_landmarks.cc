@@ -96,11 +96,10 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
 }
 
 void AddLandmarkLines(const LineLandmarks& landmarks, TangentLines* lines) {
-  int first = TangentLines::kNone;
+  const int first = lines->num_lines();
   for (const LineLandmark& landmark : landmarks.landmarks) {
     const double offset = landmark.offset_m + landmark.normal.dot(landmark.origin);
-    const int number = lines->Add({landmark.normal.x(), landmark.normal.y(), offset});
-    if (first == TangentLines::kNone) first = number;
+    lines->Add({landmark.normal.x(), landmark.normal.y(), offset});
   }
   for (std::size_t r = 0; r < lines->size(); ++r) {
     const int id = landmarks.landmark_of_return[r];

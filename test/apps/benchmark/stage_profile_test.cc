@@ -3,13 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
-#include <vector>
 
-#include "plumbline/apps/io/carmen_log.h"
-#include "plumbline/apps/simulation/building_generator.h"
-#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
