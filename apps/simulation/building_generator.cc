@@ -113,18 +113,22 @@ Building GenerateLargeBuilding(double drive_length_m, std::uint64_t seed) {
   return building;
 }
 
-Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {
+Building GenerateVisit(BuildingKind kind, std::uint64_t seed, std::uint64_t visit) {
   NoiseSource source(seed, kStyleStream);
+  const auto floor = [&](FloorStyle style) {
+    style.visit = visit;
+    return MakeFloor(style, seed);
+  };
   Building building;
   switch (kind) {
     case BuildingKind::kRandom:
-      building = MakeFloor(RandomStyle(&source), seed);
+      building = floor(RandomStyle(&source));
       break;
     case BuildingKind::kRepetitive:
-      building = MakeFloor(RepetitiveStyle(&source), seed);
+      building = floor(RepetitiveStyle(&source));
       break;
     case BuildingKind::kLongCorridor:
-      building = MakeFloor(LongCorridorStyle(&source), seed);
+      building = floor(LongCorridorStyle(&source));
       break;
     case BuildingKind::kHall:
       building = MakeHall(&source);
@@ -137,7 +141,12 @@ Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {
       break;
   }
   building.name = std::string(ToString(kind)) + " building " + std::to_string(seed);
+  if (visit != 0) building.name += ", visit " + std::to_string(visit);
   return building;
+}
+
+Building GenerateBuilding(BuildingKind kind, std::uint64_t seed) {
+  return GenerateVisit(kind, seed, 0);
 }
 
 }  // namespace plumbline

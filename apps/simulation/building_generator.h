@@ -38,6 +38,10 @@ bool FromString(const std::string& name, BuildingKind* kind);
 /// the same building.
 Building GenerateBuilding(BuildingKind kind, std::uint64_t seed);
 
+/// The same building on another day, if `visit` is not 0; see FloorStyle::visit. Those of kinds
+/// without furniture to move, kHall, kRound and kSlanted, are the same on all days.
+Building GenerateVisit(BuildingKind kind, std::uint64_t seed, std::uint64_t visit);
+
 /// Makes an office floor like kRandom, with as many blocks as a drive of at least this length goes
 /// around once; the area grows in proportion to the length, from one block on. What is left of the
 /// drive goes around again. For measuring how cost grows with size.

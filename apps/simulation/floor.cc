@@ -18,6 +18,9 @@ using Eigen::Vector2d;
 // Streams of random numbers: the simulator has 0 and 1, the style of the floor 2.
 constexpr std::uint32_t kRouteStream = 3, kCorridorStream = 4, kRoomStream = 100;
 
+// Share of the furniture that moves from one visit to another.
+constexpr double kMovedShare = 1.0 / 3.0;
+
 constexpr double kOuterWall = 0.3, kPartition = 0.1;
 // Free space on either side of the robot's path: its radius, the width that it cuts off in a curve,
 // and a little.
@@ -39,6 +42,11 @@ struct Row {
   }
   double depth() const { return std::abs(back_y - front_y); }
 };
+
+// Another seed for what another visit changes.
+std::uint64_t SeedOfVisit(std::uint64_t seed, std::uint64_t visit) {
+  return seed + visit * 0x9e3779b97f4a7c15ULL;
+}
 
 struct Room {
   Row row;
@@ -78,9 +86,14 @@ class FloorBuilder {
   Building Build() {
     DrawWalls();
     for (const Row& row : rows_) DrawRooms(row);
-    for (Room& room : rooms_) FurnishRoom(&room);
+    std::uint32_t stream = kRoomStream;
+    for (Room& room : rooms_) {
+      NoiseSource moved(SeedOfVisit(seed_, style_.visit), stream++);
+      FurnishRoom(&room, &moved);
+    }
     NoiseSource source(seed_, kCorridorStream);
-    for (const Row& row : rows_) FurnishCorridor(row, &source);
+    NoiseSource moved(SeedOfVisit(seed_, style_.visit), kCorridorStream);
+    for (const Row& row : rows_) FurnishCorridor(row, &source, &moved);
     Building building;
     plan_.Furnish(&building);
     for (const Vector2d& point : Route()) {
@@ -94,8 +107,12 @@ class FloorBuilder {
   void DrawWalls();
   void DrawRooms(const Row& row);
   void AddRoom(Room room);
-  void FurnishRoom(Room* room);
-  void FurnishCorridor(const Row& row, NoiseSource* source);
+  // moved: says what another visit moves, and where to.
+  void FurnishRoom(Room* room, NoiseSource* moved);
+  void FurnishCorridor(const Row& row, NoiseSource* source, NoiseSource* moved);
+  bool IsMoved(NoiseSource* moved) const {
+    return style_.visit != 0 && moved->Uniform() < kMovedShare;
+  }
   // A piece of furniture, if it is in nobody's way.
   void PutBox(const Pose2& world_from_box, const Vector2d& size);
   void PutDisc(const Vector2d& center, double radius_m);
@@ -202,7 +219,7 @@ void FloorBuilder::AddRoom(Room room) {
   rooms_.push_back(room);
 }
 
-void FloorBuilder::FurnishRoom(Room* room) {
+void FloorBuilder::FurnishRoom(Room* room, NoiseSource* moved) {
   NoiseSource& source = room->source;
   const Row& row = room->row;
   const double free_width = room->east - room->west - kPartition;
@@ -210,9 +227,14 @@ void FloorBuilder::FurnishRoom(Room* room) {
   const Vector2d middle = row.At(0.5 * (room->west + room->east), 0.5 * row.depth());
   for (int i = 0; i < style_.furniture_per_room; ++i) {
     // A table in the room, or a desk or cabinet with its back to one of three walls.
-    const double kind = source.Uniform(), along = source.Uniform() - 0.5;
+    const double kind = source.Uniform();
+    double along = source.Uniform() - 0.5;
     const double length = 0.7 + 1.1 * source.Uniform(), depth = 0.4 + 0.4 * source.Uniform();
-    const double turn = source.Uniform() - 0.5;
+    double turn = source.Uniform() - 0.5;
+    if (IsMoved(moved)) {
+      along = moved->Uniform() - 0.5;
+      turn = moved->Uniform() - 0.5;
+    }
     const Vector2d size(length, depth);
     const double far = row.back_y > row.front_y ? 1.0 : -1.0;
     if (kind < 0.2) {
@@ -232,13 +254,17 @@ void FloorBuilder::FurnishRoom(Room* room) {
   }
 }
 
-void FloorBuilder::FurnishCorridor(const Row& row, NoiseSource* source) {
+void FloorBuilder::FurnishCorridor(const Row& row, NoiseSource* source, NoiseSource* moved) {
   const double length = row.east - row.west;
   const int num_pieces = static_cast<int>(std::round(length * style_.furniture_per_corridor_m));
   for (int i = 0; i < num_pieces; ++i) {
     const double width = 0.5 + 1.1 * source->Uniform(), depth = 0.25 + 0.15 * source->Uniform();
-    const double along = row.west + 0.5 * width + source->Uniform() * (length - width);
-    if (source->Uniform() < 0.3) {  // a pillar, half in the wall
+    double along = row.west + 0.5 * width + source->Uniform() * (length - width);
+    const bool is_pillar = source->Uniform() < 0.3;
+    if (!is_pillar && IsMoved(moved)) {
+      along = row.west + 0.5 * width + moved->Uniform() * (length - width);
+    }
+    if (is_pillar) {  // a pillar, half in the wall
       PutDisc(row.At(along, 0.0), 0.5 * depth + 0.05);
     } else {
       const Vector2d center = row.At(along, -0.5 * (style_.corridor_wall_m + depth));
@@ -292,10 +318,15 @@ void FloorBuilder::KeepClear(const Vector2d& from, const Vector2d& to) {
 
 // Walks from crossing to crossing and never turns back, so that it closes loops again and again.
 std::vector<Vector2d> FloorBuilder::Route() const {
-  NoiseSource source(seed_, kRouteStream);
+  NoiseSource source(SeedOfVisit(seed_, style_.visit), kRouteStream);
   std::vector<Vector2d> route = {{1.0, corridor_y_[0]}};
   std::set<Crossing> visited;
   Crossing last = {-1, 0}, current = {0, 0};
+  if (style_.visit != 0) {
+    route.clear();
+    current.column = static_cast<int>(source.Uniform() * static_cast<double>(cross_x_.size()));
+    current.corridor = source.Uniform() < 0.5 ? 0 : 1;
+  }
   bool closed = false;
   const std::vector<Crossing> tour = Tour();
   std::size_t num_legs = 0;

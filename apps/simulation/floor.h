@@ -41,6 +41,9 @@ struct FloorStyle {
   double slant = 0.0;
   int furniture_per_room = 0;  ///< pieces, as far as there is space for them
   double furniture_per_corridor_m = 0.0;
+  /// The same walls on another day, if it is not 0: one piece of furniture in three stands
+  /// elsewhere in its room or corridor, pillars excepted, and the drive begins and goes elsewhere.
+  std::uint64_t visit = 0;
   RouteKind route = RouteKind::kWander;
   /// Of going into a room on the way from one cross corridor to the next.
   double visit_probability = 0.0;
