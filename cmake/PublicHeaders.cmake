@@ -30,8 +30,8 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   solvers/interface/odometry_report.h
   solvers/interface/seeding_options.h
   solvers/interface/seeding_report.h)
-# Those for a host with a solver or a residual of its own, for Ceres' switches, and for a window of
-# poses that is solved like a map. Also listed in the API reference; solvers/README.md says how to use
+# Those for a host with a solver or a residual of its own, for Ceres' switches, for several drives, and
+# for a window of poses that is solved like a map. Also listed in the API reference; solvers/README.md says how to use
 # them.
 set(PLUMBLINE_EXTENSION_HEADERS
   core/thread_pool.h
@@ -44,7 +44,9 @@ set(PLUMBLINE_EXTENSION_HEADERS
   solvers/full/rounds_solver.h
   solvers/interface/ceres_options.h
   solvers/interface/inner_result.h
+  solvers/interface/session_report.h
   solvers/interface/solver.h
+  solvers/map_sessions.h
   solvers/pose_graph/pose_graph.h
   solvers/sliding_window.h
   solvers/terms/term.h)

@@ -116,7 +116,9 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
                                              &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
-  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(noise, graph, surfaces, {}, pool, &trajectory, report));
+  KeyframeGraph keys;
+  PLUMBLINE_RETURN_IF_ERROR(
+      CloseAllLoops(noise, graph, surfaces, {}, nullptr, pool, &trajectory, &keys, report));
   *poses = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }

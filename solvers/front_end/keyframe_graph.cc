@@ -5,6 +5,16 @@
 
 namespace plumbline {
 
+int KeyframeGraph::BeginOfSession(int key) const {
+  while (key > 0 && !sequential[key - 1].between_sessions) --key;
+  return key;
+}
+
+int KeyframeGraph::EndOfSession(int key) const {
+  while (key + 1 < size() && !sequential[key].between_sessions) ++key;
+  return key + 1;
+}
+
 std::vector<Pose2> PosesFollowingKeyframes(const KeyframeGraph& keyframe_graph,
                                            const std::vector<Pose2>& before) {
   const std::vector<Keyframe>& keys = keyframe_graph.keyframes;

@@ -31,6 +31,8 @@ struct SequentialEdge {
   /// It is in question, and is wrong, as closures across it show or a hypothesis says: it no longer
   /// counts.
   bool broken = false;
+  /// Another session begins on its far side: nothing was measured between the two. Broken, too.
+  bool between_sessions = false;
 
   /// Its far side may be anywhere near by.
   bool untrusted() const {
@@ -62,6 +64,10 @@ struct KeyframeGraph {
   std::vector<RelativePoseConstraint> tentative;
 
   int size() const { return static_cast<int>(keyframes.size()); }
+
+  /// The first keyframe of the session that has this one, and the first one after it.
+  int BeginOfSession(int key) const;
+  int EndOfSession(int key) const;  ///< see BeginOfSession
 };
 
 /// Carries every pose along with its keyframes: as matched to the one before and to the one after,

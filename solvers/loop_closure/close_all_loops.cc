@@ -7,8 +7,6 @@
 
 namespace plumbline {
 
-namespace {
-
 bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency) {
   // Two weak signs together are one: what contradicts a little, and a suspect step or loops left
   // open.
@@ -19,19 +17,19 @@ bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistenc
          loops.IsUnresolved();
 }
 
-}  // namespace
-
 Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
                      const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                     ThreadPool* pool, SequentialTrajectory* trajectory, SeedingReport* report) {
+                     const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
+                     KeyframeGraph* keys, SeedingReport* report) {
   MapHypothesis best;
   PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, graph, surfaces, progress, pool,
-                                                *trajectory, &best, &report->hypotheses));
+                                                *trajectory, ties, &best, &report->hypotheses));
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
   report->alarm = IsAlarming(best.loops, best.consistency);
   report->loops = std::move(best.loops);
   report->consistency = std::move(best.consistency);
   report->sequential_poses = std::move(best.start.world_from_robot);
+  *keys = std::move(best.keys);
   trajectory->world_from_robot = std::move(best.world_from_robot);
   return Status::Ok();
 }

@@ -7,8 +7,10 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
@@ -16,10 +18,15 @@ namespace plumbline {
 
 /// The second half of the seeding: makes a trajectory of the sequential matching globally
 /// consistent by closing its loops. motion: the noise of its odometry. surfaces: per scan, in the
-/// frame of the robot.
+/// frame of the robot. ties: see SearchMapHypotheses. keys: becomes the pose graph that its poses
+/// follow.
 Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
                      const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                     ThreadPool* pool, SequentialTrajectory* trajectory, SeedingReport* report);
+                     const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
+                     KeyframeGraph* keys, SeedingReport* report);
+
+/// Whether a seed is probably wrong, see SeedingReport::alarm.
+bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency);
 
 }  // namespace plumbline
 

@@ -21,10 +21,22 @@ constexpr int kMaxRounds = 5;
 // Candidates between two reports of progress.
 constexpr std::size_t kCandidatesPerReport = 64;
 
+// Those that tie the part of a session before the edge to the one after it, be it by way of other
+// sessions: then as many as lead there from both.
 int NumClosuresAcross(int edge, const KeyframeGraph& keys) {
-  return static_cast<int>(std::count_if(
-      keys.closures.begin(), keys.closures.end(),
-      [&](const RelativePoseConstraint& c) { return c.from <= edge && c.to > edge; }));
+  const int begin = keys.BeginOfSession(edge), end = keys.EndOfSession(edge);
+  int num_direct = 0, num_before = 0, num_after = 0;
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    int before = 0, after = 0;
+    for (const int key : {closure.from, closure.to}) {
+      if (key >= begin && key <= edge) ++before;
+      if (key > edge && key < end) ++after;
+    }
+    if (before == 1 && after == 1) ++num_direct;
+    if (before == 1 && after == 0) ++num_before;
+    if (before == 0 && after == 1) ++num_after;
+  }
+  return num_direct + std::min(num_before, num_after);
 }
 
 // A local closure that agrees with the edges that it spans is no second witness: both come from the

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <queue>
 #include <set>
 #include <tuple>
@@ -69,6 +70,10 @@ constexpr double kLocalSpacingM = 1.3;
 // from one another at least [m].
 constexpr int kMaxJoins = 16;
 constexpr double kMinJoinSpacingM = 4.0;
+// Sessions are looked for in squares of this size [m] of what others saw, ...
+constexpr double kTileM = 40.0;
+// ... by so many of their keyframes at most.
+constexpr int kMaxSessionJoins = 24;
 
 // Of distances, where they only save work [m].
 constexpr double kRoundingM = 1e-6;
@@ -115,12 +120,13 @@ class Ways {
   Ways(const KeyframeGraph& graph, const std::vector<double>& path_cost_m) {
     double begin_m = -kInfinity;
     for (std::size_t k = 0; k < path_cost_m.size(); ++k) {
-      if (path_cost_m[k] - begin_m >= kNodeM) {
+      const bool begins_session = k > 0 && graph.sequential[k - 1].between_sessions;
+      if (begins_session || path_cost_m[k] - begin_m >= kNodeM) {
         const double cost_m = path_cost_m[k] - begin_m;
         begin_m = path_cost_m[k];
         links_.emplace_back();
         first_key_.push_back(static_cast<int>(k));
-        if (num_nodes() > 1) {
+        if (num_nodes() > 1 && !begins_session) {
           const int suspect_steps = k > 0 && graph.sequential[k - 1].untrusted() ? 1 : 0;
           Join(num_nodes() - 2, num_nodes() - 1, {cost_m, suspect_steps});
         }
@@ -189,6 +195,18 @@ std::vector<int> Thinned(const std::vector<int>& keys, const KeyframeGraph& grap
     if (is_new) thinned.push_back(key);
   }
   return thinned;
+}
+
+// Keyframes from `first` to `last`, this far from one another on the path at least.
+std::vector<int> SpreadOverPath(const KeyframeGraph& graph, int first, int last, double spacing_m) {
+  std::vector<int> keys;
+  double next_m = graph.keyframes[first].path_m;
+  for (int k = first; k <= last; ++k) {
+    if (graph.keyframes[k].path_m < next_m) continue;
+    next_m = graph.keyframes[k].path_m + spacing_m;
+    keys.push_back(k);
+  }
+  return keys;
 }
 
 class CandidateFinder {
@@ -339,8 +357,10 @@ class CandidateFinder {
 
   // A pair as a candidate, at an infinite cost if it is out of reach.
   Nearby Examine(int first, int second, const Way& way) const {
+    Nearby pair;
+    if (!std::isfinite(way.cost_m)) return pair;  // sessions that nothing ties
     const double drift_m = DriftM(way);
-    Nearby pair{{first, second, drift_m, DriftRad(way), {}}, kInfinity};
+    pair.candidate = {first, second, drift_m, DriftRad(way), {}};
     const Pose2& a = graph_.world_from_key[first];
     const Pose2& b = graph_.world_from_key[second];
     const double distance_m = (a.translation() - b.translation()).norm();
@@ -423,17 +443,51 @@ std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge) {
   int last = edge + 1;
   while (last + 1 < graph.size() && !graph.sequential[last].untrusted()) ++last;
   const double path_m = keys[last].path_m - keys[edge + 1].path_m;
-  const double spacing_m = std::max(kMinJoinSpacingM, path_m / kMaxJoins);
   std::vector<LoopCandidate> joins;
-  double next_m = keys[edge + 1].path_m;
-  for (int k = edge + 1; k <= last; ++k) {
-    if (keys[k].path_m < next_m) continue;
-    next_m = keys[k].path_m + spacing_m;
+  for (const int k :
+       SpreadOverPath(graph, edge + 1, last, std::max(kMinJoinSpacingM, path_m / kMaxJoins))) {
     const Way way{keys[k].path_m - keys[edge].path_m + kSuspectCostM, 1};
     // Turned about the edge, it may lie on the other side of it.
     const double away_m =
         Between(graph.world_from_key[edge], graph.world_from_key[k]).translation().norm();
     joins.push_back({edge, k, DriftM(way) + 2.0 * away_m, kPi, surroundings});
+  }
+  return joins;
+}
+
+std::vector<LoopCandidate> FindSessionJoins(const KeyframeGraph& graph, int first_of_second) {
+  std::map<std::pair<long, long>, std::vector<int>> tiles;
+  for (int k = 0; k < first_of_second; ++k) {
+    const Eigen::Vector2d at = graph.world_from_key[k].translation() / kTileM;
+    tiles[{std::lround(at.x()), std::lround(at.y())}].push_back(k);
+  }
+  const int last = graph.size() - 1;
+  const double path_m = graph.keyframes[last].path_m - graph.keyframes[first_of_second].path_m;
+  const std::vector<int> wanted = SpreadOverPath(
+      graph, first_of_second, last, std::max(kMinJoinSpacingM, path_m / kMaxSessionJoins));
+  std::vector<LoopCandidate> joins;
+  for (const auto& [cell, keys] : tiles) {
+    LoopCandidate join;
+    join.unknown = true;
+    join.drift_rad = kPi;
+    join.surroundings = Thinned(keys, graph);
+    const Eigen::Vector2d middle(kTileM * static_cast<double>(cell.first),
+                                 kTileM * static_cast<double>(cell.second));
+    const auto from_middle_m = [&](int k) {
+      return (graph.world_from_key[k].translation() - middle).norm();
+    };
+    join.first =
+        *std::min_element(join.surroundings.begin(), join.surroundings.end(),
+                          [&](int a, int b) { return from_middle_m(a) < from_middle_m(b); });
+    for (const int k : keys) {
+      const Pose2 apart = Between(graph.world_from_key[join.first], graph.world_from_key[k]);
+      join.drift_m =
+          std::max(join.drift_m, apart.translation().cwiseAbs().maxCoeff() + kOverlapReachM);
+    }
+    for (const int k : wanted) {
+      join.second = k;
+      joins.push_back(join);
+    }
   }
   return joins;
 }

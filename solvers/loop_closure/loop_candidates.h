@@ -21,6 +21,8 @@ struct LoopCandidate {
   double drift_rad = 0.0;
   /// Wide searches only: the keyframes in which the place may have been seen, one per metre or so.
   std::vector<int> surroundings;
+  /// Nothing is known of the relative pose: the drift is about the pose of `first` itself.
+  bool unknown = false;
 
   bool wide() const { return !surroundings.empty(); }
 };
@@ -35,6 +37,11 @@ std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph);
 /// Keyframes spread over what lies between an edge and the next untrusted one, each to be found
 /// again anywhere near by, and in any heading, in all that was seen before the edge.
 std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge);
+
+/// Keyframes spread over the sessions from keyframe `first_of_second` on, each to be found anywhere
+/// in what was seen in the sessions before, and in any heading. That is searched square by square:
+/// candidates with the same square follow each other.
+std::vector<LoopCandidate> FindSessionJoins(const KeyframeGraph& graph, int first_of_second);
 
 }  // namespace plumbline
 

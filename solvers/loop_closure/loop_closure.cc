@@ -1,9 +1,13 @@
 #include "plumbline/solvers/loop_closure/loop_closure.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <limits>
+#include <mutex>
+#include <optional>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/solvers/front_end/correlative_matcher.h"
@@ -62,10 +66,14 @@ class CandidateTester {
     return tested;
   }
 
-  std::vector<TestedCandidate> FindPlaces(const LoopCandidate& candidate, int max_places) const {
+  CorrelativeMatcher PlacesAround(const LoopCandidate& candidate) const {
+    return {PointsOf(candidate.surroundings, candidate.first), kPlaceCellM, candidate.drift_m};
+  }
+
+  // search: of the places around a candidate that is looked for in the same ones.
+  std::vector<TestedCandidate> FindPlaces(const CorrelativeMatcher& search,
+                                          const LoopCandidate& candidate, int max_places) const {
     const LocalMap scan = ScanOf(candidate);
-    const CorrelativeMatcher search(PointsOf(candidate.surroundings, candidate.first), kPlaceCellM,
-                                    candidate.drift_m);
     std::vector<TestedCandidate> places;
     for (const CorrelativeMatch& peak :
          search.SearchPeaks(scan.points(), WindowOf(candidate), LoopAcceptance::kMinPlaceScore,
@@ -82,7 +90,9 @@ class CandidateTester {
   }
 
   SearchWindow WindowOf(const LoopCandidate& candidate) const {
-    return {KeyFromKey(candidate.first, candidate.second), candidate.drift_m, candidate.drift_rad};
+    const Pose2 center =
+        candidate.unknown ? Pose2() : KeyFromKey(candidate.first, candidate.second);
+    return {center, candidate.drift_m, candidate.drift_rad};
   }
 
   LocalMap ScanOf(const LoopCandidate& candidate) const {
@@ -152,7 +162,7 @@ class CandidateTester {
   // confirm it.
   std::vector<int> Neighbours(int center, double path_m) const {
     const auto in_reach = [&](int k, int edge) {
-      return !keys_.sequential[edge].in_question &&
+      return !keys_.sequential[edge].in_question && !keys_.sequential[edge].between_sessions &&
              std::abs(keys_.keyframes[k].path_m - keys_.keyframes[center].path_m) <= path_m;
     };
     int low = center, high = center;
@@ -256,6 +266,18 @@ class CandidateTester {
   const KeyframeGraph& keys_;
 };
 
+// A search for several candidates, made when the first of them comes and given up after the last.
+struct SharedSearch {
+  std::once_flag made;
+  std::optional<CorrelativeMatcher> matcher;
+  std::atomic<int> num_left{0};
+};
+
+// Whether the same search finds the places of both.
+bool AreSoughtAlike(const LoopCandidate& a, const LoopCandidate& b) {
+  return a.first == b.first && a.drift_m == b.drift_m && a.surroundings == b.surroundings;
+}
+
 }  // namespace
 
 std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
@@ -278,8 +300,19 @@ std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
                                         int max_places, ThreadPool* pool) {
   const CandidateTester tester(graph, surfaces, keyframe_graph);
   std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
+  std::vector<SharedSearch*> search_of_candidate;
+  std::deque<SharedSearch> searches;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (i == 0 || !AreSoughtAlike(candidates[i - 1], candidates[i])) searches.emplace_back();
+    ++searches.back().num_left;
+    search_of_candidate.push_back(&searches.back());
+  }
   pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    of_candidate[i] = tester.FindPlaces(candidates[i], max_places);
+    SharedSearch& search = *search_of_candidate[i];
+    std::call_once(search.made,
+                   [&] { search.matcher.emplace(tester.PlacesAround(candidates[i])); });
+    of_candidate[i] = tester.FindPlaces(*search.matcher, candidates[i], max_places);
+    if (--search.num_left == 0) search.matcher.reset();
   });
   std::vector<TestedCandidate> places;
   for (const std::vector<TestedCandidate>& of_this : of_candidate) {

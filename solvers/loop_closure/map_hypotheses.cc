@@ -64,7 +64,7 @@ class HypothesisSearch {
  public:
   HypothesisSearch(const MotionOptions& motion, const SlamGraph& graph,
                    const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                   ThreadPool* pool, const SequentialTrajectory& matched,
+                   ThreadPool* pool, const SequentialTrajectory& matched, const KeyframeGraph* ties,
                    std::vector<WeighedHypothesis>* weighed)
       : motion_(motion),
         graph_(graph),
@@ -72,11 +72,12 @@ class HypothesisSearch {
         progress_(progress),
         pool_(pool),
         matched_(matched),
+        ties_(ties),
         weighed_(*weighed),
         meter_(graph, matched.world_from_robot) {}
 
   Status Run(MapHypothesis* best) {
-    suspected_ = MakeKeyframeGraph(matched_, motion_);
+    suspected_ = ties_ != nullptr ? *ties_ : MakeKeyframeGraph(matched_, motion_);
     MarkSuspectEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &suspected_);
     PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
@@ -89,7 +90,7 @@ class HypothesisSearch {
 
  private:
   Status TryOdometry(MapHypothesis* best) {
-    if (LacksOdometry(graph_)) return Status::Ok();
+    if (LacksOdometry(graph_) || ties_ != nullptr) return Status::Ok();
     const SequentialTrajectory odometry = OdometryAsGiven();
     MapHypothesis given;
     given.kind = HypothesisKind::kOdometryAlone;
@@ -563,6 +564,7 @@ class HypothesisSearch {
   const SeedingProgress& progress_;
   ThreadPool* pool_;
   const SequentialTrajectory& matched_;
+  const KeyframeGraph* ties_;  // of several sessions; null: the drive is one
   std::vector<WeighedHypothesis>& weighed_;
   const ConsistencyMeter meter_;
   // Of the matching's map; one for all that are compared.
@@ -579,10 +581,10 @@ class HypothesisSearch {
 Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
                            const std::vector<SurfacePoints>& surfaces,
                            const SeedingProgress& progress, ThreadPool* pool,
-                           const SequentialTrajectory& matched, MapHypothesis* best,
-                           std::vector<WeighedHypothesis>* weighed) {
+                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
+                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed) {
   weighed->clear();
-  HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, weighed);
+  HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, ties, weighed);
   return search.Run(best);
 }
 

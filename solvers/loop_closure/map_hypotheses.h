@@ -42,13 +42,14 @@ struct MapHypothesis {
 /// it is what the scans say of free space: two corridors that look alike agree on the graph.
 ///
 /// graph: its poses are those of the odometry as given. motion: the noise of the trajectory's
-/// odometry. surfaces: per scan. Unavailable if progress stopped it. The result does not depend on
-/// the number of threads.
+/// odometry. surfaces: per scan. ties: null, or the pose graph of a trajectory that is made of
+/// several sessions, with closures between them to begin with. Unavailable if progress stopped it.
+/// The result does not depend on the number of threads.
 Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
                            const std::vector<SurfacePoints>& surfaces,
                            const SeedingProgress& progress, ThreadPool* pool,
-                           const SequentialTrajectory& matched, MapHypothesis* best,
-                           std::vector<WeighedHypothesis>* weighed);
+                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
+                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed);
 
 }  // namespace plumbline
 

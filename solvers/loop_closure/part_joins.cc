@@ -23,13 +23,14 @@ constexpr std::size_t kMaxWays = 16;
 constexpr double kSameM = LoopAcceptance::kPeakRadiusM;
 constexpr double kSameRad = LoopAcceptance::kPeakAngleRad;
 
-// Without what spans the edge.
-std::vector<RelativePoseConstraint> NotAcross(int edge,
+// Without what ties keyframes beyond the edge, up to `end`, to others.
+std::vector<RelativePoseConstraint> NotAcross(int edge, int end,
                                               const std::vector<RelativePoseConstraint>& closures) {
+  const auto is_beyond = [&](int key) { return key > edge && key < end; };
   std::vector<RelativePoseConstraint> others;
   std::copy_if(closures.begin(), closures.end(), std::back_inserter(others),
-               [edge](const RelativePoseConstraint& closure) {
-                 return closure.from > edge || closure.to <= edge;
+               [&](const RelativePoseConstraint& closure) {
+                 return is_beyond(closure.from) == is_beyond(closure.to);
                });
   return others;
 }
@@ -38,7 +39,7 @@ KeyframeGraph TakeApart(int edge, KeyframeGraph keys) {
   keys.sequential[edge].in_question = true;
   keys.sequential[edge].broken = true;
   for (auto* closures : {&keys.closures, &keys.contradicted, &keys.refused}) {
-    *closures = NotAcross(edge, *closures);
+    *closures = NotAcross(edge, keys.EndOfSession(edge), *closures);
   }
   return keys;
 }
@@ -47,7 +48,7 @@ KeyframeGraph Join(int edge, const RelativePoseConstraint& match, const Keyframe
   KeyframeGraph joined = apart;
   const Pose2 moved = apart.world_from_key[match.from] * match.from_from_to *
                       apart.world_from_key[match.to].Inverse();
-  for (int k = edge + 1; k < joined.size(); ++k) {
+  for (int k = edge + 1; k < joined.EndOfSession(edge); ++k) {
     joined.world_from_key[k] = moved * apart.world_from_key[k];
   }
   joined.closures.push_back(match);

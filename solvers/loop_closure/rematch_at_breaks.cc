@@ -57,7 +57,8 @@ int FirstSoundKey(const KeyframeGraph& keys, int edge) {
 std::vector<Break> FindBreaks(const KeyframeGraph& keys) {
   std::vector<Break> breaks;
   for (int edge = 0; edge + 1 < keys.size(); ++edge) {
-    if (keys.sequential[edge].broken && IsMistakenBreak(keys, edge)) {
+    const SequentialEdge& step = keys.sequential[edge];
+    if (step.broken && !step.between_sessions && IsMistakenBreak(keys, edge)) {
       breaks.push_back({edge, FirstSoundKey(keys, edge)});
     }
   }

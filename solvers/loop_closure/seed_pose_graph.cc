@@ -51,6 +51,10 @@ std::vector<RelativePoseConstraint> SeedPoseGraph(const KeyframeGraph& keys,
                      MotionCovariance(trajectory.odometry[to], motion)});
   }
   for (int k = 0; k + 1 < keys.size(); ++k) ShareOut(keys, k, poses, &edges);
+  for (int k = keys.size() - 2; k >= 0; --k) {
+    const SequentialEdge& edge = keys.sequential[k];
+    if (edge.between_sessions) edges.erase(edges.begin() + edge.first_pose_after - 1);
+  }
   for (RelativePoseConstraint closure : keys.closures) {
     closure.from = keys.keyframes[closure.from].pose;
     closure.to = keys.keyframes[closure.to].pose;

@@ -30,6 +30,9 @@ std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& k
   for (const RelativePoseConstraint& closure : keys.closures) {
     is_end[closure.from] = is_end[closure.to] = 1;
   }
+  for (int k = 0; k + 1 < keys.size(); ++k) {
+    if (keys.sequential[k].between_sessions) is_end[k] = is_end[k + 1] = 1;
+  }
   std::vector<std::pair<int, int>> stretches;
   int first = 0;
   for (int k = 1; k < keys.size(); ++k) {

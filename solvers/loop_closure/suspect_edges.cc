@@ -85,16 +85,17 @@ class EdgeEvidence {
     }
   }
 
-  // Of an edge, its sides reaching to the next suspect edge at most.
+  // Of an edge, its sides reaching to the next suspect edge at most. None between sessions.
   double Evidence(int edge) const {
+    if (keys_.sequential[edge].between_sessions) return 0.0;
     Side before, after;
     for (int k = edge; k >= 0 && static_cast<int>(before.size()) < kKeysPerSide; --k) {
       before.push_back(PlacedKey(k));
-      if (k > 0 && keys_.sequential[k - 1].evidence > 0.0) break;
+      if (k > 0 && EndsSide(keys_.sequential[k - 1])) break;
     }
     for (int k = edge + 1; k < keys_.size() && static_cast<int>(after.size()) < kKeysPerSide; ++k) {
       after.push_back(PlacedKey(k));
-      if (k + 1 < keys_.size() && keys_.sequential[k].evidence > 0.0) break;
+      if (k + 1 < keys_.size() && EndsSide(keys_.sequential[k])) break;
     }
     return Disagreement(surfaces_, before, after);
   }
@@ -123,6 +124,10 @@ class EdgeEvidence {
   }
 
  private:
+  static bool EndsSide(const SequentialEdge& edge) {
+    return edge.evidence > 0.0 || edge.between_sessions;
+  }
+
   PlacedScan PlacedKey(int key) const {
     const Keyframe& keyframe = keys_.keyframes[key];
     return {keyframe.scan, poses_[keyframe.pose], &of_key_[key - first_known_]};

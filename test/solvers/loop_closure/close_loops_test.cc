@@ -170,6 +170,26 @@ TEST(CloseLoops, ASuspectEdgeGivesWayToClosuresAcross) {
   EXPECT_LT(lap.ErrorM(), 0.02);
 }
 
+// What lies before and after the edge may be tied by way of another session.
+TEST(CloseLoops, ASuspectEdgeGivesWayToClosuresWithAnotherSession) {
+  Lap lap = MakeLapWithAWrongEdge();
+  // The last ten keyframes are a session of their own, with closures to both sides of the edge.
+  constexpr int kBoundary = 35;
+  SequentialEdge& boundary = lap.keys.sequential[kBoundary];
+  boundary.broken = boundary.between_sessions = true;
+  for (const int key : {kBoundary + 2, kBoundary + 4}) {
+    lap.keys.closures.push_back({key - 35, key, lap.TrueStep(key - 35, key), kStepCovariance});
+    lap.keys.closures.push_back({key - 8, key, lap.TrueStep(key - 8, key), kStepCovariance});
+  }
+  const LoopClosingReport report = lap.Close();
+  EXPECT_TRUE(lap.keys.sequential[kWrongEdge].broken);
+  ASSERT_EQ(report.suspect_steps.size(), 1u);
+  EXPECT_GE(report.suspect_steps[0].num_closures_across, 2);
+  EXPECT_LT(DistanceM(Between(lap.keys.world_from_key[0], lap.keys.world_from_key[30]),
+                      lap.TrueStep(0, 30)),
+            0.05);
+}
+
 TEST(CloseLoops, ASuspectEdgeThatIsRightStays) {
   Lap lap = MakeLap();
   lap.keys.sequential[kWrongEdge].evidence = 0.2;

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
@@ -157,6 +160,46 @@ TEST(LoopCandidates, ManyVisitsAreCappedAtTheNearestOnes) {
   for (const LoopCandidate& candidate : Find(keys)) of_last += candidate.second == 480 ? 1 : 0;
   EXPECT_GT(of_last, 0);
   EXPECT_LE(of_last, 4);
+}
+
+// Ten metres of path in each of two sessions, between which nothing was measured.
+KeyframeGraph TwoSessions() {
+  KeyframeGraph keys;
+  for (int i = 0; i < 11; ++i) Add({1.0 * i, 0.0, 0.0}, i, &keys);
+  for (int i = 0; i < 11; ++i) Add({1.0 * i, 0.5, 0.0}, 40.0 + i, &keys);
+  keys.sequential[10].broken = keys.sequential[10].between_sessions = true;
+  return keys;
+}
+
+TEST(LoopCandidates, NoWayLeadsFromOneSessionToAnotherButClosures) {
+  KeyframeGraph keys = TwoSessions();
+  EXPECT_TRUE(Find(keys).empty());
+  keys.closures.push_back({5, 16, Pose2(0.0, 0.5, 0.0), Eigen::Matrix3d::Identity()});
+  const std::vector<LoopCandidate> candidates = Find(keys);
+  ASSERT_FALSE(candidates.empty());
+  for (const LoopCandidate& candidate : candidates) {
+    EXPECT_LT(candidate.first, 11);
+    EXPECT_GE(candidate.second, 11);
+    EXPECT_LE(candidate.drift_m, DriftM(14.0));  // of a way by the closure
+  }
+}
+
+TEST(LoopCandidates, SessionsAreSoughtInSquaresOfWhatOthersSaw) {
+  KeyframeGraph keys;
+  for (int i = 0; i < 10; ++i) Add({1.0 * i, 0.0, 0.0}, i, &keys);
+  for (int i = 10; i < 15; ++i) Add({100.0 + i, 0.0, 0.0}, i, &keys);
+  for (int i = 15; i < 25; ++i) Add({500.0, 1.0 * i, 0.0}, 100.0 + i, &keys);
+  const std::vector<LoopCandidate> joins = FindSessionJoins(keys, 15);
+  // Two squares, and a keyframe every four metres.
+  ASSERT_EQ(joins.size(), 6u);
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    EXPECT_TRUE(joins[i].unknown);
+    EXPECT_DOUBLE_EQ(joins[i].drift_rad, kPi);
+    EXPECT_EQ(joins[i].second, 15 + 4 * static_cast<int>(i % 3));
+    EXPECT_EQ(joins[i].surroundings.size(), i < 3 ? 10u : 5u);
+    // From the middle one to the last one, and as far as places overlap.
+    EXPECT_NEAR(joins[i].drift_m, i < 3 ? 11.0 : 6.0, 1e-9);
+  }
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ Found Search(const SimulatedDrive& drive, int num_threads = 2) {
   ThreadPool pool(num_threads);
   Found found;
   EXPECT_TRUE(SearchMapHypotheses(MotionOptions(), drive.graph, drive.surfaces, nullptr, &pool,
-                                  drive.matched, &found.best, &found.weighed)
+                                  drive.matched, nullptr, &found.best, &found.weighed)
                   .ok());
   return found;
 }
@@ -182,7 +182,7 @@ TEST(MapHypotheses, StopWhenTheirCallerSaysSo) {
   std::vector<WeighedHypothesis> weighed;
   const Status status = SearchMapHypotheses(
       MotionOptions(), drive.graph, drive.surfaces, [](SeedingPhase, int, int) { return false; },
-      &pool, drive.matched, &best, &weighed);
+      &pool, drive.matched, nullptr, &best, &weighed);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
 }
 

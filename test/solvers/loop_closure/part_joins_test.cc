@@ -115,5 +115,20 @@ TEST(PartJoins, NothingFitsNowhere) {
   EXPECT_TRUE(robot.Join().empty());
 }
 
+TEST(PartJoins, OtherSessionsStayWhereTheyAre) {
+  CarriedRobot robot = MakeCarriedRobot();
+  robot.keys.sequential[4].between_sessions = robot.keys.sequential[4].broken = true;
+  robot.keys.closures = {{1, 5, Pose2(), Eigen::Matrix3d::Identity()}};
+  const std::vector<KeyframeGraph> joins = robot.Join();
+  ASSERT_FALSE(joins.empty());
+  for (const KeyframeGraph& join : joins) {
+    EXPECT_EQ(DistanceM(join.world_from_key[5], robot.keys.world_from_key[5]), 0.0);
+    EXPECT_GT(DistanceM(join.world_from_key[4], robot.keys.world_from_key[4]), 1.0);
+    ASSERT_EQ(join.closures.size(), 2u);
+    EXPECT_EQ(join.closures[0].to, 5);
+    EXPECT_EQ(join.closures[1].to, 4);
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

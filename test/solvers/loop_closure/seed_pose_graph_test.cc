@@ -116,6 +116,14 @@ TEST_F(SeedPoseGraphTest, ClosuresGoByThePosesOfTheirKeyframes) {
   EXPECT_EQ(edges[9].covariance, CorrelatedCovariance());
 }
 
+TEST_F(SeedPoseGraphTest, NoStepLeadsFromOneSessionToTheNext) {
+  keys_.sequential[0].broken = keys_.sequential[0].between_sessions = true;
+  keys_.sequential[0].first_pose_after = 4;
+  const std::vector<RelativePoseConstraint> edges = Graph();
+  ASSERT_EQ(edges.size(), 8u);
+  for (const RelativePoseConstraint& edge : edges) EXPECT_NE(edge.to, 4);
+}
+
 TEST_F(SeedPoseGraphTest, ASinglePoseHasNoEdges) {
   trajectory_.world_from_robot.resize(1);
   trajectory_.odometry.resize(1);

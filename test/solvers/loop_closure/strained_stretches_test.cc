@@ -39,6 +39,13 @@ TEST(StrainedStretches, LieBetweenTheEndsOfClosures) {
   EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(Pair(0, 1), Pair(1, 4)));
 }
 
+TEST(StrainedStretches, EndWhereASessionDoes) {
+  KeyframeGraph keys = SixKeys();
+  keys.sequential[2].between_sessions = true;
+  EXPECT_THAT(StretchesBetweenClosures(keys),
+              ElementsAre(Pair(0, 1), Pair(1, 2), Pair(2, 3), Pair(3, 4)));
+}
+
 TEST(StrainedStretches, AreOffByWhatTheirEdgesAreButBrokenOnes) {
   KeyframeGraph keys = SixKeys();
   EXPECT_NEAR(StepsChi2(keys, 1, 4), 4.0, 1e-9);

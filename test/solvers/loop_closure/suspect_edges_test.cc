@@ -96,5 +96,14 @@ TEST(SuspectEdges, TheWorstOfAStretchIsMarkedHoweverLittleItDisagrees) {
   EXPECT_LT(MarkWorstEdge(lap.graph, lap.surfaces, lap.poses, 0, 8, &lap.keys), 8);
 }
 
+TEST(SuspectEdges, WhatLiesBetweenSessionsIsNotSuspect) {
+  constexpr int kMoved = 31, kEdge = 9;  // the edge from pose 27 to pose 30, and the next one
+  MatchedLap lap(kMoved, Pose2(0.8, 0.5, 0.3));
+  for (int edge : {kEdge, kEdge + 1}) lap.keys.sequential[edge].between_sessions = true;
+  ThreadPool pool(2);
+  MarkSuspectEdges(lap.graph, lap.surfaces, lap.poses, &pool, &lap.keys);
+  EXPECT_EQ(NumSuspect(lap.keys.sequential), 0);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,0 +1,77 @@
+#include "plumbline/solvers/loop_closure/seed_drive.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/front_end/odometry_clock.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/sequential_seeding.h"
+#include "plumbline/solvers/loop_closure/close_all_loops.h"
+
+namespace plumbline {
+namespace {
+
+std::vector<Pose2> OdometryOf(const SequentialTrajectory& trajectory, const SlamGraph& graph) {
+  std::vector<Pose2> motions;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    const bool corrected = step.to == step.from + 1;
+    motions.push_back(corrected ? trajectory.odometry[step.to] : step.from_from_to);
+  }
+  return motions;
+}
+
+// Takes the errors that stay the same for the whole log out of the odometry.
+OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions& motion,
+                                    SequentialTrajectory* trajectory) {
+  const ClockOffset clock_offset = EstimateClockOffset(graph, *trajectory);
+  SequentialTrajectory in_time = *trajectory;
+  if (clock_offset.IsSignificant()) {
+    in_time.odometry = OdometryInTime(graph, in_time.odometry, clock_offset.value_s);
+  }
+  OdometryNoiseReport report = EstimateOdometryNoise(in_time, motion);
+  report.clock_offset = clock_offset;
+  for (Pose2& step : in_time.odometry) step = CorrectStep(step, report);
+  CorrectOdometry(std::move(in_time.odometry), motion, trajectory);
+  return report;
+}
+
+}  // namespace
+
+Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
+                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
+                 ThreadPool* pool, const SlamGraph& graph, SeededDrive* drive,
+                 SeedingReport* report) {
+  std::string error;
+  if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
+  if (normals.size() != graph.num_returns()) {
+    return Status::InvalidArgument("seeding needs one normal per return, " +
+                                   std::to_string(graph.num_returns()) + ", but got " +
+                                   std::to_string(normals.size()));
+  }
+  SeededDrive seeded;
+  seeded.surfaces = ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+  SequentialTrajectory trajectory;
+  const bool is_prediction = LacksOdometry(graph);
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, graph,
+                       seeded.surfaces, progress, pool, &trajectory, &report->sequential));
+  if (is_prediction) {
+    report->odometry_noise = MeasurePredictionNoise(graph, trajectory.world_from_robot, motion);
+  } else {
+    report->odometry_noise = MeasureOdometry(graph, motion, &trajectory);
+  }
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, seeded.surfaces,
+                                          progress, nullptr, pool, &trajectory, &seeded.keys,
+                                          report));
+  report->corrections.odometry = OdometryOf(trajectory, graph);
+  seeded.world_from_robot = std::move(trajectory.world_from_robot);
+  seeded.matched = std::move(trajectory);
+  seeded.matched.world_from_robot = report->sequential_poses;
+  *drive = std::move(seeded);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

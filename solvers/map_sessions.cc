@@ -1,0 +1,264 @@
+#include "plumbline/solvers/map_sessions.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/interface/solver.h"
+#include "plumbline/solvers/loop_closure/close_all_loops.h"
+#include "plumbline/solvers/loop_closure/seed_drive.h"
+#include "plumbline/solvers/sessions/align_sessions.h"
+#include "plumbline/solvers/sessions/session_set.h"
+
+namespace plumbline {
+namespace {
+
+Status CheckOptions(const MapLogOptions& options) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  if (options.start != StartType::kSeed) {
+    return Status::InvalidArgument("several sessions are mapped from their seeds, not from " +
+                                   std::string(ToString(options.start)));
+  }
+  if (options.calibration.IsOn()) {
+    return Status::InvalidArgument("a calibration goes with one session, not with several");
+  }
+  if (options.solver.MovesPosesOnly()) {
+    return Status::InvalidArgument(
+        "several sessions are tied by their returns, at which the solver " +
+        std::string(SolverOf(options.solver).name()) + " does not look");
+  }
+  return Status::Ok();
+}
+
+// The steps of MapLog up to the seed.
+Status SeedSession(const MapLogOptions& options, SlamGraph session, const SeedingProgress& progress,
+                   ThreadPool* pool, LogMapping* mapping, SeededDrive* drive) {
+  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(session), pool, mapping));
+  SeedingReport seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
+                                      mapping->surface.normals, progress, pool, mapping->graph,
+                                      drive, &seeding));
+  return StartFromSeed(options, PoseArray(drive->world_from_robot), std::move(seeding), mapping);
+}
+
+void TakeLarger(const MotionOptions& other, MotionOptions* motion) {
+  for (double MotionOptions::*field :
+       {&MotionOptions::rotation_per_rotation, &MotionOptions::rotation_per_translation_rad_m,
+        &MotionOptions::translation_per_translation, &MotionOptions::translation_per_rotation_m_rad,
+        &MotionOptions::translation_floor_m, &MotionOptions::rotation_floor_rad}) {
+    motion->*field = std::max(motion->*field, other.*field);
+  }
+}
+
+// What the seedings of several sessions found, as of one log; but for the loops that were closed.
+class JoinedReport {
+ public:
+  void Add(const SessionOfMap& session, const SlamGraph& graph) {
+    const MappingReport& own = session.report;
+    for (FrozenStretch stretch : own.frozen_laser) {
+      stretch.first_scan += session.first_scan;
+      stretch.last_scan += session.first_scan;
+      stretch.laser = graph.scan(stretch.first_scan).laser;
+      report_.frozen_laser.push_back(stretch);
+    }
+    if (own.sweep_order) report_.sweep_order = own.sweep_order;
+    AddSequential(own.seeding.sequential);
+    AddNoise(own.seeding.odometry_noise);
+    is_first_ = false;
+  }
+
+  MappingReport Take() { return std::move(report_); }
+
+ private:
+  void AddSequential(const SequentialSeedingReport& own) {
+    SequentialSeedingReport& sum = report_.seeding.sequential;
+    sum.num_keyframes += own.num_keyframes;
+    sum.num_reversed_steps += own.num_reversed_steps;
+    sum.num_recovered += own.num_recovered;
+    sum.num_unmatched += own.num_unmatched;
+    sum.odometry_sign.num_backward_steps += own.odometry_sign.num_backward_steps;
+    sum.odometry_sign.num_decided += own.odometry_sign.num_decided;
+    sum.odometry_sign.num_contradicting += own.odometry_sign.num_contradicting;
+    if (own.odometry_sign.sign_lost) sum.odometry_sign.sign_lost = true;
+  }
+
+  void AddNoise(const OdometryNoiseReport& own) {
+    OdometryNoiseReport& joined = report_.seeding.odometry_noise;
+    joined.num_leaps += own.num_leaps;
+    if (own.is_prediction) joined.is_prediction = true;
+    if (is_first_) joined.motion = own.motion;
+    TakeLarger(own.motion, &joined.motion);
+    joined.translation.estimated =
+        own.translation.estimated && (is_first_ || joined.translation.estimated);
+  }
+
+  MappingReport report_;
+  bool is_first_ = true;
+};
+
+// All sessions, seeded, and their way from there to maps.
+class SessionsRun {
+ public:
+  SessionsRun(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool)
+      : options_(options), progress_(progress), pool_(pool) {}
+
+  Status Seed(std::vector<SlamGraph> sessions) {
+    for (std::size_t i = 0; i < sessions.size(); ++i) {
+      if (sessions[i].num_scans() == 0) {
+        return OfSession(i, Status::InvalidArgument("it has no scan"));
+      }
+      LogMapping mapping;
+      SeededDrive drive;
+      const Status seeded =
+          SeedSession(options_, std::move(sessions[i]), progress_, pool_, &mapping, &drive);
+      if (!seeded.ok()) return OfSession(i, seeded);
+      if (drive.matched.keyframes.empty()) {
+        return OfSession(i, Status::InvalidArgument("no scan of it shows a surface"));
+      }
+      PLUMBLINE_RETURN_IF_ERROR(AddSession(mapping.graph, std::move(drive), &set_));
+      reports_.push_back(std::move(mapping.report));
+    }
+    return Status::Ok();
+  }
+
+  Status MakeMaps(SessionsMapping* mapping) {
+    std::vector<SessionGroup> groups;
+    PLUMBLINE_RETURN_IF_ERROR(AlignSessions(set_, progress_, pool_, &groups, &mapping->ties));
+    for (const SessionGroup& group : groups) {
+      PLUMBLINE_RETURN_IF_ERROR(MakeMapOrMaps(group, mapping));
+    }
+    std::sort(mapping->maps.begin(), mapping->maps.end(),
+              [](const SessionMap& a, const SessionMap& b) {
+                return a.sessions.front().session < b.sessions.front().session;
+              });
+    return Status::Ok();
+  }
+
+ private:
+  static Status OfSession(std::size_t index, const Status& status) {
+    if (status.code() != StatusCode::kInvalidArgument) return status;
+    return Status::InvalidArgument("session " + std::to_string(index + 1) + ": " +
+                                   status.message());
+  }
+
+  // The last tie of a group goes if the map contradicts itself, and no session does so alone.
+  Status MakeMapOrMaps(const SessionGroup& group, SessionsMapping* mapping) {
+    SessionMap map;
+    PLUMBLINE_RETURN_IF_ERROR(MakeMap(group, &map));
+    const bool is_to_part =
+        group.sessions.size() > 1 && map.mapping.report.seeding.consistency.IsContradictory() &&
+        std::none_of(group.sessions.begin(), group.sessions.end(), [&](int session) {
+          return reports_[session].seeding.consistency.IsContradictory();
+        });
+    if (!is_to_part) {
+      mapping->maps.push_back(std::move(map));
+      return Status::Ok();
+    }
+    for (SessionTie& tie : mapping->ties) {
+      if (tie.first.size() + tie.second.size() == group.sessions.size() &&
+          tie.first.front() == group.sessions.front()) {
+        tie.outcome = TieOutcome::kContradicted;
+      }
+    }
+    for (const SessionGroup& part : group.parts) {
+      PLUMBLINE_RETURN_IF_ERROR(MakeMapOrMaps(part, mapping));
+    }
+    return Status::Ok();
+  }
+
+  Status MakeMap(const SessionGroup& group, SessionMap* map) {
+    JoinedDrive drive;
+    MotionOptions motion = reports_[group.sessions.front()].seeding.odometry_noise.motion;
+    for (const int session : group.sessions) {
+      TakeLarger(reports_[session].seeding.odometry_noise.motion, &motion);
+    }
+    PLUMBLINE_RETURN_IF_ERROR(JoinDrives(set_, group, motion, &drive));
+    JoinedReport joined;
+    for (std::size_t i = 0; i < group.sessions.size(); ++i) {
+      SessionOfMap session;
+      session.session = group.sessions[i];
+      session.first_pose = drive.first_pose[i];
+      session.num_poses = drive.first_pose[i + 1] - drive.first_pose[i];
+      session.first_scan = drive.first_scan[i];
+      session.num_scans = drive.first_scan[i + 1] - drive.first_scan[i];
+      session.report = reports_[session.session];
+      joined.Add(session, drive.graph);
+      map->sessions.push_back(std::move(session));
+    }
+    if (group.sessions.size() == 1) {
+      map->mapping.report = map->sessions.front().report;
+      return Start(SeedOf(group.sessions.front()), std::move(drive.graph), &map->mapping);
+    }
+    map->mapping.report = joined.Take();
+    SeedingReport& seeding = map->mapping.report.seeding;
+    KeyframeGraph keys;
+    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, drive.graph, drive.surfaces, progress_,
+                                            &drive.ties, pool_, &drive.matched, &keys, &seeding));
+    for (const OdometryConstraint& step : drive.graph.odometry()) {
+      seeding.corrections.odometry.push_back(step.from_from_to);
+    }
+    return Start(drive.matched.world_from_robot, std::move(drive.graph), &map->mapping);
+  }
+
+  std::vector<Pose2> SeedOf(int session) const {
+    std::vector<Pose2> poses;
+    for (int pose = set_.first_pose[session]; pose < set_.first_pose[session + 1]; ++pose) {
+      poses.push_back(set_.graph.InitialPose(pose));
+    }
+    return poses;
+  }
+
+  Status Start(const std::vector<Pose2>& poses, SlamGraph graph, LogMapping* mapping) const {
+    mapping->graph = std::move(graph);
+    mapping->start_poses = PoseArray(poses);
+    mapping->state.poses = mapping->start_poses;
+    mapping->state.points = mapping->graph.MeasuredMap(mapping->start_poses);
+    mapping->surface =
+        MeasureSurface(mapping->graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
+    return Status::Ok();
+  }
+
+  const MapLogOptions& options_;
+  const SeedingProgress& progress_;
+  ThreadPool* pool_;
+  SessionSet set_;
+  std::vector<MappingReport> reports_;  // per session
+};
+
+}  // namespace
+
+Status SeedSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
+                    const SeedingProgress& progress, ThreadPool* pool, SessionsMapping* mapping) {
+  return CatchExceptions([&] {
+    PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options));
+    if (sessions.empty()) return Status::InvalidArgument("there is no session to map");
+    SessionsRun run(options, progress, pool);
+    PLUMBLINE_RETURN_IF_ERROR(run.Seed(std::move(sessions)));
+    SessionsMapping seeded;
+    PLUMBLINE_RETURN_IF_ERROR(run.MakeMaps(&seeded));
+    *mapping = std::move(seeded);
+    return Status::Ok();
+  });
+}
+
+Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
+                   const SeedingProgress& progress, SessionsMapping* mapping) {
+  return CatchExceptions([&] {
+    PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options));
+    ThreadPool pool(options.solver.num_threads);
+    SessionsMapping seeded;
+    PLUMBLINE_RETURN_IF_ERROR(SeedSessions(options, std::move(sessions), progress, &pool, &seeded));
+    for (SessionMap& map : seeded.maps) {
+      PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &map.mapping));
+    }
+    *mapping = std::move(seeded);
+    return Status::Ok();
+  });
+}
+
+}  // namespace plumbline
