@@ -4,8 +4,11 @@
 
 #include <string>
 
+#include "plumbline/apps/io/carmen_log.h"
+#include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/test/core/temp_file.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -179,6 +182,22 @@ TEST(Seed, ChecksOptionsAllTheWayDown) {
   options.sequential.keyframe_distance_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_NE(error.find("sequential.keyframe_distance_m = 0"), std::string::npos) << error;
+}
+
+// Stamps of that log jitter, and its first third, which turns little, fits best 50 ms later. The
+// odometry would be in error by half as much again.
+TEST(Seed, JitterOfTheStampsIsNoClockOffset) {
+  if (DatasetsFolder().empty()) GTEST_SKIP() << "PLUMBLINE_DATASETS is not set";
+  CarmenLog log;
+  ASSERT_TRUE(ReadCarmenLog(DatasetsFolder() + "/intel.clf.gz", CarmenReadOptions(), &log).ok());
+  SlamGraph graph;
+  ASSERT_TRUE(BuildGraph(log, 4543, &graph).ok());
+  MapState seed;
+  SeedingReport seeding;
+  ASSERT_TRUE(SeedGraph(SeedingOptions(), SolverOptions(), graph, &seed, &seeding).ok());
+  EXPECT_FALSE(seeding.odometry_noise.clock_offset.IsSignificant());
+  EXPECT_LE(seeding.odometry_noise.num_leaps, 2);
+  EXPECT_LT(seeding.odometry_noise.motion.translation_per_translation, 0.05);
 }
 
 }  // namespace
