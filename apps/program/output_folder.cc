@@ -19,7 +19,7 @@ namespace plumbline {
 namespace {
 
 // All that a run over a log or a pose graph may write, in the order in which it is to go.
-constexpr std::array<std::string_view, 23> kResults = {"summary.json",
+constexpr std::array<std::string_view, 26> kResults = {"summary.json",
                                                        "report.html",
                                                        "map_odometry.png",
                                                        "map_seed.png",
@@ -31,8 +31,11 @@ constexpr std::array<std::string_view, 23> kResults = {"summary.json",
                                                        "before_after.png",
                                                        "closures.png",
                                                        "conflicts.png",
+                                                       "sessions.png",
+                                                       "changes.png",
                                                        "map.yaml",
                                                        "map.pgm",
+                                                       "map.g2o",
                                                        "points.ply",
                                                        "points.pcd",
                                                        "trajectory_seed.tum",
@@ -43,12 +46,32 @@ constexpr std::array<std::string_view, 23> kResults = {"summary.json",
                                                        "graph.posegraph",
                                                        "graph.data"};
 
+// Whether it is `start`, a number, and `end`: as there may be any number of.
+bool IsNumbered(std::string_view name, std::string_view start, std::string_view end) {
+  if (name.size() <= start.size() + end.size() || name.substr(0, start.size()) != start ||
+      name.substr(name.size() - end.size()) != end) {
+    return false;
+  }
+  const std::string_view number =
+      name.substr(start.size(), name.size() - start.size() - end.size());
+  return number.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+bool IsTrajectoryOfSession(std::string_view name) {
+  return IsNumbered(name, "trajectory_", ".tum");
+}
+
 bool IsResult(std::string_view name) {
-  return std::find(kResults.begin(), kResults.end(), name) != kResults.end();
+  return std::find(kResults.begin(), kResults.end(), name) != kResults.end() ||
+         IsTrajectoryOfSession(name);
 }
 
 std::string PathOf(const std::string& folder, std::string_view name) {
   return (std::filesystem::path(folder) / name).string();
+}
+
+std::string BaseName(const std::string& file) {
+  return std::filesystem::path(file).filename().string();
 }
 
 // Of a path to a folder and the folders above it, those that are not there, the innermost first.
@@ -63,16 +86,31 @@ std::vector<std::string> MissingFolders(std::filesystem::path path) {
   return missing;
 }
 
-// What killed runs have left half-written.
-std::vector<std::string> LeftoversIn(const std::string& folder, std::error_code* error) {
-  std::vector<std::string> files;
-  std::filesystem::directory_iterator entry(folder, *error), end;
-  while (!*error && entry != end) {
+// Results that are in a folder under names which are not known before.
+struct FolderContent {
+  std::vector<std::string> files;    ///< of sessions, and what killed runs have left half-written
+  std::vector<std::string> of_maps;  ///< folders that MapFolder names
+  std::error_code error;
+};
+
+FolderContent ContentOf(const std::string& folder) {
+  FolderContent content;
+  std::filesystem::directory_iterator entry(folder, content.error), end;
+  while (!content.error && entry != end) {
     const std::filesystem::path file = entry->path();
-    if (IsResult(TargetOfTemporary(file.filename().string()))) files.push_back(file.string());
-    entry.increment(*error);
+    const std::string name = file.filename().string();
+    std::error_code ignored;
+    if (IsTrajectoryOfSession(name) || IsResult(TargetOfTemporary(name))) {
+      content.files.push_back(file.string());
+    } else if (IsNumbered(name, "map_", "") &&
+               std::filesystem::is_directory(entry->symlink_status(ignored))) {
+      content.of_maps.push_back(file.string());
+    }
+    entry.increment(content.error);
   }
-  return files;
+  std::sort(content.files.begin(), content.files.end());
+  std::sort(content.of_maps.begin(), content.of_maps.end());
+  return content;
 }
 
 // What is kept elsewhere or nowhere, a device, is not there to be removed.
@@ -118,25 +156,37 @@ Status OutputFolder::Lock() {
 }
 
 Status OutputFolder::RemoveOldResults() const {
-  for (const std::string_view name : kResults) {
-    PLUMBLINE_RETURN_IF_ERROR(Remove(FollowLinks(PathOf(path_, name))));
+  const FolderContent content = ContentOf(path_);
+  if (content.error) {
+    return Status::Unavailable("cannot read the folder '" + path_ +
+                               "': " + content.error.message());
   }
-  std::error_code error;
-  for (const std::string& file : LeftoversIn(path_, &error)) {
-    PLUMBLINE_RETURN_IF_ERROR(Remove(file));
+  for (const std::string& file : ResultsIn(path_)) {
+    const bool is_half_written = !TargetOfTemporary(BaseName(file)).empty();
+    PLUMBLINE_RETURN_IF_ERROR(Remove(is_half_written ? file : FollowLinks(file)));
   }
-  if (!error) return Status::Ok();
-  return Status::Unavailable("cannot read the folder '" + path_ + "': " + error.message());
+  for (const std::string& folder : content.of_maps) {
+    std::error_code has_other_files;
+    std::filesystem::remove(folder, has_other_files);
+  }
+  return Status::Ok();
 }
 
 std::string OutputFolder::File(const std::string& name) const { return PathOf(path_, name); }
+
+std::string OutputFolder::MapFolder(int number) const {
+  return PathOf(path_, "map_" + std::to_string(number));
+}
 
 std::vector<std::string> ResultsIn(const std::string& folder) {
   std::vector<std::string> files;
   files.reserve(kResults.size());
   for (const std::string_view name : kResults) files.push_back(PathOf(folder, name));
-  std::error_code ignored;
-  for (std::string& file : LeftoversIn(folder, &ignored)) files.push_back(std::move(file));
+  FolderContent content = ContentOf(folder);
+  for (std::string& file : content.files) files.push_back(std::move(file));
+  for (const std::string& of_map : content.of_maps) {
+    for (std::string& file : ResultsIn(of_map)) files.push_back(std::move(file));
+  }
   return files;
 }
 

@@ -31,6 +31,8 @@ class OutputFolder {
   const std::vector<std::string>& made_folders() const { return made_folders_; }
   /// Path of a file in it.
   std::string File(const std::string& name) const;
+  /// Path of a folder in it, for one map of several, numbered from 1.
+  std::string MapFolder(int number) const;
 
  private:
   Status Lock();
@@ -40,10 +42,10 @@ class OutputFolder {
   int descriptor_ = -1;  // of the folder, locked; negative while it is not
 };
 
-/// The files that a run over a log or a pose graph writes in a folder or removes from it: first
+/// The files that a run over logs or a pose graph writes in a folder or removes from it: first
 /// summary.json, whose presence says that the others belong together, then the rest of its results,
-/// whether or not they are there, and those that a killed run has left half-written. All that has
-/// other names is not touched.
+/// whether or not they are there; those of sessions and in folders of maps that are there, and
+/// those that a killed run has left half-written. All that has other names is not touched.
 std::vector<std::string> ResultsIn(const std::string& folder);
 
 }  // namespace plumbline

@@ -60,6 +60,31 @@ TEST(OutputFolderTest, RemovesOldResultsAndNothingElse) {
   }
 }
 
+TEST(OutputFolderTest, RemovesTheMapsOfSeveralSessions) {
+  const std::string path = TempFolder();
+  const OutputFolder folder(path);
+  EXPECT_EQ(folder.MapFolder(2), path + "map_2");
+  for (const char* name : {"map_1", "map_2", "map_x", "elsewhere"}) {
+    std::filesystem::create_directory(path + name);
+    WriteFile(path + name + "/points.ply", "old");
+  }
+  std::filesystem::create_directory_symlink("elsewhere", path + "map_3");
+  WriteFile(path + "map_2/notes.txt", "mine");
+  WriteFile(path + "trajectory_12.tum", "old");
+  WriteFile(path + "trajectory_1a.tum", "mine");
+  EXPECT_THAT(ResultsIn(path),
+              testing::IsSupersetOf({path + "trajectory_12.tum", path + "map_1/points.ply",
+                                     path + "map_2/summary.json"}));
+  ASSERT_TRUE(folder.RemoveOldResults().ok());
+  EXPECT_FALSE(std::filesystem::exists(path + "map_1"));
+  EXPECT_FALSE(std::filesystem::exists(path + "map_2/points.ply"));
+  EXPECT_FALSE(std::filesystem::exists(path + "trajectory_12.tum"));
+  for (const char* name :
+       {"map_2/notes.txt", "map_x/points.ply", "elsewhere/points.ply", "trajectory_1a.tum"}) {
+    EXPECT_TRUE(std::filesystem::exists(path + name)) << name;
+  }
+}
+
 TEST(OutputFolderTest, RemovesWhatALinkLeadsToButNoLinkAndNoDevice) {
   const std::string path = TempFolder();
   WriteFile(path + "elsewhere", "old");
