@@ -18,6 +18,7 @@
 #include "plumbline/apps/simulation/building_reader.h"
 #include "plumbline/apps/simulation/carmen_writer.h"
 #include "plumbline/apps/simulation/faulty_drive.h"
+#include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/apps/simulation/truth_writer.h"
 
@@ -46,6 +47,9 @@ const plumbline::SimulationOptions& Defaults() {
 }  // namespace
 
 DEFINE_uint64(seed, Defaults().seed, "Seed of all noise, and of a building that is made up");
+DEFINE_uint64(visit, 0,
+              "If not 0, a drive through the same --building on another day: the robot starts and "
+              "goes elsewhere, and a third of the furniture has moved");
 
 DEFINE_int32(num_beams, Defaults().laser.num_beams, "Beams per scan");
 DEFINE_double(first_bearing_deg, RadToDeg(Defaults().laser.first_bearing_rad),
@@ -164,7 +168,7 @@ SimulationOptions OptionsFromFlags() {
   options.odometry_leap = {FLAGS_odom_leap_at_path_m, FLAGS_odom_leap_distance_m};
   options.odometry_leap_direction_rad = DegToRad(FLAGS_odom_leap_direction_deg);
   options.traffic = {FLAGS_people, FLAGS_doors_move};
-  options.seed = FLAGS_seed;
+  options.seed = SeedOfVisit(FLAGS_seed, FLAGS_visit);
   return options;
 }
 
@@ -245,6 +249,9 @@ Status CheckFlags() {
   if (!FLAGS_building.empty() && !FromString(FLAGS_building, &kind)) {
     return Status::InvalidArgument("--building=" + FLAGS_building + ": no such kind; see --help");
   }
+  if (FLAGS_visit != 0 && FLAGS_building.empty()) {
+    return Status::InvalidArgument("--visit needs --building, which makes up the furniture");
+  }
   if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   std::string error;
   if (!OptionsFromFlags().Check(&error)) return Status::InvalidArgument("simulation: " + error);
@@ -256,7 +263,7 @@ Status MakeBuilding(std::uint64_t seed, Building* building) {
   if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
   BuildingKind kind = BuildingKind::kRandom;
   FromString(FLAGS_building, &kind);  // CheckFlags knows the name
-  *building = GenerateBuilding(kind, seed);
+  *building = GenerateVisit(kind, seed, FLAGS_visit);
   return Status::Ok();
 }
 

@@ -43,11 +43,6 @@ struct Row {
   double depth() const { return std::abs(back_y - front_y); }
 };
 
-// Another seed for what another visit changes.
-std::uint64_t SeedOfVisit(std::uint64_t seed, std::uint64_t visit) {
-  return seed + visit * 0x9e3779b97f4a7c15ULL;
-}
-
 struct Room {
   Row row;
   double west, east;  // x between which it has its full depth
@@ -390,6 +385,10 @@ void FloorBuilder::VisitRoom(const Vector2d& from, const Vector2d& to, int corri
 }
 
 }  // namespace
+
+std::uint64_t SeedOfVisit(std::uint64_t seed, std::uint64_t visit) {
+  return seed + visit * 0x9e3779b97f4a7c15ULL;
+}
 
 Building MakeFloor(const FloorStyle& style, std::uint64_t seed) {
   return FloorBuilder(style, seed).Build();

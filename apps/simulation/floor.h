@@ -51,6 +51,9 @@ struct FloorStyle {
   double drive_length_m = 0.0;
 };
 
+/// A seed for what is different on a visit, as its noise; the same one on visit 0.
+std::uint64_t SeedOfVisit(std::uint64_t seed, std::uint64_t visit);
+
 /// Draws the floor that the style and the seed describe, and a drive through it; without a name.
 Building MakeFloor(const FloorStyle& style, std::uint64_t seed);
 
