@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
-#include "plumbline/apps/figures/palette.h"
 #include "plumbline/apps/figures/plot_axes.h"
 #include "plumbline/apps/figures/series_marks.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/palette.h"
 
 namespace plumbline {
 namespace {

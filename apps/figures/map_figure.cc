@@ -8,12 +8,12 @@
 #include <cstdint>
 
 #include "plumbline/apps/figures/map_layout.h"
-#include "plumbline/apps/figures/palette.h"
 #include "plumbline/apps/figures/plot_axes.h"
 #include "plumbline/apps/figures/series_marks.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/pictures/cairo_canvas.h"
+#include "plumbline/apps/pictures/palette.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/apps/figures/palette.h"
+#include "plumbline/apps/pictures/palette.h"
 
 typedef struct _cairo cairo_t;
 

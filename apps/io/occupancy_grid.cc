@@ -208,6 +208,11 @@ Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options)
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid) {
+  return BuildOccupancyGrid(graph, state, 0, graph.num_scans(), options, grid);
+}
+
+Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
+                          int num_scans, const OccupancyGridOptions& options, OccupancyGrid* grid) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument("occupancy grid options: " + error);
   if (state.poses.empty()) {
@@ -222,7 +227,7 @@ Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
   PLUMBLINE_RETURN_IF_ERROR(LayGrid(state, options, &result));
   OccupancyScores scores(result.width, result.height);
   ScanScorer scorer(graph, state, result, &scores);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) scorer.Add(scan);
+  for (int scan = first_scan; scan < first_scan + num_scans; ++scan) scorer.Add(scan);
   Classify(scores, &result);
   DropStrayReturns(scores, &result);
   *grid = std::move(result);

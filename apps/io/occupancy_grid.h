@@ -64,6 +64,11 @@ Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options)
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid);
 
+/// The same from some of the scans: those from `first_scan` on. The grid still holds the whole map,
+/// so that grids of different scans have the same cells.
+Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
+                          int num_scans, const OccupancyGridOptions& options, OccupancyGrid* grid);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_IO_OCCUPANCY_GRID_H_

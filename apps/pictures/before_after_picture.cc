@@ -65,7 +65,7 @@ struct Panel {
 
 // The canvas holds one byte per pixel, its whiteness, which takes a third of the time that colours
 // take. Cairo calls it opacity: what is drawn in black takes opacity away.
-constexpr cairo_format_t kGray = CAIRO_FORMAT_A8;
+constexpr cairo_format_t kGrayFormat = CAIRO_FORMAT_A8;
 constexpr cairo_operator_t kDrawBlack = CAIRO_OPERATOR_DEST_OUT;
 
 void DrawPanels(const Panel (&panels)[2], const MapRaster& raster, const Layout& layout,
@@ -137,7 +137,7 @@ Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
   panels[1].hits = CountHits(state.points, raster);
 
   const Layout layout(raster);
-  const CairoSurface surface(cairo_image_surface_create(kGray, layout.width, layout.height));
+  const CairoSurface surface(cairo_image_surface_create(kGrayFormat, layout.width, layout.height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }

@@ -3,6 +3,7 @@
 #include <cairo.h>
 
 #include <cstddef>
+#include <cstdint>
 
 #include "plumbline/core/angle.h"
 
@@ -13,6 +14,7 @@ constexpr double kLinePx = 1.6;
 constexpr double kDotRadiusPx = 3.0;
 constexpr double kRingPx = 2.0;
 constexpr double kRingRadiusPx = 9.0;
+constexpr double kSamplePx = 16.0;  // side of a square that stands for points
 constexpr double kDashPx[] = {7.0, 5.0};
 
 void DrawLinks(const std::vector<Eigen::Vector2d>& ends, cairo_t* context) {
@@ -40,10 +42,35 @@ void DrawRings(const std::vector<Eigen::Vector2d>& centers, cairo_t* context) {
   cairo_stroke(context);
 }
 
+void FillSquare(double x, double y, double side, cairo_t* context) {
+  cairo_rectangle(context, x, y, side, side);
+  cairo_fill(context);
+}
+
+void SetColor(const MapOverlay& overlay, cairo_t* context) {
+  cairo_set_source_rgb(context, overlay.color.red, overlay.color.green, overlay.color.blue);
+}
+
+void DrawPoints(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context) {
+  std::vector<double> points;
+  points.reserve(2 * overlay.points.size());
+  for (const Eigen::Vector2d& point : overlay.points) {
+    points.insert(points.end(), {point.x(), point.y()});
+  }
+  const std::vector<std::uint32_t> hits = CountHits(points, raster);
+  SetColor(overlay, context);
+  const std::uint32_t* hit = hits.data();
+  for (int row = 0; row < raster.height; ++row) {
+    for (int column = 0; column < raster.width; ++column) {
+      if (*hit++ > 0) FillSquare(column, row, 1.0, context);
+    }
+  }
+}
+
 // points: in pixels.
 void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& points,
                cairo_t* context) {
-  cairo_set_source_rgb(context, overlay.color.x(), overlay.color.y(), overlay.color.z());
+  SetColor(overlay, context);
   switch (overlay.style) {
     case OverlayStyle::kLinks:
       DrawLinks(points, context);
@@ -57,12 +84,20 @@ void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& po
     case OverlayStyle::kRings:
       DrawRings(points, context);
       break;
+    case OverlayStyle::kPoints:  // a sample of them
+      FillSquare(points.front().x() - 0.5 * kSamplePx, points.front().y() - 0.5 * kSamplePx,
+                 kSamplePx, context);
+      break;
   }
 }
 
 }  // namespace
 
 void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context) {
+  if (overlay.style == OverlayStyle::kPoints) {
+    DrawPoints(overlay, raster, context);
+    return;
+  }
   std::vector<Eigen::Vector2d> points;
   for (const Eigen::Vector2d& point : overlay.points) {
     points.emplace_back(raster.Column(point.x()), raster.Row(point.y()));
@@ -71,10 +106,15 @@ void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster, cairo_t* co
 }
 
 void DrawOverlaySample(const MapOverlay& overlay, double x, double y, cairo_t* context) {
-  if (overlay.style == OverlayStyle::kRings) {
-    DrawMarks(overlay, {{x, y}}, context);
-  } else {
-    DrawMarks(overlay, {{x - 18.0, y}, {x + 18.0, y}}, context);
+  switch (overlay.style) {
+    case OverlayStyle::kRings:
+    case OverlayStyle::kPoints:
+      DrawMarks(overlay, {{x, y}}, context);
+      break;
+    case OverlayStyle::kLinks:
+    case OverlayStyle::kDashedLinks:
+      DrawMarks(overlay, {{x - 18.0, y}, {x + 18.0, y}}, context);
+      break;
   }
 }
 

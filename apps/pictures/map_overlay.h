@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/apps/io/map_raster.h"
+#include "plumbline/apps/pictures/palette.h"
 
 typedef struct _cairo cairo_t;
 
@@ -15,13 +16,14 @@ enum class OverlayStyle {
   kLinks,        ///< solid lines with a dot at both ends
   kDashedLinks,  ///< dashed lines
   kRings,        ///< circles of a fixed size on the picture
+  kPoints,       ///< the pixels that they fall into
 };
 
 /// One kind of marks on a map, with a line of the legend.
 struct MapOverlay {
   OverlayStyle style = OverlayStyle::kLinks;
-  Eigen::Vector3d color = Eigen::Vector3d::Zero();  ///< red, green, blue in [0, 1]
-  std::string label;
+  Rgb color;
+  std::string label;  ///< empty: no line of the legend
   /// World frame [m]. Links: the two ends of each in turn; rings: their centres.
   std::vector<Eigen::Vector2d> points;
 };

@@ -43,12 +43,25 @@ void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const M
   cairo_surface_mark_dirty(surface);
 }
 
+/// Whether the robot drove from the pose before to this one. Without any odometry it is taken to
+/// have done so.
+std::vector<bool> FollowsPoseBefore(const SlamGraph& graph, int num_poses) {
+  std::vector<bool> follows(num_poses, graph.odometry().empty());
+  for (const OdometryConstraint& step : graph.odometry()) {
+    if (step.to == step.from + 1 && step.to < num_poses) follows[step.to] = true;
+  }
+  return follows;
+}
+
 /// The path in the current colour, its start as a green dot.
-void DrawTrajectory(const MapState& state, const MapRaster& raster, cairo_t* context) {
+void DrawTrajectory(const SlamGraph& graph, const MapState& state, const MapRaster& raster,
+                    cairo_t* context) {
   cairo_set_line_width(context, 1.5);
   cairo_set_line_join(context, CAIRO_LINE_JOIN_ROUND);
+  const std::vector<bool> follows = FollowsPoseBefore(graph, state.num_poses());
   for (int pose = 0; pose < state.num_poses(); ++pose) {
     const Pose2 robot = state.WorldFromRobot(pose);
+    if (!follows[pose]) cairo_new_sub_path(context);
     cairo_line_to(context, raster.Column(robot.x), raster.Row(robot.y));
   }
   cairo_stroke(context);
@@ -67,7 +80,7 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
 }
 
 /// The lines and marks on the map area, which cuts them off.
-void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
+void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<MapOverlay>& overlays,
              const MapRaster& raster, int left, cairo_t* context) {
   cairo_translate(context, left, kTitlePx);
   cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
@@ -77,20 +90,24 @@ void DrawMap(const MapState& state, const std::vector<MapOverlay>& overlays,
   } else {
     cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
   }
-  DrawTrajectory(state, raster, context);
+  DrawTrajectory(graph, state, raster, context);
   for (const MapOverlay& overlay : overlays) DrawOverlay(overlay, raster, context);
 }
 
-/// One row per overlay, the first one at the top.
+bool HasLegend(const MapOverlay& overlay) { return !overlay.label.empty(); }
+
+/// One row per overlay that has a label, the first one at the top.
 void DrawLegend(const std::vector<MapOverlay>& overlays, double left, double top,
                 cairo_t* context) {
   constexpr double kSampleWidthPx = 40.0;
-  for (std::size_t row = 0; row < overlays.size(); ++row) {
-    const double y = top + (row + 0.5) * kLegendRowPx;
-    DrawOverlaySample(overlays[row], left + 0.5 * kSampleWidthPx, y, context);
+  double y = top + 0.5 * kLegendRowPx;
+  for (const MapOverlay& overlay : overlays) {
+    if (!HasLegend(overlay)) continue;
+    DrawOverlaySample(overlay, left + 0.5 * kSampleWidthPx, y, context);
     cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-    DrawText(overlays[row].label, left + kSampleWidthPx + 12.0, y + 0.35 * kFontPx,
-             TextAnchor::kLeft, context);
+    DrawText(overlay.label, left + kSampleWidthPx + 12.0, y + 0.35 * kFontPx, TextAnchor::kLeft,
+             context);
+    y += kLegendRowPx;
   }
 }
 
@@ -126,7 +143,9 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
 
   const bool has_overlays = !options.overlays.empty();
   const int width = std::max(raster.width + 2 * kBorderPx, kMinWidthPx);
-  const int legend_height = kLegendRowPx * static_cast<int>(options.overlays.size());
+  const int num_rows =
+      static_cast<int>(std::count_if(options.overlays.begin(), options.overlays.end(), HasLegend));
+  const int legend_height = kLegendRowPx * num_rows;
   const int height = kTitlePx + raster.height + kFooterPx + legend_height;
   const int map_left = (width - raster.width) / 2;
   const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
@@ -145,7 +164,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
-  DrawMap(state, options.overlays, raster, map_left, context.get());
+  DrawMap(graph, state, options.overlays, raster, map_left, context.get());
 
   PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
   if (area != nullptr) *area = {raster, map_left, kTitlePx};

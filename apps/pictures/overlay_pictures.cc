@@ -8,15 +8,12 @@
 #include <utility>
 
 #include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/pictures/palette.h"
 
 namespace plumbline {
 namespace {
 
-// Colours that a colour-blind eye tells apart (Okabe and Ito 2008).
-const Eigen::Vector3d kBlue(0.0, 0.447, 0.698);
-const Eigen::Vector3d kOrange(0.902, 0.624, 0.0);
-const Eigen::Vector3d kMagenta(0.8, 0.0, 0.55);
-
+constexpr Rgb kMagenta{0.80, 0.00, 0.55};
 constexpr double kRingSpacingM = 0.5;
 
 // "6 refused: free space conflict".

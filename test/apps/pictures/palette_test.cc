@@ -1,4 +1,4 @@
-#include "plumbline/apps/figures/palette.h"
+#include "plumbline/apps/pictures/palette.h"
 
 #include <gtest/gtest.h>
 

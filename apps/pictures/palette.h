@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_FIGURES_PALETTE_H_
-#define PLUMBLINE_APPS_FIGURES_PALETTE_H_
+#ifndef PLUMBLINE_APPS_PICTURES_PALETTE_H_
+#define PLUMBLINE_APPS_PICTURES_PALETTE_H_
 
 #include <array>
 #include <cstddef>
@@ -48,4 +48,4 @@ inline SeriesStyle StyleOfSeries(std::size_t index) {
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_FIGURES_PALETTE_H_
+#endif  // PLUMBLINE_APPS_PICTURES_PALETTE_H_
