@@ -46,6 +46,32 @@ Status SeedSession(const MapLogOptions& options, SlamGraph session, const Seedin
   return StartFromSeed(options, PoseArray(drive->world_from_robot), std::move(seeding), mapping);
 }
 
+// A finished map among the sessions.
+struct FixedMap {
+  int session = -1;          // none
+  std::vector<Pose2> poses;  // where they are fixed
+};
+
+// Poses that the closing of loops has bent along with those of a finished map: the latter go back
+// to where they are fixed, and each of the others follows the nearest of them. first: the first one
+// of the map.
+void FollowFixedMap(const std::vector<Pose2>& fixed, int first, std::vector<Pose2>* poses) {
+  constexpr std::size_t kMostCompared = 2000;  // a session is bent by no more than decimetres
+  const std::vector<Pose2> bent(poses->begin() + first, poses->begin() + first + fixed.size());
+  const std::size_t stride = fixed.size() / kMostCompared + 1;
+  for (Pose2& pose : *poses) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < bent.size(); i += stride) {
+      const auto distance = [&](std::size_t other) {
+        return (bent[other].translation() - pose.translation()).squaredNorm();
+      };
+      if (distance(i) < distance(nearest)) nearest = i;
+    }
+    pose = fixed[nearest] * (bent[nearest].Inverse() * pose);
+  }
+  std::copy(fixed.begin(), fixed.end(), poses->begin() + first);
+}
+
 void TakeLarger(const MotionOptions& other, MotionOptions* motion) {
   for (double MotionOptions::*field :
        {&MotionOptions::rotation_per_rotation, &MotionOptions::rotation_per_translation_rad_m,
@@ -53,6 +79,14 @@ void TakeLarger(const MotionOptions& other, MotionOptions* motion) {
         &MotionOptions::translation_floor_m, &MotionOptions::rotation_floor_rad}) {
     motion->*field = std::max(motion->*field, other.*field);
   }
+}
+
+// Known if it is known of all.
+void TakeLarger(const RandomError& other, bool is_first, RandomError* error) {
+  error->estimated = other.estimated && (is_first || error->estimated);
+  error->num_spans += other.num_spans;
+  error->sigma_per_sqrt_m = std::max(error->sigma_per_sqrt_m, other.sigma_per_sqrt_m);
+  error->sigma_per_sqrt_rad = std::max(error->sigma_per_sqrt_rad, other.sigma_per_sqrt_rad);
 }
 
 // What the seedings of several sessions found, as of one log; but for the loops that were closed.
@@ -93,8 +127,8 @@ class JoinedReport {
     if (own.is_prediction) joined.is_prediction = true;
     if (is_first_) joined.motion = own.motion;
     TakeLarger(own.motion, &joined.motion);
-    joined.translation.estimated =
-        own.translation.estimated && (is_first_ || joined.translation.estimated);
+    TakeLarger(own.translation, is_first_, &joined.translation);
+    TakeLarger(own.rotation, is_first_, &joined.rotation);
   }
 
   MappingReport report_;
@@ -120,6 +154,8 @@ class SessionsRun {
       if (drive.matched.keyframes.empty()) {
         return OfSession(i, Status::InvalidArgument("no scan of it shows a surface"));
       }
+      const Status noted = NoteFixedMap(static_cast<int>(i), mapping.graph);
+      if (!noted.ok()) return OfSession(i, noted);
       PLUMBLINE_RETURN_IF_ERROR(AddSession(mapping.graph, std::move(drive), &set_));
       reports_.push_back(std::move(mapping.report));
     }
@@ -144,6 +180,22 @@ class SessionsRun {
     if (status.code() != StatusCode::kInvalidArgument) return status;
     return Status::InvalidArgument("session " + std::to_string(index + 1) + ": " +
                                    status.message());
+  }
+
+  Status NoteFixedMap(int session, const SlamGraph& graph) {
+    if (!graph.has_named_fixed_poses()) return Status::Ok();
+    const std::vector<FixedPose>& fixed = graph.fixed_poses();
+    if (static_cast<int>(fixed.size()) < graph.num_poses()) {
+      return Status::InvalidArgument("some of its poses are fixed, and others are not");
+    }
+    if (fixed_map_.session >= 0) {
+      return Status::InvalidArgument("its poses are fixed, and so are those of session " +
+                                     std::to_string(fixed_map_.session + 1));
+    }
+    fixed_map_.session = session;
+    fixed_map_.poses.resize(fixed.size());
+    for (const FixedPose& pose : fixed) fixed_map_.poses[pose.pose] = pose.world_from_robot;
+    return Status::Ok();
   }
 
   // The last tie of a group goes if the map contradicts itself, and no session does so alone.
@@ -192,7 +244,7 @@ class SessionsRun {
     }
     if (group.sessions.size() == 1) {
       map->mapping.report = map->sessions.front().report;
-      return Start(SeedOf(group.sessions.front()), std::move(drive.graph), &map->mapping);
+      return Start(SeedOf(group.sessions.front()), std::move(drive.graph), map);
     }
     map->mapping.report = joined.Take();
     SeedingReport& seeding = map->mapping.report.seeding;
@@ -202,7 +254,7 @@ class SessionsRun {
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
     }
-    return Start(drive.matched.world_from_robot, std::move(drive.graph), &map->mapping);
+    return Start(std::move(drive.matched.world_from_robot), std::move(drive.graph), map);
   }
 
   std::vector<Pose2> SeedOf(int session) const {
@@ -213,13 +265,21 @@ class SessionsRun {
     return poses;
   }
 
-  Status Start(const std::vector<Pose2>& poses, SlamGraph graph, LogMapping* mapping) const {
-    mapping->graph = std::move(graph);
-    mapping->start_poses = PoseArray(poses);
-    mapping->state.poses = mapping->start_poses;
-    mapping->state.points = mapping->graph.MeasuredMap(mapping->start_poses);
-    mapping->surface =
-        MeasureSurface(mapping->graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
+  Status Start(std::vector<Pose2> poses, SlamGraph graph, SessionMap* map) const {
+    for (const SessionOfMap& session : map->sessions) {
+      if (session.session != fixed_map_.session) continue;
+      FollowFixedMap(fixed_map_.poses, session.first_pose, &poses);
+      for (int i = 0; i < session.num_poses; ++i) {
+        PLUMBLINE_RETURN_IF_ERROR(graph.FixPose(session.first_pose + i, fixed_map_.poses[i]));
+      }
+    }
+    LogMapping& mapping = map->mapping;
+    mapping.graph = std::move(graph);
+    mapping.start_poses = PoseArray(poses);
+    mapping.state.poses = mapping.start_poses;
+    mapping.state.points = mapping.graph.MeasuredMap(mapping.start_poses);
+    mapping.surface =
+        MeasureSurface(mapping.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
     return Status::Ok();
   }
 
@@ -228,6 +288,7 @@ class SessionsRun {
   ThreadPool* pool_;
   SessionSet set_;
   std::vector<MappingReport> reports_;  // per session
+  FixedMap fixed_map_;
 };
 
 }  // namespace

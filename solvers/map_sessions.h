@@ -46,8 +46,12 @@ struct SessionsMapping {
 /// Sessions that cannot be tied get maps of their own. sessions: as MapLog wants its graph, at
 /// least one, each with a scan. The result does not depend on the number of threads.
 ///
+/// One session may be a finished map, all of whose poses are fixed (SlamGraph::FixPose): they stay
+/// where they are, and what is tied to it is localised in its frame.
+///
 /// It is SeedSessions, and RefineLog for each map. InvalidArgument on what MapLog refuses, naming
-/// the session, and on a start other than the seed, a calibration, or a solver of pose graphs.
+/// the session, on a start other than the seed, a calibration, or a solver of pose graphs, and on a
+/// session some of whose poses are fixed, or several with fixed poses.
 Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
                    const SeedingProgress& progress, SessionsMapping* mapping);
 

@@ -273,7 +273,8 @@ void BindChoices(py::module_* module) {
       .value("SEED", StartType::kSeed, "matching against local maps, and loop closure");
   py::enum_<SeedingPhase>(*module, "SeedingPhase", "What the seeding is at.")
       .value("MATCHING_SCANS", SeedingPhase::kMatchingScans)
-      .value("CLOSING_LOOPS", SeedingPhase::kClosingLoops);
+      .value("CLOSING_LOOPS", SeedingPhase::kClosingLoops)
+      .value("TYING_SESSIONS", SeedingPhase::kTyingSessions);
 }
 
 }  // namespace

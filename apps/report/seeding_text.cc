@@ -33,7 +33,9 @@ std::string MatchingText(const SequentialSeedingReport& report, bool is_predicti
         "  No scan matches another: every pose is the " + source + "'s, and nothing checks it.\n";
   } else if (report.num_unmatched > 0) {
     text += "  " + Count(report.num_unmatched, "scan") +
-            " matched nothing near by: their steps are the " + source + "'s.\n";
+            (report.num_unmatched == 1 ? " matched nothing near by: its step is the "
+                                       : " matched nothing near by: their steps are the ") +
+            source + "'s.\n";
   }
   if (report.num_recovered > 0) {
     text +=

@@ -9,12 +9,12 @@ SeedingBars::SeedingBars(bool on_terminal, std::ostream* out)
 
 void SeedingBars::Update(SeedingPhase phase, int num_done, int num_total) {
   if (num_total == 0) return;
-  if (!bar_ || phase != phase_ || num_done <= num_done_) {
+  const bool is_round = phase == SeedingPhase::kClosingLoops;
+  if (!bar_ || phase != phase_ ||
+      (num_done <= num_done_ && phase != SeedingPhase::kTyingSessions)) {
     Finish();
-    const std::string label = phase == SeedingPhase::kMatchingScans
-                                  ? "Matching scans"
-                                  : "Closing loops, round " + std::to_string(++num_rounds_);
-    bar_.emplace(label, on_terminal_, out_);
+    num_rounds_ = is_round ? num_rounds_ + 1 : 0;
+    bar_.emplace(Label(phase), on_terminal_, out_);
   }
   phase_ = phase;
   num_done_ = num_done;
@@ -22,10 +22,33 @@ void SeedingBars::Update(SeedingPhase phase, int num_done, int num_total) {
   bar_->Update(num_done, num_total);
 }
 
+std::string SeedingBars::Label(SeedingPhase phase) const {
+  switch (phase) {
+    case SeedingPhase::kMatchingScans:
+      return "Matching scans";
+    case SeedingPhase::kClosingLoops:
+      return "Closing loops, round " + std::to_string(num_rounds_);
+    case SeedingPhase::kTyingSessions:
+      return "Comparing sessions";
+  }
+  return "";
+}
+
+std::string SeedingBars::Result() const {
+  switch (phase_) {
+    case SeedingPhase::kMatchingScans:
+      return std::to_string(num_total_) + " scans";
+    case SeedingPhase::kClosingLoops:
+      return std::to_string(num_total_) + " places tried";
+    case SeedingPhase::kTyingSessions:
+      return "done";
+  }
+  return "";
+}
+
 void SeedingBars::Finish() {
   if (!bar_) return;
-  bar_->Finish(std::to_string(num_total_) +
-               (phase_ == SeedingPhase::kMatchingScans ? " scans" : " places tried"));
+  bar_->Finish(Result());
   bar_.reset();
 }
 

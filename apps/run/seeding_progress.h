@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <ostream>
+#include <string>
 
 #include "plumbline/apps/run/progress.h"
 #include "plumbline/solvers/interface/seeding_options.h"
@@ -10,7 +11,8 @@
 namespace plumbline {
 
 /// Shows how far a seeding is: a bar for the matching of the scans, and one for each round of loop
-/// closing, since nobody knows how many rounds there will be.
+/// closing, since nobody knows how many rounds there will be; of several sessions, for each of
+/// them, and one for what they have in common.
 class SeedingBars {
  public:
   /// on_terminal: whether `out` is one.
@@ -22,6 +24,9 @@ class SeedingBars {
   void Finish();
 
  private:
+  std::string Label(SeedingPhase phase) const;
+  std::string Result() const;
+
   bool on_terminal_;
   std::ostream* out_;
   std::optional<ProgressBar> bar_;  // of the phase or round under way

@@ -39,11 +39,14 @@ struct SeedingOptions {
   bool Check(std::string* error) const;
 };
 
-enum class SeedingPhase { kMatchingScans, kClosingLoops };
+enum class SeedingPhase {
+  kMatchingScans,  ///< in scans
+  kClosingLoops,   ///< in candidates of a round
+  kTyingSessions,  ///< in pairs of groups of sessions; sessions that are tied early need fewer
+};
 
-/// Called now and then with what has been done of a phase, in scans or in candidates of a round of
-/// loop closing; false stops the seeding with an error. num_total 0: nothing is counted, the call
-/// only asks whether to go on.
+/// Called now and then with what has been done of a phase; false stops the seeding with an error.
+/// num_total 0: nothing is counted, the call only asks whether to go on.
 using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
 
 }  // namespace plumbline

@@ -24,7 +24,12 @@ Pose2 GroupFromSession(const SessionSet& set, const SessionGroup& group, int ses
 class Agglomeration {
  public:
   Agglomeration(const SessionSet& set, const SeedingProgress& progress, ThreadPool* pool)
-      : set_(set), views_(set), progress_(progress), pool_(pool) {}
+      : set_(set),
+        views_(set),
+        progress_([this, &progress](SeedingPhase, int, int) { return Report(progress); }),
+        pool_(pool) {}
+  Agglomeration(const Agglomeration&) = delete;
+  Agglomeration& operator=(const Agglomeration&) = delete;
 
   Status Run(std::vector<SessionGroup>* groups, std::vector<SessionTie>* ties) {
     for (int session = 0; session < set_.size(); ++session) {
@@ -57,6 +62,13 @@ class Agglomeration {
     SessionGroup group;  // of both, if they are to be tied
   };
 
+  // What closes loops does not know what they are for.
+  bool Report(const SeedingProgress& progress) const {
+    if (!progress) return true;
+    const int most_pairs = (set_.size() - 1) * (set_.size() - 1);
+    return progress(SeedingPhase::kTyingSessions, num_compared_, most_pairs);
+  }
+
   Status Add(SessionGroup group) {
     for (const Numbered& other : groups_) {
       Pair pair{other.number, next_number_, {}, 0.0, {}};
@@ -64,6 +76,7 @@ class Agglomeration {
       PLUMBLINE_RETURN_IF_ERROR(
           Compare(is_first ? group : other.group, is_first ? other.group : group, &pair));
       pairs_.push_back(std::move(pair));
+      ++num_compared_;
     }
     groups_.push_back({next_number_++, std::move(group)});
     return Status::Ok();
@@ -114,8 +127,9 @@ class Agglomeration {
 
   const SessionSet& set_;
   const SessionViews views_;
-  const SeedingProgress& progress_;
+  const SeedingProgress progress_;
   ThreadPool* pool_;
+  int num_compared_ = 0;
   int next_number_ = 0;
   std::vector<Numbered> groups_;
   std::vector<Pair> pairs_;  // of all groups that there are

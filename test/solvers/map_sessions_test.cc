@@ -224,6 +224,44 @@ TEST(MapSessionsTest, BadInputIsRefused) {
   EXPECT_THAT(refusal(options, {good, good}), HasSubstr("pose_graph"));
 }
 
+TEST(MapSessionsTest, AFinishedMapStaysWhereItIs) {
+  const std::vector<SimulatedLog> logs = TwoVisits();
+  std::vector<SlamGraph> sessions = GraphsOf(logs);
+  LogMapping finished;
+  ASSERT_TRUE(MapLog(MapLogOptions(), sessions[1], nullptr, &finished).ok());
+  // Elsewhere in the world.
+  const Pose2 world_from_map(30.0, -20.0, 2.0);
+  std::vector<Pose2> poses = PosesOf(finished.state.poses);
+  for (int pose = 0; pose < sessions[1].num_poses(); ++pose) {
+    poses[pose] = world_from_map * poses[pose];
+    ASSERT_TRUE(sessions[1].FixPose(pose, poses[pose]).ok());
+  }
+  const SessionsMapping mapping = Mapped(sessions);
+  ASSERT_THAT(mapping.maps, SizeIs(1));
+  const SessionMap& map = mapping.maps.front();
+  const std::vector<double> held(map.mapping.state.poses.begin() + 3 * map.sessions[1].first_pose,
+                                 map.mapping.state.poses.end());
+  EXPECT_EQ(held, PoseArray(poses));
+  EXPECT_LT(WorstM(map, logs), 0.05);
+}
+
+TEST(MapSessionsTest, AMapMayNotBeHeldInPart) {
+  std::vector<SlamGraph> sessions = GraphsOf(TwoVisits());
+  SessionsMapping mapping;
+  ASSERT_TRUE(sessions[0].FixPose(0).ok());
+  const Status part = MapSessions(MapLogOptions(), sessions, nullptr, &mapping);
+  EXPECT_EQ(part.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(part.message(), HasSubstr("session 1: some of its poses are fixed"));
+  for (SlamGraph& session : sessions) {
+    for (int pose = 0; pose < session.num_poses(); ++pose) {
+      ASSERT_TRUE(session.FixPose(pose).ok());
+    }
+  }
+  const Status two = MapSessions(MapLogOptions(), sessions, nullptr, &mapping);
+  EXPECT_EQ(two.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(two.message(), HasSubstr("session 2: its poses are fixed, and so are those"));
+}
+
 TEST(MapSessionsTest, ItsCallerStopsIt) {
   const std::vector<SlamGraph> sessions = GraphsOf(TwoVisits());
   ThreadPool pool(2);

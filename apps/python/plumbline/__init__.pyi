@@ -176,6 +176,7 @@ class StartType(_Choice):
 class SeedingPhase(_Choice):
     MATCHING_SCANS: ClassVar[SeedingPhase]
     CLOSING_LOOPS: ClassVar[SeedingPhase]
+    TYING_SESSIONS: ClassVar[SeedingPhase]
 
 class MotionOptions(_Checked):
     rotation_per_rotation: float

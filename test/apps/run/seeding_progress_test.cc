@@ -34,6 +34,22 @@ TEST(SeedingBarsTest, EveryRoundOfLoopClosingHasABarThatIsFinished) {
                                       "Closing loops, round 3: 30 places tried" + time));
 }
 
+TEST(SeedingBarsTest, EachSessionHasRoundsOfItsOwn) {
+  std::ostringstream out;
+  SeedingBars bars(/*on_terminal=*/false, &out);
+  for (int session = 0; session < 2; ++session) {
+    bars.Update(SeedingPhase::kMatchingScans, 0, 50);
+    bars.Update(SeedingPhase::kClosingLoops, 0, 40);
+  }
+  for (const int done : {0, 0, 1, 1, 1}) bars.Update(SeedingPhase::kTyingSessions, done, 2);
+  bars.Finish();
+  const std::string time = kTime;
+  const std::string session =
+      "Matching scans: 50 scans" + time + "Closing loops, round 1: 40 places tried" + time;
+  EXPECT_THAT(out.str(), MatchesRegex(session + session +
+                                      "Comparing sessions: 50 %\nComparing sessions: done" + time));
+}
+
 TEST(SeedingBarsTest, OnATerminalNoBarIsLeftBehind) {
   std::ostringstream out;
   SeedingBars bars(/*on_terminal=*/true, &out);
