@@ -133,25 +133,25 @@ std::size_t PeakMemoryBytes() {
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
-Status WriteRunSummary(const std::string& path, const RunSummary& summary) {
-  return WriteJson(path, {{"log", summary.log},
-                          {"scans", summary.num_scans},
-                          {"returns", summary.num_returns},
-                          {"skipped_records", summary.num_skipped_records},
-                          {"read_time_s", summary.read_time_s},
-                          {"alarm", !summary.mapping.alarms.empty()},
-                          {"alarm_reasons", AlarmsJson(summary.mapping.alarms)},
-                          {"consistency",
-                           {{"seed", ConsistencyJson(summary.mapping.seeding.consistency)},
-                            {"refined", ConsistencyJson(summary.mapping.consistency)}}},
-                          {"seeding", SeedingJson(summary)},
-                          {"solver", SolverJson(summary.mapping.solver)},
-                          {"calibration", CalibrationJson(summary.mapping.calibration)},
-                          {"stages", StagesJson(summary.stages)},
-                          {"stopped_by", StoppedByJson(summary.stopped_by)},
-                          {"warnings", summary.warnings},
-                          {"peak_memory_bytes", PeakMemoryBytes()},
-                          {"flags", FlagsInForce()}});
+Json RunSummaryJson(const RunSummary& summary) {
+  return {{"log", summary.log},
+          {"scans", summary.num_scans},
+          {"returns", summary.num_returns},
+          {"skipped_records", summary.num_skipped_records},
+          {"read_time_s", summary.read_time_s},
+          {"alarm", !summary.mapping.alarms.empty()},
+          {"alarm_reasons", AlarmsJson(summary.mapping.alarms)},
+          {"consistency",
+           {{"seed", ConsistencyJson(summary.mapping.seeding.consistency)},
+            {"refined", ConsistencyJson(summary.mapping.consistency)}}},
+          {"seeding", SeedingJson(summary)},
+          {"solver", SolverJson(summary.mapping.solver)},
+          {"calibration", CalibrationJson(summary.mapping.calibration)},
+          {"stages", StagesJson(summary.stages)},
+          {"stopped_by", StoppedByJson(summary.stopped_by)},
+          {"warnings", summary.warnings},
+          {"peak_memory_bytes", PeakMemoryBytes()},
+          {"flags", FlagsInForce()}};
 }
 
 }  // namespace plumbline

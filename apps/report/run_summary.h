@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/stage.h"
-#include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
@@ -28,9 +28,8 @@ struct RunSummary {
 /// Largest resident memory of this process so far [bytes].
 std::size_t PeakMemoryBytes();
 
-/// Writes the summary as JSON, with the flags in force. Unavailable if the file cannot
-/// be written.
-Status WriteRunSummary(const std::string& path, const RunSummary& summary);
+/// The content of summary.json, with the flags in force.
+Json RunSummaryJson(const RunSummary& summary);
 
 }  // namespace plumbline
 

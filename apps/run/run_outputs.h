@@ -23,6 +23,7 @@ struct RunOutputOptions {
   double map_resolution_m = 0.05;  ///< side of a cell of map.pgm
   /// Most cells of map.pgm: a map that would need more gets coarser ones.
   double map_max_cells = 4e8;
+  bool save_map = false;  ///< also write map.g2o, the poses with all scans
 
   bool Check(std::string* error) const;
   /// Keeps the memory that map.pgm takes while it is made below half of this [bytes]; 0: as it is.
@@ -58,6 +59,12 @@ std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptio
 /// points in cells of `resolution_m` [m]. Fails like BuildOccupancyGrid and WriteRosMap.
 Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,
                      double resolution_m);
+
+/// Writes the poses of a map with all of its scans as a pose graph in g2o's format, from which
+/// other runs read it back bit by bit. motion: the noise of the odometry. Fails like
+/// MakePoseGraphFile and WritePoseGraphFile.
+Status WriteSavedMap(const std::string& path, const SlamGraph& graph,
+                     const std::vector<double>& poses, const MotionOptions& motion);
 
 /// InvalidArgument, with `input` in front, if this map is too large for WriteRobotMap.
 Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m);

@@ -60,7 +60,7 @@ RunSummary MakeSummary() {
 
 Json WriteAndRead(const RunSummary& summary) {
   const std::string path = TempFolder() + "summary.json";
-  const Status status = WriteRunSummary(path, summary);
+  const Status status = WriteJson(path, RunSummaryJson(summary));
   EXPECT_TRUE(status.ok()) << status.message();
   return Json::parse(ReadFile(path));
 }
@@ -176,7 +176,7 @@ TEST(RunSummaryTest, APathThatIsNotUtf8StillGivesJson) {
 }
 
 TEST(RunSummaryTest, ReportsAFolderThatDoesNotExist) {
-  EXPECT_EQ(WriteRunSummary(TempFolder() + "none/summary.json", MakeSummary()).code(),
+  EXPECT_EQ(WriteJson(TempFolder() + "none/summary.json", RunSummaryJson(MakeSummary())).code(),
             StatusCode::kUnavailable);
 }
 

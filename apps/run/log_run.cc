@@ -1,0 +1,178 @@
+#include "plumbline/apps/run/log_run.h"
+
+#include <chrono>
+#include <future>
+#include <iomanip>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/program/stop_signal.h"
+#include "plumbline/apps/report/run_summary.h"
+#include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/apps/report/stage.h"
+#include "plumbline/apps/run/checkpoint.h"
+#include "plumbline/apps/run/log_input.h"
+#include "plumbline/apps/run/map_run.h"
+#include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/apps/run/progress.h"
+#include "plumbline/apps/run/seeding_progress.h"
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/core/thread_pool.h"
+
+namespace plumbline {
+namespace {
+
+// One run, step by step.
+class LogRun {
+ public:
+  explicit LogRun(const LogRunOptions& options)
+      : options_(options), pool_(options.mapping.solver.num_threads), output_(options.output_dir) {}
+
+  Status Run() {
+    PLUMBLINE_RETURN_IF_ERROR(Read());
+    PLUMBLINE_RETURN_IF_ERROR(FindSeed());
+    MapRun map(options_.mapping, options_.outputs, output_, TruthOrNull(), std::move(summary_),
+               &pool_, &mapping_);
+    PLUMBLINE_RETURN_IF_ERROR(RecordStart(&map));
+    PLUMBLINE_RETURN_IF_ERROR(map.Refine());
+    PLUMBLINE_RETURN_IF_ERROR(map.WriteMap());
+    PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal(
+        [&](const std::string& signal_name) { return map.WriteReport(signal_name); }));
+    map.PrintResults();
+    return checkpoint_written_;
+  }
+
+ private:
+  Status Read() {
+    const bool needs_fingerprint = !options_.resume.empty() || !options_.checkpoint.empty();
+    LogStamp stamp;
+    if (needs_fingerprint) {
+      PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(options_.log, &fingerprint_, &stamp));
+    }
+    SlamGraph graph;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ReadLogInput(options_.log, options_.max_scans, options_.max_memory, &summary_, &graph));
+    if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
+    // What would end the run at its end is found before the work.
+    const MapState odometry = graph.InitialState();
+    PLUMBLINE_RETURN_IF_ERROR(
+        CheckRobotMap(options_.log, odometry, options_.outputs.map_resolution_m));
+    const SolverOptions& solver = options_.mapping.solver;
+    const MemoryEstimate memory =
+        EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
+                       options_.outputs.picture_side_px);
+    std::cout << memory.Text() << std::flush;
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, options_.max_memory, graph, solver));
+    const auto start = std::chrono::steady_clock::now();
+    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_.mapping, std::move(graph), &pool_, &mapping_));
+    summary_.seed_time_s = SecondsSince(start);
+    if (mapping_.report.sweep_order) {
+      std::cout << "Sweeps: measured " << ToString(*mapping_.report.sweep_order)
+                << ", by what the scans say\n";
+    }
+    if (options_.truth.empty()) return Status::Ok();
+    truth_.emplace();
+    return ReadTruth(options_.truth, options_.hits, mapping_.graph, &*truth_);
+  }
+
+  // The seed: of the scans, or of an earlier run's checkpoint.
+  Status FindSeed() {
+    if (options_.resume.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());  // what cannot be written is known before the work
+      EndIfStoppedWhile("seeding", output_.made_folders());
+      PLUMBLINE_RETURN_IF_ERROR(Seed());
+      KeepStopSignal();
+    } else {
+      EndIfStoppedWhile("reading " + options_.resume);
+      PLUMBLINE_RETURN_IF_ERROR(Resume());
+      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
+      std::cout << "Seeding: as in " << Legible(options_.resume) << '\n';
+    }
+    const SeedingReport& seeding = mapping_.report.seeding;
+    std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
+              << ConsistencyText("The seed", seeding.consistency) << std::flush;
+    if (options_.checkpoint.empty()) return Status::Ok();
+    checkpoint_written_ =
+        WriteCheckpoint(options_.checkpoint, fingerprint_, mapping_.start_poses, seeding);
+    if (checkpoint_written_.ok()) {
+      std::cout << "Checkpoint: " << Legible(options_.checkpoint) << std::endl;
+    }
+    return Status::Ok();
+  }
+
+  // Not to be cut off by a signal: it tries out a file.
+  Status MakeFolder() {
+    KeepStopSignal();
+    return output_.Make();
+  }
+
+  Status Resume() {
+    std::vector<double> start_poses;
+    SeedingReport seeding;
+    PLUMBLINE_RETURN_IF_ERROR(
+        ReadCheckpoint(options_.resume, fingerprint_, mapping_.graph, &start_poses, &seeding));
+    return StartFromSeed(options_.mapping, std::move(start_poses), std::move(seeding), &mapping_);
+  }
+
+  // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
+  Status Seed() {
+    const auto start = std::chrono::steady_clock::now();
+    StartMeasuringOdometry();
+    SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
+    const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
+      bars.Update(phase, num_done, num_total);
+      return true;
+    };
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_.mapping, progress, &pool_, &mapping_));
+    summary_.seed_time_s += SecondsSince(start);
+    bars.Finish();
+    std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << summary_.seed_time_s
+              << " s)\n";
+    return Status::Ok();
+  }
+
+  // From here on there is a map to write, also if the run is stopped. Not before: an earlier run's
+  // results outlive one that comes to nothing.
+  Status RecordStart(MapRun* map) {
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
+    if (!odometry_stage_.valid()) StartMeasuringOdometry();  // resumed: nothing was seeded
+    const Stage stage = odometry_stage_.get();
+    const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
+    PLUMBLINE_RETURN_IF_ERROR(map->RecordStart(is_prediction ? nullptr : &odometry_, stage));
+    odometry_ = MapState();
+    return Status::Ok();
+  }
+
+  void StartMeasuringOdometry() {
+    odometry_ = mapping_.graph.InitialState();
+    const auto when = pool_.num_threads() > 1 ? std::launch::async : std::launch::deferred;
+    odometry_stage_ = std::async(when, [this] {
+      ThreadPool one_thread(1);
+      return MeasureStage("odometry", odometry_, TruthOrNull(), &one_thread);
+    });
+  }
+
+  const Truth* TruthOrNull() const { return truth_ ? &*truth_ : nullptr; }
+
+  const LogRunOptions& options_;
+  ThreadPool pool_;
+  OutputFolder output_;
+  LogMapping mapping_;
+  RunFingerprint fingerprint_;  // if there is a checkpoint to read or to write
+  Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
+  std::optional<Truth> truth_;
+  MapState odometry_;                  // until its map is recorded
+  std::future<Stage> odometry_stage_;  // refers to the two before
+  RunSummary summary_;
+};
+
+}  // namespace
+
+Status RunLog(const LogRunOptions& options) { return LogRun(options).Run(); }
+
+}  // namespace plumbline

@@ -1,0 +1,33 @@
+#ifndef PLUMBLINE_APPS_RUN_LOG_RUN_H_
+#define PLUMBLINE_APPS_RUN_LOG_RUN_H_
+
+#include <string>
+
+#include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/map_log.h"
+
+namespace plumbline {
+
+struct LogRunOptions {
+  std::string log;
+  std::string output_dir;
+  int max_scans = 0;  ///< the first ones are used; 0: all
+  MapLogOptions mapping;
+  RunOutputOptions outputs;
+  double max_memory = 0.0;  ///< refuses a log that needs more by estimate [bytes]; 0: no limit
+  std::string truth, hits;  ///< of a simulated log, see ReadTruth; may be empty
+  std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
+  std::string resume;       ///< checkpoint to go on from; may be empty
+};
+
+/// Maps a log: reads it, finds the seed, estimates all poses and points, and leaves all results in
+/// the output folder. Prints what happens. Until there is a seed, a stop signal (stop_signal.h)
+/// ends the program; after that it ends the estimation, and what is written is the best state so
+/// far. A failed Status names the culprit; that of a checkpoint that cannot be written comes after
+/// all results.
+Status RunLog(const LogRunOptions& options);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_LOG_RUN_H_

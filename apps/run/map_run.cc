@@ -1,0 +1,214 @@
+#include "plumbline/apps/run/map_run.h"
+
+#include <cctype>
+#include <iostream>
+#include <iterator>
+#include <utility>
+
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/pictures/map_picture.h"
+#include "plumbline/apps/pictures/overlay_pictures.h"
+#include "plumbline/apps/program/stop_signal.h"
+#include "plumbline/apps/report/calibration_report.h"
+#include "plumbline/apps/report/run_report.h"
+#include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/apps/run/progress.h"
+#include "plumbline/apps/run/refined_pose_graph.h"
+
+namespace plumbline {
+namespace {
+
+std::string StartTitle(StartType start, bool by_pose_graph) {
+  switch (start) {
+    case StartType::kOdometry:
+      return "Start: odometry";
+    case StartType::kIcp:
+      return "Start: ICP, point to point";
+    case StartType::kIcpPointToLine:
+      return "Start: ICP, point to line";
+    case StartType::kSeed:
+      break;
+  }
+  return by_pose_graph ? "Sequential matching" : "Seed";
+}
+
+std::string InLowerCase(std::string title) {
+  title.front() = static_cast<char>(std::tolower(title.front()));
+  return title;
+}
+
+}  // namespace
+
+MapRun::MapRun(const MapLogOptions& options, const RunOutputOptions& outputs,
+               const OutputFolder& output, const Truth* truth, RunSummary summary, ThreadPool* pool,
+               LogMapping* mapping)
+    : options_(options),
+      outputs_(outputs),
+      output_(output),
+      truth_(truth),
+      summary_(std::move(summary)),
+      pool_(pool),
+      mapping_(mapping) {}
+
+Status MapRun::RecordStart(const MapState* odometry, const Stage& odometry_stage) {
+  const bool by_pose_graph = options_.solver.MovesPosesOnly();
+  std::vector<WriteTask> tasks;
+  if (odometry != nullptr) {
+    summary_.stages.push_back(odometry_stage);
+    maps_.push_back({"Odometry", output_.File("map_odometry.png"), MapArea()});
+    tasks.push_back([this, odometry] { return Draw(*odometry, &maps_.front()); });
+  }
+  const std::string title = StartTitle(options_.start, by_pose_graph);
+  maps_.push_back({title, output_.File("map_seed.png"), MapArea()});
+  Stage seed;
+  tasks.push_back([&] { return Measure(InLowerCase(title), mapping_->state, &seed); });
+  tasks.push_back([this] { return Draw(mapping_->state, &maps_.back()); });
+  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_));
+  summary_.stages.push_back(seed);
+  if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
+  return WriteTrajectory("trajectory_seed.tum");
+}
+
+Status MapRun::Refine() {
+  std::cout << ProgressHeader() << '\n';
+  options_.solver.measure_rounds = true;  // for report.html
+  options_.solver.callback = [](const IterationSummary& iteration) {
+    std::cout << ProgressRow(iteration) << '\n' << std::flush;
+    return StopSignal() == 0;
+  };
+  PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, pool_, mapping_));
+  std::cout << '\n'
+            << mapping_->report.solver.FullReport() << '\n'
+            << CalibrationText(mapping_->report.calibration);
+  return Status::Ok();
+}
+
+Status MapRun::WriteMap(ExtraResults extras) {
+  extras_ = std::move(extras);
+  maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
+  std::string map_warning;
+  RefinedMap map = RefinedMapOf(*mapping_);
+  map.picture_area = &maps_.back().area;
+  map.map_warning = &map_warning;
+  std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
+  tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
+  tasks.push_back([this] { return WriteTrajectory("trajectory.tum"); });
+  tasks.push_back([this] {
+    return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
+                                 mapping_->report.seeding.pose_graph, mapping_->before_from_after);
+  });
+  tasks.push_back([this] {
+    return WriteClosurePicture(output_.File("closures.png"), mapping_->graph, mapping_->state,
+                               mapping_->report.seeding.loops.matches, outputs_.picture_side_px);
+  });
+  Status saved;
+  if (outputs_.save_map) tasks.push_back([&] { return SaveMap(&saved); });
+  Stage measured, optimised;
+  tasks.push_back([&] {
+    const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
+    const std::vector<double>& poses = mapping_->state.poses;
+    return Measure("refined, " + ranges + " ranges", {poses, mapping_->graph.MeasuredMap(poses)},
+                   &measured);
+  });
+  tasks.push_back(
+      [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
+  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_));
+  if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
+  if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());
+  summary_.stages.push_back(measured);
+  summary_.stages.push_back(optimised);
+  summary_.mapping = std::move(mapping_->report);
+  return Status::Ok();
+}
+
+// Scans that the format has no place for are no reason to lose all else.
+Status MapRun::SaveMap(Status* saved) const {
+  *saved = WriteSavedMap(output_.File("map.g2o"), mapping_->graph, mapping_->state.poses,
+                         options_.solver.factors.motion);
+  return saved->code() == StatusCode::kInvalidArgument ? Status::Ok() : *saved;
+}
+
+Status MapRun::WriteReport(const std::string& signal_name) {
+  summary_.stopped_by = signal_name;
+  HtmlReport report = MakeRunReport(summary_);
+  report.maps = maps_;
+  report.pictures = extras_.pictures;
+  report.pictures.push_back({"Loops closed and refused", output_.File("closures.png")});
+  report.pictures.push_back(
+      {"Places that one scan shows and another looked through", output_.File("conflicts.png")});
+  report.tables.insert(report.tables.begin(), extras_.tables.begin(), extras_.tables.end());
+  PLUMBLINE_RETURN_IF_ERROR(WriteHtmlReport(output_.File("report.html"), report));
+  Json summary = RunSummaryJson(summary_);
+  summary.update(extras_.summary);
+  return WriteJson(output_.File("summary.json"), summary);
+}
+
+void MapRun::PrintResults() const {
+  std::cout
+      << StopText(summary_.stopped_by) << StageTable(summary_.stages)
+      << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
+      << PeakMemoryBytes() / 1000000 << " MB. Results in " << Legible(output_.path())
+      << ":\n  report.html                                       all of it to look at, in a "
+         "browser\n"
+      << (maps_.front().name == "Odometry" ? "  map_odometry.png, map_seed.png                    "
+                                           : "  map_seed.png                                      ")
+      << "pictures of the way there\n"
+      << RefusedMapsText() << MapFilesText(true) << extras_.files_text
+      << "  closures.png                                      loops closed and refused\n"
+         "  trajectory.tum, trajectory_seed.tum               pose of the robot per scan\n"
+         "  graph.g2o                                         these poses and the seed's "
+         "edges, closures included\n"
+      << (outputs_.save_map
+              ? "  map.g2o                                           the map with all scans, to "
+                "add other logs to\n"
+              : "")
+      << "  summary.json                                      options and figures\n"
+      << std::flush;
+  for (const std::string& warning : summary_.warnings) std::cerr << "warning: " << warning << '\n';
+  std::cerr << AlarmText(summary_.mapping.alarms);
+}
+
+std::string MapRun::RefusedMapsText() const {
+  if (num_refused_maps_ == 0) return "";
+  return num_refused_maps_ == 1
+             ? "  map_runner_up.png                                 explanation that was refused\n"
+             : "  map_runner_up.png, map_refused.png                explanations that were "
+               "refused\n";
+}
+
+// The maps of other explanations of the drive, for people who doubt the one that was adopted.
+Status MapRun::DrawRefusedMaps() {
+  constexpr const char* kFiles[] = {"map_runner_up.png", "map_refused.png"};
+  for (const WeighedHypothesis* other :
+       RunnersUp(mapping_->report.seeding.hypotheses, PosesOf(mapping_->state.poses),
+                 std::size(kFiles))) {
+    MapState state;
+    state.poses = PoseArray(other->world_from_robot);
+    state.points = mapping_->graph.MeasuredMap(state.poses);
+    const std::string title = num_refused_maps_ == 0 ? "Runner-up" : "Refused";
+    maps_.push_back({title, output_.File(kFiles[num_refused_maps_++]), MapArea()});
+    PLUMBLINE_RETURN_IF_ERROR(Draw(state, &maps_.back()));
+    maps_.back().name += ": " + HypothesisText(*other);
+  }
+  return Status::Ok();
+}
+
+Status MapRun::Draw(const MapState& state, ReportMap* map) const {
+  MapPictureOptions options;
+  options.title = map->name;
+  options.max_side_px = outputs_.picture_side_px;
+  return WriteMapPicture(map->png_path, mapping_->graph, state, options, &map->area);
+}
+
+Status MapRun::Measure(const std::string& name, const MapState& state, Stage* stage) const {
+  ThreadPool one_thread(1);
+  *stage = MeasureStage(name, state, truth_, &one_thread);
+  return Status::Ok();
+}
+
+Status MapRun::WriteTrajectory(const std::string& name) const {
+  return WriteTumTrajectory(output_.File(name), TrajectoryOf(mapping_->graph, mapping_->state));
+}
+
+}  // namespace plumbline

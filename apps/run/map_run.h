@@ -1,0 +1,80 @@
+#ifndef PLUMBLINE_APPS_RUN_MAP_RUN_H_
+#define PLUMBLINE_APPS_RUN_MAP_RUN_H_
+
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/report/html_report.h"
+#include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/run_summary.h"
+#include "plumbline/apps/report/stage.h"
+#include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/map_log.h"
+
+namespace plumbline {
+
+/// What a run adds to the results that every map has.
+struct ExtraResults {
+  std::vector<WriteTask> tasks;         ///< write its files
+  std::vector<ReportPicture> pictures;  ///< written by the tasks
+  std::vector<ReportTable> tables;
+  Json summary = Json::object();  ///< members of summary.json
+  std::string files_text;         ///< lines for people: what the files are
+};
+
+/// The way from the seed of a log, or of several, to all files in the output folder. Prints what
+/// happens. To be called in the order of its functions.
+class MapRun {
+ public:
+  /// summary: what is known of the run up to here. All else is only referred to; truth may be null.
+  MapRun(const MapLogOptions& options, const RunOutputOptions& outputs, const OutputFolder& output,
+         const Truth* truth, RunSummary summary, ThreadPool* pool, LogMapping* mapping);
+
+  /// Draws and measures where the estimation starts. odometry: the map before, with its
+  /// measurement; null if there is nothing to show.
+  Status RecordStart(const MapState* odometry, const Stage& odometry_stage);
+
+  /// Estimates the map (RefineLog) until a stop signal comes.
+  Status Refine();
+
+  /// Writes the map, its pictures and its trajectories, and takes the report out of the mapping.
+  Status WriteMap(ExtraResults extras = {});
+
+  /// Writes report.html and, as the last one, summary.json: its presence says that the others are
+  /// there. signal_name: of the signal that has ended the run early; empty if none did.
+  Status WriteReport(const std::string& signal_name);
+
+  /// Prints where the results are, and warnings.
+  void PrintResults() const;
+
+ private:
+  Status Draw(const MapState& state, ReportMap* map) const;
+  Status DrawRefusedMaps();
+  // One of several tasks, each on a thread.
+  Status Measure(const std::string& name, const MapState& state, Stage* stage) const;
+  Status WriteTrajectory(const std::string& name) const;
+  Status SaveMap(Status* saved) const;
+  std::string RefusedMapsText() const;
+
+  MapLogOptions options_;
+  const RunOutputOptions& outputs_;
+  const OutputFolder& output_;
+  const Truth* truth_;
+  RunSummary summary_;
+  ThreadPool* pool_;
+  LogMapping* mapping_;
+  ExtraResults extras_;
+  std::vector<ReportMap> maps_;
+  std::size_t num_refused_maps_ = 0;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_MAP_RUN_H_

@@ -1,0 +1,310 @@
+#include "plumbline/apps/run/sessions_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "plumbline/apps/evaluation/session_changes.h"
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/io/trajectory_io.h"
+#include "plumbline/apps/pictures/session_pictures.h"
+#include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/program/stop_signal.h"
+#include "plumbline/apps/report/report_json.h"
+#include "plumbline/apps/report/run_summary.h"
+#include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/apps/report/session_text.h"
+#include "plumbline/apps/run/log_input.h"
+#include "plumbline/apps/run/map_run.h"
+#include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/apps/run/progress.h"
+#include "plumbline/apps/run/seeding_progress.h"
+#include "plumbline/core/seconds_since.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/map_sessions.h"
+
+namespace plumbline {
+namespace {
+
+// File names, or whole paths where two are the same.
+std::vector<std::string> NamesOf(const std::vector<std::string>& logs) {
+  std::vector<std::string> names;
+  for (const std::string& log : logs) {
+    names.push_back(std::filesystem::path(log).filename().string());
+  }
+  std::vector<std::string> sorted = names;
+  std::sort(sorted.begin(), sorted.end());
+  const bool all_differ = std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end();
+  return all_differ ? names : logs;
+}
+
+// What is written of a map, and where.
+struct MapResults {
+  SessionMap* map = nullptr;
+  std::unique_ptr<OutputFolder> own_folder;  // null: the folder of the run
+  std::vector<SessionMark> marks;            // of its sessions
+  std::vector<SessionChange> changes;        // between them
+  bool alarm = false;
+  std::unique_ptr<MapRun> run;
+};
+
+// One run, step by step.
+class SessionsRun {
+ public:
+  explicit SessionsRun(const SessionsRunOptions& options)
+      : options_(options),
+        pool_(options.mapping.solver.num_threads),
+        output_(options.output_dir),
+        paths_(options.logs) {
+    if (!options.fixed_map.empty()) paths_.push_back(options.fixed_map);
+    names_ = NamesOf(paths_);
+  }
+
+  Status Run() {
+    std::vector<SlamGraph> graphs;
+    PLUMBLINE_RETURN_IF_ERROR(Read(&graphs));
+    KeepStopSignal();  // not to be cut off by a signal: it tries out a file
+    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    EndIfStoppedWhile("seeding", output_.made_folders());
+    PLUMBLINE_RETURN_IF_ERROR(Seed(std::move(graphs)));
+    KeepStopSignal();
+    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
+    PLUMBLINE_RETURN_IF_ERROR(MakeFolders());
+    for (MapResults& results : results_) PLUMBLINE_RETURN_IF_ERROR(Refine(&results));
+    for (MapResults& results : results_) PLUMBLINE_RETURN_IF_ERROR(WriteMap(&results));
+    PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal(
+        [this](const std::string& signal_name) { return WriteReports(signal_name); }));
+    for (const MapResults& results : results_) {
+      PrintNameOf(results);
+      results.run->PrintResults();
+    }
+    return Status::Ok();
+  }
+
+ private:
+  Status Read(std::vector<SlamGraph>* graphs) {
+    MemoryEstimate memory;
+    double pictures = 0.0;
+    std::size_t largest = 0;
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+      EndIfStoppedWhile("reading " + paths_[i]);
+      SlamGraph graph;
+      RunSummary& read = read_.emplace_back();
+      if (i < options_.logs.size()) {
+        PLUMBLINE_RETURN_IF_ERROR(
+            ReadSession(paths_[i], options_.max_scans, options_.max_memory, &read, &graph));
+      } else {
+        PLUMBLINE_RETURN_IF_ERROR(ReadFixedMap(paths_[i], options_.max_memory, &read, &graph));
+      }
+      const MapState odometry = graph.InitialState();
+      PLUMBLINE_RETURN_IF_ERROR(
+          CheckRobotMap(paths_[i], odometry, options_.outputs.map_resolution_m));
+      const MemoryEstimate own = EstimateMemory(graph, odometry, options_.mapping.solver, false,
+                                                options_.outputs.picture_side_px);
+      memory.seeding += own.seeding;
+      memory.joint += own.joint;
+      pictures = std::max(pictures, own.results - own.seeding);
+      if (read_[i].num_scans > read_[largest].num_scans) largest = i;
+      graphs->push_back(std::move(graph));
+    }
+    memory.results = memory.seeding + pictures;
+    std::cout << memory.Text() << std::flush;
+    return CheckMemory(memory, options_.max_memory, (*graphs)[largest], options_.mapping.solver);
+  }
+
+  Status Seed(std::vector<SlamGraph> graphs) {
+    const auto start = std::chrono::steady_clock::now();
+    SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
+    const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
+      bars.Update(phase, num_done, num_total);
+      return true;
+    };
+    PLUMBLINE_RETURN_IF_ERROR(
+        SeedSessions(options_.mapping, std::move(graphs), progress, &pool_, &mapping_));
+    bars.Finish();
+    seed_time_s_ = SecondsSince(start);
+    std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << seed_time_s_ << " s)\n"
+              << TiesText(mapping_.ties, names_) << std::flush;
+    if (!is_one_map()) {
+      std::cerr << "note: not all logs show a common place: there are " << mapping_.maps.size()
+                << " maps\n";
+    }
+    return Status::Ok();
+  }
+
+  bool is_one_map() const { return mapping_.maps.size() == 1; }
+
+  Status MakeFolders() {
+    for (SessionMap& map : mapping_.maps) {
+      MapResults& results = results_.emplace_back();
+      results.map = &map;
+      RunSummary summary;
+      for (const SessionOfMap& session : map.sessions) {
+        const RunSummary& read = read_[session.session];
+        summary.log += (summary.log.empty() ? "" : ",") + read.log;
+        summary.num_scans += read.num_scans;
+        summary.num_returns += read.num_returns;
+        summary.num_skipped_records += read.num_skipped_records;
+        summary.read_time_s += read.read_time_s;
+        results.marks.push_back(
+            {names_[session.session], session.session, session.first_scan, session.num_scans});
+      }
+      summary.seed_time_s = seed_time_s_;
+      if (!is_one_map()) {
+        results.own_folder =
+            std::make_unique<OutputFolder>(output_.MapFolder(static_cast<int>(results_.size())));
+        PLUMBLINE_RETURN_IF_ERROR(results.own_folder->Make());
+      }
+      results.run = std::make_unique<MapRun>(options_.mapping, options_.outputs, FolderOf(results),
+                                             nullptr, std::move(summary), &pool_, &map.mapping);
+    }
+    return Status::Ok();
+  }
+
+  const OutputFolder& FolderOf(const MapResults& results) const {
+    return results.own_folder ? *results.own_folder : output_;
+  }
+
+  void PrintNameOf(const MapResults& results) const {
+    if (is_one_map()) return;
+    std::cout << "\nMap of " << Legible(JoinedNames(NumbersOf(*results.map), names_)) << ":\n";
+  }
+
+  static std::vector<int> NumbersOf(const SessionMap& map) {
+    std::vector<int> numbers;
+    for (const SessionOfMap& session : map.sessions) numbers.push_back(session.session);
+    return numbers;
+  }
+
+  Status Refine(MapResults* results) {
+    PrintNameOf(*results);
+    const LogMapping& mapping = results->map->mapping;
+    const SeedingReport& seeding = mapping.report.seeding;
+    std::cout << SeedingText(seeding, mapping.graph, mapping.state.poses)
+              << ConsistencyText("The seed", seeding.consistency) << std::flush;
+    PLUMBLINE_RETURN_IF_ERROR(results->run->RecordStart(nullptr, Stage()));
+    return results->run->Refine();
+  }
+
+  Status WriteMap(MapResults* results) {
+    const LogMapping& mapping = results->map->mapping;
+    const OutputFolder& folder = FolderOf(*results);
+    const int side_px = options_.outputs.picture_side_px;
+    results->alarm = !mapping.report.alarms.empty();
+    ExtraResults extras;
+    extras.summary = {{"sessions", SessionsJson(*results)}};
+    if (results->marks.size() > 1) {
+      PLUMBLINE_RETURN_IF_ERROR(FindSessionChanges(mapping.graph, mapping.state, results->marks,
+                                                   options_.outputs.GridOptions(),
+                                                   &results->changes));
+      extras.summary["changes"] = ChangesJson(results->marks, results->changes);
+      extras.tables = {SessionsTable(*results), ChangesTable(results->marks, results->changes)};
+      extras.pictures = {{"Sessions", folder.File("sessions.png")},
+                         {"What changed between sessions", folder.File("changes.png")}};
+      extras.files_text =
+          "  sessions.png, changes.png                         the map by session, and where they "
+          "differ\n"
+          "  trajectory_1.tum, ...                             pose of the robot per scan of each "
+          "log\n";
+      extras.tasks = {[&, side_px] {
+                        return WriteSessionPicture(folder.File("sessions.png"), mapping.graph,
+                                                   mapping.state, results->marks, side_px);
+                      },
+                      [&, side_px] {
+                        return WriteChangesPicture(folder.File("changes.png"), mapping.graph,
+                                                   mapping.state, results->marks, results->changes,
+                                                   side_px);
+                      }};
+      for (const SessionOfMap& session : results->map->sessions) {
+        extras.tasks.push_back([&] { return WriteTrajectoryOf(session, mapping, folder); });
+      }
+    }
+    if (is_one_map()) extras.summary.update(RunJson());
+    return results->run->WriteMap(std::move(extras));
+  }
+
+  static Status WriteTrajectoryOf(const SessionOfMap& session, const LogMapping& mapping,
+                                  const OutputFolder& folder) {
+    const std::vector<TimedPose> all = TrajectoryOf(mapping.graph, mapping.state);
+    const auto first = all.begin() + session.first_pose;
+    return WriteTumTrajectory(
+        folder.File("trajectory_" + std::to_string(session.session + 1) + ".tum"),
+        {first, first + session.num_poses});
+  }
+
+  Status WriteReports(const std::string& signal_name) {
+    for (MapResults& results : results_) {
+      PLUMBLINE_RETURN_IF_ERROR(results.run->WriteReport(signal_name));
+    }
+    if (is_one_map()) return Status::Ok();
+    Json json = RunJson();
+    json["stopped_by"] = StoppedByJson(signal_name);
+    json["peak_memory_bytes"] = PeakMemoryBytes();
+    json["flags"] = FlagsInForce();
+    return WriteJson(output_.File("summary.json"), json);
+  }
+
+  Json SessionsJson(const MapResults& results) const {
+    Json json = Json::array();
+    for (const SessionOfMap& session : results.map->sessions) {
+      const RunSummary& read = read_[session.session];
+      json.push_back({{"number", session.session + 1},
+                      {"log", read.log},
+                      {"fixed", session.session == static_cast<int>(options_.logs.size())},
+                      {"first_scan", session.first_scan},
+                      {"scans", session.num_scans},
+                      {"returns", read.num_returns},
+                      {"skipped_records", read.num_skipped_records},
+                      {"seed_alarm", session.report.seeding.alarm}});
+    }
+    return json;
+  }
+
+  // How the sessions were put together.
+  Json RunJson() const {
+    Json maps = Json::array();
+    for (const MapResults& results : results_) {
+      Json sessions = Json::array();
+      for (const int session : NumbersOf(*results.map)) sessions.push_back(session + 1);
+      const std::string folder = is_one_map() ? "." : FolderOf(results).path();
+      maps.push_back({{"folder", std::filesystem::path(folder).filename().string()},
+                      {"sessions", sessions},
+                      {"alarm", results.alarm}});
+    }
+    return {{"maps", maps}, {"ties", TiesJson(mapping_.ties)}};
+  }
+
+  ReportTable SessionsTable(const MapResults& results) const {
+    ReportTable table{"Sessions", {"Number", "Log", "Scans", "Returns", "Seed by itself"}, {}, ""};
+    for (const SessionOfMap& session : results.map->sessions) {
+      const RunSummary& read = read_[session.session];
+      table.rows.push_back({std::to_string(session.session + 1), names_[session.session],
+                            WithThousands(session.num_scans), WithThousands(read.num_returns),
+                            session.report.seeding.alarm ? "contradicts itself" : "consistent"});
+    }
+    return table;
+  }
+
+  const SessionsRunOptions& options_;
+  ThreadPool pool_;
+  OutputFolder output_;
+  std::vector<std::string> paths_;  // per session: of the logs, then of the fixed map
+  std::vector<std::string> names_;  // for people, per session
+  std::vector<RunSummary> read_;    // per log, what is known from reading it
+  double seed_time_s_ = 0.0;
+  SessionsMapping mapping_;
+  std::deque<MapResults> results_;  // per map
+};
+
+}  // namespace
+
+Status RunSessions(const SessionsRunOptions& options) { return SessionsRun(options).Run(); }
+
+}  // namespace plumbline
