@@ -31,13 +31,13 @@ class CellSortedPoints {
         cells_per_m_(kCellsPerRadius / radius_m) {
     const std::vector<int> cell_of_point = FindCells(points);
     const std::vector<int> place_of_cell = SortCells();
-    points_.resize(cell_of_point.size());
-    for (std::size_t i = 0; i < points_.size(); ++i) {
+    offsets_.resize(cell_of_point.size());
+    for (std::size_t i = 0; i < offsets_.size(); ++i) {
       Cell& cell = cells_[place_of_cell[cell_of_point[i]]];
       const Eigen::Vector2d point(points[2 * i], points[2 * i + 1]);
       const Eigen::Vector2d offset = point - cell.center;
       cell.moments.Add(offset.x(), offset.y());
-      points_[cell.first + cell.num_points++] = point;
+      offsets_[cell.first + cell.num_points++] = offset.cast<float>();
     }
   }
 
@@ -123,7 +123,7 @@ class CellSortedPoints {
     const Eigen::Vector2d nearest = (distance - half).max(0.0);
     if (nearest.squaredNorm() > (1.0 + kRounding) * radius_squared) return;
     for (std::size_t i = cell.first; i < cell.first + cell.num_points; ++i) {
-      const Eigen::Vector2d to_point = points_[i] - center;
+      const Eigen::Vector2d to_point = offset + offsets_[i].cast<double>();
       // No branch: nobody could foresee it.
       const double inside = to_point.squaredNorm() <= radius_squared ? 1.0 : 0.0;
       moments->Add(to_point.x(), to_point.y(), inside);
@@ -150,8 +150,8 @@ class CellSortedPoints {
 
   double radius_m_;
   double cell_m_, cells_per_m_;
-  std::vector<Cell> cells_;  // in order of keys
-  std::vector<Eigen::Vector2d> points_;
+  std::vector<Cell> cells_;               // in order of keys
+  std::vector<Eigen::Vector2f> offsets_;  // of points from the centres of their cells: to 10 nm
 };
 
 struct Sample {

@@ -89,6 +89,13 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
   return Status::Ok();
 }
 
+void SlamGraph::ReserveReturns(std::size_t num_returns) {
+  returns_.range_m.reserve(num_returns);
+  returns_.bearing_rad.reserve(num_returns);
+  returns_.beam.reserve(num_returns);
+  returns_.scan.reserve(num_returns);
+}
+
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
   for (const Return& r : returns) {
     returns_.range_m.push_back(r.range_m);

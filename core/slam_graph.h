@@ -75,6 +75,10 @@ class SlamGraph {
   /// model that LaserModel::Check refuses.
   Status AddLaser(const LaserModel& laser, int* laser_id);
 
+  /// Makes room for so many returns in all, so that adding them takes no more memory than they
+  /// need.
+  void ReserveReturns(std::size_t num_returns);
+
   /// Adds a pose with its initial guess. Fails on a pose or time that is not finite, or beyond
   /// input_limits.h.
   Status AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id);

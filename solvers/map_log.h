@@ -89,8 +89,8 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 
-/// Finds the start for a log that PrepareLog took over and that has none yet. Fails like
-/// SeedGraph.
+/// Finds the start for a log that PrepareLog took over and that has none yet. It does not read the
+/// state, which the caller may have taken away. Fails like SeedGraph.
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping);
 

@@ -63,6 +63,13 @@ Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_fr
       {pose - 1, pose, Between(log.scans[index - 1].odom_from_robot, scan.odom_from_robot)});
 }
 
+// As many as there can be returns. What of their room is not used takes no memory.
+std::size_t NumReadings(const CarmenLog& log, std::size_t num_scans) {
+  std::size_t num_readings = 0;
+  for (std::size_t i = 0; i < num_scans; ++i) num_readings += log.scans[i].ranges.size();
+  return num_readings;
+}
+
 }  // namespace
 
 std::string LaserMounting::Disagreement() const {
@@ -107,6 +114,7 @@ Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
   const bool has_odometry = HasOdometry(log);
   const Pose2 robot_from_laser = MountingOf(log, has_odometry);
   SlamGraph result;
+  result.ReserveReturns(NumReadings(log, num_scans));
   for (std::size_t i = 0; i < num_scans; ++i) {
     const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
     if (status.ok()) continue;

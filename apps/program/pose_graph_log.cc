@@ -17,6 +17,7 @@ Status LogOfPoseGraph(const SlamGraph& graph, int max_scans, SlamGraph* log) {
                    [&](int a, int b) { return graph.scan(a).pose < graph.scan(b).pose; });
   if (max_scans > 0 && max_scans < graph.num_scans()) scans.resize(max_scans);
   SlamGraph result;
+  result.ReserveReturns(graph.num_returns());
   int last_pose = -1, pose = -1;
   for (const int scan : scans) {
     const int given_pose = graph.scan(scan).pose;

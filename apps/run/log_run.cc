@@ -122,7 +122,7 @@ class LogRun {
   // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
   Status Seed() {
     const auto start = std::chrono::steady_clock::now();
-    StartMeasuringOdometry();
+    StartMeasuring(std::move(mapping_.state));  // the seeding does without it
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
@@ -140,7 +140,9 @@ class LogRun {
   // results outlive one that comes to nothing.
   Status RecordStart(MapRun* map) {
     PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
-    if (!odometry_stage_.valid()) StartMeasuringOdometry();  // resumed: nothing was seeded
+    if (!odometry_stage_.valid()) {  // resumed: nothing was seeded
+      StartMeasuring(mapping_.graph.InitialState());
+    }
     const Stage stage = odometry_stage_.get();
     const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
     PLUMBLINE_RETURN_IF_ERROR(map->RecordStart(is_prediction ? nullptr : &odometry_, stage));
@@ -148,8 +150,8 @@ class LogRun {
     return Status::Ok();
   }
 
-  void StartMeasuringOdometry() {
-    odometry_ = mapping_.graph.InitialState();
+  void StartMeasuring(MapState odometry) {
+    odometry_ = std::move(odometry);
     const auto when = pool_.num_threads() > 1 ? std::launch::async : std::launch::deferred;
     odometry_stage_ = std::async(when, [this] {
       ThreadPool one_thread(1);

@@ -36,6 +36,7 @@ namespace {
 // File names, or whole paths where two are the same.
 std::vector<std::string> NamesOf(const std::vector<std::string>& logs) {
   std::vector<std::string> names;
+  names.reserve(logs.size());
   for (const std::string& log : logs) {
     names.push_back(std::filesystem::path(log).filename().string());
   }

@@ -8,6 +8,7 @@ Status MakeGraph(const SimulatedLog& log, SlamGraph* graph) {
   SlamGraph result;
   int laser = 0;
   PLUMBLINE_RETURN_IF_ERROR(result.AddLaser(log.laser, &laser));
+  result.ReserveReturns(log.scans.size() * log.laser.num_beams);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     const SimulatedScan& scan = log.scans[i];
     int pose = 0;

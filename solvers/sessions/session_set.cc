@@ -111,6 +111,7 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
                   JoinedDrive* joined) {
   std::vector<Pose2>& poses = joined->matched.world_from_robot;
   std::vector<Keyframe>& keyframes = joined->matched.keyframes;
+  joined->graph.ReserveReturns(set.graph.num_returns());
   for (std::size_t i = 0; i < group.sessions.size(); ++i) {
     const int session = group.sessions[i];
     const SequentialTrajectory& own = set.matched[session];
