@@ -33,7 +33,7 @@ void PutAtFixedPoses(const SlamGraph& graph, MapState* state) {
   for (const FixedPose& fixed : graph.fixed_poses()) {
     state->SetPose(fixed.pose, fixed.world_from_robot);
   }
-  CarryPoints(graph, before, state);
+  if (!state->points.empty()) CarryPoints(graph, before, state);
 }
 
 void CarryPoints(const SlamGraph& graph, const std::vector<double>& poses_before, MapState* state) {

@@ -12,8 +12,8 @@ namespace plumbline {
 bool IsAtFixedPoses(const SlamGraph& graph, const MapState& state);
 
 /// Puts a state where the graph's fixed poses are: the whole of it, rigidly, by the first one that
-/// FixPose named, and then the others with their map points. Nothing changes where all are in
-/// place.
+/// FixPose named, and then the others with their map points, if it has any. Nothing changes where
+/// all are in place.
 void PutAtFixedPoses(const SlamGraph& graph, MapState* state);
 
 /// Moves every map point along with its pose, from poses_before (x, y, yaw each) to the state's: it

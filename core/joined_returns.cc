@@ -38,8 +38,8 @@ void FindJoinedReturns(const SlamGraph& graph, int scan_id,
     // Points of one beam may be as far apart as neighbours.
     const int gap = std::max(returns.beam[r] - returns.beam[r - 1], 1);
     if (gap > kMaxBeamGap) continue;
-    const double range = std::min(returns.range_m[r], returns.range_m[r - 1]);
-    const double limit = std::max(reach_m, kGrazingFactor * gap * range * bearing_step_rad);
+    const double range_m = std::min(returns.range_m[r], returns.range_m[r - 1]);
+    const double limit = std::max(reach_m, kGrazingFactor * gap * range_m * bearing_step_rad);
     (*joined)[k] = (points[k] - points[k - 1]).squaredNorm() <= limit * limit;
   }
 }

@@ -91,19 +91,25 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
 
 void SlamGraph::ReserveReturns(std::size_t num_returns) {
   returns_.range_m.reserve(num_returns);
-  returns_.bearing_rad.reserve(num_returns);
   returns_.beam.reserve(num_returns);
   returns_.scan.reserve(num_returns);
 }
 
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
+  const LaserModel& laser = lasers_[laser_id].model;
+  const bool has_own_bearings = std::any_of(returns.begin(), returns.end(), [&](const Return& r) {
+    return r.bearing_rad != laser.Bearing(r.beam);
+  });
+  const std::size_t first_return = returns_.size();
+  first_own_bearing_.push_back(off_beam_rad_.size());
   for (const Return& r : returns) {
-    returns_.range_m.push_back(r.range_m);
-    returns_.bearing_rad.push_back(r.bearing_rad);
+    returns_.range_m.push_back(ClampRange(laser, r.range_m));
     returns_.beam.push_back(r.beam);
     returns_.scan.push_back(num_scans());
+    if (!has_own_bearings) continue;
+    off_beam_rad_.push_back(static_cast<float>(r.bearing_rad - laser.Bearing(r.beam)));
   }
-  scans_.push_back({pose_id, laser_id, returns_.size() - returns.size(), returns.size()});
+  scans_.push_back({pose_id, laser_id, first_return, returns.size(), has_own_bearings});
 }
 
 Status SlamGraph::ReturnsOf(int laser_id, const std::vector<double>& ranges,
@@ -152,7 +158,7 @@ Status SlamGraph::AddSweep(int pose_id, int laser_id, const std::vector<double>&
     const BeamReturn seen =
         SeenFromBefore({r.range_m, r.bearing_rad},
                        laser_from_robot * PartOfMotion(motion, share) * laser.robot_from_laser);
-    r.range_m = ClampRange(laser, seen.range_m);
+    r.range_m = seen.range_m;
     r.bearing_rad = seen.bearing_rad;
   }
   AppendScan(pose_id, laser_id, returns);
@@ -201,8 +207,7 @@ Status SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
   const ScanEntry entry = other.scans_[scan_id];
   std::vector<Return> returns;
   for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    returns.push_back(
-        {other.returns_.range_m[r], other.returns_.bearing_rad[r], other.returns_.beam[r]});
+    returns.push_back({other.returns_.range_m[r], other.Bearing(r), other.returns_.beam[r]});
   }
   AppendScan(pose_id, laser_id, returns);
   return Status::Ok();
@@ -294,8 +299,18 @@ std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) con
   return points;
 }
 
-double SlamGraph::ClampRange(const LaserModel& laser, double range_m) {
-  return std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0));
+std::vector<double> SlamGraph::Bearings() const {
+  std::vector<double> bearings_rad(num_returns());
+  for (std::size_t r = 0; r < bearings_rad.size(); ++r) bearings_rad[r] = Bearing(r);
+  return bearings_rad;
+}
+
+// Rounding must not make a return of what is none.
+float SlamGraph::ClampRange(const LaserModel& laser, double range_m) {
+  const auto rounded = static_cast<float>(
+      std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0)));
+  if (rounded < laser.min_range_m) return std::nextafter(rounded, HUGE_VALF);
+  return rounded < laser.max_range_m ? rounded : std::nextafter(rounded, 0.0F);
 }
 
 void SlamGraph::Correct(const MeasurementCorrections& corrections) {
@@ -313,8 +328,23 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
     const LaserModel& laser = LaserOfScan(returns_.scan[r]);
     returns_.range_m[r] = ClampRange(laser, corrections.range_m[r]);
   }
-  std::copy(corrections.bearing_rad.begin(), corrections.bearing_rad.end(),
-            returns_.bearing_rad.begin());
+  if (!corrections.bearing_rad.empty()) SetBearings(corrections.bearing_rad);
+}
+
+void SlamGraph::SetBearings(const std::vector<double>& bearings_rad) {
+  off_beam_rad_.clear();
+  for (int s = 0; s < num_scans(); ++s) {
+    ScanEntry& scan = scans_[s];
+    const LaserModel& model = laser(scan.laser);
+    first_own_bearing_[s] = off_beam_rad_.size();
+    scan.has_own_bearings = false;
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const double off_rad = bearings_rad[r] - model.Bearing(returns_.beam[r]);
+      off_beam_rad_.push_back(static_cast<float>(off_rad));
+      scan.has_own_bearings = scan.has_own_bearings || off_rad != 0.0;
+    }
+    if (!scan.has_own_bearings) off_beam_rad_.resize(first_own_bearing_[s]);
+  }
 }
 
 SlamGraph SlamGraph::Corrected(const MeasurementCorrections& corrections) const& {

@@ -8,60 +8,11 @@
 
 #include "plumbline/core/laser_scan.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/measurements.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
-
-/// What the odometry says of the motion between two poses; its noise comes from the motion model.
-struct OdometryConstraint {
-  int from = 0;        ///< pose id
-  int to = 0;          ///< pose id
-  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
-};
-
-/// A measured relative pose with its covariance (order x, y [m], yaw [rad], in the frame of
-/// `from`): a loop closure, or an edge of a host pipeline's pose graph.
-struct RelativePoseConstraint {
-  int from = 0;        ///< pose id
-  int to = 0;          ///< pose id
-  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2], [m rad], [rad^2]
-};
-
-/// A pose that is known.
-struct FixedPose {
-  int pose = 0;            ///< pose id
-  Pose2 world_from_robot;  ///< where it is held
-};
-
-/// One sweep of a laser taken at a pose. Its returns lie side by side in the graph's arrays.
-struct ScanEntry {
-  int pose = 0;                  ///< pose id
-  int laser = 0;                 ///< laser id
-  std::size_t first_return = 0;  ///< return id; those of the scan follow it
-  std::size_t num_returns = 0;   ///< beams without a return are left out
-};
-
-/// Every laser return of a graph, one array per quantity, ordered by scan and then by beam.
-struct LaserReturns {
-  std::vector<double> range_m;      ///< from the laser
-  std::vector<double> bearing_rad;  ///< in the frame of the laser
-  std::vector<int> beam;  ///< index of the beam within its sweep; gaps are beams without return
-  std::vector<int> scan;  ///< scan id
-
-  /// Number of returns.
-  std::size_t size() const { return range_m.size(); }
-};
-
-/// Measurements that a graph is to have in place of its own; an empty array leaves them as they
-/// are.
-struct MeasurementCorrections {
-  std::vector<Pose2> odometry;          ///< from_from_to per constraint of SlamGraph::odometry()
-  std::vector<Pose2> robot_from_laser;  ///< mounting per laser
-  std::vector<double> range_m;          ///< per return [m]
-  std::vector<double> bearing_rad;      ///< per return, in the frame of the laser [rad]
-};
 
 /// The measurements of one mapping problem: laser returns, odometry and relative poses between
 /// robot poses, and an initial guess of every pose. Ids count up from 0 in order of addition.
@@ -156,11 +107,22 @@ class SlamGraph {
 
   /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
+  /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.
+  double Bearing(std::size_t return_id) const {
+    const ScanEntry& scan = scans_[returns_.scan[return_id]];
+    const double by_model = laser(scan.laser).Bearing(returns_.beam[return_id]);
+    return scan.has_own_bearings ? by_model + off_beam_rad_[OwnBearing(scan, return_id)] : by_model;
+  }
+  /// The bearings of all returns, by return id.
+  std::vector<double> Bearings() const;
   /// Measured end of a beam [m] in the frame of its laser.
   Eigen::Vector2d PointInLaser(std::size_t return_id) const {
-    const int laser = scans_[returns_.scan[return_id]].laser;
-    return returns_.range_m[return_id] *
-           BeamDirection(laser, returns_.beam[return_id], returns_.bearing_rad[return_id]);
+    const ScanEntry& scan = scans_[returns_.scan[return_id]];
+    const double range_m = returns_.range_m[return_id];
+    // Sines and cosines would be most of the work of placing a map.
+    return scan.has_own_bearings
+               ? BeamEnd(range_m, Bearing(return_id))
+               : range_m * lasers_[scan.laser].beam_directions[returns_.beam[return_id]];
   }
   /// Measured end of a beam [m] in the frame of the robot.
   Eigen::Vector2d PointInRobot(std::size_t return_id) const {
@@ -203,16 +165,14 @@ class SlamGraph {
   Status ReturnsOf(int laser_id, const std::vector<double>& ranges,
                    std::vector<Return>* returns) const;
   // What a return becomes if its range is this.
-  static double ClampRange(const LaserModel& laser, double range_m);
+  static float ClampRange(const LaserModel& laser, double range_m);
   // In the order of their beams.
   void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
-  // Unit vector, in the frame of the laser. Known from the laser's model, but for returns that
-  // AddPoints gave bearings of their own: sines and cosines are most of the work of placing a map.
-  Eigen::Vector2d BeamDirection(int laser_id, int beam, double bearing_rad) const {
-    const Laser& laser = lasers_[laser_id];
-    const bool by_model = bearing_rad == laser.model.Bearing(beam);
-    return by_model ? laser.beam_directions[beam] : BeamEnd(1.0, bearing_rad);
+  // Into off_beam_rad_.
+  std::size_t OwnBearing(const ScanEntry& scan, std::size_t return_id) const {
+    return first_own_bearing_[returns_.scan[return_id]] + (return_id - scan.first_return);
   }
+  void SetBearings(const std::vector<double>& bearings_rad);
   // points: two numbers per return, those from `first` on are placed.
   void PlacePoints(const std::vector<double>& poses, std::size_t first,
                    std::vector<double>* points) const;
@@ -227,6 +187,10 @@ class SlamGraph {
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;
   LaserReturns returns_;
+  // Of the returns of scans that have bearings of their own: by how much these differ from those of
+  // their beams, and where those of each scan begin.
+  std::vector<float> off_beam_rad_;
+  std::vector<std::size_t> first_own_bearing_;
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;
   std::vector<double> initial_poses_;

@@ -61,8 +61,8 @@ MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder 
                                           const std::vector<double>& poses) {
   const LaserReturns& returns = measured.returns();
   MeasurementCorrections corrections;
-  corrections.range_m = returns.range_m;
-  corrections.bearing_rad = returns.bearing_rad;
+  corrections.range_m.assign(returns.range_m.begin(), returns.range_m.end());
+  corrections.bearing_rad = measured.Bearings();
   if (order == SweepOrder::kAtOnce) return corrections;
   for (int s = 0; s < measured.num_scans(); ++s) {
     const ScanEntry& scan = measured.scan(s);
@@ -77,7 +77,7 @@ MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder 
       const double share = beam * laser.beam_period_s / velocity->duration_s;
       const Pose2 moved =
           laser_from_robot * PartOfMotion(velocity->motion, share) * laser.robot_from_laser;
-      const BeamReturn before = SeenFromBefore({returns.range_m[r], returns.bearing_rad[r]}, moved);
+      const BeamReturn before = SeenFromBefore({returns.range_m[r], measured.Bearing(r)}, moved);
       corrections.range_m[r] = before.range_m;
       corrections.bearing_rad[r] = before.bearing_rad;
     }

@@ -213,10 +213,13 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     if (options.calibration.IsOn()) {
       Calibrate(options, solver, mapping);
     } else {
+      // As large as the readings, and not needed over landmarks, see Solve.
+      if (solver.IsOverLandmarks()) mapping->state.points = std::vector<double>();
       mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next
     if (!mapping->report.solver.IsSolutionUsable()) {
+      mapping->state.points = mapping->graph.MeasuredMap(mapping->state.poses);
       return Status::InvalidArgument(mapping->report.solver.message);
     }
     mapping->report.consistency =

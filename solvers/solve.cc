@@ -87,15 +87,19 @@ SolverSummary SolveMeasured(const Solver& solver, const SolverProblem& problem, 
   return summary;
 }
 
-// A null surface has not been measured yet.
+// A null surface has not been measured yet. A state without points keeps none if the seed is the
+// result.
 SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
                       const SlamGraph& graph, MapState* state) {
   return CatchFailures(options, [&] {
     const Solver& solver = SolverOf(options);
     const bool poses_only = solver.MovesPosesOnly();
-    Status status = CheckSolverInput(options, graph, *state);
-    if (status.ok() && !IsAtFixedPoses(graph, *state)) {
+    Status status = CheckSolverInput(options, graph, *state, false);
+    const bool lacks_points =
+        state->points.empty() && graph.num_returns() > 0 && !solver.IsOverLandmarks();
+    if (status.ok() && (lacks_points || !IsAtFixedPoses(graph, *state))) {
       MapState placed = *state;
+      if (lacks_points) placed.points = graph.MeasuredMap(placed.poses);
       PutAtFixedPoses(graph, &placed);
       SolverSummary summary = SolveOn(options, surface, graph, &placed);
       if (summary.IsSolutionUsable()) *state = std::move(placed);
@@ -117,17 +121,25 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
   });
 }
 
+SolverSummary SolveWithPoints(const SolverOptions& options, const MeasuredSurface* surface,
+                              const SlamGraph& graph, MapState* state) {
+  const DefaultFloatEnvironment float_environment;
+  SolverSummary summary = SolveOn(options, surface, graph, state);
+  if (summary.IsSolutionUsable() && state->points.empty()) {
+    state->points = graph.MeasuredMap(state->poses);
+  }
+  return summary;
+}
+
 }  // namespace
 
 SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, nullptr, graph, state);
+  return SolveWithPoints(options, nullptr, graph, state);
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
                     const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, &surface, graph, state);
+  return SolveWithPoints(options, &surface, graph, state);
 }
 
 }  // namespace plumbline

@@ -21,6 +21,9 @@ struct MeasuredSurface;
 /// contradict it, or scans contradict relative poses, from where the sound ones put the poses, if
 /// that lowers the energy.
 ///
+/// state->points may be empty: then they are where the measurements put them, seen from its poses.
+/// Solvers over landmarks (SolverType::kReduced) need no memory for them until the poses are found.
+///
 /// Fixed poses are constants: *state is put where they are, rigidly by the first of them, and no
 /// solver moves them.
 ///

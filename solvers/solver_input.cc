@@ -25,11 +25,11 @@ Status CheckReach(const char* name, const std::vector<double>& values, std::size
 
 }  // namespace
 
-Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
-                        const MapState& state) {
+Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
+                        bool needs_points) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state));
+  PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state, needs_points));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));
   PLUMBLINE_RETURN_IF_ERROR(CheckOwnTerms(options.factors, graph, state));
@@ -43,12 +43,12 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
 }
 
-Status CheckStateSize(const SlamGraph& graph, const MapState& state) {
+Status CheckStateSize(const SlamGraph& graph, const MapState& state, bool needs_points) {
   const std::size_t num_pose_coordinates = 3 * static_cast<std::size_t>(graph.num_poses());
   const std::size_t num_point_coordinates = 2 * graph.num_returns();
-  if (state.poses.size() == num_pose_coordinates && state.points.size() == num_point_coordinates) {
-    return Status::Ok();
-  }
+  const bool has_points =
+      state.points.size() == num_point_coordinates || (!needs_points && state.points.empty());
+  if (state.poses.size() == num_pose_coordinates && has_points) return Status::Ok();
   return Status::InvalidArgument(
       "the graph has " + std::to_string(graph.num_poses()) + " poses and " +
       std::to_string(graph.num_returns()) + " returns, which takes " +

@@ -18,12 +18,14 @@ inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e
 /// Whether a graph can be solved from this state: InvalidArgument names an option out of range or
 /// that does not go with the others, a state of another size than the graph, a pose or point that
 /// is not finite or beyond 1e8, an own term that sees what is not there or is not finite, or the
-/// lack of any return (of any relative pose, for solvers that look at nothing else).
-Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph,
-                        const MapState& state);
+/// lack of any return (of any relative pose, for solvers that look at nothing else). Without
+/// needs_points, the state may have none.
+Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
+                        bool needs_points = true);
 
-/// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown.
-Status CheckStateSize(const SlamGraph& graph, const MapState& state);
+/// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown. Without
+/// needs_points, it may have none.
+Status CheckStateSize(const SlamGraph& graph, const MapState& state, bool needs_points = true);
 
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);

@@ -77,7 +77,7 @@ MapState DisturbedState(const std::vector<TimedPose>& truth, const SlamGraph& gr
   constexpr double kDriftM = 0.03, kDriftRad = 0.0035;
   NoiseSource source(kSeed, kDriftStream);
   const SmoothDrift x(&source), y(&source), yaw(&source);
-  MapState state = graph.InitialState();
+  MapState state{graph.initial_poses(), {}};
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     const double path_m = kScanSpacing * pose;
     Pose2 drifted = truth[pose].world_from_robot;
@@ -86,7 +86,6 @@ MapState DisturbedState(const std::vector<TimedPose>& truth, const SlamGraph& gr
     drifted.yaw += kDriftRad * yaw.At(path_m);
     state.SetPose(pose, drifted);
   }
-  state.points = graph.MeasuredMap(state.poses);
   return state;
 }
 

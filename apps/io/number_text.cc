@@ -32,4 +32,12 @@ std::string ExactText(double value) {
   return std::string(text, std::to_chars(text, text + sizeof(text), value).ptr);
 }
 
+double ShortestDecimal(float value) {
+  char text[32];
+  const char* end = std::to_chars(text, text + sizeof(text), value).ptr;
+  double decimal = 0.0;
+  std::from_chars(text, end, decimal);
+  return decimal;
+}
+
 }  // namespace plumbline

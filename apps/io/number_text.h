@@ -18,6 +18,10 @@ std::string ShortText(double value);
 /// A number for files, finite or not: the fewest digits that give the same double when read.
 std::string ExactText(double value);
 
+/// The shortest decimal number that stands for this float and no other: 3.45 and not
+/// 3.4500000476837158.
+double ShortestDecimal(float value);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_IO_NUMBER_TEXT_H_

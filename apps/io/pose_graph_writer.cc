@@ -53,14 +53,14 @@ Status ReadingsOf(const SlamGraph& graph, int scan, std::vector<double>* reading
   const ScanEntry& entry = graph.scan(scan);
   for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
     const int beam = graph.returns().beam[r];
-    const double off_rad = graph.returns().bearing_rad[r] - laser.Bearing(beam);
+    const double off_rad = graph.Bearing(r) - laser.Bearing(beam);
     if (std::abs(off_rad) > kToleranceRad || (*readings)[beam] != no_return) {
       return Status::InvalidArgument("scan " + std::to_string(scan) + ", beam " +
                                      std::to_string(beam) +
                                      ": pose graphs have one reading per beam and evenly spaced "
                                      "beams");
     }
-    (*readings)[beam] = graph.returns().range_m[r];
+    (*readings)[beam] = ShortestDecimal(graph.returns().range_m[r]);
   }
   if (laser.bearing_step_rad < 0.0) std::reverse(readings->begin(), readings->end());
   return Status::Ok();

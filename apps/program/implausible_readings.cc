@@ -31,7 +31,7 @@ std::string EmptyScans(const SlamGraph& graph) {
 }
 
 std::string LongRanges(const SlamGraph& graph) {
-  std::vector<double> ranges_m = graph.returns().range_m;
+  std::vector<float> ranges_m = graph.returns().range_m;
   if (ranges_m.empty()) return "";
   const auto middle = ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2);
   std::nth_element(ranges_m.begin(), middle, ranges_m.end());

@@ -264,7 +264,7 @@ void BindSlamGraph(py::module_* module) {
           "ranges_m", [](const Graph& g) { return ArrayOf(g->returns().range_m); },
           "(M,): of each return, from the laser [m]")
       .def_property_readonly(
-          "bearings_rad", [](const Graph& g) { return ArrayOf(g->returns().bearing_rad); },
+          "bearings_rad", [](const Graph& g) { return ArrayOf(g->Bearings()); },
           "(M,): of each return, in the frame of the laser [rad]")
       .def_property_readonly(
           "beams", [](const Graph& g) { return ArrayOf(g->returns().beam); },

@@ -61,7 +61,7 @@ std::vector<Eigen::Vector2d> PointsOf(const SlamGraph& graph, int scan_id, Mirro
   points.reserve(max_points);
   for (std::size_t i = 0; i < scan.num_returns; i += stride) {
     const std::size_t r = scan.first_return + i;
-    const double measured_rad = graph.returns().bearing_rad[r];
+    const double measured_rad = graph.Bearing(r);
     const double bearing_rad =
         mirror == Mirror::kNone ? measured_rad : bearing_sum_rad - measured_rad;
     points.push_back(BeamEnd(graph.returns().range_m[r], bearing_rad));

@@ -64,8 +64,11 @@ bool HaveSameReturns(const SlamGraph& graph, const ScanEntry& a, const ScanEntry
     const auto begin = values.begin() + a.first_return;
     return std::equal(begin, begin + a.num_returns, values.begin() + b.first_return);
   };
-  return a.num_returns == b.num_returns && same(returns.range_m) && same(returns.beam) &&
-         same(returns.bearing_rad);
+  if (a.num_returns != b.num_returns || !same(returns.range_m) || !same(returns.beam)) return false;
+  for (std::size_t k = 0; k < a.num_returns; ++k) {
+    if (graph.Bearing(a.first_return + k) != graph.Bearing(b.first_return + k)) return false;
+  }
+  return true;
 }
 
 // What a scan shows, to tell what a motion would change of it.

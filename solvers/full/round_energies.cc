@@ -12,7 +12,6 @@ namespace {
 std::vector<double> InPlace(const SlamGraph& graph, const std::vector<double>& poses) {
   MapState state{poses, {}};
   if (IsAtFixedPoses(graph, state)) return poses;
-  state.points.resize(2 * graph.num_returns());
   PutAtFixedPoses(graph, &state);
   return state.poses;
 }

@@ -39,7 +39,7 @@ void CalibratedGraph::Set(const CalibrationVector& theta, const std::vector<doub
   }
   const double range_scale = std::exp(theta[kLogRangeScale]);
   corrections_.range_m.reserve(given_.num_returns());
-  for (const double range_m : given_.returns().range_m) {
+  for (const float range_m : given_.returns().range_m) {
     corrections_.range_m.push_back(range_scale * (range_m + theta[kRangeBias]));
   }
   const double odometry_scale = std::exp(theta[kLogOdometryScale]);

@@ -94,8 +94,16 @@ class LandmarkRun final : public JointRun {
   // For want of something better, the terms after are those before.
   void RecordSeedTerms(const Associations& associations) {
     const Energy energy(graph_, associations, factors_, &pool_);
-    RecordTerms(energy, seed_, &TermSummary::initial_cost);
-    RecordTerms(energy, seed_, &TermSummary::final_cost);
+    RecordSeed(energy, &TermSummary::initial_cost);
+    RecordSeed(energy, &TermSummary::final_cost);
+  }
+
+  void RecordSeed(const Energy& energy, double TermSummary::*cost) {
+    if (seed_.points.empty()) {
+      RecordTerms(energy, {seed_.poses, graph_.MeasuredMap(seed_.poses)}, cost);
+    } else {
+      RecordTerms(energy, seed_, cost);
+    }
   }
 
   // The final points, and the costs per term before and after, under the final lines.
@@ -109,7 +117,7 @@ class LandmarkRun final : public JointRun {
           FindShapePairs(graph_, state_.points, surface_->normals, options_.association, &pool_);
     }
     const Energy energy(graph_, *associations, factors_, &pool_);
-    RecordTerms(energy, seed_, &TermSummary::initial_cost);
+    RecordSeed(energy, &TermSummary::initial_cost);
     if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
     RecordTerms(energy, state_, &TermSummary::final_cost);
   }

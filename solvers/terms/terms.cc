@@ -70,7 +70,7 @@ class RangeBeamTerm final : public TermOf<RangeBeamTerm, RangeBeamFactor, PoseId
     beam.frame = MakeBeamFrame(poses + 3 * scan.pose, beam.robot_from_laser);
     for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
       beam.range_m = returns.range_m[i];
-      beam.bearing_rad = returns.bearing_rad[i];
+      beam.bearing_rad = graph_.Bearing(i);
       if (!visit(i, beam, PoseId{scan.pose}, PointId{i})) return false;
     }
     return true;

@@ -1,5 +1,6 @@
 #include "plumbline/core/sweep_motion.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -90,7 +91,7 @@ TEST(SweepMotionTest, EveryReturnIsPlacedByThePoseAtItsTime) {
   // The last pose goes on as before it.
   for (int scan = 0; scan < 3; ++scan) {
     EXPECT_GT(WorstError(arc, measured, measured, scan), 0.1);
-    EXPECT_LT(WorstError(arc, measured, corrected, scan), 1e-9);
+    EXPECT_LT(WorstError(arc, measured, corrected, scan), 1e-6);
   }
 }
 
@@ -102,7 +103,7 @@ TEST(SweepMotionTest, FollowsThePosesThatAreGiven) {
       TakeOutSweepMotion(measured, SweepOrder::kFirstBeamFirst, at_rest);
   for (std::size_t r = 0; r < measured.num_returns(); ++r) {
     EXPECT_NEAR(corrections.range_m[r], measured.returns().range_m[r], 1e-12);
-    EXPECT_NEAR(corrections.bearing_rad[r], measured.returns().bearing_rad[r], 1e-12);
+    EXPECT_NEAR(corrections.bearing_rad[r], measured.Bearing(r), 1e-12);
   }
 }
 
@@ -113,8 +114,8 @@ TEST(SweepMotionTest, ReturnsStayWhereNobodyKnowsTheMotion) {
     const SlamGraph measured = Swept(arc, times_s);
     const MeasurementCorrections corrections =
         TakeOutSweepMotion(measured, SweepOrder::kFirstBeamFirst, measured.initial_poses());
-    EXPECT_EQ(corrections.range_m, measured.returns().range_m);
-    EXPECT_EQ(corrections.bearing_rad, measured.returns().bearing_rad);
+    EXPECT_THAT(corrections.range_m, testing::ElementsAreArray(measured.returns().range_m));
+    EXPECT_EQ(corrections.bearing_rad, measured.Bearings());
   }
 }
 
@@ -141,7 +142,7 @@ TEST(AddSweepTest, ReturnsAreWhereTheirBeamsEnded) {
     for (int beam = 0; beam < kNumBeams; ++beam) {
       const int before = order == SweepOrder::kFirstBeamFirst ? beam : kNumBeams - 1 - beam;
       const Eigen::Vector2d truth = arc.At(0.01 * before) * measured.PointInRobot(beam);
-      EXPECT_LT((graph.PointInRobot(beam) - truth).norm(), 1e-12) << beam;
+      EXPECT_LT((graph.PointInRobot(beam) - truth).norm(), 1e-6) << beam;
       EXPECT_EQ(graph.returns().beam[beam], beam);
     }
   }
@@ -162,7 +163,7 @@ TEST(AddSweepTest, KeepsReturnsOfTheLaserOnly) {
   EXPECT_TRUE(laser.IsReturn(graph.returns().range_m[0]));
   // At once: as measured.
   ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0), SweepOrder::kAtOnce).ok());
-  EXPECT_EQ(graph.returns().range_m[1], 5.9);
+  EXPECT_EQ(graph.returns().range_m[1], 5.9F);
 }
 
 TEST(AddSweepTest, RefusesWhatWouldBeTakenOutTwiceAndWhatIsNoMotion) {

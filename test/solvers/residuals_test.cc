@@ -126,7 +126,7 @@ TEST(ResidualsTest, BeamsAreWhitenedRangesAndBearings) {
   const Eigen::Vector2d moved =
       world_from_laser *
       BeamEnd(room.graph.returns().range_m[r] + 3.0 * options.factors.beam.sigma_range_m,
-              room.graph.returns().bearing_rad[r] + 2.0 * options.factors.beam.sigma_bearing_rad);
+              room.graph.Bearing(r) + 2.0 * options.factors.beam.sigma_bearing_rad);
   room.state.points[2 * r] = moved.x();
   room.state.points[2 * r + 1] = moved.y();
   Residuals residuals;

@@ -116,7 +116,7 @@ TEST_F(PoseGraphFileTest, ScansBelongToTheVertexBeforeThem) {
   EXPECT_EQ(graph.scan(1).pose, 2);
   EXPECT_EQ(graph.scan(2).pose, 2);
   EXPECT_THAT(graph.returns().range_m, ElementsAre(1, 2, 1, 1, 1, 2, 2, 2));
-  EXPECT_NEAR(graph.returns().bearing_rad[0], -kPi / 3.0, 1e-6);
+  EXPECT_NEAR(graph.Bearing(0), -kPi / 3.0, 1e-6);
   EXPECT_NEAR(graph.LaserOfScan(0).robot_from_laser.x, 0.2, 1e-12);
   EXPECT_NEAR(graph.LaserOfScan(0).robot_from_laser.y, 0.0, 1e-12);
   EXPECT_EQ(graph.timestamp_s(0), 0.0);  // its index

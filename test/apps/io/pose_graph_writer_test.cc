@@ -62,7 +62,7 @@ class PoseGraphWriterTest : public testing::Test {
 void ExpectSameScans(const SlamGraph& a, const SlamGraph& b) {
   ASSERT_EQ(a.num_scans(), b.num_scans());
   EXPECT_EQ(a.returns().range_m, b.returns().range_m);
-  EXPECT_EQ(a.returns().bearing_rad, b.returns().bearing_rad);
+  EXPECT_EQ(a.Bearings(), b.Bearings());
   EXPECT_EQ(a.returns().beam, b.returns().beam);
   EXPECT_EQ(a.returns().scan, b.returns().scan);
   ASSERT_EQ(a.num_lasers(), b.num_lasers());
@@ -205,7 +205,7 @@ TEST_F(PoseGraphWriterTest, BeamsThatRunClockwiseAreTurnedRound) {
   ASSERT_TRUE(graph.AddScan(pose_id, single_id, {4.0}).ok());
   const SlamGraph back = Through(graph);
   EXPECT_THAT(back.returns().range_m, testing::ElementsAre(3.0, 2.0, 1.0, 4.0));
-  EXPECT_THAT(back.returns().bearing_rad, testing::ElementsAre(0.0, 0.5, 1.0, 1.0));
+  EXPECT_THAT(back.Bearings(), testing::ElementsAre(0.0, 0.5, 1.0, 1.0));
   const MapState before = graph.InitialState(), after = back.InitialState();
   EXPECT_NEAR(MapPoint(after, 0).x(), MapPoint(before, 2).x(), 1e-12);
   EXPECT_NEAR(MapPoint(after, 3).y(), MapPoint(before, 3).y(), 1e-12);

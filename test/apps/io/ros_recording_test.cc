@@ -206,7 +206,7 @@ TEST_F(RosRecordingTest, ASweepMayRunClockwise) {
   for (RosScan& scan : recording_.scans) scan.angle_increment_rad = -0.25;
   Build();
   EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
-  EXPECT_NEAR(graph_.returns().bearing_rad[1], -0.75, 1e-12);
+  EXPECT_NEAR(graph_.Bearing(1), -0.75, 1e-12);
 }
 
 TEST_F(RosRecordingTest, BeamsAreTheMedianOfTheTimeIncrementsApart) {

@@ -121,11 +121,11 @@ TEST(CompareWithSeedTest, WhatIsHeldOutHasNoSayInTheLinesItIsHeldAgainst) {
   scene.faces = {{{2, -3}, {2, 3}}};
   for (int i = 0; i < 8; ++i) scene.poses.emplace_back(0.0, 0.03 * i, 0.0);
   SlamGraph graph = MakeGraph(scene);
-  std::vector<double> ranges_m = graph.returns().range_m;
+  const std::vector<float>& measured_m = graph.returns().range_m;
+  std::vector<double> ranges_m(measured_m.begin(), measured_m.end());
   for (int s = 0; s < graph.num_scans(); ++s) {
-    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) {
-      ranges_m[r] -= 0.02 / std::cos(graph.returns().bearing_rad[r]);
-    });
+    HeldOutReturns::ForEachOf(
+        graph, s, [&](std::size_t r) { ranges_m[r] -= 0.02 / std::cos(graph.Bearing(r)); });
   }
   graph = std::move(graph).Corrected({{}, {}, ranges_m, {}});
   std::vector<double> shifted = graph.initial_poses();

@@ -73,7 +73,7 @@ TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
   const FreeSpaceConflict conflict =
       FreeSpaceScan(graph, 0).Compare(FreeSpaceScan(graph, 1), Pose2(), &point);
   EXPECT_EQ(conflict.num_conflicting, conflict.num_compared);
-  EXPECT_NEAR(point.x(), 1.5, 1e-9);
+  EXPECT_NEAR(point.x(), 1.5, 1e-6);
   EXPECT_NEAR(point.y(), 0.0, 0.03);
 }
 

@@ -184,7 +184,7 @@ TEST_F(FrozenLaserTest, OneOtherReadingIsProofOfLife) {
   Add(kAhead);
   std::vector<double> ranges = RangesAt(0);
   for (int i = 0; i < 5; ++i) {
-    ranges[17] = std::nextafter(ranges[17], 0.0);
+    ranges[17] = std::nextafter(static_cast<float>(ranges[17]), 0.0F);
     AddScan(Move({0.1, 0.0, 0.0}), 0, ranges);
   }
   EXPECT_THAT(Find(), IsEmpty());

@@ -41,8 +41,8 @@ struct LinedRoom {
   /// Covariance of the beam, world frame.
   Eigen::Matrix2d Covariance(std::size_t r, const FactorOptions& factors) const {
     const SlamGraph& graph = room.graph;
-    const double bearing = graph.WorldFromLaser(graph.returns().scan[r], room.state.poses).yaw +
-                           graph.returns().bearing_rad[r];
+    const double bearing =
+        graph.WorldFromLaser(graph.returns().scan[r], room.state.poses).yaw + graph.Bearing(r);
     Eigen::Matrix2d axes;
     axes << std::cos(bearing), -std::sin(bearing), std::sin(bearing), std::cos(bearing);
     const Eigen::Vector2d sigmas(factors.beam.sigma_range_m,

@@ -79,8 +79,7 @@ struct Sighted {
   /// sigma_M^2 + n^T C n [m^2], C from the beam as the graph has it.
   double Variance(std::size_t r) const {
     const int scan = graph.returns().scan[r];
-    const double bearing =
-        graph.WorldFromLaser(scan, graph.initial_poses()).yaw + graph.returns().bearing_rad[r];
+    const double bearing = graph.WorldFromLaser(scan, graph.initial_poses()).yaw + graph.Bearing(r);
     const Eigen::Vector2d axis(std::cos(bearing), std::sin(bearing)), side(-axis.y(), axis.x());
     const Eigen::Vector2d& normal = landmarks[landmark_of_return[r]].normal;
     return std::pow(factors.manifold.sigma_m, 2) +

@@ -135,7 +135,7 @@ TEST(MapConsistency, APassBesideTheOtherContradictsIt) {
   EXPECT_TRUE(consistency.IsContradictory());
   EXPECT_GE(static_cast<int>(consistency.places.size()), 2 * consistency.num_pairs_between);
   for (const SpaceConflict& place : consistency.places) {
-    EXPECT_NEAR(place.world_point.y(), place.viewer_scan < place.scan ? -0.5 : 1.5, 1e-9);
+    EXPECT_NEAR(place.world_point.y(), place.viewer_scan < place.scan ? -0.5 : 1.5, 1e-6);
     EXPECT_NEAR(place.world_point.x(), poses[graph.scan(place.scan).pose].x, 8.0);
   }
 }

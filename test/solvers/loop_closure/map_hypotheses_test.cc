@@ -136,7 +136,7 @@ TEST(MapHypotheses, AStepThatSharesItsErrorOutIsPutRight) {
   for (const auto& [seed, building] :
        {std::pair(5, BuildingKind::kRepetitive), std::pair(2, BuildingKind::kRandom)}) {
     SimulatedDrive drive = MakeDrive(seed, building);
-    Tear(Pose2(0.4, 0.0, 0.0), &drive.matched);
+    Tear(Pose2(0.45, 0.0, 0.0), &drive.matched);
     const Found found = Search(drive);
     EXPECT_EQ(found.best.kind, HypothesisKind::kBrokenSteps) << seed;
     EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.15) << seed;
