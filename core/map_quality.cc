@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <numeric>
 #include <unordered_map>
-#include <utility>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
@@ -28,16 +27,18 @@ class CellSortedPoints {
   CellSortedPoints(const std::vector<double>& points, double radius_m)
       : radius_m_(radius_m),
         cell_m_(radius_m / kCellsPerRadius),
-        cells_per_m_(kCellsPerRadius / radius_m) {
+        cells_per_m_(kCellsPerRadius / radius_m),
+        offset_step_m_(cell_m_ / kOffsetSteps) {
     const std::vector<int> cell_of_point = FindCells(points);
     const std::vector<int> place_of_cell = SortCells();
     offsets_.resize(cell_of_point.size());
     for (std::size_t i = 0; i < offsets_.size(); ++i) {
       Cell& cell = cells_[place_of_cell[cell_of_point[i]]];
       const Eigen::Vector2d point(points[2 * i], points[2 * i + 1]);
-      const Eigen::Vector2d offset = point - cell.center;
+      const Eigen::Vector2d offset = point - Center(cell.key);
+      const auto num_before = static_cast<std::size_t>(cell.moments.weight);
       cell.moments.Add(offset.x(), offset.y());
-      offsets_[cell.first + cell.num_points++] = offset.cast<float>();
+      offsets_[cell.first + num_before] = {Steps(offset.x()), Steps(offset.y())};
     }
   }
 
@@ -60,16 +61,22 @@ class CellSortedPoints {
  private:
   static constexpr int kCellsPerRadius = 3;
   static constexpr std::int64_t kIndexOffset = std::int64_t{1} << 30;
+  static constexpr double kOffsetSteps = 65000.0;  // across a cell
 
   struct Cell {
     std::uint64_t key = 0;
     std::size_t first = 0;
+    PointMoments moments;  // about the centre; their weight is the number of points
+  };
+  struct FoundCell {
+    std::uint64_t key = 0;
     std::size_t num_points = 0;
-    Eigen::Vector2d center = Eigen::Vector2d::Zero();
-    PointMoments moments;  // about the centre
+  };
+  struct Offset {
+    std::int16_t x, y;
   };
 
-  // Makes the cells, in order of their first points, and counts their points.
+  // Finds the cells, in order of their first points, and counts their points.
   std::vector<int> FindCells(const std::vector<double>& points) {
     std::unordered_map<std::uint64_t, int> cell_of_key;
     std::vector<int> cell_of_point(points.size() / 2);
@@ -77,43 +84,38 @@ class CellSortedPoints {
     for (std::size_t i = 0; i < cell_of_point.size(); ++i) {
       const std::uint64_t key = Key(Index(points[2 * i]), Index(points[2 * i + 1]));
       // Neighbouring beams mostly end in the same cell.
-      if (cell < 0 || key != cells_[cell].key) {
-        const auto [entry, is_new] = cell_of_key.try_emplace(key, static_cast<int>(cells_.size()));
-        if (is_new) {
-          cells_.emplace_back();
-          cells_.back().key = key;
-        }
+      if (cell < 0 || key != found_[cell].key) {
+        const auto [entry, is_new] = cell_of_key.try_emplace(key, static_cast<int>(found_.size()));
+        if (is_new) found_.push_back({key, 0});
         cell = entry->second;
       }
       cell_of_point[i] = cell;
-      ++cells_[cell].num_points;
+      ++found_[cell].num_points;
     }
     return cell_of_point;
   }
 
-  // Row by row, and makes room for their points. Gives the new place of each cell.
+  // Makes the cells, row by row, with room for their points. Gives the place of each that was
+  // found.
   std::vector<int> SortCells() {
-    std::vector<int> cell_at(cells_.size()), place_of_cell(cells_.size());
+    std::vector<int> cell_at(found_.size()), place_of_cell(found_.size());
     std::iota(cell_at.begin(), cell_at.end(), 0);
     std::sort(cell_at.begin(), cell_at.end(),
-              [this](int a, int b) { return cells_[a].key < cells_[b].key; });
-    std::vector<Cell> sorted;
-    sorted.reserve(cells_.size());
+              [this](int a, int b) { return found_[a].key < found_[b].key; });
+    cells_.reserve(found_.size());
     std::size_t first = 0;
-    for (const int old : cell_at) {
-      place_of_cell[old] = static_cast<int>(sorted.size());
-      sorted.push_back(cells_[old]);
-      sorted.back().first = first;
-      sorted.back().center = Center(cells_[old].key);
-      first += std::exchange(sorted.back().num_points, 0);
+    for (const int found : cell_at) {
+      place_of_cell[found] = static_cast<int>(cells_.size());
+      cells_.push_back({found_[found].key, first, PointMoments()});
+      first += found_[found].num_points;
     }
-    cells_.swap(sorted);
+    found_ = std::vector<FoundCell>();
     return place_of_cell;
   }
 
   void AddCell(const Cell& cell, const Eigen::Vector2d& center, PointMoments* moments) const {
     constexpr double kRounding = 1e-9;
-    const Eigen::Vector2d offset = cell.center - center;
+    const Eigen::Vector2d offset = Center(cell.key) - center;
     const Eigen::Array2d distance = offset.cwiseAbs();
     const double half = 0.5 * cell_m_, radius_squared = radius_m_ * radius_m_;
     if ((distance + half).matrix().squaredNorm() < (1.0 - kRounding) * radius_squared) {
@@ -122,12 +124,18 @@ class CellSortedPoints {
     }
     const Eigen::Vector2d nearest = (distance - half).max(0.0);
     if (nearest.squaredNorm() > (1.0 + kRounding) * radius_squared) return;
-    for (std::size_t i = cell.first; i < cell.first + cell.num_points; ++i) {
-      const Eigen::Vector2d to_point = offset + offsets_[i].cast<double>();
+    const std::size_t end = cell.first + static_cast<std::size_t>(cell.moments.weight);
+    for (std::size_t i = cell.first; i < end; ++i) {
+      const Eigen::Vector2d to_point =
+          offset + offset_step_m_ * Eigen::Vector2d(offsets_[i].x, offsets_[i].y);
       // No branch: nobody could foresee it.
       const double inside = to_point.squaredNorm() <= radius_squared ? 1.0 : 0.0;
       moments->Add(to_point.x(), to_point.y(), inside);
     }
+  }
+
+  std::int16_t Steps(double offset_m) const {
+    return static_cast<std::int16_t>(std::lround(offset_m / offset_step_m_));
   }
 
   // std::floor is a call into the C library unless the build is for newer processors only.
@@ -150,8 +158,10 @@ class CellSortedPoints {
 
   double radius_m_;
   double cell_m_, cells_per_m_;
-  std::vector<Cell> cells_;               // in order of keys
-  std::vector<Eigen::Vector2f> offsets_;  // of points from the centres of their cells: to 10 nm
+  double offset_step_m_;
+  std::vector<FoundCell> found_;  // until they are sorted
+  std::vector<Cell> cells_;       // in order of keys
+  std::vector<Offset> offsets_;   // of points from the centres of their cells: to a micrometre
 };
 
 struct Sample {

@@ -145,17 +145,15 @@ class LogRun {
     }
     const Stage stage = odometry_stage_.get();
     const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
-    PLUMBLINE_RETURN_IF_ERROR(map->RecordStart(is_prediction ? nullptr : &odometry_, stage));
-    odometry_ = MapState();
-    return Status::Ok();
+    return map->RecordStart(is_prediction ? nullptr : &stage);
   }
 
   void StartMeasuring(MapState odometry) {
-    odometry_ = std::move(odometry);
     const auto when = pool_.num_threads() > 1 ? std::launch::async : std::launch::deferred;
-    odometry_stage_ = std::async(when, [this] {
+    odometry_stage_ = std::async(when, [this, given = std::move(odometry)]() mutable {
+      const MapState measured = std::move(given);  // freed once it is
       ThreadPool one_thread(1);
-      return MeasureStage("odometry", odometry_, TruthOrNull(), &one_thread);
+      return MeasureStage("odometry", measured, TruthOrNull(), &one_thread);
     });
   }
 
@@ -168,8 +166,7 @@ class LogRun {
   RunFingerprint fingerprint_;  // if there is a checkpoint to read or to write
   Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
   std::optional<Truth> truth_;
-  MapState odometry_;                  // until its map is recorded
-  std::future<Stage> odometry_stage_;  // refers to the two before
+  std::future<Stage> odometry_stage_;  // refers to the truth
   RunSummary summary_;
 };
 

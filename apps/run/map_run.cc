@@ -51,13 +51,13 @@ MapRun::MapRun(const MapLogOptions& options, const RunOutputOptions& outputs,
       pool_(pool),
       mapping_(mapping) {}
 
-Status MapRun::RecordStart(const MapState* odometry, const Stage& odometry_stage) {
+Status MapRun::RecordStart(const Stage* odometry) {
   const bool by_pose_graph = options_.solver.MovesPosesOnly();
   std::vector<WriteTask> tasks;
   if (odometry != nullptr) {
-    summary_.stages.push_back(odometry_stage);
+    summary_.stages.push_back(*odometry);
     maps_.push_back({"Odometry", output_.File("map_odometry.png"), MapArea()});
-    tasks.push_back([this, odometry] { return Draw(*odometry, &maps_.front()); });
+    tasks.push_back([this] { return Draw(mapping_->graph.InitialState(), &maps_.front()); });
   }
   const std::string title = StartTitle(options_.start, by_pose_graph);
   maps_.push_back({title, output_.File("map_seed.png"), MapArea()});

@@ -37,9 +37,9 @@ class MapRun {
   MapRun(const MapLogOptions& options, const RunOutputOptions& outputs, const OutputFolder& output,
          const Truth* truth, RunSummary summary, ThreadPool* pool, LogMapping* mapping);
 
-  /// Draws and measures where the estimation starts. odometry: the map before, with its
-  /// measurement; null if there is nothing to show.
-  Status RecordStart(const MapState* odometry, const Stage& odometry_stage);
+  /// Draws and measures where the estimation starts. odometry: measurement of the map at the
+  /// graph's initial poses, which is drawn as well; null if that is nothing to show.
+  Status RecordStart(const Stage* odometry);
 
   /// Estimates the map (RefineLog) until a stop signal comes.
   Status Refine();

@@ -190,7 +190,7 @@ class SessionsRun {
     const SeedingReport& seeding = mapping.report.seeding;
     std::cout << SeedingText(seeding, mapping.graph, mapping.state.poses)
               << ConsistencyText("The seed", seeding.consistency) << std::flush;
-    PLUMBLINE_RETURN_IF_ERROR(results->run->RecordStart(nullptr, Stage()));
+    PLUMBLINE_RETURN_IF_ERROR(results->run->RecordStart(nullptr));
     return results->run->Refine();
   }
 

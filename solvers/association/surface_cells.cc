@@ -61,7 +61,7 @@ class ChunkSorter {
     }
   }
 
-  SurfaceCells TakeCells() { return std::move(cells_); }
+  std::vector<SurfaceCell> TakeCells() { return std::move(cells_).Take(); }
 
  private:
   const SlamGraph& graph_;
@@ -119,7 +119,7 @@ std::size_t SurfaceCells::SlotOf(std::uint64_t square) const {
 }
 
 void SurfaceCells::Grow() {
-  std::vector<Slot> old(4 * slots_.size());
+  std::vector<Slot> old(2 * slots_.size());
   old.swap(slots_);
   for (const Slot& slot : old) {
     if (slot.taken) slots_[SlotOf(slot.square)] = slot;
@@ -158,8 +158,7 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
                            ThreadPool* pool, std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
-  std::vector<SurfaceCells> parts(ThreadPool::NumChunks(num_scans, kScansPerBatch),
-                                  SurfaceCells(grid.cell_m));
+  std::vector<std::vector<SurfaceCell>> parts(ThreadPool::NumChunks(num_scans, kScansPerBatch));
   pool->ForEachChunk(num_scans, kScansPerBatch,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
@@ -169,12 +168,13 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
   SurfaceCells cells(grid.cell_m);
   std::vector<std::vector<int>> renamed(parts.size());
   for (std::size_t chunk = 0; chunk < parts.size(); ++chunk) {
-    for (std::size_t i = 0; i < parts[chunk].size(); ++i) {
-      const SurfaceCell& part = parts[chunk][i];
+    renamed[chunk].reserve(parts[chunk].size());
+    for (const SurfaceCell& part : parts[chunk]) {
       const int id = cells.FindOrInsert(part.key, part.pose);
       cells[id].Merge(part.moments, part.pose, part.several_poses);
       renamed[chunk].push_back(id);
     }
+    parts[chunk] = std::vector<SurfaceCell>();
   }
   pool->ForEachChunk(
       num_scans, kScansPerBatch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "plumbline/core/line_fit.h"
@@ -71,6 +72,9 @@ class SurfaceCells {
     return slots_[SlotOf(PackedSquare(x, y))].cell_of_octant;
   }
   int FindOrInsert(const SurfaceCellKey& key, int pose);
+
+  /// The cells without their table, which is as large.
+  std::vector<SurfaceCell> Take() && { return std::move(cells_); }
 
  private:
   struct Slot {

@@ -20,9 +20,11 @@ void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen:
   const std::size_t first_scan = surfaces->size();
   surfaces->resize(graph.num_scans());
   const double spacing_squared = spacing_m * spacing_m;
-  const auto thin_scan = [&](int s, std::vector<Eigen::Vector2d>* measured) {
+  const auto thin_scan = [&](int s, std::vector<Eigen::Vector2d>* measured,
+                             SurfacePoints* thinned) {
     MeasuredPoints(graph, s, measured);
-    SurfacePoints& surface = (*surfaces)[s];
+    SurfacePoints& surface = *thinned;
+    surface.clear();
     for (std::size_t k = 0; k < measured->size(); ++k) {
       const Eigen::Vector2f& normal = normals[graph.scan(s).first_return + k];
       const Eigen::Vector2d& position = (*measured)[k];
@@ -33,13 +35,15 @@ void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen:
       }
       surface.push_back({position, normal.cast<double>()});
     }
+    (*surfaces)[s] = surface;  // a copy has no slack
   };
   constexpr std::size_t kScansPerChunk = 64;
   pool->ForEachChunk(surfaces->size() - first_scan, kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        std::vector<Eigen::Vector2d> measured;
+                       SurfacePoints thinned;
                        for (std::size_t i = begin; i < end; ++i) {
-                         thin_scan(static_cast<int>(first_scan + i), &measured);
+                         thin_scan(static_cast<int>(first_scan + i), &measured, &thinned);
                        }
                      });
 }

@@ -127,8 +127,8 @@ LandmarkProblem BuildLandmarkProblem(const LineObservations& observations,
     if (observation.weight <= 0.0) continue;
     Eigen::Matrix2d scatter;
     scatter << observation.xx, observation.xy, observation.xy, observation.yy;
-    const LineObservationResidual residual{std::sqrt(observation.weight), observation.centroid,
-                                           SqrtScatter(scatter),
+    const LineObservationResidual residual{std::sqrt(double{observation.weight}),
+                                           observation.centroid(), SqrtScatter(scatter),
                                            landmarks[observation.landmark].origin};
     result.problem->AddResidualBlock(new LineObservationFactor(residual), nullptr,
                                      poses->data() + 3 * observation.pose,

@@ -92,7 +92,8 @@ struct Sighting {
   }
   void Take(StoredObservation* observation) const {
     SetMoments(moments, &observation->moments);
-    observation->weighed_distance_m = line.normal.dot(observation->moments.centroid) + line.offset;
+    observation->weighed_distance_m =
+        line.normal.dot(observation->moments.centroid()) + line.offset;
   }
 };
 

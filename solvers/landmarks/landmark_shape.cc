@@ -23,9 +23,9 @@ LineObservation* FindObservation(int pose, int landmark, LineObservations* obser
 }
 
 void AddTerm(const Eigen::Vector2d& direction, double weight, LineObservation* observation) {
-  observation->xx += weight * direction.x() * direction.x();
-  observation->xy += weight * direction.x() * direction.y();
-  observation->yy += weight * direction.y() * direction.y();
+  observation->xx += static_cast<float>(weight * direction.x() * direction.x());
+  observation->xy += static_cast<float>(weight * direction.x() * direction.y());
+  observation->yy += static_cast<float>(weight * direction.y() * direction.y());
 }
 
 }  // namespace

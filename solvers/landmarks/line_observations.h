@@ -21,15 +21,16 @@ std::vector<PoseFrame> FramesOf(const std::vector<double>& poses);
 /// All that one pose saw of one landmark. Returns z_i with weights w_i cost, whatever the pose (R,
 /// t) and the line (n, offset) about `origin`,
 ///   1/2 sum_i w_i (n . (R z_i + t - origin) - offset)^2
-///     = 1/2 [ weight (n . (R centroid + t - origin) - offset)^2 + (R^T n)^T scatter (R^T n) ],
-/// exactly: six numbers stand for any number of returns.
+///     = 1/2 [ weight (n . (R centroid + t - origin) - offset)^2 + (R^T n)^T scatter (R^T n) ]:
+/// six numbers stand for any number of returns, in single precision like what they sum up.
 struct LineObservation {
   int pose = 0;
   int landmark = 0;
-  double weight = 0.0;                                 ///< sum of w_i [1/m^2]
-  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< frame of the robot [m]
-  double xx = 0.0, xy = 0.0, yy = 0.0;  ///< scatter about the centroid, sum of w_i z z^T
+  float weight = 0.0F;                               ///< sum of w_i [1/m^2]
+  Eigen::Vector2f center = Eigen::Vector2f::Zero();  ///< centroid, frame of the robot [m]
+  float xx = 0.0F, xy = 0.0F, yy = 0.0F;  ///< scatter about the centroid, sum of w_i z z^T
 
+  Eigen::Vector2d centroid() const { return center.cast<double>(); }
   Eigen::Vector2d ScatterTimes(const Eigen::Vector2d& v) const {
     return {xx * v.x() + xy * v.y(), xy * v.x() + yy * v.y()};
   }

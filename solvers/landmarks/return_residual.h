@@ -40,13 +40,13 @@ struct ReturnResidual {
 /// Gives an observation the weight, centroid and scatter of weighted returns. moments: about the
 /// origin of the robot.
 inline void SetMoments(const PointMoments& moments, LineObservation* observation) {
-  observation->weight = moments.weight;
-  observation->centroid = {moments.x, moments.y};
-  if (moments.weight > 0.0) observation->centroid /= moments.weight;
-  const Eigen::Vector2d& m = observation->centroid;
-  observation->xx = std::max(0.0, moments.xx - m.x() * moments.x);
-  observation->xy = moments.xy - m.x() * moments.y;
-  observation->yy = std::max(0.0, moments.yy - m.y() * moments.y);
+  observation->weight = static_cast<float>(moments.weight);
+  Eigen::Vector2d m(moments.x, moments.y);
+  if (moments.weight > 0.0) m /= moments.weight;
+  observation->center = m.cast<float>();
+  observation->xx = static_cast<float>(std::max(0.0, moments.xx - m.x() * moments.x));
+  observation->xy = static_cast<float>(moments.xy - m.x() * moments.y);
+  observation->yy = static_cast<float>(std::max(0.0, moments.yy - m.y() * moments.y));
 }
 
 }  // namespace plumbline

@@ -117,7 +117,8 @@ void CalibrationSystem::AddRangeBias(double range_scale, const LineObservations&
     for (std::size_t i = first; i < last; ++i) {
       const LineCoupling& coupling = poses.line_coupling[i];
       if (coupling.row == PoseSystem::kConstant) continue;
-      border.col(kRangeBias).segment<3>(3 * coupling.row) -= coupling.rows * whitened;
+      border.col(kRangeBias).segment<3>(3 * coupling.row) -=
+          coupling.Rows(poses.line_normal[p]) * whitened;
     }
   }
 }

@@ -102,7 +102,8 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system,
             if (groups.empty() || groups.back().group != GroupOf(row)) {
               groups.push_back({GroupOf(row), Eigen::Matrix<double, 3, 2>::Zero()});
             }
-            groups.back().rows += RigidMotion(row).transpose() * system.line_coupling[i].rows;
+            groups.back().rows +=
+                RigidMotion(row).transpose() * system.line_coupling[i].Rows(system.line_normal[p]);
           }
           for (std::size_t a = 0; a < groups.size(); ++a) {
             for (std::size_t b = 0; b <= a; ++b) {

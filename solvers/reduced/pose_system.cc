@@ -33,7 +33,7 @@ struct Linearized {
   Linearized(const LineObservation& observation, const LineLandmark& landmark,
              const PoseFrame& frame) {
     const Eigen::Vector2d& normal = landmark.normal;
-    const Eigen::Vector2d from_robot = frame.Rotate(observation.centroid);
+    const Eigen::Vector2d from_robot = frame.Rotate(observation.centroid());
     const Eigen::Vector2d point = from_robot + frame.translation() - landmark.origin;
     weight = observation.weight;
     distance = normal.dot(point) - landmark.offset_m;
@@ -55,10 +55,9 @@ struct Linearized {
     block(0, 0) += turn_curvature;
     return block;
   }
-  Eigen::Matrix<double, 3, 2> CrossBlock() const {
-    Eigen::Matrix<double, 3, 2> block = weight * by_pose * by_line.transpose();
-    block(2, 0) -= turn_curvature;
-    return block;
+  LineCoupling Coupling(int row) const {
+    const Eigen::Vector2d along_normal = weight * by_line;
+    return {along_normal, by_pose.z() * along_normal - Eigen::Vector2d(turn_curvature, 0.0), row};
   }
   Eigen::Vector3d PoseGradient() const {
     Eigen::Vector3d gradient = weight * distance * by_pose;
@@ -162,6 +161,7 @@ void PoseSystem::AddObservations(const LineObservations& observations,
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   };
   line_coupling.resize(observations.observations.size());
+  line_normal.resize(landmarks.size());
   line_whitening.assign(landmarks.size(), Eigen::Matrix2d::Zero());
   std::vector<std::vector<PoseSum>> sums(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
@@ -170,15 +170,15 @@ void PoseSystem::AddObservations(const LineObservations& observations,
     for (std::size_t p = FirstLandmarkOfPart(observations, part); p < end; ++p) {
       const std::size_t first = observations.first_of_landmark[p];
       const std::size_t last = observations.first_of_landmark[p + 1];
+      line_normal[p] = landmarks[p].normal;
       Eigen::Matrix2d line_block = Eigen::Matrix2d::Zero();
       for (std::size_t i = first; i < last; ++i) {
         const LineObservation& observation = observations.observations[i];
         const Linearized linear(observation, landmarks[p], frames[observation.pose]);
         line_block += linear.LineBlock();
         const int row = row_of_pose[observation.pose];
-        line_coupling[i].row = row;
+        line_coupling[i] = linear.Coupling(row);
         if (row == kConstant) continue;
-        line_coupling[i].rows = linear.CrossBlock();
         PoseSum& sum = sums[part][row];
         sum.block += linear.PoseBlock();
         sum.gradient += linear.PoseGradient();
@@ -191,7 +191,9 @@ void PoseSystem::AddObservations(const LineObservations& observations,
                                 .solve(Eigen::Matrix2d::Identity());
       }
       for (std::size_t i = first; i < last; ++i) {
-        if (line_coupling[i].row != kConstant) line_coupling[i].rows *= line_whitening[p];
+        LineCoupling& coupling = line_coupling[i];
+        coupling.along_normal = line_whitening[p].transpose() * coupling.along_normal;
+        coupling.turn = line_whitening[p].transpose() * coupling.turn;
       }
     }
   });
@@ -216,7 +218,10 @@ void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>&
 }
 
 void PoseSystem::HoldLines() {
-  for (LineCoupling& coupling : line_coupling) coupling.rows.setZero();
+  for (LineCoupling& coupling : line_coupling) {
+    coupling.along_normal.setZero();
+    coupling.turn.setZero();
+  }
 }
 
 void PoseSystem::Apply(const LineObservations& observations, const Eigen::VectorXd& v,
@@ -230,16 +235,23 @@ void PoseSystem::Apply(const LineObservations& observations, const Eigen::Vector
     for (std::size_t p = FirstLandmarkOfPart(observations, part); p < end; ++p) {
       const std::size_t first = observations.first_of_landmark[p];
       const std::size_t last = observations.first_of_landmark[p + 1];
+      const Eigen::Vector2d normal = line_normal[p];
       Eigen::Vector2d line = Eigen::Vector2d::Zero();
       for (std::size_t i = first; i < last; ++i) {
         const LineCoupling& coupling = line_coupling[i];
         if (coupling.row == kConstant) continue;
-        line += coupling.rows.transpose() * v.segment<3>(3 * coupling.row);
+        const double* of_row = v.data() + 3 * static_cast<Eigen::Index>(coupling.row);
+        line += (normal.x() * of_row[0] + normal.y() * of_row[1]) * coupling.along_normal +
+                of_row[2] * coupling.turn;
       }
       for (std::size_t i = first; i < last; ++i) {
         const LineCoupling& coupling = line_coupling[i];
         if (coupling.row == kConstant) continue;
-        sums.segment<3>(3 * coupling.row) += coupling.rows * line;
+        double* of_row = sums.data() + 3 * static_cast<Eigen::Index>(coupling.row);
+        const double along_normal = coupling.along_normal.dot(line);
+        of_row[0] += along_normal * normal.x();
+        of_row[1] += along_normal * normal.y();
+        of_row[2] += coupling.turn.dot(line);
       }
     }
   });

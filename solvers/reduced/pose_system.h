@@ -19,10 +19,19 @@ struct PoseCoupling {
   Eigen::Matrix3d block;
 };
 
-/// The rows of one pose in K_p, see below.
+/// The rows of one pose in K_p, see below. Moving the pose acts on a line along its normal only, so
+/// that the rows of x and y are multiples of each other.
 struct LineCoupling {
-  Eigen::Matrix<double, 3, 2> rows;
+  Eigen::Vector2d along_normal = Eigen::Vector2d::Zero();  ///< row of a motion along the normal
+  Eigen::Vector2d turn = Eigen::Vector2d::Zero();          ///< row of the yaw
   int row = 0;  ///< of the system; kConstant for a pose that has none
+
+  /// normal: of the landmark's line, PoseSystem::line_normal.
+  Eigen::Matrix<double, 3, 2> Rows(const Eigen::Vector2d& normal) const {
+    Eigen::Matrix<double, 3, 2> rows;
+    rows << normal * along_normal.transpose(), turn.transpose();
+    return rows;
+  }
 };
 
 /// The Gauss-Newton system of the poses, the landmarks' lines eliminated:
@@ -42,6 +51,7 @@ struct PoseSystem {
   std::vector<Eigen::Matrix3d> by_observations;  ///< what the observations give to it
   std::vector<PoseCoupling> couplings;           ///< of B, from < to, in order of (from, to)
   std::vector<LineCoupling> line_coupling;       ///< per observation
+  std::vector<Eigen::Vector2d> line_normal;      ///< per landmark, as linearised
   /// Per landmark: L^-T, where L L^T is what the returns say of its line, by angle of the normal
   /// [rad] and offset [m]; zero if they do not determine it.
   std::vector<Eigen::Matrix2d> line_whitening;

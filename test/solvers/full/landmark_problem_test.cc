@@ -147,7 +147,7 @@ void ExpectSameCostAndGradient(const SlamGraph& graph, const std::vector<double>
   }
   double cost = 0.0;
   const Eigen::VectorXd by_poses = GradientByCeres(problem, pose_blocks, &cost);
-  EXPECT_NEAR(cost, expected, 1e-10 * expected);
+  EXPECT_NEAR(cost, expected, 1e-8 * expected);
   const Eigen::VectorXd expected_by_poses = system.ByPose(system.gradient);
   ASSERT_EQ(by_poses.size(), expected_by_poses.size());
   EXPECT_LE((by_poses - expected_by_poses).norm(), 1e-8 * expected_by_poses.norm());
@@ -174,8 +174,8 @@ void ExpectSameOptimum(const SlamGraph& graph, const std::vector<double>& start)
         SolveLandmarksWithCeres(compressed.observations, compressed.landmarks, compressed.terms,
                                 options, 2, nullptr, &poses);
     ASSERT_TRUE(result.usable) << result.stop_reason;
-    EXPECT_NEAR(result.initial_cost, seed_cost, 1e-10 * seed_cost);
-    EXPECT_NEAR(result.final_cost, cost, 1e-8 * cost) << result.stop_reason;
+    EXPECT_NEAR(result.initial_cost, seed_cost, 1e-8 * seed_cost);
+    EXPECT_NEAR(result.final_cost, cost, 1e-7 * cost) << result.stop_reason;
     EXPECT_NEAR(compressed.Cost(poses), cost, 1e-8 * cost);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       EXPECT_NEAR(poses[i], compressed.poses[i], 1e-5) << "pose " << i / 3;

@@ -171,7 +171,7 @@ struct LandmarkScene {
       observation.pose = pose;
       observation.landmark = landmark;
       observation.weight = weight;
-      observation.centroid = {2.0, 1.0};
+      observation.center = {2.0F, 1.0F};
       observation.xx = observation.yy = 1.0;
       observations.observations.push_back(observation);
     };

@@ -57,8 +57,8 @@ class Drive {
       s.pose = pose;
       s.landmark = static_cast<int>(landmarks_.size());
       s.weight = random_.Uniform(1e4, 1e5);
-      s.centroid =
-          robot_from_world * Eigen::Vector2d(landmark.origin + random_.Uniform(-0.3, 0.3) * along);
+      const Eigen::Vector2d in_world = landmark.origin + random_.Uniform(-0.3, 0.3) * along;
+      s.center = (robot_from_world * in_world).cast<float>();
       s.xx = 0.03 * s.weight * in_robot.x() * in_robot.x() + 1e-4 * s.weight;
       s.xy = 0.03 * s.weight * in_robot.x() * in_robot.y();
       s.yy = 0.03 * s.weight * in_robot.y() * in_robot.y() + 1e-4 * s.weight;
