@@ -4,7 +4,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iomanip>
 #include <iostream>
 #include <limits>
@@ -14,7 +13,6 @@
 #include <vector>
 
 #include "plumbline/apps/benchmark/ablation.h"
-#include "plumbline/apps/benchmark/adversarial.h"
 #include "plumbline/apps/benchmark/benchmark_usage.h"
 #include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
@@ -24,11 +22,11 @@
 #include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/scan_solver_replay.h"
-#include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/sensor_matrix.h"
 #include "plumbline/apps/benchmark/sensor_report.h"
 #include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/benchmark/stage_profile.h"
+#include "plumbline/apps/benchmark/studies.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
@@ -55,18 +53,10 @@ const plumbline::ComparisonOptions& Defaults() {
 
 }  // namespace
 
-DEFINE_string(
-    experiment, "",
-    "What to run, one or more of these with commas: seeding_study, solver_comparison, "
-    "scaling, log, synthetic, ablation, replay, scan_solver, adversarial, sensors, profile");
-DEFINE_string(
-    csv, "",
-    "seeding_study, scaling, scan_solver, adversarial: table to write, one line per run or "
-    "computation (empty: none)");
-DEFINE_int32(buildings, 180, "seeding_study: simulated buildings, one run each");
-DEFINE_uint64(study_first_seed, 1,
-              "seeding_study: seeds of buildings, noise and faults count from this one, half as "
-              "many as there are buildings");
+DEFINE_string(experiment, "",
+              "What to run, one or more of these with commas: seeding_study, sessions_study, "
+              "solver_comparison, scaling, log, synthetic, ablation, replay, scan_solver, "
+              "adversarial, sensors, profile");
 DEFINE_string(
     log, "",
     "solver_comparison, log, ablation, replay, profile: CARMEN log, plain or .gz (empty: a "
@@ -90,9 +80,7 @@ DEFINE_double(time_limit_s, Defaults().time_limit_s,
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
-    "for seeding_study, scaling, scan_solver and adversarial only)");
-DEFINE_int32(seeds, 30,
-             "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
+    "for seeding_study, sessions_study, scaling, scan_solver and adversarial only)");
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
 DEFINE_string(online_solver, "incremental",
               "replay: what refines the map while it grows: incremental (landmarks are kept from "
@@ -104,45 +92,9 @@ DEFINE_int32(window_free_poses, plumbline::WindowOptions().num_free_poses,
              "replay by window: newest poses that a window moves");
 DEFINE_int32(window_fixed_poses, plumbline::WindowOptions().max_fixed_poses,
              "replay by window: older poses that hold the map around them, at most");
-DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
 
 namespace plumbline {
 namespace {
-
-void Print(const std::string& title, const std::string& text, HtmlReport* page) {
-  std::cout << text << std::flush;
-  page->texts.push_back({title, text});
-}
-
-Status SeedingStudy(const OutputFolder&, HtmlReport* page) {
-  SolverOptions solver;
-  SeedingOptions seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
-  ThreadPool pool(solver.num_threads);
-  const auto start = std::chrono::steady_clock::now();
-  std::vector<SeedingOutcome> outcomes;
-  PLUMBLINE_RETURN_IF_ERROR(RunSeedingStudy(SeedingCases(FLAGS_buildings, FLAGS_study_first_seed),
-                                            seeding, solver.factors, &pool, &outcomes));
-  const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
-  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSeedingCsv(FLAGS_csv, outcomes));
-  Print("Seeding study", SeedingTable(outcomes), page);
-  std::cout << outcomes.size() << " runs in " << std::fixed << std::setprecision(1)
-            << duration.count() << " s on " << pool.num_threads() << " threads\n";
-  return Status::Ok();
-}
-
-Status Adversarial(const OutputFolder&, HtmlReport* page) {
-  SolverOptions solver;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  ThreadPool pool(solver.num_threads);
-  std::vector<AdversarialOutcome> outcomes;
-  PLUMBLINE_RETURN_IF_ERROR(
-      RunAdversarialStudy(AdversarialCases(FLAGS_seeds), solver, &pool, &outcomes));
-  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteAdversarialCsv(FLAGS_csv, outcomes));
-  Print("Never worse?", AdversarialTable(outcomes), page);
-  return Status::Ok();
-}
 
 Status SimulateBuilding(SlamGraph* graph) {
   SimulatedLog log;
@@ -220,26 +172,6 @@ Status CompareAllSolvers(const OutputFolder& output, HtmlReport* page) {
   return WriteComparison(output, comparison, page);
 }
 
-Status Scaling(const OutputFolder&, HtmlReport* page) {
-  std::vector<int> counts;
-  PLUMBLINE_RETURN_IF_ERROR(ParseScanCounts(FLAGS_scans, &counts));
-  SolverOptions solver;
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  std::string table = ScalingHeader();
-  std::cout << table;
-  std::vector<ScalingOutcome> outcomes;
-  for (const int count : counts) {
-    outcomes.push_back(RunScalingCaseInChild(count, solver));
-    const std::string row = ScalingRow(outcomes.back());
-    std::cout << row << std::flush;
-    table += row;
-    // Each time the whole table, so that what has been measured outlives the largest sizes.
-    if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteScalingCsv(FLAGS_csv, outcomes));
-  }
-  page->texts.push_back({"Time and memory over size", table});
-  return Status::Ok();
-}
-
 Status MapLogByAll(const OutputFolder& output, HtmlReport* page) {
   LogExperimentInputs inputs;
   inputs.log = FLAGS_log;
@@ -254,7 +186,7 @@ Status MapLogByAll(const OutputFolder& output, HtmlReport* page) {
         std::cout << "  " << start.name << ": " << stage.name << '\n' << std::flush;
       },
       &experiment));
-  Print("Mappers on one log", LogTables(experiment), page);
+  PrintText("Mappers on one log", LogTables(experiment), page);
   PLUMBLINE_RETURN_IF_ERROR(WriteLogJson(output.File("log.json"), experiment));
   PLUMBLINE_RETURN_IF_ERROR(WriteLogRelationsCsv(output.File("log_relations.csv"), experiment));
   PLUMBLINE_RETURN_IF_ERROR(WriteLogSharpnessCsv(output.File("log_sharpness.csv"), experiment));
@@ -276,7 +208,7 @@ Status Synthetic(const OutputFolder& output, HtmlReport* page) {
   const std::vector<SyntheticNoise> noises = SyntheticNoises();
   std::vector<SyntheticOutcome> outcomes;
   PLUMBLINE_RETURN_IF_ERROR(RunSyntheticExperiment(FLAGS_seeds, noises, options, &pool, &outcomes));
-  Print("Short drives with few scans", SyntheticTable(noises, outcomes), page);
+  PrintText("Short drives with few scans", SyntheticTable(noises, outcomes), page);
   constexpr int kCharted = 1;  // the middle one of the levels of range noise
   PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticCsv(output.File("synthetic.csv"), noises, outcomes));
   PLUMBLINE_RETURN_IF_ERROR(WriteSyntheticJson(output.File("synthetic.json"), noises, outcomes));
@@ -301,7 +233,7 @@ Status Ablation(const OutputFolder& output, HtmlReport* page) {
   std::vector<AblationTable> tables;
   const auto add = [&](const AblationTable& table) {
     tables.push_back(table);
-    Print("What each part contributes", AblationText(table) + '\n', page);
+    PrintText("What each part contributes", AblationText(table) + '\n', page);
   };
   ThreadPool pool(solver.num_threads);
   AblationTable table;
@@ -332,7 +264,7 @@ Status Sensors(const OutputFolder& output, HtmlReport* page) {
   std::vector<SensorOutcome> outcomes;
   PLUMBLINE_RETURN_IF_ERROR(
       RunSensorCases(cases, FLAGS_sensor_seeds, solver, seeding, &pool, &outcomes));
-  Print("Other scanners and buildings", SensorTable(cases, outcomes), page);
+  PrintText("Other scanners and buildings", SensorTable(cases, outcomes), page);
   PLUMBLINE_RETURN_IF_ERROR(WriteSensorCsv(output.File("sensors.csv"), cases, outcomes));
   return WriteSensorJson(output.File("sensors.json"), cases, outcomes);
 }
@@ -367,7 +299,7 @@ Status ReplayDrive(const OutputFolder& output, HtmlReport* page) {
   Replay replay;
   PLUMBLINE_RETURN_IF_ERROR(
       RunReplay(solver, options, seed.graph, seed.state, seed.report.seeding, PrintStep, &replay));
-  Print("A host that maps while driving", ReplayTable(replay), page);
+  PrintText("A host that maps while driving", ReplayTable(replay), page);
   page->pictures.push_back({"Time of each solve", output.File("replay.png")});
   MapState replayed;
   replayed.poses = PoseArray(replay.world_from_robot);
@@ -393,8 +325,8 @@ Status ReplayMapper(const OutputFolder&, HtmlReport* page) {
                   << std::flush;
       },
       &replay));
-  Print("Scan solver of a mapper",
-        ScanSolverTable(replay) + MapperErrors(record, replay.world_from_robot), page);
+  PrintText("Scan solver of a mapper",
+            ScanSolverTable(replay) + MapperErrors(record, replay.world_from_robot), page);
   return FLAGS_csv.empty() ? Status::Ok() : WriteScanSolverCsv(FLAGS_csv, replay);
 }
 
@@ -404,7 +336,7 @@ Status Profile(const OutputFolder& output, HtmlReport* page) {
   ThreadPool pool(options.solver.num_threads);
   LogProfile profile;
   PLUMBLINE_RETURN_IF_ERROR(ProfileLog(FLAGS_log, options, output, &pool, &profile));
-  Print("Stages of a run", ProfileTable(profile), page);
+  PrintText("Stages of a run", ProfileTable(profile), page);
   page->pictures.push_back({"The map", output.File("map_refined.png")});
   return WriteProfileCsv(output.File("profile.csv"), profile);
 }
@@ -421,6 +353,7 @@ struct Experiment {
 };
 constexpr Experiment kExperiments[] = {
     {"seeding_study", SeedingStudy, "", false, false, false, "solver start shape", true},
+    {"sessions_study", SessionsStudy, "", false, false, false, "start", true},
     {"solver_comparison", CompareAllSolvers,
      "solver_comparison.json solver_comparison.csv solver_comparison.png", false, true, true,
      "solver start"},
@@ -510,8 +443,8 @@ Status CheckFlags() {
   }
   constexpr int kMostRuns = 1000000;  // more would take years
   for (const auto& [name, value] :
-       {std::pair("buildings", FLAGS_buildings), std::pair("seeds", FLAGS_seeds),
-        std::pair("sensor_seeds", FLAGS_sensor_seeds)}) {
+       {std::pair("buildings", FLAGS_buildings == 0 ? 1 : FLAGS_buildings),
+        std::pair("seeds", FLAGS_seeds), std::pair("sensor_seeds", FLAGS_sensor_seeds)}) {
     if (value >= 1 && value <= kMostRuns) continue;
     return Status::InvalidArgument("--" + std::string(name) + " must be from 1 to " +
                                    std::to_string(kMostRuns));

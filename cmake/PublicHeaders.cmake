@@ -20,7 +20,6 @@ set(PLUMBLINE_DOORS
 set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
-  core/measurements.h
   core/options_check.h
   factors/own_term.h
   solvers/alarm.h

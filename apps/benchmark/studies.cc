@@ -1,0 +1,107 @@
+#include "plumbline/apps/benchmark/studies.h"
+
+#include <gflags/gflags.h>
+
+#include <chrono>
+#include <iomanip>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/benchmark/adversarial.h"
+#include "plumbline/apps/benchmark/scaling_study.h"
+#include "plumbline/apps/benchmark/seeding_study.h"
+#include "plumbline/apps/benchmark/sessions_study.h"
+#include "plumbline/apps/run/flags.h"
+#include "plumbline/solvers/map_log.h"
+
+DEFINE_string(csv, "",
+              "seeding_study, sessions_study, scaling, scan_solver, adversarial: table to write, "
+              "one line per run or "
+              "computation (empty: none)");
+DEFINE_int32(buildings, 0,
+             "seeding_study, sessions_study: simulated buildings, one run each (0: 180 and 20)");
+DEFINE_uint64(study_first_seed, 1,
+              "seeding_study, sessions_study: seeds of buildings, noise and faults count from this "
+              "one, half as "
+              "many as there are buildings");
+DEFINE_int32(seeds, 30,
+             "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
+DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
+
+namespace plumbline {
+namespace {
+
+int NumBuildings(int by_default) { return FLAGS_buildings > 0 ? FLAGS_buildings : by_default; }
+
+}  // namespace
+
+void PrintText(const std::string& title, const std::string& text, HtmlReport* page) {
+  std::cout << text << std::flush;
+  page->texts.push_back({title, text});
+}
+
+Status SeedingStudy(const OutputFolder& /*output*/, HtmlReport* page) {
+  SolverOptions solver;
+  SeedingOptions seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
+  ThreadPool pool(solver.num_threads);
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<SeedingOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(RunSeedingStudy(SeedingCases(NumBuildings(180), FLAGS_study_first_seed),
+                                            seeding, solver.factors, &pool, &outcomes));
+  const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSeedingCsv(FLAGS_csv, outcomes));
+  PrintText("Seeding study", SeedingTable(outcomes), page);
+  std::cout << outcomes.size() << " runs in " << std::fixed << std::setprecision(1)
+            << duration.count() << " s on " << pool.num_threads() << " threads\n";
+  return Status::Ok();
+}
+
+Status SessionsStudy(const OutputFolder& /*output*/, HtmlReport* page) {
+  MapLogOptions options;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
+  ThreadPool pool(options.solver.num_threads);
+  std::vector<SessionsOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(RunSessionsStudy(
+      SessionsCases(NumBuildings(20), FLAGS_study_first_seed), options, &pool, &outcomes));
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSessionsCsv(FLAGS_csv, outcomes));
+  PrintText("Several days in one building", SessionsTable(outcomes), page);
+  return Status::Ok();
+}
+
+Status Adversarial(const OutputFolder& /*output*/, HtmlReport* page) {
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  ThreadPool pool(solver.num_threads);
+  std::vector<AdversarialOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(
+      RunAdversarialStudy(AdversarialCases(FLAGS_seeds), solver, &pool, &outcomes));
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteAdversarialCsv(FLAGS_csv, outcomes));
+  PrintText("Never worse?", AdversarialTable(outcomes), page);
+  return Status::Ok();
+}
+
+Status Scaling(const OutputFolder& /*output*/, HtmlReport* page) {
+  std::vector<int> counts;
+  PLUMBLINE_RETURN_IF_ERROR(ParseScanCounts(FLAGS_scans, &counts));
+  SolverOptions solver;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
+  std::string table = ScalingHeader();
+  std::cout << table;
+  std::vector<ScalingOutcome> outcomes;
+  for (const int count : counts) {
+    outcomes.push_back(RunScalingCaseInChild(count, solver));
+    const std::string row = ScalingRow(outcomes.back());
+    std::cout << row << std::flush;
+    table += row;
+    // Each time the whole table, so that what has been measured outlives the largest sizes.
+    if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteScalingCsv(FLAGS_csv, outcomes));
+  }
+  page->texts.push_back({"Time and memory over size", table});
+  return Status::Ok();
+}
+
+}  // namespace plumbline
