@@ -123,6 +123,18 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
   return alarms;
 }
 
+std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,
+                                     const std::vector<double>& poses) {
+  std::vector<Alarm> alarms;
+  for (const BentStretch& stretch : bent) {
+    std::ostringstream reason;
+    reason << "this session is bent by " << std::fixed << std::setprecision(2) << stretch.bend_m
+           << " m here to fit the others: something may have moved between them";
+    alarms.push_back({PlaceOfPose(graph, poses, stretch.last_pose), reason.str(), std::nullopt});
+  }
+  return alarms;
+}
+
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
                              const SlamGraph& graph, const std::vector<double>& poses) {
   std::vector<Alarm> alarms = MapAlarms(refined, graph, poses);

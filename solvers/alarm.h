@@ -51,6 +51,10 @@ std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph&
 std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
                                      const SlamGraph& graph, const std::vector<double>& poses);
 
+/// Where one of several sessions was bent to fit the others.
+std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,
+                                     const std::vector<double>& poses);
+
 /// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
 /// contradictions of the refined map, or else of the seed. Places are those of `poses`. Not empty
 /// if the seeding raised its alarm.

@@ -227,6 +227,10 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     mapping->report.alarms = RunAlarms(mapping->report.seeding, mapping->report.consistency,
                                        mapping->graph, mapping->state.poses);
     for (Alarm& alarm :
+         BentStretchAlarms(mapping->report.bent_stretches, mapping->graph, mapping->state.poses)) {
+      mapping->report.alarms.push_back(std::move(alarm));
+    }
+    for (Alarm& alarm :
          FrozenLaserAlarms(mapping->report.frozen_laser, mapping->graph, mapping->state.poses)) {
       mapping->report.alarms.push_back(std::move(alarm));
     }

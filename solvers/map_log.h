@@ -41,7 +41,9 @@ struct MappingReport {
   std::vector<FrozenStretch> frozen_laser;  ///< whose repetitions were left out
   /// How the lasers sweep, as the scans say; empty where they measure all beams at once.
   std::optional<SweepOrder> sweep_order;
-  SeedingReport seeding;       ///< how the start was found
+  SeedingReport seeding;  ///< how the start was found
+  /// Of several sessions (MapSessions): where the seed bends one of them to fit the others.
+  std::vector<BentStretch> bent_stretches;
   SolverSummary solver;        ///< how the joint estimation went
   Calibration calibration;     ///< empty if none was asked for
   MapConsistency consistency;  ///< of the map

@@ -12,6 +12,7 @@
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"
 #include "plumbline/solvers/sessions/align_sessions.h"
+#include "plumbline/solvers/sessions/bent_stretches.h"
 #include "plumbline/solvers/sessions/session_set.h"
 
 namespace plumbline {
@@ -253,6 +254,14 @@ class SessionsRun {
                                             &drive.ties, pool_, &drive.matched, &keys, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
+    }
+    const std::vector<Pose2>& poses = drive.matched.world_from_robot;
+    for (const SessionOfMap& session : map->sessions) {
+      const auto first = poses.begin() + session.first_pose;
+      const std::vector<BentStretch> bent = FindBentStretches(
+          SeedOf(session.session), {first, first + session.num_poses}, session.first_pose);
+      std::vector<BentStretch>& all = map->mapping.report.bent_stretches;
+      all.insert(all.end(), bent.begin(), bent.end());
     }
     return Start(std::move(drive.matched.world_from_robot), std::move(drive.graph), map);
   }

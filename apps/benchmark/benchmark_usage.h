@@ -30,7 +30,7 @@ constexpr char kBenchmarkUsage[] =
     "  profile            time of each stage of a run over a log, and how far it is from the "
     "time to move its bytes\n\n"
     "  plumbline_benchmark --experiment=seeding_study --buildings=180 --csv=seeding_study.csv\n"
-    "  plumbline_benchmark --experiment=sessions_study --buildings=20 --csv=sessions_study.csv\n"
+    "  plumbline_benchmark --experiment=sessions_study --buildings=24 --csv=sessions_study.csv\n"
     "  plumbline_benchmark --experiment=solver_comparison --log=fr079.clf.gz "
     "--relations=fr079.relations --output_dir=out\n"
     "  plumbline_benchmark --experiment=scaling --scans=1000,10000 --csv=scaling.csv\n"

@@ -121,8 +121,8 @@ void WriteSessionsRow(const std::string& name, const std::vector<SessionsOutcome
 std::vector<SessionsCase> SessionsCases(int num_runs, std::uint64_t first_seed) {
   std::vector<SessionsCase> cases(num_runs);
   for (int i = 0; i < num_runs; ++i) {
-    cases[i].building = i % 2 == 0 ? BuildingKind::kRandom : BuildingKind::kRepetitive;
-    cases[i].seed = first_seed + i / 2;
+    cases[i].building = i % 6 == 5 ? BuildingKind::kRepetitive : BuildingKind::kRandom;
+    cases[i].seed = first_seed + i;
   }
   return cases;
 }

@@ -38,7 +38,8 @@ struct SessionsOutcome {
   bool IsComplete() const { return IsRight() && num_tied == run.num_visits; }
 };
 
-/// Random and repetitive buildings by turns, two of one seed; the seeds count from first_seed.
+/// Five random buildings to one repetitive one, where all places look alike; the seeds count from
+/// first_seed.
 std::vector<SessionsCase> SessionsCases(int num_runs, std::uint64_t first_seed);
 
 /// InvalidArgument if the options are refused.

@@ -20,7 +20,7 @@ DEFINE_string(csv, "",
               "one line per run or "
               "computation (empty: none)");
 DEFINE_int32(buildings, 0,
-             "seeding_study, sessions_study: simulated buildings, one run each (0: 180 and 20)");
+             "seeding_study, sessions_study: simulated buildings, one run each (0: 180 and 24)");
 DEFINE_uint64(study_first_seed, 1,
               "seeding_study, sessions_study: seeds of buildings, noise and faults count from this "
               "one, half as "
@@ -66,7 +66,7 @@ Status SessionsStudy(const OutputFolder& /*output*/, HtmlReport* page) {
   ThreadPool pool(options.solver.num_threads);
   std::vector<SessionsOutcome> outcomes;
   PLUMBLINE_RETURN_IF_ERROR(RunSessionsStudy(
-      SessionsCases(NumBuildings(20), FLAGS_study_first_seed), options, &pool, &outcomes));
+      SessionsCases(NumBuildings(24), FLAGS_study_first_seed), options, &pool, &outcomes));
   if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSessionsCsv(FLAGS_csv, outcomes));
   PrintText("Several days in one building", SessionsTable(outcomes), page);
   return Status::Ok();

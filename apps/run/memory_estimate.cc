@@ -28,11 +28,11 @@ constexpr Rates kSeeding{75.0, 12e3};
 constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;
 // Of LogMapping::as_swept.
-constexpr Rates kAsSwept{24.0, 0.0};
+constexpr Rates kAsSwept{16.0, 0.0};
 
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
-  double bytes_per_return = solver.IsOverLandmarks() ? 140.0 : 300.0;
+  double bytes_per_return = solver.IsOverLandmarks() ? 125.0 : 300.0;
   if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 500.0;
   if (solver.type == SolverType::kCeres) {
     const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;

@@ -44,6 +44,26 @@ std::vector<Value> WithoutHeldOut(const SlamGraph& graph, std::vector<Value> of_
   return of_return;
 }
 
+/// The values of the held-out returns alone, in the order of the returns.
+template <typename Value>
+std::vector<Value> HeldOutOnly(const SlamGraph& graph, const std::vector<Value>& of_return) {
+  std::vector<Value> values;
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) { values.push_back(of_return[r]); });
+  }
+  return values;
+}
+
+/// Puts them back in their places.
+template <typename Value>
+void PutHeldOut(const SlamGraph& graph, const std::vector<Value>& held_out,
+                std::vector<Value>* of_return) {
+  auto value = held_out.begin();
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) { (*of_return)[r] = *value++; });
+  }
+}
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_ASSOCIATION_HELD_OUT_RETURNS_H_

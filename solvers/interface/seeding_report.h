@@ -22,6 +22,13 @@ struct FrozenStretch {
   double turned_rad = 0.0;  ///< sum of the turns meanwhile, without sign, by odometry [rad]
 };
 
+/// A stretch of one session of several that lies otherwise in their map than by its own scans.
+struct BentStretch {
+  int first_pose = 0;   ///< pose ids in the map
+  int last_pose = 0;    ///< see first_pose
+  double bend_m = 0.0;  ///< how far off its end is, seen from its start
+};
+
 /// What the sequential matching found.
 struct SequentialSeedingReport {
   OdometrySignReport odometry_sign;  ///< whether the odometry has lost the sign of its translation

@@ -60,7 +60,7 @@ class LandmarkMinimizer {
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
     result_.fitted_poses = poses_;
-    result_.fitted_cut = {landmarks_, landmark_of_return_};
+    result_.fitted_cut = {landmarks_, LandmarkOfReturn()};
     if (!Ended()) RunLastRound();
     result_.last_cut.landmark_of_return = compressor_.LandmarkOfReturn();
     result_.last_cut.landmarks = std::move(landmarks_);
@@ -83,7 +83,7 @@ class LandmarkMinimizer {
   // All returns, those held out so far included, on the landmarks at hand.
   void RunLastRound() {
     ForgetObservations();
-    observations_ = compressor_.LayOut(landmarks_.size(), std::move(landmark_of_return_));
+    observations_ = compressor_.LayOut(landmarks_.size(), LandmarkOfReturn());
     HoldUnanchored();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
     if (result_.stopped) result_.stop_reason = kStopped;
@@ -150,10 +150,18 @@ class LandmarkMinimizer {
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
     landmarks_ = std::move(cut.landmarks);
-    landmark_of_return_ = std::move(cut.landmark_of_return);
+    held_out_landmarks_ = HeldOutOnly(graph_, cut.landmark_of_return);
     observations_ = compressor_.LayOut(
-        landmarks_.size(), WithoutHeldOut(graph_, landmark_of_return_, int{LineLandmarks::kNone}));
+        landmarks_.size(),
+        WithoutHeldOut(graph_, std::move(cut.landmark_of_return), int{LineLandmarks::kNone}));
     result_.cutting_time_s += SecondsSince(start);
+  }
+
+  // With those held out.
+  std::vector<int> LandmarkOfReturn() const {
+    std::vector<int> landmark_of_return = compressor_.LandmarkOfReturn();
+    PutHeldOut(graph_, held_out_landmarks_, &landmark_of_return);
+    return landmark_of_return;
   }
 
   StepOutcome Step() {
@@ -271,7 +279,7 @@ class LandmarkMinimizer {
   // Lowers the cost for the weights at hand, if it can: changes poses_ and cost_.
   const std::function<void()> move_;
   std::vector<LineLandmark> landmarks_;
-  std::vector<int> landmark_of_return_;  // with those held out; until the last round
+  std::vector<int> held_out_landmarks_;  // of the held-out returns, in their order
   std::vector<AdjacentLandmarks> adjacent_;
   LineObservations observations_;
   std::vector<PoseFrame> frames_;
