@@ -366,6 +366,32 @@ TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   EXPECT_FLOAT_EQ(clamped.returns().range_m[1], 10.0);
 }
 
+TEST_F(SlamGraphTest, RoundingMakesNoReturnOfWhatIsNone) {
+  const double max_range_m = graph_.laser(laser_).max_range_m;
+  const double just_below_m = std::nextafter(max_range_m, 0.0);  // rounds to the maximum
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {just_below_m, 0.05, max_range_m}).ok());
+  ASSERT_EQ(graph_.num_returns(), 2u);
+  for (const float range_m : graph_.returns().range_m) {
+    EXPECT_TRUE(graph_.laser(laser_).IsReturn(range_m)) << range_m;
+  }
+}
+
+TEST_F(SlamGraphTest, BearingsCanBeCorrectedAndPutBack) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, 3.0}).ok());
+  ASSERT_TRUE(graph_.AddScan(second_, laser_, {1.0, 2.0, 3.0}).ok());
+  const std::vector<double> by_model = graph_.Bearings();
+  std::vector<double> turned = by_model;
+  turned[4] += 0.125;  // of the second scan
+  const SlamGraph corrected = graph_.Corrected({{}, {}, {}, turned});
+  EXPECT_EQ(corrected.Bearings(), turned);
+  EXPECT_FALSE(corrected.scan(0).has_own_bearings);
+  EXPECT_TRUE(corrected.scan(1).has_own_bearings);
+  EXPECT_LT((corrected.PointInLaser(4) - BeamEnd(2.0, turned[4])).norm(), 1e-12);
+  const SlamGraph back = corrected.Corrected({{}, {}, {}, by_model});
+  EXPECT_EQ(back.Bearings(), by_model);
+  EXPECT_FALSE(back.scan(1).has_own_bearings);
+}
+
 TEST_F(SlamGraphTest, LasersAreKnownByTheirPresentMounting) {
   LaserModel laser = ThreeBeamLaser();
   std::vector<Pose2> mountings = {laser.robot_from_laser};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -317,6 +318,32 @@ TEST(SolveTest, ASurfaceThatTheCallerHasMeasuredGivesTheSameResult) {
       MeasureSurface(room.graph, NormalOptionsFor(options.factors.beam), &pool);
   EXPECT_TRUE(Solve(options, surface, room.graph, &room.state).IsSolutionUsable());
   EXPECT_EQ(room.state, expected.state);
+}
+
+TEST_P(SolveWith, PointsThatAreNotGivenAreWhereTheMeasurementsPutThem) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.03, room.graph, &room.state);
+  MapState given{room.state.poses, room.graph.MeasuredMap(room.state.poses)};
+  MapState without{room.state.poses, {}};
+  SolverOptions options = OptionsFor(GetParam());
+  options.num_threads = 1;  // Ceres adds up in any order
+  const SolverSummary with_points = Solve(options, room.graph, &given);
+  const SolverSummary summary = Solve(options, room.graph, &without);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_EQ(without, given);
+  ASSERT_EQ(summary.terms.size(), with_points.terms.size());
+  for (std::size_t i = 0; i < summary.terms.size(); ++i) {
+    EXPECT_EQ(summary.terms[i].initial_cost, with_points.terms[i].initial_cost);
+  }
+}
+
+TEST(SolveTest, AFailureLeavesAStateWithoutPointsAsItWas) {
+  const NoisyRoom room = MakeNoisyRoom();
+  SolverOptions options;
+  options.callback = [](const IterationSummary&) -> bool { throw std::runtime_error("no"); };
+  MapState state{room.state.poses, {}};
+  EXPECT_FALSE(Solve(options, room.graph, &state).IsSolutionUsable());
+  EXPECT_EQ(state, (MapState{room.state.poses, {}}));
 }
 
 TEST(SolveTest, ASurfaceOfAnotherGraphIsRefused) {

@@ -38,5 +38,14 @@ TEST(NumberTextTest, ExactNumbersComeBackToTheLastBit) {
   }
 }
 
+TEST(NumberTextTest, AFloatBecomesTheDecimalItStandsFor) {
+  EXPECT_EQ(ShortestDecimal(3.45F), 3.45);
+  EXPECT_EQ(ShortestDecimal(81.83F), 81.83);
+  EXPECT_EQ(ShortestDecimal(-0.5F), -0.5);
+  for (const float value : {1.0F / 3.0F, 16777217.0F, std::numeric_limits<float>::denorm_min()}) {
+    EXPECT_EQ(static_cast<float>(ShortestDecimal(value)), value);
+  }
+}
+
 }  // namespace
 }  // namespace plumbline
