@@ -219,7 +219,9 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next
     if (!mapping->report.solver.IsSolutionUsable()) {
-      mapping->state.points = mapping->graph.MeasuredMap(mapping->state.poses);
+      if (mapping->state.points.empty()) {
+        mapping->state.points = mapping->graph.MeasuredMap(mapping->state.poses);
+      }
       return Status::InvalidArgument(mapping->report.solver.message);
     }
     mapping->report.consistency =

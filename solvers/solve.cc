@@ -87,8 +87,7 @@ SolverSummary SolveMeasured(const Solver& solver, const SolverProblem& problem, 
   return summary;
 }
 
-// A null surface has not been measured yet. A state without points keeps none if the seed is the
-// result.
+// A null surface has not been measured yet.
 SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
                       const SlamGraph& graph, MapState* state) {
   return CatchFailures(options, [&] {
@@ -115,31 +114,28 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     }
     if (!status.ok()) return SolverFailure(options, status);
     const SolverProblem problem{options, graph, surface, suggested};
-    return options.measure_rounds && graph.num_returns() > 0
-               ? SolveMeasured(solver, problem, state)
-               : SolveUnmeasured(solver, problem, state);
+    SolverSummary summary = options.measure_rounds && graph.num_returns() > 0
+                                ? SolveMeasured(solver, problem, state)
+                                : SolveUnmeasured(solver, problem, state);
+    // The given state is the result, and had none.
+    if (summary.IsSolutionUsable() && state->points.empty()) {
+      state->points = graph.MeasuredMap(state->poses);
+    }
+    return summary;
   });
-}
-
-SolverSummary SolveWithPoints(const SolverOptions& options, const MeasuredSurface* surface,
-                              const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  SolverSummary summary = SolveOn(options, surface, graph, state);
-  if (summary.IsSolutionUsable() && state->points.empty()) {
-    state->points = graph.MeasuredMap(state->poses);
-  }
-  return summary;
 }
 
 }  // namespace
 
 SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
-  return SolveWithPoints(options, nullptr, graph, state);
+  const DefaultFloatEnvironment float_environment;
+  return SolveOn(options, nullptr, graph, state);
 }
 
 SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
                     const SlamGraph& graph, MapState* state) {
-  return SolveWithPoints(options, &surface, graph, state);
+  const DefaultFloatEnvironment float_environment;
+  return SolveOn(options, &surface, graph, state);
 }
 
 }  // namespace plumbline

@@ -7,6 +7,7 @@
 
 #include "plumbline/apps/benchmark/adversarial_problem.h"
 #include "plumbline/apps/benchmark/map_errors.h"
+#include "plumbline/apps/benchmark/run_cases.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/core/angle.h"
@@ -222,14 +223,12 @@ Status RunAdversarialCase(const AdversarialCase& run, SolverOptions solver,
 
 Status RunAdversarialStudy(const std::vector<AdversarialCase>& cases, const SolverOptions& solver,
                            ThreadPool* pool, std::vector<AdversarialOutcome>* outcomes) {
-  std::vector<AdversarialOutcome> results(cases.size());
-  std::vector<Status> statuses(cases.size());
-  pool->ForEachChunk(cases.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    statuses[i] = RunAdversarialCase(cases[i], solver, &results[i]);
-  });
-  for (const Status& status : statuses) PLUMBLINE_RETURN_IF_ERROR(status);
-  *outcomes = std::move(results);
-  return Status::Ok();
+  return RunCases(
+      cases, pool,
+      [&](const AdversarialCase& run, AdversarialOutcome* outcome) {
+        return RunAdversarialCase(run, solver, outcome);
+      },
+      outcomes);
 }
 
 std::string AdversarialTable(const std::vector<AdversarialOutcome>& outcomes) {

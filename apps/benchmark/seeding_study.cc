@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/apps/benchmark/run_cases.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/simulation/log_graph.h"
@@ -249,14 +250,12 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
 Status RunSeedingStudy(const std::vector<SeedingCase>& cases, const SeedingOptions& seeding,
                        const FactorOptions& factors, ThreadPool* pool,
                        std::vector<SeedingOutcome>* outcomes) {
-  std::vector<SeedingOutcome> results(cases.size());
-  std::vector<Status> statuses(cases.size());
-  pool->ForEachChunk(cases.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    statuses[i] = RunSeedingCase(cases[i], seeding, factors, &results[i]);
-  });
-  for (const Status& status : statuses) PLUMBLINE_RETURN_IF_ERROR(status);
-  *outcomes = std::move(results);
-  return Status::Ok();
+  return RunCases(
+      cases, pool,
+      [&](const SeedingCase& run, SeedingOutcome* outcome) {
+        return RunSeedingCase(run, seeding, factors, outcome);
+      },
+      outcomes);
 }
 
 std::string SeedingTable(const std::vector<SeedingOutcome>& outcomes) {

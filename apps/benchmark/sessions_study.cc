@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/apps/benchmark/run_cases.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/report/units.h"
@@ -164,14 +165,12 @@ Status RunSessionsCase(const SessionsCase& run, const MapLogOptions& options,
 
 Status RunSessionsStudy(const std::vector<SessionsCase>& cases, const MapLogOptions& options,
                         ThreadPool* pool, std::vector<SessionsOutcome>* outcomes) {
-  std::vector<SessionsOutcome> results(cases.size());
-  std::vector<Status> statuses(cases.size());
-  pool->ForEachChunk(cases.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    statuses[i] = RunSessionsCase(cases[i], options, &results[i]);
-  });
-  for (const Status& status : statuses) PLUMBLINE_RETURN_IF_ERROR(status);
-  *outcomes = std::move(results);
-  return Status::Ok();
+  return RunCases(
+      cases, pool,
+      [&](const SessionsCase& run, SessionsOutcome* outcome) {
+        return RunSessionsCase(run, options, outcome);
+      },
+      outcomes);
 }
 
 std::string SessionsTable(const std::vector<SessionsOutcome>& outcomes) {

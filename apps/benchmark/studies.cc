@@ -17,14 +17,12 @@
 
 DEFINE_string(csv, "",
               "seeding_study, sessions_study, scaling, scan_solver, adversarial: table to write, "
-              "one line per run or "
-              "computation (empty: none)");
+              "one line per run or computation (empty: none)");
 DEFINE_int32(buildings, 0,
              "seeding_study, sessions_study: simulated buildings, one run each (0: 180 and 24)");
 DEFINE_uint64(study_first_seed, 1,
               "seeding_study, sessions_study: seeds of buildings, noise and faults count from this "
-              "one, half as "
-              "many as there are buildings");
+              "one; seeding_study has two buildings of each");
 DEFINE_int32(seeds, 30,
              "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
