@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kReadingsPerMetre = 1000.0;
 // Of a drive that fits into memory.
-constexpr double kMaxReadings = 1e8;
+constexpr double kMaxReadings = 4e8;
 // Streams of random numbers.
 constexpr std::uint32_t kLaserStream = 0, kOdometryStream = 1;
 
@@ -265,7 +265,7 @@ Status Simulate(const World& world, const SimulationOptions& options, SimulatedL
   const double num_readings = drive.duration_s() / options.scan_period_s * options.laser.num_beams;
   if (!(num_readings <= kMaxReadings)) {
     return Status::InvalidArgument(world.building().name +
-                                   ": path: so long that the drive takes more than 1e8 "
+                                   ": path: so long that the drive takes more than 4e8 "
                                    "readings of the laser");
   }
   const Traffic traffic(world.building(), plan, options.traffic, options.seed);

@@ -106,7 +106,7 @@ struct SimulatedLog {
 /// Drives a robot along the path of a building and records what its laser and wheels report. The
 /// same options give the same log; the odometry depends neither on the laser nor on the traffic.
 /// Time goes on while nothing is recorded.
-/// InvalidArgument on options out of range, where Drive::Plan fails and beyond 1e8 readings; `log`
+/// InvalidArgument on options out of range, where Drive::Plan fails and beyond 4e8 readings; `log`
 /// is then untouched.
 Status Simulate(const World& world, const SimulationOptions& options, SimulatedLog* log);
 
