@@ -8,6 +8,7 @@
 
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/input_limits.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/sweep_motion.h"
 
@@ -252,6 +253,15 @@ Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   }
   relative_poses_.push_back(c);
   return Status::Ok();
+}
+
+void SlamGraph::ShareWith(const Peers* peers, std::vector<int> rank_of_pose) {
+  peers_ = peers;
+  rank_of_pose_ = std::move(rank_of_pose);
+}
+
+bool SlamGraph::HasScansOf(int pose_id) const {
+  return peers_ == nullptr || rank_of_pose_[pose_id] == peers_->rank();
 }
 
 void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,

@@ -13,6 +13,8 @@
 
 namespace plumbline {
 
+class Peers;
+
 /// What the odometry says of the motion between two poses; its noise comes from the motion model.
 struct OdometryConstraint {
   int from = 0;        ///< pose id
@@ -118,6 +120,18 @@ class SlamGraph {
 
   /// Fails like AddOdometry, and on a covariance that is not positive definite within these limits.
   Status AddRelativePose(const RelativePoseConstraint& constraint);
+
+  /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
+  /// some poses only, and the peers have those of the others. rank_of_pose: which peer has the scans
+  /// of each pose. Scan and return ids, and the points of a state, are those of this part. Keeps the
+  /// pointer, which must not be null.
+  void ShareWith(const Peers* peers, std::vector<int> rank_of_pose);
+  /// Who has the other scans; null if this graph has them all.
+  const Peers* peers() const { return peers_; }
+  /// Which peer has the scans of each pose; empty if this graph has them all.
+  const std::vector<int>& rank_of_pose() const { return rank_of_pose_; }
+  /// Whether the scans of a pose are in this graph if it has any.
+  bool HasScansOf(int pose_id) const;
 
   /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.
   int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
@@ -242,6 +256,8 @@ class SlamGraph {
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;
   std::vector<double> initial_poses_;
+  const Peers* peers_ = nullptr;
+  std::vector<int> rank_of_pose_;
 };
 
 }  // namespace plumbline

@@ -1,0 +1,12 @@
+# plumbline_mpi: a graph whose scans lie in several processes, on MPI and PETSc. Debian: petsc-dev,
+# libopenmpi-dev.
+find_package(MPI REQUIRED COMPONENTS CXX)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(PETSC REQUIRED IMPORTED_TARGET GLOBAL PETSc)
+
+file(GLOB PLUMBLINE_MPI_SOURCES CONFIGURE_DEPENDS solvers/mpi/*.cc)
+add_library(plumbline_mpi STATIC ${PLUMBLINE_MPI_SOURCES})
+target_link_libraries(plumbline_mpi PUBLIC plumbline MPI::MPI_CXX PRIVATE PkgConfig::PETSC)
+# The deprecated C++ bindings of MPI.
+target_compile_definitions(plumbline_mpi PUBLIC OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
+plumbline_private_options(plumbline_mpi)
