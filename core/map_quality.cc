@@ -9,6 +9,7 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -180,28 +181,16 @@ Sample MeasureAt(const PointMoments& moments) {
   return sample;
 }
 
-}  // namespace
-
-bool MapQualityOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_FINITE_OPTION(radius_m, >, 0.0);
-  return true;
-}
-
-MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
-                             ThreadPool* pool) {
-  const std::size_t num_points = points.size() / 2;
-  const std::size_t num_samples = std::min(num_points, kMaxSamples);
-  const CellSortedPoints sorted(points, options.radius_m);
-  std::vector<Sample> samples(num_samples);
+template <typename Body>
+void ForEachSample(std::size_t num_samples, ThreadPool* pool, const Body& body) {
   constexpr std::size_t kSamplesPerChunk = 256;
   pool->ForEachChunk(num_samples, kSamplesPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t k = begin; k < end; ++k) {
-                         const std::size_t i = k * num_points / num_samples;
-                         const Eigen::Vector2d center(points[2 * i], points[2 * i + 1]);
-                         samples[k] = MeasureAt(sorted.MomentsAround(center));
-                       }
+                       for (std::size_t k = begin; k < end; ++k) body(k);
                      });
+}
+
+MapQuality QualityOf(const std::vector<Sample>& samples) {
   MapQuality quality;
   std::vector<double> thicknesses;
   for (const Sample& sample : samples) {
@@ -216,6 +205,67 @@ MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQuality
   std::nth_element(thicknesses.begin(), middle, thicknesses.end());
   quality.wall_thickness_m = *middle;
   return quality;
+}
+
+// Where to measure the points of a graph and its peers: at the same ones as without peers, each of
+// which one process has.
+std::vector<double> CentersAmongAll(const SlamGraph& graph, const std::vector<double>& points) {
+  const std::size_t num_points = graph.num_returns_of_all();
+  const std::size_t num_samples = std::min(num_points, kMaxSamples);
+  std::vector<double> centers(2 * num_samples);
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < points.size() / 2; ++i) {
+    const std::size_t among_all = graph.ReturnIdAmongAll(i);
+    while (k < num_samples && k * num_points / num_samples < among_all) ++k;
+    if (k == num_samples || k * num_points / num_samples != among_all) continue;
+    centers[2 * k] = points[2 * i];
+    centers[2 * k + 1] = points[2 * i + 1];
+  }
+  SumOverPeers(graph.peers(), &centers);
+  return centers;
+}
+
+}  // namespace
+
+bool MapQualityOptions::Check(std::string* error) const {
+  PLUMBLINE_CHECK_FINITE_OPTION(radius_m, >, 0.0);
+  return true;
+}
+
+MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
+                             ThreadPool* pool) {
+  const std::size_t num_points = points.size() / 2;
+  const std::size_t num_samples = std::min(num_points, kMaxSamples);
+  const CellSortedPoints sorted(points, options.radius_m);
+  std::vector<Sample> samples(num_samples);
+  ForEachSample(num_samples, pool, [&](std::size_t k) {
+    const std::size_t i = k * num_points / num_samples;
+    samples[k] = MeasureAt(sorted.MomentsAround(Eigen::Vector2d(points[2 * i], points[2 * i + 1])));
+  });
+  return QualityOf(samples);
+}
+
+MapQuality MeasureMapQuality(const SlamGraph& graph, const std::vector<double>& points,
+                             const MapQualityOptions& options, ThreadPool* pool) {
+  const Peers* peers = graph.peers();
+  if (peers == nullptr) return MeasureMapQuality(points, options, pool);
+  const std::vector<double> centers = CentersAmongAll(graph, points);
+  const CellSortedPoints sorted(points, options.radius_m);
+  std::vector<Sample> samples(centers.size() / 2);
+  constexpr std::size_t kMoments = 6;
+  std::vector<double> sums(kMoments * samples.size());
+  ForEachSample(samples.size(), pool, [&](std::size_t k) {
+    const PointMoments own =
+        sorted.MomentsAround(Eigen::Vector2d(centers[2 * k], centers[2 * k + 1]));
+    const double moments[kMoments] = {own.weight, own.x, own.y, own.xx, own.xy, own.yy};
+    std::copy_n(moments, kMoments, &sums[kMoments * k]);
+  });
+  SumOverPeers(peers, &sums);
+  ForEachSample(samples.size(), pool, [&](std::size_t k) {
+    const double* sum = &sums[kMoments * k];
+    samples[k] = MeasureAt({sum[0], sum[1], sum[2], sum[3], sum[4], sum[5]});
+  });
+  return QualityOf(samples);
 }
 
 }  // namespace plumbline

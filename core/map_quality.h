@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
@@ -34,6 +35,10 @@ struct MapQuality {
 /// threads. Zero everywhere if no neighbourhood has enough points.
 MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
                              ThreadPool* pool);
+
+/// The same for the points of a graph's returns, together with those of its peers (collective).
+MapQuality MeasureMapQuality(const SlamGraph& graph, const std::vector<double>& points,
+                             const MapQualityOptions& options, ThreadPool* pool);
 
 }  // namespace plumbline
 

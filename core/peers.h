@@ -31,6 +31,10 @@ class Peers {
   /// gets the size of to_rank[r]. What a process sends to itself does not matter.
   virtual void Swap(const std::vector<std::vector<double>>& to_rank,
                     std::vector<std::vector<double>>* from_rank) const = 0;
+
+  /// Returns once all processes have called it. Unlike the others it takes no processor time where
+  /// that may be long.
+  virtual void WaitForAll() const = 0;
 };
 
 }  // namespace plumbline

@@ -70,9 +70,10 @@ std::string Alarm::Text() const {
 
 ScanPlace PlaceOfPose(const SlamGraph& graph, const std::vector<double>& poses, int pose) {
   ScanPlace place;
-  for (int scan = 0; scan < graph.num_scans() && !place.scan; ++scan) {
-    if (graph.scan(scan).pose == pose) place.scan = scan;
-  }
+  const std::vector<ScanEntry>& scans = graph.all_scans();
+  const auto found = std::find_if(scans.begin(), scans.end(),
+                                  [pose](const ScanEntry& scan) { return scan.pose == pose; });
+  if (found != scans.end()) place.scan = static_cast<int>(found - scans.begin());
   place.time_s = graph.timestamp_s(pose);
   place.world_position = Pose2(&poses[3 * pose]).translation();
   return place;
@@ -117,8 +118,8 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
            << stretch.last_scan << ", while the wheels drove " << std::fixed << std::setprecision(1)
            << stretch.moved_m
            << " m: the repetitions are left out, and these poses are the odometry's";
-    alarms.push_back({PlaceOfPose(graph, poses, graph.scan(stretch.first_scan).pose), reason.str(),
-                      std::nullopt});
+    alarms.push_back({PlaceOfPose(graph, poses, graph.all_scans()[stretch.first_scan].pose),
+                      reason.str(), std::nullopt});
   }
   return alarms;
 }

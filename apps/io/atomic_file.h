@@ -36,6 +36,10 @@ class AtomicFile {
   /// Takes text and bytes alike. Errors in writing need no attention here: Commit() reports them.
   std::ostream& stream() { return stream_; }
 
+  /// Where the bytes are until Commit(), for other processes to write some of them; empty if they
+  /// go to the path itself.
+  const std::string& temporary_path() const { return temporary_path_; }
+
   /// Unavailable if anything could not be written or the target cannot be replaced, NotFound if it
   /// or its folder is gone; the message gives the system's reason.
   Status Commit();

@@ -36,6 +36,11 @@ bool FileBuffer::Take(int descriptor) {
   return true;
 }
 
+bool FileBuffer::SeekTo(std::size_t position) {
+  if (!Flush()) return false;
+  return lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) >= 0 || Fail();
+}
+
 bool FileBuffer::Close() {
   Flush();
   // What has no disk behind it (a pipe, a device) cannot be waited for.

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstddef>
 #include <streambuf>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ class FileBuffer : public std::streambuf {
   bool OpenExisting(const std::string& path);
   /// Another name of an open descriptor, which stays open.
   bool OpenCopy(int descriptor);
+
+  /// What is written from now on goes there [bytes from the beginning]. False if that fails, see
+  /// error().
+  bool SeekTo(std::size_t position);
 
   /// Writes what is left, waits until the disk has it, and closes the file. False if this or
   /// anything before has failed, see error().

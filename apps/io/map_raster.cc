@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
+
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -22,15 +25,36 @@ double RoundUpToNice(double value) {
   return 10.0 * decade;
 }
 
-/// Range of one coordinate (0 = x, 1 = y) that the picture shows, margin included.
-Interval VisibleInterval(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
-                         int coordinate, double crop_share) {
-  // A quantile of a million samples is as good as one of thirty million.
-  const std::size_t stride = 1 + points.size() / 2000000;
+/// A quantile of a million samples is as good as one of thirty million.
+std::size_t SampleStride(std::size_t num_points) { return 1 + num_points / 1000000; }
+
+/// One coordinate (0 = x, 1 = y) of every so many points, those that are not finite left out.
+std::vector<double> SampleCoordinates(const std::vector<double>& points, int coordinate) {
+  const std::size_t stride = SampleStride(points.size() / 2);
   std::vector<double> samples;
   for (std::size_t i = coordinate; i < points.size(); i += 2 * stride) {
     if (std::isfinite(points[i])) samples.push_back(points[i]);
   }
+  return samples;
+}
+
+/// The same samples of points that a graph and its peers have, in another order.
+std::vector<double> SampleCoordinates(const SlamGraph& graph, const std::vector<double>& points,
+                                      int coordinate) {
+  if (graph.peers() == nullptr) return SampleCoordinates(points, coordinate);
+  const std::size_t stride = SampleStride(graph.num_returns_of_all());
+  std::vector<double> samples;
+  for (std::size_t i = 0; i < points.size() / 2; ++i) {
+    if (graph.ReturnIdAmongAll(i) % stride != 0) continue;
+    const double value = points[2 * i + coordinate];
+    if (std::isfinite(value)) samples.push_back(value);
+  }
+  return JoinOverPeers(graph.peers(), std::move(samples));
+}
+
+/// Range of one coordinate that the picture shows, margin included.
+Interval VisibleInterval(std::vector<double> samples, const std::vector<Pose2>& trajectory,
+                         int coordinate, double crop_share) {
   Interval interval{std::numeric_limits<double>::infinity(),
                     -std::numeric_limits<double>::infinity()};
   const auto include = [&interval](double value) {
@@ -47,6 +71,27 @@ Interval VisibleInterval(const std::vector<double>& points, const std::vector<Po
   }
   const double margin = std::max(0.5, 0.03 * interval.length());
   return {interval.low - margin, interval.high + margin};
+}
+
+Status CheckExtent(const MapExtent& extent) {
+  for (double edge_m : {extent.x.low, extent.x.high, extent.y.low, extent.y.high}) {
+    if (std::abs(edge_m) < kMaxExtentM) continue;
+    return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
+                                   " m from the origin");
+  }
+  return Status::Ok();
+}
+
+MapRaster RasterOver(const MapExtent& extent, int max_side_px, double min_pixel_m) {
+  MapRaster raster;
+  // One pixel of the side is lost to snapping the edges to the grid.
+  const double side_m = std::max(extent.x.length(), extent.y.length());
+  raster.pixel_m = std::max(min_pixel_m, RoundUpToNice(side_m / (max_side_px - 1)));
+  raster.left_m = std::floor(extent.x.low / raster.pixel_m) * raster.pixel_m;
+  raster.top_m = std::ceil(extent.y.high / raster.pixel_m) * raster.pixel_m;
+  raster.width = static_cast<int>(std::ceil(raster.Column(extent.x.high)));
+  raster.height = static_cast<int>(std::ceil(raster.Row(extent.y.low)));
+  return raster;
 }
 
 /// Gray value of a pixel with `count` >= 1 hits. Hits on a wall differ by orders of magnitude with
@@ -71,28 +116,32 @@ double RoundDownToNice(double value) {
 
 Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
                   double crop_share, MapExtent* extent) {
-  const MapExtent result{VisibleInterval(points, trajectory, 0, crop_share),
-                         VisibleInterval(points, trajectory, 1, crop_share)};
-  for (double edge_m : {result.x.low, result.x.high, result.y.low, result.y.high}) {
-    if (std::abs(edge_m) < kMaxExtentM) continue;
-    return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
-                                   " m from the origin");
-  }
-  *extent = result;
-  return Status::Ok();
+  *extent = {VisibleInterval(SampleCoordinates(points, 0), trajectory, 0, crop_share),
+             VisibleInterval(SampleCoordinates(points, 1), trajectory, 1, crop_share)};
+  return CheckExtent(*extent);
 }
 
 Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
                     double crop_share, int max_side_px, MapRaster* raster, double min_pixel_m) {
   MapExtent extent;
   PLUMBLINE_RETURN_IF_ERROR(FindExtent(points, trajectory, crop_share, &extent));
-  // One pixel of the side is lost to snapping the edges to the grid.
-  const double side_m = std::max(extent.x.length(), extent.y.length());
-  raster->pixel_m = std::max(min_pixel_m, RoundUpToNice(side_m / (max_side_px - 1)));
-  raster->left_m = std::floor(extent.x.low / raster->pixel_m) * raster->pixel_m;
-  raster->top_m = std::ceil(extent.y.high / raster->pixel_m) * raster->pixel_m;
-  raster->width = static_cast<int>(std::ceil(raster->Column(extent.x.high)));
-  raster->height = static_cast<int>(std::ceil(raster->Row(extent.y.low)));
+  *raster = RasterOver(extent, max_side_px, min_pixel_m);
+  return Status::Ok();
+}
+
+Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
+                  MapExtent* extent) {
+  const std::vector<Pose2> trajectory = PosesOf(state.poses);
+  *extent = {VisibleInterval(SampleCoordinates(graph, state.points, 0), trajectory, 0, crop_share),
+             VisibleInterval(SampleCoordinates(graph, state.points, 1), trajectory, 1, crop_share)};
+  return CheckExtent(*extent);
+}
+
+Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,
+                    int max_side_px, MapRaster* raster, double min_pixel_m) {
+  MapExtent extent;
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, crop_share, &extent));
+  *raster = RasterOver(extent, max_side_px, min_pixel_m);
   return Status::Ok();
 }
 

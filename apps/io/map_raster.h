@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -45,6 +47,12 @@ Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& t
 Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
                     double crop_share, int max_side_px, MapRaster* raster,
                     double min_pixel_m = 0.01);
+
+/// These two for the points of a graph's returns, together with those of its peers (collective).
+Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
+                  MapExtent* extent);
+Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,
+                    int max_side_px, MapRaster* raster, double min_pixel_m = 0.01);
 
 /// Number of points (x, y [m] in turn) per pixel, row by row. Points that are not finite fall
 /// outside.

@@ -132,9 +132,7 @@ struct GridSides {
   double left, bottom, width, height;
 };
 
-Status LayGrid(const MapState& state, const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  MapExtent extent;
-  PLUMBLINE_RETURN_IF_ERROR(FindExtent(state.points, PosesOf(state.poses), kCropShare, &extent));
+Status LayGrid(const MapExtent& extent, const OccupancyGridOptions& options, OccupancyGrid* grid) {
   double cell_m = options.resolution_m;
   GridSides sides(extent, cell_m);
   while (!(sides.width * sides.height <= options.max_cells)) {
@@ -202,13 +200,16 @@ bool OccupancyGridOptions::Check(std::string* error) const {
 }
 
 Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options) {
+  MapExtent extent;
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(state.points, PosesOf(state.poses), kCropShare, &extent));
   OccupancyGrid ignored;
-  return LayGrid(state, options, &ignored);
+  return LayGrid(extent, options, &ignored);
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  return BuildOccupancyGrid(graph, state, 0, graph.num_scans(), options, grid);
+  const auto num_scans = static_cast<int>(graph.all_scans().size());
+  return BuildOccupancyGrid(graph, state, 0, num_scans, options, grid);
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
@@ -223,11 +224,17 @@ Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int fir
     return Status::InvalidArgument("occupancy grid: pose " + std::to_string(pose) +
                                    " is not finite");
   }
+  MapExtent extent;
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, kCropShare, &extent));
   OccupancyGrid result;
-  PLUMBLINE_RETURN_IF_ERROR(LayGrid(state, options, &result));
+  PLUMBLINE_RETURN_IF_ERROR(LayGrid(extent, options, &result));
   OccupancyScores scores(result.width, result.height);
   ScanScorer scorer(graph, state, result, &scores);
-  for (int scan = first_scan; scan < first_scan + num_scans; ++scan) scorer.Add(scan);
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const int id = graph.IdAmongAll(scan);
+    if (id >= first_scan && id < first_scan + num_scans) scorer.Add(scan);
+  }
+  scores.AddThoseOf(graph.peers());
   Classify(scores, &result);
   DropStrayReturns(scores, &result);
   *grid = std::move(result);

@@ -58,13 +58,15 @@ Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options)
 /// The grid holds the whole trajectory and all but the farthest 0.01 % of the points at each side.
 /// Time grows with the length of what the scans outline, not with the area they see.
 ///
+/// A graph with peers gets the grid of the scans of all (collective).
+///
 /// InvalidArgument on options out of range, a graph without poses or with poses that are not
 /// finite, and a map that needs more than max_cells, unless it may be coarser. Points that are not
 /// finite are left out.
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid);
 
-/// The same from some of the scans: those from `first_scan` on. The grid still holds the whole map,
+/// The same from some of all scans: those from `first_scan` on. The grid still holds the whole map,
 /// so that grids of different scans have the same cells.
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
                           int num_scans, const OccupancyGridOptions& options, OccupancyGrid* grid);

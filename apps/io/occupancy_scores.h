@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "plumbline/core/over_peers.h"
+
 namespace plumbline {
 
 /// An integer per cell of a grid, to which lines and whole areas are added.
@@ -33,6 +35,9 @@ class OccupancyScores {
   /// Adds one edge of a closed outline; all of them together add 1 to every cell whose centre they
   /// go around clockwise and -1 where they go around counter-clockwise.
   void AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+
+  /// Adds what other processes have added to scores of a grid of the same size (collective).
+  void AddThoseOf(const Peers* peers) { SumOverPeers(peers, &differences_); }
 
   /// The scores of a row, one per cell.
   void Row(int y, std::vector<std::int32_t>* scores) const;

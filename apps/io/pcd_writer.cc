@@ -3,9 +3,10 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
+#include <sstream>
 
-#include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/io/little_endian.h"
+#include "plumbline/apps/io/return_records.h"
 
 namespace plumbline {
 namespace {
@@ -27,24 +28,23 @@ Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const Map
   if (!offset.allFinite()) {
     return Status::InvalidArgument("'" + path + "': the first pose is not finite");
   }
-  AtomicFile file;
-  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
-  file.stream().precision(17);
-  file.stream() << "# .PCD v0.7 - Point Cloud Data file format\n"
-                << "# map points of Plumbline [m], world point = VIEWPOINT + point, z = 0\n"
-                << "VERSION 0.7\nFIELDS x y z scan\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
-                << "WIDTH " << graph.num_returns() << "\nHEIGHT 1\n"
-                << "VIEWPOINT " << offset.x() << ' ' << offset.y() << " 0 1 0 0 0\n"
-                << "POINTS " << graph.num_returns() << "\nDATA binary\n";
+  std::ostringstream header;
+  header.precision(17);
+  header << "# .PCD v0.7 - Point Cloud Data file format\n"
+         << "# map points of Plumbline [m], world point = VIEWPOINT + point, z = 0\n"
+         << "VERSION 0.7\nFIELDS x y z scan\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+         << "WIDTH " << graph.num_returns_of_all() << "\nHEIGHT 1\n"
+         << "VIEWPOINT " << offset.x() << ' ' << offset.y() << " 0 1 0 0 0\n"
+         << "POINTS " << graph.num_returns_of_all() << "\nDATA binary\n";
   const auto store = [&graph, &state, &offset](std::size_t i, unsigned char* out) {
     out = StoreFloat(static_cast<float>(state.points[2 * i] - offset.x()), out);
     out = StoreFloat(static_cast<float>(state.points[2 * i + 1] - offset.y()), out);
     out = StoreFloat(0.0f, out);
-    return StoreLittleEndian(static_cast<std::uint32_t>(graph.returns().scan[i]), out);
+    const int scan = graph.IdAmongAll(graph.returns().scan[i]);
+    return StoreLittleEndian(static_cast<std::uint32_t>(scan), out);
   };
   constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + sizeof(std::uint32_t);
-  WriteRecords(graph.num_returns(), kBytesPerPoint, store, &file.stream());
-  return file.Commit();
+  return WriteReturnRecords(path, header.str(), graph, kBytesPerPoint, store);
 }
 
 }  // namespace plumbline

@@ -13,6 +13,7 @@
 #include "plumbline/apps/pictures/picture_layout.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -128,13 +129,15 @@ Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
                                const BeforeAfterOptions& options) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, poses_before, options));
   MapRaster raster;
-  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(state.points, PosesOf(state.poses), kCropShare,
-                                         options.max_side_px, &raster, kPixelM));
-  AtomicFile file;
-  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ChooseRaster(graph, state, kCropShare, options.max_side_px, &raster, kPixelM));
   Panel panels[2] = {{options.before_title, {}}, {options.after_title, {}}};
   panels[0].hits = CountHits(graph.MeasuredMap(poses_before), raster);
   panels[1].hits = CountHits(state.points, raster);
+  for (Panel& panel : panels) SumOverPeers(graph.peers(), &panel.hits);
+  if (!SpeaksForAll(graph.peers())) return Status::Ok();
+  AtomicFile file;
+  PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
 
   const Layout layout(raster);
   const CairoSurface surface(cairo_image_surface_create(kGrayFormat, layout.width, layout.height));

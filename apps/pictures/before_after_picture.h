@@ -31,7 +31,8 @@ struct BeforeAfterOptions {
 ///
 /// InvalidArgument on options out of range, poses that are not finite or not as many as the
 /// graph's, a graph without poses, and a map larger than 1e9 m; points that are not finite are left
-/// out. Unavailable if the file cannot be written.
+/// out. Unavailable if the file cannot be written. A graph with peers gets a picture of the returns
+/// of all (collective), which process 0 draws.
 Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
                                const MapState& state, const std::vector<double>& poses_before,
                                const BeforeAfterOptions& options);

@@ -14,6 +14,7 @@
 #include "plumbline/apps/pictures/picture_layout.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -72,8 +73,8 @@ void DrawTrajectory(const SlamGraph& graph, const MapState& state, const MapRast
 }
 
 void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* context) {
-  const std::string numbers = WithThousands(graph.num_scans()) + " scans, " +
-                              WithThousands(graph.num_returns()) + " returns";
+  const std::string numbers = WithThousands(graph.all_scans().size()) + " scans, " +
+                              WithThousands(graph.num_returns_of_all()) + " returns";
   cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
   DrawText(title.empty() ? numbers : title + ": " + numbers, kBorderPx, 0.65 * kTitlePx,
            TextAnchor::kLeft, context);
@@ -136,8 +137,11 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
                        const MapPictureOptions& options, MapArea* area) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, options));
   MapRaster raster;
-  PLUMBLINE_RETURN_IF_ERROR(ChooseRaster(state.points, PosesOf(state.poses), options.crop_share,
-                                         options.max_side_px, &raster));
+  PLUMBLINE_RETURN_IF_ERROR(
+      ChooseRaster(graph, state, options.crop_share, options.max_side_px, &raster));
+  std::vector<std::uint32_t> hits = CountHits(state.points, raster);
+  SumOverPeers(graph.peers(), &hits);
+  if (!SpeaksForAll(graph.peers())) return Status::Ok();
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
 
@@ -152,7 +156,6 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
-  const std::vector<std::uint32_t> hits = CountHits(state.points, raster);
   DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
               map_left, kTitlePx, surface.get());
 

@@ -41,6 +41,9 @@ struct MapArea {
 /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
 /// finite or a map larger than 1e9 m; points that are not finite are left out.
 /// Unavailable if the file cannot be written. Sets *area, if given, on success only.
+///
+/// A graph with peers gets a picture of the returns of all (collective); process 0 draws it, and
+/// the others set no *area.
 Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                        const MapPictureOptions& options, MapArea* area = nullptr);
 

@@ -36,11 +36,6 @@ extern GFLAGS_DLL_DECL void (*gflags_exitfunc)(int);
 namespace plumbline {
 namespace {
 
-int Fail(const std::string& message, ExitCode code) {
-  std::cerr << gflags::ProgramInvocationShortName() << ": " << Legible(message) << '\n';
-  return code;
-}
-
 // Whether all that was printed has gone where it should.
 Status FlushStandardOutput() {
   errno = 0;
@@ -115,29 +110,32 @@ std::string WithFlag(const std::string& message, const std::function<Status()>& 
   return message;
 }
 
-int RunUnstopped(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
-                 const std::function<Status()>& run) {
+// The end that a failure means, bad input or wrong usage unless an output is to blame.
+ProgramEnd EndOf(const Status& status, ExitCode code) {
+  const bool bad_output = status.code() == StatusCode::kUnavailable;
+  return {bad_output ? kExitCannotWrite : code, status.message()};
+}
+
+ProgramEnd RunUnstopped(const std::vector<FileFlag>& files,
+                        const std::function<Status()>& check_flags,
+                        const std::function<Status()>& run) {
   KeepOneHeap();
-  const auto fail = [](const Status& status, ExitCode code) {
-    const bool bad_output = status.code() == StatusCode::kUnavailable;
-    return Fail(status.message(), bad_output ? kExitCannotWrite : code);
-  };
   const Status stack = CheckStackLimit();
-  if (!stack.ok()) return Fail(stack.message(), kExitWrongUsage);
+  if (!stack.ok()) return {kExitWrongUsage, stack.message()};
   try {
     const Status usage = check_flags();
-    if (!usage.ok()) return Fail(WithFlag(usage.message(), check_flags), kExitWrongUsage);
+    if (!usage.ok()) return {kExitWrongUsage, WithFlag(usage.message(), check_flags)};
     std::vector<FileFlag> all_files = {{"flagfile", &FLAGS_flagfile, FileUse::kInput}};
     all_files.insert(all_files.end(), files.begin(), files.end());
     const Status named = CheckFileFlags(all_files);
-    if (!named.ok()) return fail(named, kExitWrongUsage);
+    if (!named.ok()) return EndOf(named, kExitWrongUsage);
     Status status = run();
     if (status.ok()) status = FlushStandardOutput();
-    return status.ok() ? kExitDone : fail(status, kExitBadInput);
+    return status.ok() ? ProgramEnd() : EndOf(status, kExitBadInput);
   } catch (const std::bad_alloc&) {
-    return Fail("the input needs more memory than there is", kExitBadInput);
+    return {kExitBadInput, "the input needs more memory than there is"};
   } catch (const std::exception& error) {
-    return Fail(error.what(), kExitBadInput);
+    return {kExitBadInput, error.what()};
   }
 }
 
@@ -148,7 +146,7 @@ std::vector<gflags::CommandLineFlagInfo> ProgramFlags() {
   gflags::GetAllFlags(&all);
   for (gflags::CommandLineFlagInfo& flag : all) {
     const std::string stem = std::filesystem::path(flag.filename).stem().string();
-    if (EndsWith(stem, "_main")) {
+    if (EndsWith(stem, "_main") || EndsWith(stem, "_program")) {
       of_main.push_back(std::move(flag));
     } else if (stem == "flags" || EndsWith(stem, "_flags")) {
       shared.push_back(std::move(flag));
@@ -179,19 +177,34 @@ void StartProgram(const std::string& usage, int argc, char** argv) {
   if (FLAGS_help || FLAGS_helpshort) {
     std::cout << HelpText(usage);
     const Status printed = FlushStandardOutput();
-    std::exit(printed.ok() ? kExitDone : Fail(printed.message(), kExitCannotWrite));
+    if (!printed.ok()) PrintFailure(printed.message());
+    std::exit(printed.ok() ? kExitDone : kExitCannotWrite);
   }
   gflags::HandleCommandLineHelpFlags();
   if (argc > 1) {
-    std::exit(
-        Fail("unexpected argument '" + std::string(argv[1]) + "'; see --help", kExitWrongUsage));
+    PrintFailure("unexpected argument '" + std::string(argv[1]) + "'; see --help");
+    std::exit(kExitWrongUsage);
   }
 }
 // NOLINTEND(concurrency-mt-unsafe)
 
 int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                const std::function<Status()>& run) {
-  return ExitCodeAfterStop(RunUnstopped(files, check_flags, run));
+  const ProgramEnd end = RunQuietly(files, check_flags, run);
+  if (!end.message.empty()) PrintFailure(end.message);
+  return end.exit_code;
+}
+
+ProgramEnd RunQuietly(const std::vector<FileFlag>& files,
+                      const std::function<Status()>& check_flags,
+                      const std::function<Status()>& run) {
+  ProgramEnd end = RunUnstopped(files, check_flags, run);
+  end.exit_code = ExitCodeAfterStop(end.exit_code);
+  return end;
+}
+
+void PrintFailure(const std::string& message) {
+  std::cerr << gflags::ProgramInvocationShortName() << ": " << Legible(message) << '\n';
 }
 
 }  // namespace plumbline

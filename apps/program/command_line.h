@@ -20,7 +20,8 @@ enum ExitCode {
   kExitCannotWrite = 3,  ///< no folder, no permission, disk full
 };
 
-/// The flags that this program defines, those of its main file first: not the libraries' own.
+/// The flags that this program defines, those of its main file (or of what several main files run,
+/// x_program.cc) first: not the libraries' own.
 std::vector<gflags::CommandLineFlagInfo> ProgramFlags();
 
 /// `usage`, the program's flags with their defaults, and the exit codes, as --help prints them.
@@ -41,6 +42,20 @@ void StartProgram(const std::string& usage, int argc, char** argv);
 /// (KeepStopSignal) has an exit code of its own.
 int RunProgram(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                const std::function<Status()>& run);
+
+/// How a program came to its end.
+struct ProgramEnd {
+  int exit_code = kExitDone;
+  std::string message;  ///< for people, what is wrong; empty if nothing is
+};
+
+/// The same without the line on standard error, for programs of several processes.
+ProgramEnd RunQuietly(const std::vector<FileFlag>& files,
+                      const std::function<Status()>& check_flags,
+                      const std::function<Status()>& run);
+
+/// The line on standard error: the name of the program and a message.
+void PrintFailure(const std::string& message);
 
 }  // namespace plumbline
 

@@ -32,6 +32,7 @@ struct Response {
 };
 
 std::string program_name = "plumbline";
+bool ends_on_every_signal = false;
 std::atomic<int> stop_signal{0};
 std::atomic<const Response*> response{nullptr};
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler must not wait");
@@ -91,8 +92,8 @@ void HandleSignal(int number) {
 void SetResponse(const std::string& problem, bool ends_program,
                  const std::vector<std::string>& folders) {
   static auto& responses = *new std::deque<Response>;
-  Response next{{}, ends_program, folders};
-  for (std::size_t i = 0; i < next.lines.size(); ++i) {
+  Response next{{}, ends_program || ends_on_every_signal, folders};
+  for (std::size_t i = 0; i < next.lines.size() && !ends_on_every_signal; ++i) {
     next.lines[i] = program_name + ": stopped by " + kStopSignals[i].name + problem + '\n';
   }
   response = &responses.emplace_back(std::move(next));
@@ -111,6 +112,11 @@ void CatchSignals(const std::string& program) {
   EndIfStoppedWhile("starting");
   HandleStopSignalsBy(HandleSignal);
   signal(SIGXFSZ, SIG_IGN);
+}
+
+void EndOnEveryStopSignal() {
+  ends_on_every_signal = true;
+  EndIfStoppedWhile("starting");
 }
 
 void LeaveStopSignalsToParent() { HandleStopSignalsBy(SIG_DFL); }

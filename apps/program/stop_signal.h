@@ -21,6 +21,10 @@ namespace plumbline {
 /// of a signal (SIGXFSZ) that ends the program.
 void CatchSignals(const std::string& program);
 
+/// For one process of several that a launcher ends together, and says so: a stop signal ends it
+/// without a word, also where it would be kept, and deletes its temporary files.
+void EndOnEveryStopSignal();
+
 /// For a child of a program that catches signals: one that stops it just ends it.
 void LeaveStopSignalsToParent();
 

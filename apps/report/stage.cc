@@ -18,6 +18,15 @@ Stage MeasureStage(const std::string& name, const MapState& state, const Truth* 
   return stage;
 }
 
+Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
+                   const Truth* truth, ThreadPool* pool) {
+  if (graph.peers() == nullptr) return MeasureStage(name, state, truth, pool);
+  Stage stage;
+  stage.name = name;
+  stage.quality = MeasureMapQuality(graph, state.points, MapQualityOptions(), pool);
+  return stage;
+}
+
 std::string StageTable(const std::vector<Stage>& stages) {
   const bool with_truth = !stages.empty() && stages.front().error.has_value();
   std::ostringstream table;

@@ -8,6 +8,7 @@
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
@@ -22,6 +23,11 @@ struct Stage {
 /// Measures a map as it stands. truth: of the graph that the state belongs to; may be null.
 Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
                    ThreadPool* pool);
+
+/// The same for the points of a graph's returns, together with those of its peers (collective).
+/// truth: null if there are peers.
+Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
+                   const Truth* truth, ThreadPool* pool);
 
 /// A table for people, one row per stage.
 std::string StageTable(const std::vector<Stage>& stages);

@@ -373,6 +373,21 @@ Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprin
   return file.Commit();
 }
 
+std::string PackSeed(const std::vector<double>& poses, const SeedingReport& seeding) {
+  Contents contents{{}, poses, seeding};
+  BinaryWriter writer;
+  writer(contents);
+  return writer.bytes();
+}
+
+void UnpackSeed(const std::string& bytes, std::vector<double>* poses, SeedingReport* seeding) {
+  Contents contents;
+  BinaryReader reader(bytes);
+  reader(contents);
+  *poses = std::move(contents.poses);
+  *seeding = std::move(contents.seeding);
+}
+
 Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
                       const SlamGraph& graph, std::vector<double>* poses, SeedingReport* seeding) {
   std::string bytes;

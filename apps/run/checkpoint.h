@@ -42,6 +42,11 @@ Status WriteCheckpoint(const std::string& path, const RunFingerprint& fingerprin
 Status ReadCheckpoint(const std::string& path, const RunFingerprint& fingerprint,
                       const SlamGraph& graph, std::vector<double>* poses, SeedingReport* seeding);
 
+/// The poses and the report as bytes, for another process of the same program.
+std::string PackSeed(const std::vector<double>& poses, const SeedingReport& seeding);
+/// Takes back what PackSeed gave.
+void UnpackSeed(const std::string& bytes, std::vector<double>* poses, SeedingReport* seeding);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_RUN_CHECKPOINT_H_

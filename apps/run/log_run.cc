@@ -20,7 +20,9 @@
 #include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/progress.h"
 #include "plumbline/apps/run/seeding_progress.h"
+#include "plumbline/apps/run/share_mapping.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/thread_pool.h"
 
@@ -34,8 +36,7 @@ class LogRun {
       : options_(options), pool_(options.mapping.solver.num_threads), output_(options.output_dir) {}
 
   Status Run() {
-    PLUMBLINE_RETURN_IF_ERROR(Read());
-    PLUMBLINE_RETURN_IF_ERROR(FindSeed());
+    PLUMBLINE_RETURN_IF_ERROR(Start());
     MapRun map(options_.mapping, options_.outputs, output_, TruthOrNull(), std::move(summary_),
                &pool_, &mapping_);
     PLUMBLINE_RETURN_IF_ERROR(RecordStart(&map));
@@ -48,6 +49,17 @@ class LogRun {
   }
 
  private:
+  Status Start() {
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return ReadAndSeed(); }));
+    if (options_.peers == nullptr) return Status::Ok();
+    return ShareMapping(options_.peers, options_.mapping, &pool_, &mapping_);
+  }
+
+  Status ReadAndSeed() {
+    PLUMBLINE_RETURN_IF_ERROR(Read());
+    return FindSeed();
+  }
+
   Status Read() {
     const bool needs_fingerprint = !options_.resume.empty() || !options_.checkpoint.empty();
     LogStamp stamp;
@@ -122,7 +134,9 @@ class LogRun {
   // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
   Status Seed() {
     const auto start = std::chrono::steady_clock::now();
-    StartMeasuring(std::move(mapping_.state));  // the seeding does without it
+    // The seeding does without the state. Several processes measure it together, later.
+    if (options_.peers == nullptr) StartMeasuring(std::move(mapping_.state));
+    mapping_.state = MapState();
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
@@ -139,13 +153,22 @@ class LogRun {
   // From here on there is a map to write, also if the run is stopped. Not before: an earlier run's
   // results outlive one that comes to nothing.
   Status RecordStart(MapRun* map) {
-    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
+    PLUMBLINE_RETURN_IF_ERROR(
+        BySpeaker(options_.peers, [this] { return output_.RemoveOldResults(); }));
+    const Stage stage = OdometryStage();
+    const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
+    return map->RecordStart(is_prediction ? nullptr : &stage);
+  }
+
+  Stage OdometryStage() {
+    if (options_.peers != nullptr) {
+      return MeasureStage("odometry", mapping_.graph, mapping_.graph.InitialState(), nullptr,
+                          &pool_);
+    }
     if (!odometry_stage_.valid()) {  // resumed: nothing was seeded
       StartMeasuring(mapping_.graph.InitialState());
     }
-    const Stage stage = odometry_stage_.get();
-    const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
-    return map->RecordStart(is_prediction ? nullptr : &stage);
+    return odometry_stage_.get();
   }
 
   void StartMeasuring(MapState odometry) {

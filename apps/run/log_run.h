@@ -4,6 +4,7 @@
 #include <string>
 
 #include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 
@@ -19,6 +20,9 @@ struct LogRunOptions {
   std::string truth, hits;  ///< of a simulated log, see ReadTruth; may be empty
   std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
   std::string resume;       ///< checkpoint to go on from; may be empty
+  /// Processes that run with the same options and share the work after the seed, which process 0
+  /// finds; null: this one does it all. Without truth, calibration or a saved map then.
+  const Peers* peers = nullptr;
 };
 
 /// Maps a log: reads it, finds the seed, estimates all poses and points, and leaves all results in

@@ -15,6 +15,7 @@
 #include "plumbline/apps/report/seeding_text.h"
 #include "plumbline/apps/run/progress.h"
 #include "plumbline/apps/run/refined_pose_graph.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -64,7 +65,7 @@ Status MapRun::RecordStart(const Stage* odometry) {
   Stage seed;
   tasks.push_back([&] { return Measure(InLowerCase(title), mapping_->state, &seed); });
   tasks.push_back([this] { return Draw(mapping_->state, &maps_.back()); });
-  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_));
+  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   summary_.stages.push_back(seed);
   if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
   return WriteTrajectory("trajectory_seed.tum");
@@ -95,8 +96,11 @@ Status MapRun::WriteMap(ExtraResults extras) {
   tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
   tasks.push_back([this] { return WriteTrajectory("trajectory.tum"); });
   tasks.push_back([this] {
-    return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
-                                 mapping_->report.seeding.pose_graph, mapping_->before_from_after);
+    return BySpeaker(mapping_->graph.peers(), [this] {
+      return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
+                                   mapping_->report.seeding.pose_graph,
+                                   mapping_->before_from_after);
+    });
   });
   tasks.push_back([this] {
     return WriteClosurePicture(output_.File("closures.png"), mapping_->graph, mapping_->state,
@@ -113,7 +117,7 @@ Status MapRun::WriteMap(ExtraResults extras) {
   });
   tasks.push_back(
       [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
-  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_));
+  PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
   if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());
   summary_.stages.push_back(measured);
@@ -130,6 +134,10 @@ Status MapRun::SaveMap(Status* saved) const {
 }
 
 Status MapRun::WriteReport(const std::string& signal_name) {
+  return BySpeaker(mapping_->graph.peers(), [&] { return WriteReportOfAll(signal_name); });
+}
+
+Status MapRun::WriteReportOfAll(const std::string& signal_name) {
   summary_.stopped_by = signal_name;
   HtmlReport report = MakeRunReport(summary_);
   report.maps = maps_;
@@ -203,12 +211,14 @@ Status MapRun::Draw(const MapState& state, ReportMap* map) const {
 
 Status MapRun::Measure(const std::string& name, const MapState& state, Stage* stage) const {
   ThreadPool one_thread(1);
-  *stage = MeasureStage(name, state, truth_, &one_thread);
+  *stage = MeasureStage(name, mapping_->graph, state, truth_, &one_thread);
   return Status::Ok();
 }
 
 Status MapRun::WriteTrajectory(const std::string& name) const {
-  return WriteTumTrajectory(output_.File(name), TrajectoryOf(mapping_->graph, mapping_->state));
+  return BySpeaker(mapping_->graph.peers(), [&] {
+    return WriteTumTrajectory(output_.File(name), TrajectoryOf(mapping_->graph, mapping_->state));
+  });
 }
 
 }  // namespace plumbline

@@ -30,7 +30,8 @@ struct ExtraResults {
 };
 
 /// The way from the seed of a log, or of several, to all files in the output folder. Prints what
-/// happens. To be called in the order of its functions.
+/// happens. To be called in the order of its functions. If the graph has peers, each of them has a
+/// MapRun of the same options, with which it writes its part of the files (collective).
 class MapRun {
  public:
   /// summary: what is known of the run up to here. All else is only referred to; truth may be null.
@@ -61,6 +62,7 @@ class MapRun {
   Status Measure(const std::string& name, const MapState& state, Stage* stage) const;
   Status WriteTrajectory(const std::string& name) const;
   Status SaveMap(Status* saved) const;
+  Status WriteReportOfAll(const std::string& signal_name);
   std::string RefusedMapsText() const;
 
   MapLogOptions options_;

@@ -1,6 +1,7 @@
 #include "plumbline/apps/run/pose_graph_run.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,8 @@
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/over_peers.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/alarm.h"
@@ -41,12 +44,8 @@ class PoseGraphRun {
       : options_(options), pool_(options.solver.num_threads), output_(options.output_dir) {}
 
   Status Run() {
-    PLUMBLINE_RETURN_IF_ERROR(Read());
-    PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
-    PLUMBLINE_RETURN_IF_ERROR(CheckScans());
-    KeepStopSignal();  // the given poses are a state to write
-    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
-    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return Start(); }));
+    if (options_.peers != nullptr) PLUMBLINE_RETURN_IF_ERROR(Share());
     PLUMBLINE_RETURN_IF_ERROR(RecordMap("given", "map_given.png"));
     given_consistency_ = MeasureConsistency();
     if (by_edges_only()) {
@@ -60,8 +59,32 @@ class PoseGraphRun {
   }
 
  private:
-  bool has_scans() const { return file_.graph.num_returns() > 0; }
+  bool has_scans() const { return file_.graph.num_returns_of_all() > 0; }
   bool by_edges_only() const { return options_.solver.MovesPosesOnly(); }
+
+  Status Start() {
+    PLUMBLINE_RETURN_IF_ERROR(Read());
+    if (options_.peers != nullptr && !has_scans()) {
+      return Status::InvalidArgument(options_.log +
+                                     ": a pose graph without scans has nothing to share among "
+                                     "processes; plumbline_slam refines it");
+    }
+    PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
+    PLUMBLINE_RETURN_IF_ERROR(CheckScans());
+    KeepStopSignal();  // the given poses are a state to write
+    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    return output_.RemoveOldResults();
+  }
+
+  Status Share() {
+    state_ = MapState();
+    file_.num_robot_poses =
+        JoinOverPeers(options_.peers, std::vector<int>{file_.num_robot_poses}).front();
+    PLUMBLINE_RETURN_IF_ERROR(
+        ShareGraph(options_.peers, file_.graph.initial_poses(), &file_.graph));
+    state_ = file_.graph.InitialState();
+    return Status::Ok();
+  }
 
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.max_memory, &file_));
@@ -157,12 +180,10 @@ class PoseGraphRun {
   // Only the order of time tells apart the passes of a robot through the same place.
   bool ScansAreInOrderOfTime() const {
     const SlamGraph& graph = file_.graph;
-    for (int scan = 1; scan < graph.num_scans(); ++scan) {
-      if (graph.timestamp_s(graph.scan(scan).pose) < graph.timestamp_s(graph.scan(scan - 1).pose)) {
-        return false;
-      }
-    }
-    return true;
+    const std::vector<ScanEntry>& scans = graph.all_scans();
+    return std::is_sorted(scans.begin(), scans.end(), [&graph](const auto& a, const auto& b) {
+      return graph.timestamp_s(a.pose) < graph.timestamp_s(b.pose);
+    });
   }
 
   std::optional<MapConsistency> MeasureConsistency() {
@@ -172,18 +193,14 @@ class PoseGraphRun {
 
   Status WriteResults() {
     const std::string graph_name = "graph." + file_.format;
-    PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output_.File("trajectory.tum"),
-                                                 TrajectoryOf(file_.graph, RobotState())));
-    PLUMBLINE_RETURN_IF_ERROR(file_.write(output_.File(graph_name), state_.poses));
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [&] { return WritePoses(graph_name); }));
     if (has_scans()) {
       PLUMBLINE_RETURN_IF_ERROR(WriteMap());
       PrintMap();
     }
     PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal([&](const std::string& signal_name) {
       stopped_by_ = signal_name;
-      if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteReport());
-      // The last one: its presence says that the others are there.
-      return WriteSummary();
+      return BySpeaker(options_.peers, [this] { return WriteReportAndSummary(); });
     }));
     std::cout << StopText(stopped_by_) << "Results in " << Legible(output_.path())
               << ": trajectory.tum, " << graph_name << ", summary.json\n";
@@ -198,6 +215,18 @@ class PoseGraphRun {
     if (!map_warning_.empty()) std::cerr << "warning: " << map_warning_ << '\n';
     std::cerr << AlarmText(alarms_);
     return Status::Ok();
+  }
+
+  Status WritePoses(const std::string& graph_name) const {
+    PLUMBLINE_RETURN_IF_ERROR(WriteTumTrajectory(output_.File("trajectory.tum"),
+                                                 TrajectoryOf(file_.graph, RobotState())));
+    return file_.write(output_.File(graph_name), state_.poses);
+  }
+
+  Status WriteReportAndSummary() const {
+    if (has_scans()) PLUMBLINE_RETURN_IF_ERROR(WriteReport());
+    // The last one: its presence says that the others are there.
+    return WriteSummary();
   }
 
   void PrintMap() const {
@@ -222,7 +251,8 @@ class PoseGraphRun {
                          refined_consistency_ ? &*refined_consistency_ : nullptr,
                          &maps_.back().area,
                          &map_warning_};
-    PLUMBLINE_RETURN_IF_ERROR(RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_));
+    PLUMBLINE_RETURN_IF_ERROR(
+        RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_, options_.peers));
     AddStage("refined, raw ranges", {state_.poses, file_.graph.MeasuredMap(state_.poses)});
     AddStage("refined, optimised points", state_);
     return Status::Ok();
@@ -247,7 +277,7 @@ class PoseGraphRun {
   }
 
   void AddStage(const std::string& name, const MapState& state) {
-    stages_.push_back(MeasureStage(name, state, nullptr, &pool_));
+    stages_.push_back(MeasureStage(name, file_.graph, state, nullptr, &pool_));
   }
 
   Json EdgesJson() const {
@@ -275,8 +305,8 @@ class PoseGraphRun {
                  {"poses", file_.graph.num_poses()},
                  {"fixed_poses", file_.graph.fixed_poses().size()},
                  {"edges", file_.graph.relative_poses().size()},
-                 {"scans", file_.graph.num_scans()},
-                 {"returns", file_.graph.num_returns()}};
+                 {"scans", file_.graph.all_scans().size()},
+                 {"returns", file_.graph.num_returns_of_all()}};
     if (by_edges_only()) {
       json["solver"] = SolverJson(solver_summary_);
     } else {
@@ -315,8 +345,8 @@ class PoseGraphRun {
     report.title = std::filesystem::path(options_.log).filename().string();
     report.subtitle = WithThousands(file_.graph.num_poses()) + " poses, " +
                       WithThousands(file_.graph.relative_poses().size()) + " edges, " +
-                      WithThousands(file_.graph.num_scans()) + " scans, " +
-                      WithThousands(file_.graph.num_returns()) + " returns";
+                      WithThousands(file_.graph.all_scans().size()) + " scans, " +
+                      WithThousands(file_.graph.num_returns_of_all()) + " returns";
     AddAlarms(alarms_, refined_consistency_ ? "No sign that the map contradicts itself." : "",
               &report);
     AddStop(stopped_by_, &report);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
@@ -15,6 +16,9 @@ struct PoseGraphRunOptions {
   RunOutputOptions outputs;
   SolverOptions solver;
   double max_memory = 0.0;  ///< refuses a graph that needs more by estimate [bytes]; 0: no limit
+  /// Processes that run with the same options and share the work once process 0 has read the graph,
+  /// which needs scans then; null: this one does it all.
+  const Peers* peers = nullptr;
 };
 
 /// Refines a pose graph that another system has saved: by its edges alone, then, if scans are

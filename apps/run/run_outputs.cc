@@ -16,6 +16,7 @@
 #include "plumbline/apps/pictures/overlay_pictures.h"
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -38,7 +39,7 @@ Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_
 Status WriteGrid(const std::string& stem, const SlamGraph& graph, const MapState& state,
                  const OccupancyGridOptions& options, OccupancyGrid* grid) {
   PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, grid));
-  return WriteRosMap(stem, *grid);
+  return SpeaksForAll(graph.peers()) ? WriteRosMap(stem, *grid) : Status::Ok();
 }
 
 // A robot can drive with a coarse map, but not without one.
@@ -167,7 +168,11 @@ std::string MapFilesText(bool with_conflicts) {
          "  points.ply, points.pcd                            every return, optimised\n";
 }
 
-Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool) {
+Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool, const Peers* peers) {
+  if (peers != nullptr) {
+    for (const WriteTask& task : tasks) PLUMBLINE_RETURN_IF_ERROR(FirstFailure(peers, task()));
+    return Status::Ok();
+  }
   std::vector<Status> results(tasks.size());
   pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
     results[begin] = CatchExceptions(tasks[begin]);

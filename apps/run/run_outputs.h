@@ -9,6 +9,7 @@
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -51,7 +52,8 @@ using WriteTask = std::function<Status()>;
 
 /// The tasks that write map_refined.png, before_after.png, points.ply, points.pcd, map.pgm with
 /// map.yaml and, if the consistency was measured, conflicts.png, the longest first. They refer to
-/// what they are given and do not change it; each may run on a thread of its own.
+/// what they are given and do not change it; each may run on a thread of its own, unless the graph
+/// has peers.
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output);
 
@@ -73,8 +75,9 @@ Status CheckRobotMap(const std::string& input, const MapState& state, double res
 std::string MapFilesText(bool with_conflicts);
 
 /// Runs all tasks side by side; gives the error of the first one that failed. What a task throws
-/// is such an error too.
-Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool);
+/// is such an error too. With peers, which run the same tasks, they run one after the other, since
+/// they talk to each other, and every process gets the same error; what a task throws goes on.
+Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool, const Peers* peers = nullptr);
 
 }  // namespace plumbline
 

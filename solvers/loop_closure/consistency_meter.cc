@@ -9,6 +9,9 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/float_environment.h"
+#include "plumbline/core/over_peers.h"
+#include "plumbline/core/share_graph.h"
+#include "plumbline/core/sort_unique.h"
 
 namespace plumbline {
 namespace {
@@ -38,14 +41,14 @@ struct Viewpoint {
   Pose2 world_from_robot;
 };
 
-// The scans that are compared: one per stretch of the path.
+// The scans that are compared, by their ids among all: one per stretch of the path.
 std::vector<int> ChooseScans(const SlamGraph& graph, const std::vector<Pose2>& poses) {
+  const std::vector<ScanEntry>& all = graph.all_scans();
   std::vector<int> scans;
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    if (graph.scan(scan).num_returns == 0) continue;
+  for (int scan = 0; scan < static_cast<int>(all.size()); ++scan) {
+    if (all[scan].num_returns == 0) continue;
     if (!scans.empty()) {
-      const Pose2 step =
-          Between(poses[graph.scan(scans.back()).pose], poses[graph.scan(scan).pose]);
+      const Pose2 step = Between(poses[all[scans.back()].pose], poses[all[scan].pose]);
       if (step.translation().norm() < kViewpointSpacingM && std::abs(step.yaw) < kSpacingRad)
         continue;
     }
@@ -59,7 +62,7 @@ std::vector<Viewpoint> PlaceViewpoints(const SlamGraph& graph, const std::vector
   std::vector<Viewpoint> viewpoints;
   viewpoints.reserve(scans.size());
   for (const int scan : scans) {
-    const int pose = graph.scan(scan).pose;
+    const int pose = graph.all_scans()[scan].pose;
     double path_m = 0.0;
     if (!viewpoints.empty()) {
       const Viewpoint& before = viewpoints.back();
@@ -173,8 +176,9 @@ std::vector<ViewpointPair> ChoosePairs(const std::vector<Viewpoint>& viewpoints)
 }
 
 // scans: of the viewpoints.
-void ComparePairs(const std::vector<Viewpoint>& viewpoints, const std::vector<FreeSpaceScan>& scans,
-                  ThreadPool* pool, std::vector<ViewpointPair>* pairs) {
+void ComparePairs(const std::vector<Viewpoint>& viewpoints,
+                  const std::vector<const FreeSpaceScan*>& scans, ThreadPool* pool,
+                  std::vector<ViewpointPair>* pairs) {
   constexpr std::size_t kPairsPerChunk = 64;
   pool->ForEachChunk(
       pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -182,12 +186,79 @@ void ComparePairs(const std::vector<Viewpoint>& viewpoints, const std::vector<Fr
           ViewpointPair& pair = (*pairs)[i];
           const Pose2 first_from_second = Between(viewpoints[pair.first].world_from_robot,
                                                   viewpoints[pair.second].world_from_robot);
-          const FreeSpaceScan &first = scans[pair.first], &second = scans[pair.second];
+          const FreeSpaceScan &first = *scans[pair.first], &second = *scans[pair.second];
           pair.first_views = first.Compare(second, first_from_second, &pair.seen_by_first);
           pair.second_views =
               second.Compare(first, first_from_second.Inverse(), &pair.seen_by_second);
         }
       });
+}
+
+// Of the pairs whose second viewpoint is one of this process, the scans that other processes have.
+std::vector<int> ForeignFirsts(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
+                               const std::vector<ViewpointPair>& pairs) {
+  std::vector<int> firsts;
+  for (const ViewpointPair& pair : pairs) {
+    const bool is_own = graph.HasScansOf(viewpoints[pair.second].pose);
+    if (is_own && !graph.HasScansOf(viewpoints[pair.first].pose)) firsts.push_back(pair.first);
+  }
+  SortUnique(&firsts);
+  return firsts;
+}
+
+// The conflicts of one pair as numbers, to be added up with those of processes that did not compare
+// it, all zero.
+constexpr std::size_t kNumbersPerPair = 8;
+
+void ToNumbers(const ViewpointPair& pair, double* numbers) {
+  const double values[kNumbersPerPair] = {static_cast<double>(pair.first_views.num_compared),
+                                          static_cast<double>(pair.first_views.num_conflicting),
+                                          static_cast<double>(pair.second_views.num_compared),
+                                          static_cast<double>(pair.second_views.num_conflicting),
+                                          pair.seen_by_first.x(),
+                                          pair.seen_by_first.y(),
+                                          pair.seen_by_second.x(),
+                                          pair.seen_by_second.y()};
+  std::copy_n(values, kNumbersPerPair, numbers);
+}
+
+void FromNumbers(const double* numbers, ViewpointPair* pair) {
+  pair->first_views = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
+  pair->second_views = {static_cast<int>(numbers[2]), static_cast<int>(numbers[3])};
+  pair->seen_by_first = {numbers[4], numbers[5]};
+  pair->seen_by_second = {numbers[6], numbers[7]};
+}
+
+// Each process compares the pairs whose second viewpoint is its own. scans: of the viewpoints of
+// this process; null for the others.
+void ComparePairsOverPeers(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
+                           std::vector<const FreeSpaceScan*> scans, ThreadPool* pool,
+                           std::vector<ViewpointPair>* pairs) {
+  const std::vector<int> foreign = ForeignFirsts(graph, viewpoints, *pairs);
+  std::vector<int> ids;
+  for (const int viewpoint : foreign) ids.push_back(viewpoints[viewpoint].scan);
+  const SlamGraph fetched = FetchScans(graph, ids);
+  std::vector<FreeSpaceScan> fetched_scans;
+  fetched_scans.reserve(foreign.size());
+  for (std::size_t i = 0; i < foreign.size(); ++i) {
+    scans[foreign[i]] = &fetched_scans.emplace_back(fetched, static_cast<int>(i));
+  }
+  std::vector<ViewpointPair> own;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < pairs->size(); ++i) {
+    if (!graph.HasScansOf(viewpoints[(*pairs)[i].second].pose)) continue;
+    own.push_back((*pairs)[i]);
+    places.push_back(i);
+  }
+  ComparePairs(viewpoints, scans, pool, &own);
+  std::vector<double> numbers(kNumbersPerPair * pairs->size());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    ToNumbers(own[i], &numbers[kNumbersPerPair * places[i]]);
+  }
+  SumOverPeers(graph.peers(), &numbers);
+  for (std::size_t i = 0; i < pairs->size(); ++i) {
+    FromNumbers(&numbers[kNumbersPerPair * i], &(*pairs)[i]);
+  }
 }
 
 void AddPlace(const Viewpoint& viewer, const Viewpoint& scan, const FreeSpaceConflict& conflict,
@@ -297,8 +368,13 @@ ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
                                    const std::vector<Pose2>& world_from_robot)
     : graph_(graph), scans_(ChooseScans(graph, world_from_robot)) {
   const DefaultFloatEnvironment float_environment;
-  free_space_.reserve(scans_.size());
-  for (const int scan : scans_) free_space_.emplace_back(graph, scan);
+  free_space_.resize(scans_.size());
+  std::size_t viewpoint = 0;
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    while (viewpoint < scans_.size() && scans_[viewpoint] < graph.IdAmongAll(scan)) ++viewpoint;
+    if (viewpoint == scans_.size()) break;
+    if (scans_[viewpoint] == graph.IdAmongAll(scan)) free_space_[viewpoint].emplace(graph, scan);
+  }
 }
 
 MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_robot,
@@ -306,7 +382,13 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   const DefaultFloatEnvironment float_environment;
   const std::vector<Viewpoint> viewpoints = PlaceViewpoints(graph_, scans_, world_from_robot);
   std::vector<ViewpointPair> pairs = ChoosePairs(viewpoints);
-  ComparePairs(viewpoints, free_space_, pool, &pairs);
+  std::vector<const FreeSpaceScan*> scans;
+  for (const auto& scan : free_space_) scans.push_back(scan ? &*scan : nullptr);
+  if (graph_.peers() == nullptr) {
+    ComparePairs(viewpoints, scans, pool, &pairs);
+  } else {
+    ComparePairsOverPeers(graph_, viewpoints, std::move(scans), pool, &pairs);
+  }
   MapConsistency consistency;
   for (const Viewpoint& viewpoint : viewpoints) {
     consistency.viewpoints.emplace_back();

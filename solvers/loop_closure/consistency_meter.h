@@ -2,6 +2,7 @@
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_CONSISTENCY_METER_H_
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
@@ -17,6 +18,9 @@ namespace plumbline {
 /// space away). The work is linear in the length of the path; the result does not depend on the
 /// number of threads. Expects poses in order of time.
 ///
+/// Of a graph with peers it compares the scans of all; Measure is then collective, and from one
+/// thread.
+///
 /// Chooses the scans once, by one estimate of the poses, and then measures any number of others of
 /// the same drive. Const, so that several threads can measure at a time.
 class ConsistencyMeter {
@@ -28,8 +32,8 @@ class ConsistencyMeter {
 
  private:
   const SlamGraph& graph_;
-  std::vector<int> scans_;
-  std::vector<FreeSpaceScan> free_space_;  // of these scans
+  std::vector<int> scans_;                                // by their ids among all
+  std::vector<std::optional<FreeSpaceScan>> free_space_;  // of those that the graph has
 };
 
 /// The same for one estimate of the poses.

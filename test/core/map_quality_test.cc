@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/test/core/synthetic_scene.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -161,6 +163,25 @@ TEST(MapQualityTest, ChecksItsOptions) {
   options.radius_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_EQ(error, "radius_m = 0, but it must be > 0.0");
+}
+
+TEST(MapQualityTest, ProcessesThatShareAGraphMeasureItsPointsTogether) {
+  SyntheticScene scene;
+  scene.faces = {{{0, 0}, {8, 0}}, {{8, 0}, {8, 5}}, {{8, 5}, {0, 5}}, {{0, 5}, {0, 0}}};
+  for (int i = 0; i < 40; ++i) scene.poses.emplace_back(1.0 + 0.15 * i, 2.0, 0.1 * i);
+  scene.range_sigma_m = 0.01;
+  const SlamGraph graph = MakeGraph(scene);
+  const MapState state = graph.InitialState();
+  const MapQuality expected = Measure(state.points);
+  ASSERT_GT(expected.num_samples, 10000u);
+  RunOnParts(graph, 3, [&](const SlamGraph& part) {
+    ThreadPool pool(1);
+    const MapQuality quality =
+        MeasureMapQuality(part, part.InitialState().points, MapQualityOptions(), &pool);
+    EXPECT_EQ(quality.num_samples, expected.num_samples);
+    EXPECT_NEAR(quality.wall_thickness_m, expected.wall_thickness_m, 1e-9);
+    EXPECT_NEAR(quality.mean_map_entropy, expected.mean_map_entropy, 1e-9);
+  });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "plumbline/test/apps/io/ros_map_reader.h"
 #include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -40,6 +41,46 @@ class RunOutputsTest : public testing::Test {
   RunOutputOptions options_;
   std::string warning_;
 };
+
+TEST_F(RunOutputsTest, ProcessesThatShareTheGraphWriteTheSameFiles) {
+  MapConsistency consistency;
+  consistency.places.push_back({0, 5, {1.0, 0.5}});
+  DisturbPoints(0.01, &room_.state);
+  ASSERT_TRUE(Write("one", &consistency, 1).ok());
+  OutputFolder made(folder_ + "three");
+  ASSERT_TRUE(made.Make().ok());
+  RunOnParts(room_.graph, 3, [&](const SlamGraph& part) {
+    ASSERT_LT(part.num_scans(), room_.graph.num_scans());
+    const MapState state = PartOf(part, room_.state);
+    const RefinedMap map{&part, &state, &poses_before_, "seed", &consistency, nullptr, nullptr};
+    const OutputFolder output(folder_ + "three");
+    ThreadPool pool(1);
+    EXPECT_TRUE(RunAll(MapWriteTasks(map, options_, output), &pool, part.peers()).ok());
+  });
+  EXPECT_EQ(NumFilesIn(folder_ + "three"), NumFilesIn(folder_ + "one"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ + "one")) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(ReadFile(folder_ + "one/" + name) == ReadFile(folder_ + "three/" + name)) << name;
+  }
+}
+
+TEST_F(RunOutputsTest, ProcessesThatShareTheGraphAllLearnThatAFileCannotBeWritten) {
+  for (const std::string& taken : {"points.ply", "map_refined.png", "map.pgm"}) {
+    const std::string folder = folder_ + "without_" + taken;
+    OutputFolder made(folder);
+    ASSERT_TRUE(made.Make().ok());
+    std::filesystem::create_directories(folder + "/" + taken);
+    RunOnParts(room_.graph, 2, [&](const SlamGraph& part) {
+      const MapState state = PartOf(part, room_.state);
+      const RefinedMap map{&part, &state, &poses_before_, "seed", nullptr, nullptr, nullptr};
+      const OutputFolder output(folder);
+      ThreadPool pool(1);
+      const Status status = RunAll(MapWriteTasks(map, options_, output), &pool, part.peers());
+      EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+      EXPECT_THAT(status.message(), HasSubstr(taken));
+    });
+  }
+}
 
 TEST_F(RunOutputsTest, WritesTheSameFilesWithAnyNumberOfThreads) {
   const MapConsistency consistency;

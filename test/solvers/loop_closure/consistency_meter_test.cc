@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -239,6 +240,37 @@ TEST(MapConsistency, TheNumberOfThreadsChangesNothing) {
       EXPECT_EQ(many.places[i].world_point, one.places[i].world_point);
     }
   }
+}
+
+void ExpectSame(const FreeSpaceConflict& conflict, const FreeSpaceConflict& expected) {
+  EXPECT_EQ(conflict.num_compared, expected.num_compared);
+  EXPECT_EQ(conflict.num_conflicting, expected.num_conflicting);
+}
+
+TEST(ConsistencyMeterTest, ProcessesThatShareAGraphMeasureTheSame) {
+  SyntheticScene scene = Corridor();
+  scene.faces.push_back({{2.0, 0.3}, {2.0, 1.5}});
+  scene.poses = BackAndForth(3);
+  const SlamGraph graph = MakeGraph(scene);
+  std::vector<Pose2> poses = scene.poses;
+  for (std::size_t i = 25; i < poses.size(); ++i) poses[i].x += 1.0;  // contradicts itself
+  const MapConsistency expected = Measure(graph, poses);
+  ASSERT_FALSE(expected.places.empty());
+  RunOnParts(graph, 3, [&](const SlamGraph& part) {
+    ASSERT_LT(part.num_scans(), graph.num_scans());
+    const MapConsistency shared = Measure(part, poses);
+    ExpectSame(shared.within_pass, expected.within_pass);
+    ExpectSame(shared.between_passes, expected.between_passes);
+    ExpectSame(shared.worst_between.conflict, expected.worst_between.conflict);
+    EXPECT_EQ(shared.worst_between.pose, expected.worst_between.pose);
+    EXPECT_EQ(shared.viewpoints.size(), expected.viewpoints.size());
+    ASSERT_EQ(shared.places.size(), expected.places.size());
+    for (std::size_t i = 0; i < shared.places.size(); ++i) {
+      EXPECT_EQ(shared.places[i].viewer_scan, expected.places[i].viewer_scan);
+      EXPECT_EQ(shared.places[i].scan, expected.places[i].scan);
+      EXPECT_EQ(shared.places[i].world_point, expected.places[i].world_point);
+    }
+  });
 }
 
 }  // namespace

@@ -1,0 +1,55 @@
+#include "plumbline/apps/run/share_mapping.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include "plumbline/apps/run/checkpoint.h"
+#include "plumbline/core/over_peers.h"
+#include "plumbline/core/share_graph.h"
+#include "plumbline/solvers/association/noise_scales.h"
+
+namespace plumbline {
+namespace {
+
+void ShareSeed(const Peers* peers, LogMapping* mapping) {
+  std::vector<char> bytes;
+  if (SpeaksForAll(peers)) {
+    const std::string seed = PackSeed(mapping->start_poses, mapping->report.seeding);
+    bytes.assign(seed.begin(), seed.end());
+  }
+  bytes = JoinOverPeers(peers, std::move(bytes));
+  if (SpeaksForAll(peers)) return;
+  UnpackSeed(std::string(bytes.begin(), bytes.end()), &mapping->start_poses,
+             &mapping->report.seeding);
+}
+
+// The heap of a program keeps what was freed, see RunProgram: here that is most of a log.
+void GiveFreedMemoryBack() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace
+
+Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool* pool,
+                    LogMapping* mapping) {
+  mapping->as_swept.reset();
+  mapping->surface = MeasuredSurface();
+  mapping->state = MapState();
+  ShareSeed(peers, mapping);
+  PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, mapping->start_poses, &mapping->graph));
+  GiveFreedMemoryBack();
+  mapping->surface =
+      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
+  mapping->state.poses = mapping->start_poses;
+  mapping->state.points = mapping->graph.MeasuredMap(mapping->start_poses);
+  return Status::Ok();
+}
+
+}  // namespace plumbline

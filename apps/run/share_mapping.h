@@ -1,0 +1,19 @@
+#ifndef PLUMBLINE_APPS_RUN_SHARE_MAPPING_H_
+#define PLUMBLINE_APPS_RUN_SHARE_MAPPING_H_
+
+#include "plumbline/core/peers.h"
+#include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/map_log.h"
+
+namespace plumbline {
+
+/// Divides a log that process 0 has seeded (SeedLog) among all processes by place: each gets what
+/// RefineLog needs, with the part of the graph that SlamGraph::ShareWith describes, and process 0
+/// keeps the rest of its report. Collective. What *mapping was elsewhere does not matter.
+Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool* pool,
+                    LogMapping* mapping);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_RUN_SHARE_MAPPING_H_
