@@ -122,9 +122,9 @@ class SlamGraph {
   Status AddRelativePose(const RelativePoseConstraint& constraint);
 
   /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
-  /// some poses only, and the peers have those of the others. rank_of_pose: which peer has the scans
-  /// of each pose. Scan and return ids, and the points of a state, are those of this part. Keeps the
-  /// pointer, which must not be null.
+  /// some poses only, and the peers have those of the others. rank_of_pose: which peer has the
+  /// scans of each pose. Scan and return ids, and the points of a state, are those of this part.
+  /// Keeps the pointer, which must not be null.
   void ShareWith(const Peers* peers, std::vector<int> rank_of_pose);
   /// Who has the other scans; null if this graph has them all.
   const Peers* peers() const { return peers_; }

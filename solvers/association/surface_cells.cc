@@ -4,6 +4,7 @@
 #include <complex>
 #include <utility>
 
+#include "plumbline/core/peers.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 
 namespace plumbline {
@@ -148,8 +149,10 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
                        }
                        sums[chunk] = sum;
                      });
-  std::complex<double> total = 0.0;
-  for (const std::complex<double>& sum : sums) total += sum;
+  std::complex<double> own = 0.0;
+  for (const std::complex<double>& sum : sums) own += sum;
+  const std::complex<double> total(SumOverPeers(graph.peers(), own.real()),
+                                   SumOverPeers(graph.peers(), own.imag()));
   return std::abs(total) > 0.0 ? 0.25 * std::arg(total) : 0.0;
 }
 
