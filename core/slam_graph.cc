@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -255,9 +256,59 @@ Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   return Status::Ok();
 }
 
-void SlamGraph::ShareWith(const Peers* peers, std::vector<int> rank_of_pose) {
+void SlamGraph::ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
+                          std::vector<ScanEntry> all_scans) {
   peers_ = peers;
   rank_of_pose_ = std::move(rank_of_pose);
+  all_scans_ = std::move(all_scans);
+  id_among_all_.clear();
+  for (std::size_t scan = 0; scan < all_scans_.size(); ++scan) {
+    if (HasScansOf(all_scans_[scan].pose)) id_among_all_.push_back(static_cast<int>(scan));
+  }
+}
+
+std::size_t SlamGraph::num_returns_of_all() const {
+  const std::vector<ScanEntry>& scans = all_scans();
+  return scans.empty() ? 0 : scans.back().first_return + scans.back().num_returns;
+}
+
+std::size_t SlamGraph::ReturnIdAmongAll(std::size_t return_id) const {
+  const int scan = returns_.scan[return_id];
+  return all_scans()[IdAmongAll(scan)].first_return + (return_id - scans_[scan].first_return);
+}
+
+void SlamGraph::PackScan(int scan_id, std::vector<char>* bytes) const {
+  const ScanEntry& scan = scans_[scan_id];
+  const auto append = [bytes](const auto* values, std::size_t count) {
+    const char* begin = reinterpret_cast<const char*>(values);
+    bytes->insert(bytes->end(), begin, begin + count * sizeof(*values));
+  };
+  append(&scan, 1);
+  append(returns_.range_m.data() + scan.first_return, scan.num_returns);
+  append(returns_.beam.data() + scan.first_return, scan.num_returns);
+  if (!scan.has_own_bearings) return;
+  append(off_beam_rad_.data() + first_own_bearing_[scan_id], scan.num_returns);
+}
+
+const char* SlamGraph::AddPackedScan(const char* bytes) {
+  const auto take = [&bytes](auto* values, std::size_t count) {
+    std::memcpy(values, bytes, count * sizeof(*values));
+    bytes += count * sizeof(*values);
+  };
+  const auto extend = [&take](auto* values, std::size_t count) {
+    values->resize(values->size() + count);
+    take(values->data() + values->size() - count, count);
+  };
+  ScanEntry scan;
+  take(&scan, 1);
+  scan.first_return = num_returns();
+  extend(&returns_.range_m, scan.num_returns);
+  extend(&returns_.beam, scan.num_returns);
+  returns_.scan.resize(returns_.size(), num_scans());
+  first_own_bearing_.push_back(off_beam_rad_.size());
+  if (scan.has_own_bearings) extend(&off_beam_rad_, scan.num_returns);
+  scans_.push_back(scan);
+  return bytes;
 }
 
 bool SlamGraph::HasScansOf(int pose_id) const {

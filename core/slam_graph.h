@@ -8,64 +8,13 @@
 
 #include "plumbline/core/laser_scan.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/measurements.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
 
 class Peers;
-
-/// What the odometry says of the motion between two poses; its noise comes from the motion model.
-struct OdometryConstraint {
-  int from = 0;        ///< pose id
-  int to = 0;          ///< pose id
-  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
-};
-
-/// A measured relative pose with its covariance (order x, y [m], yaw [rad], in the frame of
-/// `from`): a loop closure, or an edge of a host pipeline's pose graph.
-struct RelativePoseConstraint {
-  int from = 0;        ///< pose id
-  int to = 0;          ///< pose id
-  Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2], [m rad], [rad^2]
-};
-
-/// A pose that is known.
-struct FixedPose {
-  int pose = 0;            ///< pose id
-  Pose2 world_from_robot;  ///< where it is held
-};
-
-/// One sweep of a laser taken at a pose. Its returns lie side by side in the graph's arrays.
-struct ScanEntry {
-  int pose = 0;                  ///< pose id
-  int laser = 0;                 ///< laser id
-  std::size_t first_return = 0;  ///< return id; those of the scan follow it
-  std::size_t num_returns = 0;   ///< beams without a return are left out
-  /// As AddSweep and AddPoints give them: not those of the laser's beams.
-  bool has_own_bearings = false;
-};
-
-/// Every laser return of a graph, one array per quantity, ordered by scan and then by beam; their
-/// bearings are SlamGraph::Bearing. Single precision is exact to 4 micrometres at 80 m.
-struct LaserReturns {
-  std::vector<float> range_m;  ///< from the laser
-  std::vector<int> beam;  ///< index of the beam within its sweep; gaps are beams without return
-  std::vector<int> scan;  ///< scan id
-
-  /// Number of returns.
-  std::size_t size() const { return range_m.size(); }
-};
-
-/// Measurements that a graph is to have in place of its own; an empty array leaves them as they
-/// are.
-struct MeasurementCorrections {
-  std::vector<Pose2> odometry;          ///< from_from_to per constraint of SlamGraph::odometry()
-  std::vector<Pose2> robot_from_laser;  ///< mounting per laser
-  std::vector<double> range_m;          ///< per return [m]
-  std::vector<double> bearing_rad;      ///< per return, in the frame of the laser [rad]
-};
 
 /// The measurements of one mapping problem: laser returns, odometry and relative poses between
 /// robot poses, and an initial guess of every pose. Ids count up from 0 in order of addition.
@@ -123,15 +72,31 @@ class SlamGraph {
 
   /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
   /// some poses only, and the peers have those of the others. rank_of_pose: which peer has the
-  /// scans of each pose. Scan and return ids, and the points of a state, are those of this part.
-  /// Keeps the pointer, which must not be null.
-  void ShareWith(const Peers* peers, std::vector<int> rank_of_pose);
+  /// scans of each pose; all_scans: the sweeps of the larger graph, those of this part in its own
+  /// order. Scan and return ids, and the points of a state, are those of this part. Keeps the
+  /// pointer, which must not be null.
+  void ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
+                 std::vector<ScanEntry> all_scans = {});
   /// Who has the other scans; null if this graph has them all.
   const Peers* peers() const { return peers_; }
   /// Which peer has the scans of each pose; empty if this graph has them all.
   const std::vector<int>& rank_of_pose() const { return rank_of_pose_; }
   /// Whether the scans of a pose are in this graph if it has any.
   bool HasScansOf(int pose_id) const;
+  /// The sweeps of this graph and its peers.
+  const std::vector<ScanEntry>& all_scans() const { return peers_ ? all_scans_ : scans_; }
+  /// Which one of all_scans() a sweep of this graph is.
+  int IdAmongAll(int scan_id) const { return peers_ ? id_among_all_[scan_id] : scan_id; }
+  /// Number of returns of this graph and its peers.
+  std::size_t num_returns_of_all() const;
+  /// Which one of these a return of this graph is.
+  std::size_t ReturnIdAmongAll(std::size_t return_id) const;
+
+  /// Appends a sweep to bytes that AddPackedScan takes, in a process of the same program.
+  void PackScan(int scan_id, std::vector<char>* bytes) const;
+  /// Takes over a sweep of a graph with the same poses and lasers, bit by bit. Gives the place
+  /// behind its bytes.
+  const char* AddPackedScan(const char* bytes);
 
   /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.
   int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
@@ -258,6 +223,8 @@ class SlamGraph {
   std::vector<double> initial_poses_;
   const Peers* peers_ = nullptr;
   std::vector<int> rank_of_pose_;
+  std::vector<ScanEntry> all_scans_;  // empty without peers
+  std::vector<int> id_among_all_;     // per scan
 };
 
 }  // namespace plumbline

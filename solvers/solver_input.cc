@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/terms/own_terms.h"
 

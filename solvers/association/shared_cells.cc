@@ -5,7 +5,7 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
 
 namespace plumbline {

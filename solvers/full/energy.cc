@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/full/pose_sums.h"
 #include "plumbline/solvers/full/scan_chunk.h"
 #include "plumbline/solvers/terms/terms.h"

@@ -3,7 +3,7 @@
 #include <sstream>
 #include <utility>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/acceptance/compare_with_seed.h"
 #include "plumbline/solvers/association/noise_scales.h"

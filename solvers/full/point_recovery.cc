@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "plumbline/core/line_fit.h"
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/landmarks/world_moments.h"
 
 namespace plumbline {

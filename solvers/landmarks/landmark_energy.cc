@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"

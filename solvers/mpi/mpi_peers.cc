@@ -1,8 +1,10 @@
 #include "plumbline/solvers/mpi/mpi_peers.h"
 
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace plumbline {
 namespace {
@@ -108,6 +110,20 @@ void MpiPeers::Swap(const std::vector<std::vector<double>>& to_rank,
                    sizeof(double) * to_rank[rank].size(), rank);
   }
   transfers.Wait();
+}
+
+// A wait of MPI keeps a processor busy.
+void MpiPeers::WaitForAll() const {
+  constexpr std::chrono::milliseconds kLongestSleep{20};
+  std::chrono::milliseconds sleep{0};
+  MPI_Request request = MPI_REQUEST_NULL;
+  Check(MPI_Ibarrier(communicator_, &request), "waiting");
+  for (int all_are_here = 0;;) {
+    Check(MPI_Test(&request, &all_are_here, MPI_STATUS_IGNORE), "waiting");
+    if (all_are_here != 0) return;
+    std::this_thread::sleep_for(sleep);
+    sleep = std::min(kLongestSleep, sleep + std::chrono::milliseconds(1));
+  }
 }
 
 }  // namespace plumbline

@@ -29,6 +29,7 @@ class MpiPeers final : public Peers {
       const std::vector<std::vector<char>>& to_rank) const override;
   void Swap(const std::vector<std::vector<double>>& to_rank,
             std::vector<std::vector<double>>* from_rank) const override;
+  void WaitForAll() const override;
 
  private:
   MPI_Comm communicator_ = MPI_COMM_NULL;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 

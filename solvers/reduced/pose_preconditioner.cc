@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/over_peers.h"
+
 namespace plumbline {
 namespace {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/map_state.h"
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/surface_noise.h"

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "plumbline/core/peers.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/pose_graph/pose_sets.h"
 
 namespace plumbline {

@@ -1,0 +1,189 @@
+#include "plumbline/core/share_graph.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "plumbline/core/over_peers.h"
+#include "plumbline/core/partition.h"
+
+namespace plumbline {
+namespace {
+
+// Sent at a time to each process: little beside a graph that is worth sharing.
+constexpr std::size_t kPieceBytes = std::size_t{1} << 23;
+
+struct TimedGuess {
+  Pose2 world_from_robot;
+  double timestamp_s;
+};
+
+// Of a RelativePoseConstraint.
+struct PlainEdge {
+  int from, to;
+  Pose2 from_from_to;
+  double covariance[9];
+};
+
+// All of a graph but its returns, as arrays of plain values.
+struct Outline {
+  std::vector<LaserModel> lasers;
+  std::vector<TimedGuess> poses;
+  std::vector<FixedPose> fixed_poses;
+  std::vector<OdometryConstraint> odometry;
+  std::vector<PlainEdge> edges;
+  std::vector<ScanEntry> scans;
+  std::vector<int> rank_of_pose;
+};
+
+Outline OutlineOf(const SlamGraph& graph) {
+  Outline outline;
+  for (int laser = 0; laser < graph.num_lasers(); ++laser) {
+    outline.lasers.push_back(graph.laser(laser));
+  }
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    outline.poses.push_back({graph.InitialPose(pose), graph.timestamp_s(pose)});
+  }
+  if (graph.has_named_fixed_poses()) outline.fixed_poses = graph.fixed_poses();
+  outline.odometry = graph.odometry();
+  for (const RelativePoseConstraint& edge : graph.relative_poses()) {
+    PlainEdge& plain = outline.edges.emplace_back();
+    plain.from = edge.from;
+    plain.to = edge.to;
+    plain.from_from_to = edge.from_from_to;
+    Eigen::Map<Eigen::Matrix3d>(plain.covariance) = edge.covariance;
+  }
+  outline.scans = graph.all_scans();
+  return outline;
+}
+
+Status AddLasersAndPoses(const Outline& outline, SlamGraph* graph) {
+  for (std::size_t laser = 0; laser < outline.lasers.size(); ++laser) {
+    int id = 0;
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(outline.lasers[laser], &id));
+    if (id == static_cast<int>(laser)) continue;
+    return Status::InvalidArgument("lasers " + std::to_string(id) + " and " +
+                                   std::to_string(laser) + " are equal");
+  }
+  for (const TimedGuess& pose : outline.poses) {
+    int id = 0;
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(pose.world_from_robot, pose.timestamp_s, &id));
+  }
+  return Status::Ok();
+}
+
+Status AddConstraints(const Outline& outline, SlamGraph* graph) {
+  for (const FixedPose& fixed : outline.fixed_poses) {
+    PLUMBLINE_RETURN_IF_ERROR(graph->FixPose(fixed.pose, fixed.world_from_robot));
+  }
+  for (const OdometryConstraint& step : outline.odometry) {
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry(step));
+  }
+  for (const PlainEdge& plain : outline.edges) {
+    RelativePoseConstraint edge{plain.from, plain.to, plain.from_from_to};
+    edge.covariance = Eigen::Map<const Eigen::Matrix3d>(plain.covariance);
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(edge));
+  }
+  return Status::Ok();
+}
+
+void ReserveOwnReturns(SlamGraph* graph) {
+  std::size_t num_returns = 0;
+  for (const ScanEntry& scan : graph->all_scans()) {
+    if (graph->HasScansOf(scan.pose)) num_returns += scan.num_returns;
+  }
+  graph->ReserveReturns(num_returns);
+}
+
+void AddPackedScans(const std::vector<char>& bytes, SlamGraph* graph) {
+  const char* end = bytes.data() + bytes.size();
+  for (const char* scan = bytes.data(); scan != end;) scan = graph->AddPackedScan(scan);
+}
+
+// whole: of process 0, null elsewhere.
+void HandOutScans(const SlamGraph* whole, SlamGraph* part) {
+  ReserveOwnReturns(part);
+  const Peers& peers = *part->peers();
+  const auto num_scans = static_cast<int>(part->all_scans().size());
+  for (int next = 0; next < num_scans;) {
+    std::vector<std::vector<char>> pieces(peers.size());
+    std::vector<std::size_t> num_bytes(peers.size());
+    // Every process counts along, so that all know when there is no more.
+    for (std::size_t fullest = 0; next < num_scans && fullest < kPieceBytes; ++next) {
+      const ScanEntry& scan = part->all_scans()[next];
+      const int rank = part->rank_of_pose()[scan.pose];
+      num_bytes[rank] += sizeof(scan) + 3 * sizeof(float) * scan.num_returns;
+      fullest = std::max(fullest, num_bytes[rank]);
+      if (whole != nullptr) whole->PackScan(next, &pieces[rank]);
+    }
+    AddPackedScans(peers.Exchange(pieces).front(), part);
+  }
+}
+
+// What process 0 has.
+template <typename T>
+void Broadcast(const Peers* peers, std::vector<T>* values) {
+  if (!SpeaksForAll(peers)) values->clear();
+  *values = JoinOverPeers(peers, std::move(*values));
+}
+
+}  // namespace
+
+Status ShareGraph(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph) {
+  Outline outline;
+  if (SpeaksForAll(peers)) {
+    outline = OutlineOf(*graph);
+    outline.rank_of_pose = PartitionByPlace(poses, ReturnsPerPose(*graph), peers->size());
+  }
+  auto& [lasers, guesses, fixed_poses, odometry, edges, scans, rank_of_pose] = outline;
+  Broadcast(peers, &lasers);
+  Broadcast(peers, &guesses);
+  Broadcast(peers, &fixed_poses);
+  Broadcast(peers, &odometry);
+  Broadcast(peers, &edges);
+  Broadcast(peers, &scans);
+  Broadcast(peers, &rank_of_pose);
+  SlamGraph part;
+  PLUMBLINE_RETURN_IF_ERROR(AddLasersAndPoses(outline, &part));
+  PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, &part));
+  part.ShareWith(peers, std::move(rank_of_pose), std::move(scans));
+  HandOutScans(SpeaksForAll(peers) ? graph : nullptr, &part);
+  *graph = std::move(part);
+  return Status::Ok();
+}
+
+SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all) {
+  const Peers& peers = *graph.peers();
+  const auto rank_of = [&graph](int id) {
+    return graph.rank_of_pose()[graph.all_scans()[id].pose];
+  };
+  std::vector<std::vector<char>> requests(peers.size());
+  for (const int id : ids_among_all) {
+    const char* bytes = reinterpret_cast<const char*>(&id);
+    requests[rank_of(id)].insert(requests[rank_of(id)].end(), bytes, bytes + sizeof(id));
+  }
+  std::vector<int> own_scan(graph.all_scans().size());
+  for (int scan = 0; scan < graph.num_scans(); ++scan) own_scan[graph.IdAmongAll(scan)] = scan;
+  std::vector<std::vector<char>> replies;
+  for (const std::vector<char>& request : peers.Exchange(requests)) {
+    std::vector<char>& reply = replies.emplace_back();
+    for (std::size_t at = 0; at < request.size(); at += sizeof(int)) {
+      int id = 0;
+      std::memcpy(&id, &request[at], sizeof(id));
+      graph.PackScan(own_scan[id], &reply);
+    }
+  }
+  const std::vector<std::vector<char>> received = peers.Exchange(replies);
+  std::vector<const char*> next;
+  for (const std::vector<char>& scans : received) next.push_back(scans.data());
+  SlamGraph fetched;
+  const Status added = AddLasersAndPoses(OutlineOf(graph), &fetched);
+  if (!added.ok()) throw std::logic_error(added.message());  // they were added before
+  for (const int id : ids_among_all) next[rank_of(id)] = fetched.AddPackedScan(next[rank_of(id)]);
+  return fetched;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,24 @@
+#ifndef PLUMBLINE_CORE_SHARE_GRAPH_H_
+#define PLUMBLINE_CORE_SHARE_GRAPH_H_
+
+#include <vector>
+
+#include "plumbline/core/peers.h"
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// Divides the graph of process 0 among all by place (PartitionByPlace): *graph becomes the part
+/// of this process, which SlamGraph::ShareWith describes; what it was elsewhere does not matter.
+/// poses: where to divide, as MapState::poses; needed in process 0. Collective. Fails on a graph
+/// with corrected lasers that are equal.
+Status ShareGraph(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph);
+
+/// Sweeps that other processes have: a graph with all poses and lasers of the part `graph`, and of
+/// the sweeps those with these ids among all, in this order. Collective: every process asks for
+/// what it wants, also if that is nothing.
+SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_SHARE_GRAPH_H_
