@@ -1,6 +1,5 @@
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,8 +10,8 @@ namespace plumbline {
 namespace {
 
 // More groups resolve shorter waves, but their dense factorisation grows with the cube.
-constexpr std::size_t kMaxGroups = 150;
-constexpr std::size_t kMinGroupSize = 8;
+constexpr int kMaxGroups = 150;
+constexpr int kMinGroupSize = 8;
 
 using Block = Eigen::Block<Eigen::MatrixXd, 3, 3>;
 
@@ -31,6 +30,18 @@ void SubtractLandmark(const std::vector<GroupCoupling>& groups, Eigen::MatrixXd*
   }
 }
 
+// Keeps the groups ascending.
+void AddCoupling(const GroupCoupling& coupling, std::vector<GroupCoupling>* groups) {
+  const auto at = std::lower_bound(
+      groups->begin(), groups->end(), coupling,
+      [](const GroupCoupling& a, const GroupCoupling& b) { return a.group < b.group; });
+  if (at != groups->end() && at->group == coupling.group) {
+    at->rows += coupling.rows;
+  } else {
+    groups->insert(at, coupling);
+  }
+}
+
 double Dot(const PoseSystem& system, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return SumOverPeers(system.peers, a.dot(b));
 }
@@ -40,30 +51,11 @@ double Dot(const PoseSystem& system, const Eigen::VectorXd& a, const Eigen::Vect
 PosePreconditioner::PosePreconditioner(const PoseSystem& system,
                                        const LineObservations& observations,
                                        const std::vector<PoseFrame>& frames, ThreadPool* pool)
-    : peers_(system.peers), rank_(peers_ != nullptr ? peers_->rank() : 0) {
+    : peers_(system.peers), chain_(system) {
   frames_.reserve(system.pose_of_row.size());
   for (const int pose : system.pose_of_row) frames_.push_back(frames[pose]);
-  FactorChain(system);
   FormGroups(system, frames);
   FactorGroups(system, observations, frames, pool);
-}
-
-void PosePreconditioner::FactorChain(const PoseSystem& system) {
-  const std::size_t n = system.diagonal.size();
-  if (n == 0) return;
-  std::vector<Eigen::Matrix3d> lower(n, Eigen::Matrix3d::Zero());
-  for (const PoseCoupling& coupling : system.couplings) {
-    if (coupling.to == coupling.from + 1) lower[coupling.to] += coupling.block;
-  }
-  chain_inverse_.resize(n);
-  chain_lower_.resize(n);
-  Eigen::Matrix3d pivot = system.diagonal[0];
-  for (std::size_t i = 0;; ++i) {
-    chain_inverse_[i] = pivot.inverse();
-    if (i + 1 == n) break;
-    chain_lower_[i + 1] = lower[i + 1] * chain_inverse_[i];
-    pivot = system.diagonal[i + 1] - chain_lower_[i + 1] * lower[i + 1].transpose();
-  }
 }
 
 Eigen::Matrix3d PosePreconditioner::RigidMotion(const PoseFrame& frame, int group) const {
@@ -76,37 +68,21 @@ Eigen::Matrix3d PosePreconditioner::RigidMotion(const PoseFrame& frame, int grou
 
 void PosePreconditioner::FormGroups(const PoseSystem& system,
                                     const std::vector<PoseFrame>& frames) {
-  const std::size_t num_ranks = peers_ != nullptr ? peers_->size() : 1;
-  std::vector<double> num_rows(num_ranks, 0.0);
-  num_rows[rank_] = static_cast<double>(frames_.size());
-  SumOverPeers(peers_, &num_rows);
-  std::size_t num_all_rows = 0;
-  for (const double rows : num_rows) num_all_rows += static_cast<std::size_t>(rows);
-  groups_.size = std::max(kMinGroupSize, (num_all_rows + kMaxGroups - 1) / kMaxGroups);
-  groups_.first_of_rank = {0};
-  for (const double rows : num_rows) {
-    const std::size_t num_groups =
-        (static_cast<std::size_t>(rows) + groups_.size - 1) / groups_.size;
-    groups_.first_of_rank.push_back(groups_.first_of_rank.back() + static_cast<int>(num_groups));
-  }
-  const auto group_of_pose = [&](std::size_t pose) {
-    if (peers_ == nullptr) {
-      const int row = system.row_of_pose[pose];
-      return row == PoseSystem::kConstant ? row : GroupOf(row);
-    }
-    const int row = system.row_at_rank[pose];
-    return row == PoseSystem::kConstant ? row : GroupAt(system.rank_of_pose[pose], row);
-  };
-  std::vector<double> sizes(groups_.first_of_rank.back(), 0.0);
+  const std::vector<int>& places = peers_ != nullptr ? system.place_of_pose : system.row_of_pose;
+  const auto num_places = static_cast<int>(
+      places.size() - std::count(places.begin(), places.end(), int{PoseSystem::kConstant}));
+  group_size_ = std::max(kMinGroupSize, (num_places + kMaxGroups - 1) / kMaxGroups);
+  const int num_groups = (num_places + group_size_ - 1) / group_size_;
+  group_center_.assign(num_groups, Eigen::Vector2d::Zero());
   for (std::size_t pose = 0; pose < frames.size(); ++pose) {
-    const int group = group_of_pose(pose);
-    if (group != PoseSystem::kConstant) ++sizes[group];
+    if (places[pose] == PoseSystem::kConstant) continue;
+    const int group = GroupAt(places[pose]);
+    const int size = std::min(group_size_, num_places - group * group_size_);
+    group_center_[group] += frames[pose].translation() / static_cast<double>(size);
   }
-  group_center_.assign(sizes.size(), Eigen::Vector2d::Zero());
-  for (std::size_t pose = 0; pose < frames.size(); ++pose) {
-    const int group = group_of_pose(pose);
-    if (group == PoseSystem::kConstant) continue;
-    group_center_[group] += frames[pose].translation() / sizes[group];
+  group_of_row_.reserve(frames_.size());
+  for (std::size_t row = 0; row < frames_.size(); ++row) {
+    group_of_row_.push_back(GroupAt(system.PlaceOf(static_cast<int>(row))));
   }
 }
 
@@ -124,13 +100,15 @@ void PosePreconditioner::AddPoseBlocks(const PoseSystem& system,
     BlockAt(matrix, to, from) += projected;
     if (to == from) BlockAt(matrix, to, to) += projected.transpose();
   }
-  // Both processes have these. The lower triangle is that of the one with the later groups.
+  // Both processes have these: that of the later pose has the lower triangle.
   for (const ForeignCoupling& coupling : system.foreign_couplings) {
-    if (coupling.rank > rank_) continue;
-    const int other = GroupAt(coupling.rank, system.row_at_rank[coupling.pose]);
-    BlockAt(matrix, GroupOf(coupling.row), other) += RigidMotion(coupling.row).transpose() *
-                                                     coupling.block *
-                                                     RigidMotion(frames[coupling.pose], other);
+    const int place = system.place_of_pose[coupling.pose];
+    if (place > system.PlaceOf(coupling.row)) continue;
+    const int to = GroupOf(coupling.row), from = GroupAt(place);
+    const Eigen::Matrix3d projected = RigidMotion(coupling.row).transpose() * coupling.block *
+                                      RigidMotion(frames[coupling.pose], from);
+    BlockAt(matrix, to, from) += projected;
+    if (to == from) BlockAt(matrix, to, to) += projected.transpose();
   }
 }
 
@@ -185,7 +163,7 @@ void PosePreconditioner::AddSharedLandmarks(const PoseSystem& system,
   for (std::size_t slot = 0; slot < of_slot.size(); ++slot) {
     CoupleGroups(system, observations, shared.landmarks()[slot], &of_slot[slot]);
   }
-  for (int rank = 0; rank < rank_; ++rank) {
+  for (int rank = 0; rank < peers_->rank(); ++rank) {
     for (std::size_t i = 0; i < shared.SharedWith(rank).size(); ++i) {
       const int slot = shared.SlotOf(shared.SharedWith(rank)[i]);
       if (shared.RankInCharge(slot) != rank) continue;
@@ -198,16 +176,15 @@ void PosePreconditioner::AddSharedLandmarks(const PoseSystem& system,
     }
   }
   const std::vector<std::vector<Message>> from_rank = ExchangeValues(*peers_, to_rank);
-  // Groups ascend with the ranks.
-  for (int rank = rank_ + 1; rank < peers_->size(); ++rank) {
+  for (int rank = 0; rank < peers_->size(); ++rank) {
     for (const Message& message : from_rank[rank]) {
       const int slot = shared.SlotOf(shared.SharedWith(rank)[message.index]);
-      of_slot[slot].push_back(
-          {message.group, Eigen::Map<const Eigen::Matrix<double, 3, 2>>(message.rows)});
+      AddCoupling({message.group, Eigen::Map<const Eigen::Matrix<double, 3, 2>>(message.rows)},
+                  &of_slot[slot]);
     }
   }
   for (std::size_t slot = 0; slot < of_slot.size(); ++slot) {
-    if (shared.RankInCharge(static_cast<int>(slot)) == rank_) {
+    if (shared.RankInCharge(static_cast<int>(slot)) == peers_->rank()) {
       SubtractLandmark(of_slot[slot], matrix);
     }
   }
@@ -231,17 +208,10 @@ void PosePreconditioner::FactorGroups(const PoseSystem& system,
 }
 
 void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result) const {
-  const std::size_t n = chain_inverse_.size();
-  result->resize(v.size());
   const auto at = [](std::size_t i) { return 3 * static_cast<Eigen::Index>(i); };
-  Eigen::VectorXd coarse =
-      Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(group_center_.size()));
-  Eigen::Vector3d carried = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    carried = v.segment<3>(at(i)) - (i > 0 ? Eigen::Vector3d(chain_lower_[i] * carried) : carried);
-    result->segment<3>(at(i)) = carried;
-    coarse.segment<3>(3 * static_cast<Eigen::Index>(GroupOf(i))) +=
-        RigidMotion(i).transpose() * v.segment<3>(at(i));
+  Eigen::VectorXd coarse = Eigen::VectorXd::Zero(at(group_center_.size()));
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    coarse.segment<3>(at(GroupOf(i))) += RigidMotion(i).transpose() * v.segment<3>(at(i));
   }
   if (peers_ != nullptr) peers_->Sum(coarse.data(), static_cast<std::size_t>(coarse.size()));
   if (has_groups_) {
@@ -249,13 +219,9 @@ void PosePreconditioner::Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result
   } else {
     coarse.setZero();
   }
-  Eigen::Vector3d above = Eigen::Vector3d::Zero();
-  for (std::size_t i = n; i-- > 0;) {
-    Eigen::Vector3d x = chain_inverse_[i] * result->segment<3>(at(i));
-    if (i + 1 < n) x -= chain_lower_[i + 1].transpose() * above;
-    above = x;
-    result->segment<3>(at(i)) =
-        x + RigidMotion(i) * coarse.segment<3>(3 * static_cast<Eigen::Index>(GroupOf(i)));
+  chain_.Solve(v, result);
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    result->segment<3>(at(i)) += RigidMotion(i) * coarse.segment<3>(at(GroupOf(i)));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
+#include "plumbline/solvers/reduced/pose_chain.h"
 #include "plumbline/solvers/reduced/pose_system.h"
 
 namespace plumbline {
@@ -20,9 +21,9 @@ struct GroupCoupling {
 /// Two levels, added up, over the rows of the system. Neighbouring poses: the block-tridiagonal
 /// part of B, the chain of the odometry with every pose held by the lines. It knows nothing of the
 /// slow modes, in which poses carry lines along; for these, groups of consecutive poses that move
-/// rigidly about their centre, with the whole of S among them. If the graph is shared, chains and
-/// groups end where another process has the poses; all factor the matrix of all groups. Collective
-/// then.
+/// rigidly about their centre, with the whole of S among them. If the graph is shared, this is
+/// collective, and all processes factor the matrix of the groups. It is the same preconditioner,
+/// whatever the number of processes.
 class PosePreconditioner {
  public:
   PosePreconditioner(const PoseSystem& system, const LineObservations& observations,
@@ -32,13 +33,6 @@ class PosePreconditioner {
   void Apply(const Eigen::VectorXd& v, Eigen::VectorXd* result) const;
 
  private:
-  // Where the poses of one process stand among all groups.
-  struct Groups {
-    std::vector<int> first_of_rank;  // and the end
-    std::size_t size = 1;            // rows, but for the last one of each process
-  };
-
-  void FactorChain(const PoseSystem& system);
   void FormGroups(const PoseSystem& system, const std::vector<PoseFrame>& frames);
   void FactorGroups(const PoseSystem& system, const LineObservations& observations,
                     const std::vector<PoseFrame>& frames, ThreadPool* pool);
@@ -55,18 +49,15 @@ class PosePreconditioner {
     return RigidMotion(frames_[row], GroupOf(row));
   }
   Eigen::Matrix3d RigidMotion(const PoseFrame& frame, int group) const;
-  int GroupOf(std::size_t row) const { return GroupAt(rank_, row); }
-  int GroupAt(int rank, std::size_t row) const {
-    return groups_.first_of_rank[rank] + static_cast<int>(row / groups_.size);
-  }
+  int GroupOf(std::size_t row) const { return group_of_row_[row]; }
+  int GroupAt(int place) const { return place / group_size_; }
 
   const Peers* peers_ = nullptr;
-  int rank_ = 0;
-  std::vector<PoseFrame> frames_;               // per row
-  std::vector<Eigen::Matrix3d> chain_inverse_;  // of the pivots
-  std::vector<Eigen::Matrix3d> chain_lower_;    // row i by row i - 1
-  Groups groups_;
-  std::vector<Eigen::Vector2d> group_center_;  // of all groups
+  std::vector<PoseFrame> frames_;  // per row
+  PoseChain chain_;
+  int group_size_ = 1;
+  std::vector<int> group_of_row_;
+  std::vector<Eigen::Vector2d> group_center_;
   Eigen::LLT<Eigen::MatrixXd> group_matrix_;
   bool has_groups_ = false;  // not if rounding has made their matrix indefinite
 };

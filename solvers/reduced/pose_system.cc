@@ -162,13 +162,13 @@ void PoseSystem::NumberRows(const PoseTerms& terms) {
   if (terms.shared_graph != nullptr) {
     peers = terms.shared_graph->peers();
     rank_of_pose = terms.shared_graph->rank_of_pose();
-    row_at_rank.assign(num_poses, kConstant);
+    place_of_pose.assign(num_poses, kConstant);
   }
-  std::vector<int> num_rows(peers != nullptr ? peers->size() : 0, 0);
+  int num_places = 0;
   for (std::size_t pose = 0; pose < num_poses; ++pose) {
     if (terms.is_constant[pose]) continue;
     if (peers != nullptr) {
-      row_at_rank[pose] = num_rows[rank_of_pose[pose]]++;
+      place_of_pose[pose] = num_places++;
       if (rank_of_pose[pose] != peers->rank()) continue;
     }
     row_of_pose[pose] = static_cast<int>(pose_of_row.size());
@@ -188,8 +188,8 @@ std::vector<double> PoseSystem::Moved(const std::vector<double>& poses,
   // Each pose moves in one process only, so that the sums are exact.
   Eigen::VectorXd steps = ByPose(step);
   peers->Sum(steps.data(), static_cast<std::size_t>(steps.size()));
-  for (std::size_t pose = 0; pose < row_at_rank.size(); ++pose) {
-    if (row_at_rank[pose] == kConstant || rank_of_pose[pose] == peers->rank()) continue;
+  for (std::size_t pose = 0; pose < place_of_pose.size(); ++pose) {
+    if (place_of_pose[pose] == kConstant || rank_of_pose[pose] == peers->rank()) continue;
     for (std::size_t i = 3 * pose; i < 3 * pose + 3; ++i) {
       moved[i] += steps[static_cast<Eigen::Index>(i)];
     }

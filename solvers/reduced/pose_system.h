@@ -57,9 +57,9 @@ struct PoseSystem {
 
   const Peers* peers = nullptr;   ///< who has the other rows; null: nobody
   std::vector<int> rank_of_pose;  ///< who has the row of each pose; empty without peers
-  /// The row of each pose in the process that has it; kConstant for constant ones. Empty without
-  /// peers.
-  std::vector<int> row_at_rank;
+  /// Where each pose stands among the rows of all processes, in the order of the poses; kConstant
+  /// for constant ones. Empty without peers.
+  std::vector<int> place_of_pose;
   std::vector<int> pose_of_row;
   std::vector<int> row_of_pose;                  ///< kConstant for constant ones
   std::vector<Eigen::Matrix3d> diagonal;         ///< of B, per row
@@ -79,6 +79,9 @@ struct PoseSystem {
   void Linearize(const LineObservations& observations, const std::vector<LineLandmark>& landmarks,
                  const PoseTerms& terms, const std::vector<double>& poses,
                  const std::vector<PoseFrame>& frames, ThreadPool* pool);
+
+  /// Where a row stands among those of all processes.
+  int PlaceOf(int row) const { return peers == nullptr ? row : place_of_pose[pose_of_row[row]]; }
 
   /// Poses, (x, y, yaw) each, with a step of the rows added.
   std::vector<double> Moved(const std::vector<double>& poses, const Eigen::VectorXd& step) const;

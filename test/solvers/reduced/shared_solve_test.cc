@@ -88,10 +88,9 @@ double LargestDifference(const std::vector<double>& a, const std::vector<double>
   return largest;
 }
 
-SolverOptions Exact() {
+SolverOptions Options() {
   SolverOptions options;
   options.num_threads = 1;
-  options.reduced.cg_tolerance = 1e-10;
   options.test_edges = false;  // before a graph is cut into parts
   return options;
 }
@@ -116,7 +115,7 @@ class SharedSolve : public testing::TestWithParam<int> {};
 TEST_P(SharedSolve, EndsWhereTheWholeGraphDoes) {
   const int num_ranks = GetParam();
   NoisyRoom room = DisturbedRoom(60);
-  const SolverOptions options = Exact();
+  const SolverOptions options = Options();
   const Solution shared =
       SolveShared(options, room.graph, room.state.poses, InTurn(60, 7, num_ranks), num_ranks);
   MapState whole = room.state;
