@@ -33,6 +33,46 @@ void SumOverPeers(const Peers* peers, std::vector<T>* values) {
   }
 }
 
+/// The sum of a number over all processes.
+inline double SumOverPeers(const Peers* peers, double value) {
+  if (peers != nullptr) peers->Sum(&value, 1);
+  return value;
+}
+
+/// The largest value of all who work on a graph, likewise.
+inline double MaxOverPeers(const Peers* peers, double value) {
+  if (peers == nullptr) return value;
+  const std::vector<std::vector<double>> to_rank(peers->size(), {value});
+  std::vector<std::vector<double>> from_rank;
+  peers->Swap(to_rank, &from_rank);
+  for (int rank = 0; rank < peers->size(); ++rank) {
+    if (rank != peers->rank()) value = std::max(value, from_rank[rank].front());
+  }
+  return value;
+}
+
+/// Peers::Exchange for values that can be copied byte by byte.
+template <typename T>
+std::vector<std::vector<T>> ExchangeValues(const Peers& peers,
+                                           const std::vector<std::vector<T>>& to_rank) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<std::vector<char>> bytes(to_rank.size());
+  for (std::size_t rank = 0; rank < bytes.size(); ++rank) {
+    bytes[rank].resize(sizeof(T) * to_rank[rank].size());
+    if (!bytes[rank].empty())
+      std::memcpy(bytes[rank].data(), to_rank[rank].data(), bytes[rank].size());
+  }
+  bytes = peers.Exchange(bytes);
+  std::vector<std::vector<T>> from_rank(bytes.size());
+  for (std::size_t rank = 0; rank < bytes.size(); ++rank) {
+    from_rank[rank].resize(bytes[rank].size() / sizeof(T));
+    if (!bytes[rank].empty())
+      std::memcpy(from_rank[rank].data(), bytes[rank].data(), bytes[rank].size());
+    bytes[rank] = std::vector<char>();
+  }
+  return from_rank;
+}
+
 /// What all processes have, by rank, one after the other.
 template <typename T>
 std::vector<T> JoinOverPeers(const Peers* peers, std::vector<T> own) {

@@ -404,7 +404,7 @@ class IncrementalSolver::Impl {
     system_.Linearize(problem->observations, problem->landmarks, problem->terms, problem->poses,
                       frames, pool_.get());
     TakeGaussNewtonStep(system_, landmark_cost, frames, solver_.reduced.cg_tolerance,
-                        &problem->poses, &cost);
+                        solver_.reduced.linear_solver.get(), &problem->poses, &cost);
     ++summary->num_steps;
     summary->final_cost = cost;
     return summary->initial_cost - cost;

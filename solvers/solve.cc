@@ -66,6 +66,7 @@ SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, Ma
 
 SolverSummary SolveUnmeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
   const bool has_edges_to_test = problem.options.test_edges && !solver.MovesPosesOnly() &&
+                                 problem.graph.peers() == nullptr &&
                                  !problem.graph.relative_poses().empty();
   return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
 }
@@ -110,7 +111,10 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {
       suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
-      status = CheckScansAreNotMirrored(graph, state->poses, suggested);
+      // A process with some of the scans lacks the pairs that tell.
+      if (graph.peers() == nullptr) {
+        status = CheckScansAreNotMirrored(graph, state->poses, suggested);
+      }
     }
     if (!status.ok()) return SolverFailure(options, status);
     const SolverProblem problem{options, graph, surface, suggested};

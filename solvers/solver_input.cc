@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/terms/own_terms.h"
 
@@ -39,7 +40,9 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, co
                                    std::string(SolverOf(options).name()) +
                                    " looks at nothing else");
   }
-  if (graph.num_returns() > 0) return Status::Ok();
+  if (SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns())) > 0.0) {
+    return Status::Ok();
+  }
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
 }
 

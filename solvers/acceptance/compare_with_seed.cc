@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
@@ -22,6 +23,21 @@ struct HeldOutReturn {
   double state_error = 0.0;
 };
 
+// The returns of a pose are all in one process.
+void SumOfPeers(const Peers& peers, std::vector<PoseChange>* changes) {
+  std::vector<double> values;
+  values.reserve(4 * changes->size());
+  for (const PoseChange& change : *changes) {
+    values.insert(values.end(), {static_cast<double>(change.num_residuals), change.seed_error,
+                                 change.state_error, change.squares});
+  }
+  peers.Sum(values.data(), values.size());
+  for (std::size_t i = 0; i < changes->size(); ++i) {
+    const double* value = &values[4 * i];
+    (*changes)[i] = {static_cast<int>(value[0]), value[1], value[2], value[3]};
+  }
+}
+
 class SeedComparison {
  public:
   SeedComparison(const SlamGraph& graph, const MeasuredSurface& surface,
@@ -38,6 +54,7 @@ class SeedComparison {
                    const std::vector<double>& state) {
     LineLandmarks fitted;
     fitted.landmarks = cut.landmarks;
+    fitted.shared = cut.shared;
     fitted.landmark_of_return =
         WithoutHeldOut(graph_, cut.landmark_of_return, int{LineLandmarks::kNone});
     for (std::size_t r = 0; r < surface_.normals.size(); ++r) {
@@ -58,17 +75,22 @@ class SeedComparison {
         !graph_.relative_poses().empty() || !factors_.own_terms.empty();
     acceptance.seed_energy = seed_energy_ / num_cuts_;
     acceptance.final_energy = state_energy_ / num_cuts_;
-    acceptance.energy_rounding =
-        AcceptanceTest::kRounding *
-        (acceptance.seed_energy + static_cast<double>(graph_.num_returns()));
-    double num_residuals = 0.0;
+    const Peers* peers = graph_.peers();
+    const double num_returns = SumOverPeers(peers, static_cast<double>(graph_.num_returns()));
+    acceptance.energy_rounding = AcceptanceTest::kRounding * (acceptance.seed_energy + num_returns);
+    HeldOutReturn sum;
+    double num_held_out = 0.0, num_residuals = 0.0;
     for (const HeldOutReturn& held_out : held_out_) {
       if (held_out.num_landmarks == 0) continue;
-      ++acceptance.num_held_out;
+      ++num_held_out;
       num_residuals += held_out.num_landmarks;
-      acceptance.seed_held_out_error += held_out.seed_error;
-      acceptance.final_held_out_error += held_out.state_error;
+      sum.seed_error += held_out.seed_error;
+      sum.state_error += held_out.state_error;
     }
+    num_residuals = SumOverPeers(peers, num_residuals);
+    acceptance.num_held_out = static_cast<std::size_t>(SumOverPeers(peers, num_held_out));
+    acceptance.seed_held_out_error = SumOverPeers(peers, sum.seed_error);
+    acceptance.final_held_out_error = SumOverPeers(peers, sum.state_error);
     if (acceptance.num_held_out == 0) return acceptance;
     const double change =
         (acceptance.final_held_out_error - acceptance.seed_held_out_error) / num_residuals;
@@ -79,7 +101,7 @@ class SeedComparison {
     }
     acceptance.seed_held_out_error /= num_residuals;
     acceptance.final_held_out_error /= num_residuals;
-    acceptance.held_out_noise = std::sqrt(squares) / num_residuals;
+    acceptance.held_out_noise = std::sqrt(SumOverPeers(peers, squares)) / num_residuals;
     return acceptance;
   }
 
@@ -94,6 +116,7 @@ class SeedComparison {
                    std::pow(held_out.state_error - held_out.seed_error, 2)};
       });
     }
+    if (graph_.peers() != nullptr) SumOfPeers(*graph_.peers(), &changes);
     return changes;
   }
 

@@ -17,10 +17,14 @@ namespace plumbline {
 struct HeldOutReturns {
   static constexpr std::size_t kOneIn = 16;
 
-  /// Of a scan: the first of its returns that is held out, counted from 0.
-  static std::size_t FirstOf(int scan_id) {
+  /// Of a scan: the first of its returns that is held out, counted from 0. The same whichever
+  /// process has the scan.
+  static std::size_t FirstOf(const SlamGraph& graph, int scan_id) {
+    return FirstOf(graph.IdAmongAll(scan_id));
+  }
+  static std::size_t FirstOf(int id_among_all) {
     // The upper bits of a product with 2^32 / golden ratio: close ids get values far apart.
-    const std::uint32_t mixed = static_cast<std::uint32_t>(scan_id) * 2654435769u;
+    const std::uint32_t mixed = static_cast<std::uint32_t>(id_among_all) * 2654435769u;
     return mixed / (0xffffffffu / kOneIn + 1);
   }
 
@@ -28,7 +32,7 @@ struct HeldOutReturns {
   template <typename Body>
   static void ForEachOf(const SlamGraph& graph, int scan_id, const Body& body) {
     const ScanEntry& scan = graph.scan(scan_id);
-    for (std::size_t k = FirstOf(scan_id); k < scan.num_returns; k += kOneIn) {
+    for (std::size_t k = FirstOf(graph, scan_id); k < scan.num_returns; k += kOneIn) {
       body(scan.first_return + k);
     }
   }

@@ -12,6 +12,7 @@
 
 #include "plumbline/core/line_fit.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/association/shared_cells.h"
 #include "plumbline/solvers/association/surface_cells.h"
 
 namespace plumbline {
@@ -69,6 +70,8 @@ TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& 
   std::vector<int> cell_of_return;
   std::vector<SurfaceCells> tables;
   tables.push_back(SortIntoCells(graph, poses, surface, grid, pool, &cell_of_return));
+  AddCellsOfPeers(graph, poses, surface, grid, CellReach::kAround, &tables.front(),
+                  &cell_of_return);
   while (static_cast<int>(tables.size()) < kNumLevels) tables.push_back(Coarsened(&tables.back()));
 
   std::vector<TangentLine> line_of_cell(tables.front().size());

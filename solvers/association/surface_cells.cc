@@ -4,6 +4,7 @@
 #include <complex>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 
 namespace plumbline {
@@ -33,8 +34,8 @@ class ChunkSorter {
     // Neighbouring beams mostly end in the same cell, which saves looking it up.
     SurfaceCellKey last_key;
     int last = SurfaceCells::kNone;
-    std::size_t held_out =
-        hold_out_ ? scan.first_return + HeldOutReturns::FirstOf(scan_id) : graph_.num_returns();
+    std::size_t held_out = hold_out_ ? scan.first_return + HeldOutReturns::FirstOf(graph_, scan_id)
+                                     : graph_.num_returns();
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const bool counts = r != held_out;
       if (!counts) held_out += HeldOutReturns::kOneIn;
@@ -148,8 +149,10 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
                        }
                        sums[chunk] = sum;
                      });
-  std::complex<double> total = 0.0;
-  for (const std::complex<double>& sum : sums) total += sum;
+  std::complex<double> own = 0.0;
+  for (const std::complex<double>& sum : sums) own += sum;
+  const std::complex<double> total(SumOverPeers(graph.peers(), own.real()),
+                                   SumOverPeers(graph.peers(), own.imag()));
   return std::abs(total) > 0.0 ? 0.25 * std::arg(total) : 0.0;
 }
 

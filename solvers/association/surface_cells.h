@@ -118,6 +118,7 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
 /// Sorts the measured ends of all beams, placed by the poses, into cells. poses: (x, y, yaw) each.
 /// cell_of_return: kNone for a return without a normal. With hold_out, held-out returns get their
 /// cells but do not count in the moments. Bitwise the same for any number of threads.
+/// Of a shared graph these are the cells of this process alone, see AddCellsOfPeers.
 SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& poses,
                            const MeasuredSurface& surface, const SurfaceGrid& grid,
                            ThreadPool* pool, std::vector<int>* cell_of_return,

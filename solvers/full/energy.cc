@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/full/pose_sums.h"
 #include "plumbline/solvers/full/scan_chunk.h"
 #include "plumbline/solvers/terms/terms.h"
@@ -115,9 +116,11 @@ bool Energy::Evaluate(const std::vector<double>& poses, const std::vector<double
     ok = ok && terms_[t]->Linearize(Term::kNoScan, at, to, &costs->cost[t]);
   }
   for (const std::size_t t : chosen.by_scan) {
+    double sum = 0.0;
     for (std::size_t chunk = 0; chunk < num_chunks; ++chunk) {
-      costs->cost[t] += chunk_costs[chunk * terms_.size() + t];
+      sum += chunk_costs[chunk * terms_.size() + t];
     }
+    costs->cost[t] = SumOverPeers(graph_.peers(), sum);
   }
   if (derivatives.pose_gradient) {
     AddToPoses<3>(graph_, scan_gradients, derivatives.pose_gradient);

@@ -3,6 +3,7 @@
 #include <sstream>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/acceptance/compare_with_seed.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -41,7 +42,8 @@ JointRun::JointRun(const char* solver_name, const SolverProblem& problem, const 
       suggested_(problem.suggested_poses) {
   summary_.solver = solver_name;
   summary_.num_poses = graph_.num_poses();
-  summary_.num_points = graph_.num_returns();
+  summary_.num_points = static_cast<std::size_t>(
+      SumOverPeers(graph_.peers(), static_cast<double>(graph_.num_returns())));
 }
 
 SolverSummary JointRun::Run(MapState* result) {
@@ -145,7 +147,9 @@ void JointRun::RecordTerms(const Energy& energy, const MapState& state, double T
   TermCosts costs;
   if (!energy.Evaluate(state.poses, state.points, &costs)) return;
   for (std::size_t t = 0; t < terms.size(); ++t) {
-    summary_.terms[t].count = terms[t]->num_blocks();
+    const auto num_blocks = static_cast<double>(terms[t]->num_blocks());
+    summary_.terms[t].count = static_cast<std::size_t>(
+        terms[t]->GoesByScan() ? SumOverPeers(graph_.peers(), num_blocks) : num_blocks);
     summary_.terms[t].*cost = costs.cost[t];
   }
 }

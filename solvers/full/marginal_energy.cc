@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/associations.h"
@@ -56,9 +57,10 @@ double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
                              ScanCost(graph, poses, surface, static_cast<int>(s), lines, factors);
                        }
                      });
-  double total = PoseTerms(graph, factors).Cost(poses) + OwnPointCost(factors, graph, poses);
-  for (const double cost : costs) total += cost;
-  return total;
+  double of_returns = 0.0;
+  for (const double cost : costs) of_returns += cost;
+  return PoseTerms(graph, factors).Cost(poses) + OwnPointCost(factors, graph, poses) +
+         SumOverPeers(graph.peers(), of_returns);
 }
 
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,

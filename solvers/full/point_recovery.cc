@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
@@ -80,6 +81,14 @@ void Add(const PointDisplacements& part, PointDisplacements* total) {
   for (int i = 0; i < part.kNumOctaves; ++i) total->octave_counts[i] += part.octave_counts[i];
 }
 
+void AddPartsOfPeers(const Peers& peers, PointDisplacements* total) {
+  const std::vector<std::vector<PointDisplacements>> to_rank(peers.size(), {*total});
+  *total = PointDisplacements();
+  for (const std::vector<PointDisplacements>& part : ExchangeValues(peers, to_rank)) {
+    Add(part.front(), total);
+  }
+}
+
 // Adds up; `mean_m` as a sum.
 void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSurface& surface,
                  const SurfaceNoise& noise, int scan_id, PointDisplacements* displacements) {
@@ -136,7 +145,9 @@ PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& 
       });
   PointDisplacements total;
   for (const PointDisplacements& part : parts) Add(part, &total);
-  total.mean_m /= static_cast<double>(std::max<std::size_t>(1, graph.num_returns()));
+  if (graph.peers() != nullptr) AddPartsOfPeers(*graph.peers(), &total);
+  const double num_returns = SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns()));
+  total.mean_m /= std::max(1.0, num_returns);
   return total;
 }
 

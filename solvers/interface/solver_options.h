@@ -14,6 +14,8 @@
 
 namespace plumbline {
 
+class PoseSystemSolver;
+
 // Numbers of rounds and iterations are up to 1e9, so that the sum of two is an int; tolerances are
 // fractions, up to 1; factors on gates are up to 1000, beyond which a gate lets everything through.
 
@@ -41,6 +43,9 @@ struct ReducedOptions {
   /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
   /// and their own lines. 0: none.
   int polish_sweeps = 0;
+  /// Of the engine of another library, see pose_system_solver.h; null: conjugate gradients of our
+  /// own.
+  std::shared_ptr<const PoseSystemSolver> linear_solver;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

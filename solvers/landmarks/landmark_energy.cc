@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
@@ -28,8 +29,8 @@ std::vector<double> LandmarkEnergies(const SlamGraph& graph, const MeasuredSurfa
                                      ThreadPool* pool,
                                      std::vector<std::vector<LineLandmark>>* lines) {
   ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
-  LineObservations observations =
-      compressor.LayOut(cut.landmarks.size(), std::move(cut.landmark_of_return));
+  LineObservations observations = compressor.LayOut(
+      cut.landmarks.size(), std::move(cut.landmark_of_return), std::move(cut.shared));
   const PoseTerms terms(graph, factors);
   const double gate_sigmas = factors.manifold.robust_gate_sigmas;
   std::vector<double> energies;
@@ -38,8 +39,9 @@ std::vector<double> LandmarkEnergies(const SlamGraph& graph, const MeasuredSurfa
     std::vector<LineLandmark> landmarks = cut.landmarks;
     SettleLines(compressor, frames, gate_sigmas, pool, &observations, &landmarks);
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
-    energies.push_back(compressor.Cost(landmarks, frames, loss, observations) + terms.Cost(*poses) +
-                       OwnPointCost(factors, graph, *poses));
+    const double cost =
+        SumOverPeers(graph.peers(), compressor.Cost(landmarks, frames, loss, observations));
+    energies.push_back(cost + terms.Cost(*poses) + OwnPointCost(factors, graph, *poses));
     if (lines != nullptr) lines->push_back(std::move(landmarks));
   }
   return energies;

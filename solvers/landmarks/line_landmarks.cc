@@ -4,16 +4,34 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/association/shared_cells.h"
 #include "plumbline/solvers/association/surface_cells.h"
 #include "plumbline/solvers/landmarks/landmark_quadtree.h"
 
 namespace plumbline {
 namespace {
+
+SharedLandmarks LandmarksIn(const SharedBlocks& blocks,
+                            const std::vector<LandmarkQuadtree::CellOfLandmark>& cells,
+                            const Peers& peers) {
+  static_assert(LandmarkQuadtree::kNumLevels - 1 <= CellBlock::kLog2Side);
+  std::vector<std::vector<int>> of_rank(peers.size());
+  for (std::size_t landmark = 0; landmark < cells.size(); ++landmark) {
+    const LandmarkQuadtree::CellOfLandmark& cell = cells[landmark];
+    const auto block = blocks.find(CellBlock::Of(cell.key.x, cell.key.y, cell.level));
+    if (block == blocks.end()) continue;
+    for (const int rank : block->second) {
+      if (rank != peers.rank()) of_rank[rank].push_back(static_cast<int>(landmark));
+    }
+  }
+  return {&peers, cells.size(), std::move(of_rank)};
+}
 
 // Far away or at a grazing angle, a return has too few neighbours for a normal of its own, but
 // says as much of where the laser is as any other.
@@ -78,10 +96,15 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
   const SurfaceGrid grid =
       LandmarkGrid(DominantDirection(graph, poses, surface, pool), options.largest_m);
   LineLandmarks result;
-  const SurfaceCells cells = SortIntoCells(graph, poses, surface, grid, pool,
-                                           &result.landmark_of_return, options.hold_out);
+  SurfaceCells cells = SortIntoCells(graph, poses, surface, grid, pool, &result.landmark_of_return,
+                                     options.hold_out);
+  const SharedBlocks shared_blocks = AddCellsOfPeers(
+      graph, poses, surface, grid, CellReach::kReturns, &cells, &result.landmark_of_return);
   LandmarkQuadtree quadtree(cells, options);
   result.landmarks = quadtree.Cut(grid);
+  if (graph.peers() != nullptr) {
+    result.shared = LandmarksIn(shared_blocks, quadtree.cells_of_landmarks(), *graph.peers());
+  }
   constexpr std::size_t kReturnsPerChunk = 65536;
   pool->ForEachChunk(
       graph.num_returns(), kReturnsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -12,6 +12,7 @@
 #include "plumbline/solvers/association/surface_cells.h"
 #include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/interface/association_options.h"
+#include "plumbline/solvers/landmarks/shared_landmarks.h"
 
 namespace plumbline {
 
@@ -33,6 +34,7 @@ struct LineLandmarks {
 
   std::vector<LineLandmark> landmarks;
   std::vector<int> landmark_of_return;  ///< kNone: not on a line-like surface
+  SharedLandmarks shared;               ///< those that peers of the graph have as well
 };
 
 struct LineLandmarkOptions {
@@ -66,7 +68,7 @@ SurfaceGrid LandmarkGrid(double dominant_direction_rad, double largest_m);
 /// the size follows the data: sparse and noisy returns share long lines, dense ones resolve a
 /// curve. Returns without a normal have no say in that, and then join the line that faces their
 /// laser and is fewest standard deviations off, at most three. Bitwise the same for any number of
-/// threads.
+/// threads. Collective for a shared graph: returns of all processes make the landmarks.
 LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>& poses,
                                const MeasuredSurface& surface, const LineLandmarkOptions& options,
                                ThreadPool* pool);

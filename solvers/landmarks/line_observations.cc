@@ -103,7 +103,8 @@ void ReturnCompressor::NameEntries(const std::vector<std::vector<int>>& landmark
 }
 
 LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
-                                          std::vector<int> landmark_of_return) {
+                                          std::vector<int> landmark_of_return,
+                                          SharedLandmarks shared) {
   entry_of_return_ = std::move(landmark_of_return);
   const std::size_t num_poses = graph_.num_poses();
   LineObservations result;
@@ -128,6 +129,7 @@ LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
     }
   }
   NameEntries(landmarks_of_chunk, result);
+  result.shared = std::move(shared);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/landmarks/shared_landmarks.h"
 
 namespace plumbline {
 
@@ -42,6 +43,7 @@ struct LineObservations {
   std::vector<std::size_t> first_of_landmark;  ///< per landmark, and the end
   std::vector<int> of_pose;                    ///< indices of observations, grouped by pose
   std::vector<std::size_t> first_of_pose;      ///< into of_pose: per pose, and the end
+  SharedLandmarks shared;                      ///< landmarks that peers have observed as well
 
   std::size_t num_landmarks() const { return first_of_landmark.size() - 1; }
   std::size_t num_poses() const { return first_of_pose.size() - 1; }
@@ -65,15 +67,17 @@ class ReturnCompressor {
                    const SurfaceNoise& noise, ThreadPool* pool);
 
   /// Lays out the observations, all of weight zero. Takes landmark_of_return over. The observations
-  /// that the other functions want are those of the last layout.
-  LineObservations LayOut(std::size_t num_landmarks, std::vector<int> landmark_of_return);
+  /// that the other functions want are those of the last layout. shared: of the landmarks.
+  LineObservations LayOut(std::size_t num_landmarks, std::vector<int> landmark_of_return,
+                          SharedLandmarks shared = {});
 
   /// What LayOut took over.
   std::vector<int> LandmarkOfReturn() const;
 
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the landmark's
   /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the
-  /// returns, 1/2 sum rho(d^2 / s^2), at the lines and poses given.
+  /// returns, 1/2 sum rho(d^2 / s^2), at the lines and poses given; those of this process, if the
+  /// graph is shared.
   double Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
                const GemanMcClure& loss, LineObservations* observations) const;
 

@@ -1,5 +1,8 @@
 #include "plumbline/solvers/reduced/gauss_newton_step.h"
 
+#include <cmath>
+
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 
@@ -26,6 +29,7 @@ bool LandmarkCost::MoveIfBetter(const std::vector<double>& moved, std::vector<do
 
 GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
                                     const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    const PoseSystemSolver* linear_solver,
                                     std::vector<double>* poses, double* cost) {
   // The tolerance ends conjugate gradients long before.
   constexpr int kMaxCgIterations = 200;
@@ -34,14 +38,20 @@ GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost
   const PosePreconditioner preconditioner(system, observations, frames, landmark_cost.pool);
   Eigen::VectorXd step;
   GaussNewtonStep result;
-  result.cg_iterations = SolvePoseSystem(system, observations, preconditioner, -system.gradient,
-                                         cg_tolerance, kMaxCgIterations, landmark_cost.pool, &step)
+  const auto solve = [&](auto&&... arguments) {
+    return linear_solver != nullptr ? linear_solver->Solve(arguments...)
+                                    : SolvePoseSystem(arguments...);
+  };
+  result.cg_iterations = solve(system, observations, preconditioner, -system.gradient, cg_tolerance,
+                               kMaxCgIterations, landmark_cost.pool, &step)
                              .iterations;
   double length = 1.0;
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
     if (!landmark_cost.MoveIfBetter(system.Moved(*poses, length * step), poses, cost)) continue;
     result.length = length;
-    result.norm = length * step.norm();
+    result.norm = length * (system.peers == nullptr
+                                ? step.norm()
+                                : std::sqrt(SumOverPeers(system.peers, step.squaredNorm())));
     break;
   }
   return result;

@@ -8,6 +8,7 @@
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/pose_system_solver.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
@@ -37,9 +38,10 @@ struct GaussNewtonStep {
 
 /// Solves the system, linearised at the poses, by conjugate gradients to a residual of cg_tolerance
 /// times the right-hand side, and moves the poses by the step, or by half of it, up to four times
-/// halved, if that lowers the cost. frames: of the poses.
+/// halved, if that lowers the cost. frames: of the poses. linear_solver: null for SolvePoseSystem.
 GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
                                     const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    const PoseSystemSolver* linear_solver,
                                     std::vector<double>* poses, double* cost);
 
 }  // namespace plumbline

@@ -66,6 +66,25 @@ struct Linearized {
   }
 };
 
+Eigen::Matrix2d Symmetric(const Eigen::Vector3d& upper) {
+  return (Eigen::Matrix2d() << upper[0], upper[1], upper[1], upper[2]).finished();
+}
+
+// What all returns say of the lines of shared landmarks, per slot: the upper triangles.
+std::vector<Eigen::Vector3d> SumSharedLineBlocks(const LineObservations& observations,
+                                                 const std::vector<LineLandmark>& landmarks,
+                                                 const std::vector<PoseFrame>& frames) {
+  return observations.shared.Sum<3>([&](std::size_t p) -> Eigen::Vector3d {
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    for (std::size_t i = observations.first_of_landmark[p];
+         i < observations.first_of_landmark[p + 1]; ++i) {
+      const LineObservation& observation = observations.observations[i];
+      sum += Linearized(observation, landmarks[p], frames[observation.pose]).LineBlock();
+    }
+    return {sum(0, 0), sum(0, 1), sum(1, 1)};
+  });
+}
+
 // The parts have about as many observations each.
 std::size_t FirstLandmarkOfPart(const LineObservations& observations, std::size_t part) {
   const std::size_t first_observation = observations.observations.size() * part / kNumParts;
@@ -78,7 +97,7 @@ std::size_t FirstLandmarkOfPart(const LineObservations& observations, std::size_
 // What terms say of poses, by rows of a system.
 class RowEquations final : public PoseEquations {
  public:
-  explicit RowEquations(PoseSystem* system) : system_(*system) {}
+  RowEquations(const PoseTerms& terms, PoseSystem* system) : terms_(terms), system_(*system) {}
 
   void Add(int pose, const Eigen::Matrix3d& block, const Eigen::Vector3d& gradient) override {
     const int row = system_.row_of_pose[pose];
@@ -89,11 +108,23 @@ class RowEquations final : public PoseEquations {
   // Rows have the order of their poses.
   void AddCoupling(int a, int b, const Eigen::Matrix3d& block) override {
     const int from = system_.row_of_pose[a], to = system_.row_of_pose[b];
-    if (from == PoseSystem::kConstant || to == PoseSystem::kConstant) return;
-    system_.couplings.push_back({from, to, block});
+    if (from == PoseSystem::kConstant && to == PoseSystem::kConstant) return;
+    if (from == PoseSystem::kConstant) {
+      AddForeign(a, to, block);
+    } else if (to == PoseSystem::kConstant) {
+      AddForeign(b, from, block.transpose());
+    } else {
+      system_.couplings.push_back({from, to, block});
+    }
   }
 
  private:
+  void AddForeign(int pose, int row, const Eigen::Matrix3d& block) {
+    if (terms_.is_constant[pose]) return;
+    system_.foreign_couplings.push_back({system_.rank_of_pose[pose], pose, row, block});
+  }
+
+  const PoseTerms& terms_;
   PoseSystem& system_;
 };
 
@@ -103,10 +134,11 @@ void PoseSystem::Linearize(const LineObservations& observations,
                            const std::vector<LineLandmark>& landmarks, const PoseTerms& terms,
                            const std::vector<double>& poses, const std::vector<PoseFrame>& frames,
                            ThreadPool* pool) {
-  NumberRows(terms.is_constant);
+  NumberRows(terms);
   diagonal.assign(pose_of_row.size(), Eigen::Matrix3d::Zero());
   gradient = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(pose_of_row.size()));
   couplings.clear();
+  foreign_couplings.clear();
   AddObservations(observations, landmarks, frames, pool);
   by_observations = diagonal;
   AddPoseTerms(terms, poses);
@@ -122,11 +154,23 @@ void PoseSystem::Linearize(const LineObservations& observations,
   }
 }
 
-void PoseSystem::NumberRows(const std::vector<char>& is_constant) {
+void PoseSystem::NumberRows(const PoseTerms& terms) {
+  const std::size_t num_poses = terms.is_constant.size();
   pose_of_row.clear();
-  row_of_pose.assign(is_constant.size(), kConstant);
-  for (std::size_t pose = 0; pose < is_constant.size(); ++pose) {
-    if (is_constant[pose]) continue;
+  row_of_pose.assign(num_poses, kConstant);
+  peers = nullptr;
+  if (terms.shared_graph != nullptr) {
+    peers = terms.shared_graph->peers();
+    rank_of_pose = terms.shared_graph->rank_of_pose();
+    place_of_pose.assign(num_poses, kConstant);
+  }
+  int num_places = 0;
+  for (std::size_t pose = 0; pose < num_poses; ++pose) {
+    if (terms.is_constant[pose]) continue;
+    if (peers != nullptr) {
+      place_of_pose[pose] = num_places++;
+      if (rank_of_pose[pose] != peers->rank()) continue;
+    }
     row_of_pose[pose] = static_cast<int>(pose_of_row.size());
     pose_of_row.push_back(static_cast<int>(pose));
   }
@@ -138,6 +182,16 @@ std::vector<double> PoseSystem::Moved(const std::vector<double>& poses,
   for (std::size_t row = 0; row < pose_of_row.size(); ++row) {
     for (int i = 0; i < 3; ++i) {
       moved[3 * pose_of_row[row] + i] += step[3 * static_cast<Eigen::Index>(row) + i];
+    }
+  }
+  if (peers == nullptr) return moved;
+  // Each pose moves in one process only, so that the sums are exact.
+  Eigen::VectorXd steps = ByPose(step);
+  peers->Sum(steps.data(), static_cast<std::size_t>(steps.size()));
+  for (std::size_t pose = 0; pose < place_of_pose.size(); ++pose) {
+    if (place_of_pose[pose] == kConstant || rank_of_pose[pose] == peers->rank()) continue;
+    for (std::size_t i = 3 * pose; i < 3 * pose + 3; ++i) {
+      moved[i] += steps[static_cast<Eigen::Index>(i)];
     }
   }
   return moved;
@@ -163,6 +217,8 @@ void PoseSystem::AddObservations(const LineObservations& observations,
   line_coupling.resize(observations.observations.size());
   line_normal.resize(landmarks.size());
   line_whitening.assign(landmarks.size(), Eigen::Matrix2d::Zero());
+  const std::vector<Eigen::Vector3d> shared_line_blocks =
+      SumSharedLineBlocks(observations, landmarks, frames);
   std::vector<std::vector<PoseSum>> sums(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
     sums[part].resize(pose_of_row.size());
@@ -183,6 +239,8 @@ void PoseSystem::AddObservations(const LineObservations& observations,
         sum.block += linear.PoseBlock();
         sum.gradient += linear.PoseGradient();
       }
+      const int slot = observations.shared.SlotOf(p);
+      if (slot != SharedLandmarks::kNotShared) line_block = Symmetric(shared_line_blocks[slot]);
       // K_p = (cross block) L^-T with line_block = L L^T.
       const Eigen::LLT<Eigen::Matrix2d> llt(line_block);
       if (llt.info() == Eigen::Success) {
@@ -209,12 +267,16 @@ void PoseSystem::AddObservations(const LineObservations& observations,
 }
 
 void PoseSystem::AddPoseTerms(const PoseTerms& terms, const std::vector<double>& poses) {
-  RowEquations equations(this);
+  RowEquations equations(terms, this);
   for (const auto& term : terms.terms) term->AddEquations(poses.data(), &equations);
   std::stable_sort(couplings.begin(), couplings.end(),
                    [](const PoseCoupling& a, const PoseCoupling& b) {
                      return std::tie(a.from, a.to) < std::tie(b.from, b.to);
                    });
+  // Of terms in the order of the energy, which is the same everywhere.
+  std::stable_sort(
+      foreign_couplings.begin(), foreign_couplings.end(),
+      [](const ForeignCoupling& a, const ForeignCoupling& b) { return a.rank < b.rank; });
 }
 
 void PoseSystem::HoldLines() {
@@ -224,8 +286,41 @@ void PoseSystem::HoldLines() {
   }
 }
 
+Eigen::Vector2d PoseSystem::LineOf(const LineObservations& observations, std::size_t p,
+                                   const Eigen::VectorXd& v) const {
+  const Eigen::Vector2d normal = line_normal[p];
+  Eigen::Vector2d line = Eigen::Vector2d::Zero();
+  for (std::size_t i = observations.first_of_landmark[p]; i < observations.first_of_landmark[p + 1];
+       ++i) {
+    const LineCoupling& coupling = line_coupling[i];
+    if (coupling.row == kConstant) continue;
+    const double* of_row = v.data() + 3 * static_cast<Eigen::Index>(coupling.row);
+    line += (normal.x() * of_row[0] + normal.y() * of_row[1]) * coupling.along_normal +
+            of_row[2] * coupling.turn;
+  }
+  return line;
+}
+
+void PoseSystem::AddForeignPoses(const Eigen::VectorXd& v, Eigen::VectorXd* result) const {
+  std::vector<std::vector<double>> to_rank(peers->size()), from_rank;
+  for (const ForeignCoupling& coupling : foreign_couplings) {
+    const double* of_row = v.data() + 3 * static_cast<Eigen::Index>(coupling.row);
+    to_rank[coupling.rank].insert(to_rank[coupling.rank].end(), of_row, of_row + 3);
+  }
+  peers->Swap(to_rank, &from_rank);
+  std::vector<std::size_t> next(peers->size(), 0);
+  for (const ForeignCoupling& coupling : foreign_couplings) {
+    std::size_t& at = next[coupling.rank];
+    result->segment<3>(3 * static_cast<Eigen::Index>(coupling.row)) +=
+        coupling.block * Eigen::Map<const Eigen::Vector3d>(&from_rank[coupling.rank][at]);
+    at += 3;
+  }
+}
+
 void PoseSystem::Apply(const LineObservations& observations, const Eigen::VectorXd& v,
                        ThreadPool* pool, Eigen::VectorXd* result) const {
+  const std::vector<Eigen::Vector2d> shared_lines =
+      observations.shared.Sum<2>([&](std::size_t p) { return LineOf(observations, p, v); });
   // The couplings of a landmark are at hand still when its K_p is applied to K_p^T v.
   part_sums_.resize(kNumParts);
   pool->ForEachChunk(kNumParts, 1, [&](std::size_t part, std::size_t, std::size_t) {
@@ -236,14 +331,9 @@ void PoseSystem::Apply(const LineObservations& observations, const Eigen::Vector
       const std::size_t first = observations.first_of_landmark[p];
       const std::size_t last = observations.first_of_landmark[p + 1];
       const Eigen::Vector2d normal = line_normal[p];
-      Eigen::Vector2d line = Eigen::Vector2d::Zero();
-      for (std::size_t i = first; i < last; ++i) {
-        const LineCoupling& coupling = line_coupling[i];
-        if (coupling.row == kConstant) continue;
-        const double* of_row = v.data() + 3 * static_cast<Eigen::Index>(coupling.row);
-        line += (normal.x() * of_row[0] + normal.y() * of_row[1]) * coupling.along_normal +
-                of_row[2] * coupling.turn;
-      }
+      const int slot = observations.shared.SlotOf(p);
+      const Eigen::Vector2d line =
+          slot == SharedLandmarks::kNotShared ? LineOf(observations, p, v) : shared_lines[slot];
       for (std::size_t i = first; i < last; ++i) {
         const LineCoupling& coupling = line_coupling[i];
         if (coupling.row == kConstant) continue;
@@ -271,6 +361,7 @@ void PoseSystem::Apply(const LineObservations& observations, const Eigen::Vector
     result->segment<3>(to) += coupling.block * v.segment<3>(from);
     result->segment<3>(from) += coupling.block.transpose() * v.segment<3>(to);
   }
+  if (peers != nullptr) AddForeignPoses(v, result);
 }
 
 }  // namespace plumbline

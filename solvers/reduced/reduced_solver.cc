@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/surface_noise.h"
@@ -60,10 +61,11 @@ class LandmarkMinimizer {
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
     result_.fitted_poses = poses_;
-    result_.fitted_cut = {landmarks_, LandmarkOfReturn()};
+    result_.fitted_cut = {landmarks_, LandmarkOfReturn(), observations_.shared};
     if (!Ended()) RunLastRound();
     result_.last_cut.landmark_of_return = compressor_.LandmarkOfReturn();
     result_.last_cut.landmarks = std::move(landmarks_);
+    result_.last_cut.shared = std::move(observations_.shared);
     return std::move(result_);
   }
 
@@ -82,8 +84,9 @@ class LandmarkMinimizer {
 
   // All returns, those held out so far included, on the landmarks at hand.
   void RunLastRound() {
+    SharedLandmarks shared = observations_.shared;
     ForgetObservations();
-    observations_ = compressor_.LayOut(landmarks_.size(), LandmarkOfReturn());
+    observations_ = compressor_.LayOut(landmarks_.size(), LandmarkOfReturn(), std::move(shared));
     HoldUnanchored();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
     if (result_.stopped) result_.stop_reason = kStopped;
@@ -95,8 +98,8 @@ class LandmarkMinimizer {
     const auto start = Clock::now();
     LandmarkRoundSummary row;
     row.gate_sigmas = gate_sigmas;
-    row.num_landmarks = landmarks_.size();
-    row.num_observations = observations_.observations.size();
+    row.num_landmarks = SumOfPeers(observations_.shared.NumCountedHere(landmarks_.size()));
+    row.num_observations = SumOfPeers(observations_.observations.size());
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
     StepOutcome outcome;
     double moved_squared = 0.0;
@@ -153,7 +156,8 @@ class LandmarkMinimizer {
     held_out_landmarks_ = HeldOutOnly(graph_, cut.landmark_of_return);
     observations_ = compressor_.LayOut(
         landmarks_.size(),
-        WithoutHeldOut(graph_, std::move(cut.landmark_of_return), int{LineLandmarks::kNone}));
+        WithoutHeldOut(graph_, std::move(cut.landmark_of_return), int{LineLandmarks::kNone}),
+        std::move(cut.shared));
     result_.cutting_time_s += SecondsSince(start);
   }
 
@@ -175,11 +179,14 @@ class LandmarkMinimizer {
 
   void MoveByGaussNewton() {
     const double cost = cost_;
-    const GaussNewtonStep step = TakeGaussNewtonStep(system_, landmark_cost_, frames_,
-                                                     options_.cg_tolerance, &poses_, &cost_);
+    const GaussNewtonStep step =
+        TakeGaussNewtonStep(system_, landmark_cost_, frames_, options_.cg_tolerance,
+                            options_.linear_solver.get(), &poses_, &cost_);
     IterationSummary iteration;
     iteration.phase = "poses";
-    iteration.gradient_max_norm = system_.gradient.lpNorm<Eigen::Infinity>();
+    iteration.gradient_max_norm = MaxOverPeers(
+        graph_.peers(),
+        system_.gradient.size() > 0 ? system_.gradient.lpNorm<Eigen::Infinity>() : 0.0);
     iteration.evaluations = step.cg_iterations;
     iteration.step_norm = step.norm;
     iteration.step_size = step.length;
@@ -235,12 +242,17 @@ class LandmarkMinimizer {
       if (row >= 0) sum += relative.dot(system_.by_observations[row] * relative);
       moved_before = moved;
     }
-    return sum;
+    return SumOverPeers(graph_.peers(), sum);
+  }
+
+  std::size_t SumOfPeers(std::size_t count) const {
+    return static_cast<std::size_t>(SumOverPeers(graph_.peers(), static_cast<double>(count)));
   }
 
   bool Report(IterationSummary iteration) {
     iteration.round = static_cast<int>(result_.rounds.size()) + 1;
-    result_.stopped = report_ && !report_(iteration);
+    const bool stop = report_ && !report_(iteration);
+    result_.stopped = SumOverPeers(graph_.peers(), stop ? 1.0 : 0.0) > 0.0;
     return !result_.stopped;
   }
 
@@ -248,6 +260,7 @@ class LandmarkMinimizer {
     double total_weight = 0.0;
     for (const LineObservation& observation : observations_.observations)
       total_weight += observation.weight;
+    total_weight = SumOverPeers(graph_.peers(), total_weight);
     const double noise_m = NoiseOf(factors_).StandardDeviation();
     return std::sqrt(moved_squared / std::max(total_weight * noise_m * noise_m, 1.0));
   }

@@ -7,7 +7,8 @@
 namespace plumbline {
 
 PoseTerms::PoseTerms(const SlamGraph& graph, const FactorOptions& options)
-    : is_constant(graph.num_poses(), false) {
+    : is_constant(graph.num_poses(), false),
+      shared_graph(graph.peers() != nullptr ? &graph : nullptr) {
   for (const FixedPose& fixed : graph.fixed_poses()) is_constant[fixed.pose] = true;
   const Associations none;
   for (const std::shared_ptr<const Term>& term : MakeTerms(graph, none, options)) {

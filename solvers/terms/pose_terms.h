@@ -20,6 +20,9 @@ struct PoseTerms {
 
   std::vector<char> is_constant;  ///< per pose: fixed, no solver moves it
   TermList terms;                 ///< in the order of the energy
+  /// The graph, if several processes share it (SlamGraph::ShareWith); else null. All have the same
+  /// poses and terms.
+  const SlamGraph* shared_graph = nullptr;
 };
 
 }  // namespace plumbline
