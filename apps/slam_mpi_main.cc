@@ -6,6 +6,7 @@
 #include "plumbline/apps/mpi/mpi_program.h"
 #include "plumbline/apps/mpi/refused_flags.h"
 #include "plumbline/apps/run/slam_program.h"
+#include "plumbline/solvers/mpi/petsc_pose_solver.h"
 
 int main(int argc, char** argv) {
   FLAGS_logtostderr = true;
@@ -20,6 +21,10 @@ int main(int argc, char** argv) {
     options = plumbline::LogRunOptions();
     options.peers = program.peers();
     const plumbline::Status usable = plumbline::SlamOptionsFromFlags(&options);
+    if (program.peers() != nullptr) {
+      options.mapping.solver.reduced.linear_solver =
+          plumbline::MakePetscPoseSolver(*program.peers());
+    }
     return usable.ok() ? plumbline::CheckGoesWithPeers(options) : usable;
   };
   return program.Run(plumbline::SlamFiles(), check_flags,
