@@ -78,7 +78,10 @@ Status MapRun::Refine() {
     std::cout << ProgressRow(iteration) << '\n' << std::flush;
     return StopSignal() == 0;
   };
+  const Peers* peers = mapping_->graph.peers();
+  const PeersTraffic before = peers != nullptr ? peers->traffic() : PeersTraffic();
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, pool_, mapping_));
+  if (peers != nullptr) estimation_traffic_ = peers->traffic() - before;
   std::cout << '\n'
             << mapping_->report.solver.FullReport() << '\n'
             << CalibrationText(mapping_->report.calibration);
@@ -134,6 +137,9 @@ Status MapRun::SaveMap(Status* saved) const {
 }
 
 Status MapRun::WriteReport(const std::string& signal_name) {
+  if (mapping_->graph.peers() != nullptr) {
+    summary_.processes = ProcessSummaries(mapping_->graph, estimation_traffic_);
+  }
   return BySpeaker(mapping_->graph.peers(), [&] { return WriteReportOfAll(signal_name); });
 }
 

@@ -70,6 +70,7 @@ class MapRun {
   const OutputFolder& output_;
   const Truth* truth_;
   RunSummary summary_;
+  PeersTraffic estimation_traffic_;  // of a shared graph
   ThreadPool* pool_;
   LogMapping* mapping_;
   ExtraResults extras_;
