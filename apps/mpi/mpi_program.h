@@ -27,7 +27,7 @@ class MpiProgram {
   MpiProgram& operator=(const MpiProgram&) = delete;
 
   /// The processes; null if there is only one.
-  const Peers* peers() const { return peers_->size() > 1 ? peers_.get() : nullptr; }
+  const MpiPeers* peers() const { return peers_->size() > 1 ? peers_.get() : nullptr; }
 
   /// Like RunProgram in every process. A failure is one line on standard error: that of all, or of
   /// the first process that failed, with its rank. Where others wait for one that failed, they are

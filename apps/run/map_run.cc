@@ -134,7 +134,10 @@ Status MapRun::SaveMap(Status* saved) const {
 }
 
 Status MapRun::WriteReport(const std::string& signal_name) {
-  return BySpeaker(mapping_->graph.peers(), [&] { return WriteReportOfAll(signal_name); });
+  const Peers* peers = mapping_->graph.peers();
+  PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [&] { return WriteReportOfAll(signal_name); }));
+  peak_bytes_ = JoinOverPeers(peers, std::vector<std::size_t>{PeakMemoryBytes()});
+  return Status::Ok();
 }
 
 Status MapRun::WriteReportOfAll(const std::string& signal_name) {
@@ -156,7 +159,7 @@ void MapRun::PrintResults() const {
   std::cout
       << StopText(summary_.stopped_by) << StageTable(summary_.stages)
       << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
-      << PeakMemoryBytes() / 1000000 << " MB. Results in " << Legible(output_.path())
+      << PeakMemoryText() << " MB. Results in " << Legible(output_.path())
       << ":\n  report.html                                       all of it to look at, in a "
          "browser\n"
       << (maps_.front().name == "Odometry" ? "  map_odometry.png, map_seed.png                    "
@@ -175,6 +178,14 @@ void MapRun::PrintResults() const {
       << std::flush;
   for (const std::string& warning : summary_.warnings) std::cerr << "warning: " << warning << '\n';
   std::cerr << AlarmText(summary_.mapping.alarms);
+}
+
+std::string MapRun::PeakMemoryText() const {
+  std::string text;
+  for (const std::size_t bytes : peak_bytes_) {
+    text += (text.empty() ? "" : ", ") + std::to_string(bytes / 1000000);
+  }
+  return text;
 }
 
 std::string MapRun::RefusedMapsText() const {

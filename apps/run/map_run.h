@@ -64,6 +64,7 @@ class MapRun {
   Status SaveMap(Status* saved) const;
   Status WriteReportOfAll(const std::string& signal_name);
   std::string RefusedMapsText() const;
+  std::string PeakMemoryText() const;
 
   MapLogOptions options_;
   const RunOutputOptions& outputs_;
@@ -73,6 +74,7 @@ class MapRun {
   ThreadPool* pool_;
   LogMapping* mapping_;
   ExtraResults extras_;
+  std::vector<std::size_t> peak_bytes_;  // per process
   std::vector<ReportMap> maps_;
   std::size_t num_refused_maps_ = 0;
 };
