@@ -22,10 +22,6 @@ int main(int argc, char** argv) {
     options = plumbline::LogRunOptions();
     options.peers = program.peers();
     const plumbline::Status usable = plumbline::SlamOptionsFromFlags(&options);
-    if (program.peers() != nullptr) {
-      options.mapping.solver.reduced.linear_solver =
-          plumbline::MakePetscPoseSolver(*program.peers());
-    }
     return usable.ok() ? plumbline::CheckGoesWithPeers(options) : usable;
   };
   return program.Run(plumbline::SlamFiles(), check_flags, [&] {
