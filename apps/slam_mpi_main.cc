@@ -5,6 +5,7 @@
 
 #include "plumbline/apps/mpi/mpi_program.h"
 #include "plumbline/apps/mpi/refused_flags.h"
+#include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/run/slam_program.h"
 #include "plumbline/solvers/mpi/petsc_pose_solver.h"
 
@@ -21,12 +22,14 @@ int main(int argc, char** argv) {
     options = plumbline::LogRunOptions();
     options.peers = program.peers();
     const plumbline::Status usable = plumbline::SlamOptionsFromFlags(&options);
+    return usable.ok() ? plumbline::CheckGoesWithPeers(options) : usable;
+  };
+  return program.Run(plumbline::SlamFiles(), check_flags, [&] {
     if (program.peers() != nullptr) {
       options.mapping.solver.reduced.linear_solver =
           plumbline::MakePetscPoseSolver(*program.peers());
+      plumbline::EndOnEveryStopSignal();  // PETSc has handled signals
     }
-    return usable.ok() ? plumbline::CheckGoesWithPeers(options) : usable;
-  };
-  return program.Run(plumbline::SlamFiles(), check_flags,
-                     [&options] { return plumbline::RunSlam(options); });
+    return plumbline::RunSlam(options);
+  });
 }

@@ -3,7 +3,8 @@
 # Installs what a build needs and the system lacks: of the library alone, of the programs too, or of
 # the tests as well (the default). `all` adds what tests can do without: doxygen for the API
 # reference, clang-format, clang-tidy, other locales, what the Python module needs, the browser that
-# report.html is tested in (300 MB), and libraries of ROS, for its bags and for the plug-in (200 MB).
+# report.html is tested in (300 MB), libraries of ROS, for its bags and for the plug-in (200 MB), and
+# MPI with PETSc, for plumbline_slam_mpi (400 MB).
 # Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
@@ -19,6 +20,7 @@ tests=(libgtest-dev libgmock-dev)
 browser=(chromium chromium-driver python3-selenium)
 python=(pybind11-dev python3-dev python3-numpy python3-pytest)
 rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev)
+mpi=(petsc-dev libopenmpi-dev openmpi-bin)
 plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)
 
 wanted=${1:-tests}
@@ -35,7 +37,8 @@ esac
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
   if [[ $wanted != library ]]; then
-    echo "bootstrap: bags of ROS 1 want ${rosbag[*]}, the Python module ${python[*]}" >&2
+    echo "bootstrap: bags of ROS 1 want ${rosbag[*]}, the Python module ${python[*]}," >&2
+    echo "  plumbline_slam_mpi ${mpi[*]}" >&2
   fi
   exit 0
 fi
@@ -73,5 +76,6 @@ if [[ $wanted == all ]]; then
   install_missing "${python[@]}" || echo "bootstrap: no pybind11; the Python module is not built" >&2
   install_missing "${browser[@]}" || echo "bootstrap: no browser; the test of report.html is skipped" >&2
   install_missing "${plugin[@]}" || echo "bootstrap: no ament; the plug-in of slam_toolbox is not built" >&2
+  install_missing "${mpi[@]}" || echo "bootstrap: no PETSc; plumbline_slam_mpi is not built" >&2
   install_missing "${rosbag[@]}" || echo "bootstrap: no library for bags of ROS 1; the build goes without" >&2
 fi

@@ -41,7 +41,7 @@ expect 'install .*libceres-dev.*libcairo2-dev.*libgtest-dev'
 expect_none 'chromium|doxygen'
 calls_of "$work/tree/cmake/bootstrap.sh" all
 expect 'install .*libgtest-dev'
-for package in chromium doxygen pluginlib-dev librosbag-storage-dev; do expect "$package"; done
+for package in chromium doxygen pluginlib-dev librosbag-storage-dev petsc-dev; do expect "$package"; done
 if PATH=$work/tools:$PATH "$work/tree/cmake/bootstrap.sh" everything 2>"$CALLS"; then
   fail "took a set that there is not"
 fi

@@ -1,6 +1,11 @@
 #include "plumbline/apps/mpi/refused_flags.h"
 
+#include <gflags/gflags.h>
+
 #include <string>
+#include <vector>
+
+#include "plumbline/apps/program/log_list.h"
 
 namespace plumbline {
 
@@ -9,6 +14,13 @@ Status CheckGoesWithPeers(const LogRunOptions& options) {
   if (solver.type != SolverType::kReduced) {
     return Status::InvalidArgument("--solver=" + std::string(ToString(solver.type)) +
                                    " runs in one process only (plumbline_slam)");
+  }
+  std::vector<std::string> logs;
+  const gflags::CommandLineFlagInfo fixed_map = gflags::GetCommandLineFlagInfoOrDie("fixed_map");
+  if (!fixed_map.is_default || (ParseLogList(options.log, &logs).ok() && logs.size() > 1)) {
+    return Status::InvalidArgument(
+        "--log: several processes map one log; for several, and for "
+        "--fixed_map, there is plumbline_slam");
   }
   const struct {
     const char* flag;

@@ -117,6 +117,7 @@ void CatchSignals(const std::string& program) {
 void EndOnEveryStopSignal() {
   ends_on_every_signal = true;
   EndIfStoppedWhile("starting");
+  HandleStopSignalsBy(HandleSignal);
 }
 
 void LeaveStopSignalsToParent() { HandleStopSignalsBy(SIG_DFL); }

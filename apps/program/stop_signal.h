@@ -22,7 +22,8 @@ namespace plumbline {
 void CatchSignals(const std::string& program);
 
 /// For one process of several that a launcher ends together, and says so: a stop signal ends it
-/// without a word, also where it would be kept, and deletes its temporary files.
+/// without a word, also where it would be kept, and deletes its temporary files. To be called again
+/// after a library has handled signals.
 void EndOnEveryStopSignal();
 
 /// For a child of a program that catches signals: one that stops it just ends it.

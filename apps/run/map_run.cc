@@ -162,7 +162,7 @@ void MapRun::PrintResults() const {
   std::cout
       << StopText(summary_.stopped_by) << StageTable(summary_.stages)
       << ConsistencyText("The refined map", summary_.mapping.consistency) << "\nPeak memory "
-      << PeakMemoryBytes() / 1000000 << " MB. Results in " << Legible(output_.path())
+      << PeakMemoryText() << " MB. Results in " << Legible(output_.path())
       << ":\n  report.html                                       all of it to look at, in a "
          "browser\n"
       << (maps_.front().name == "Odometry" ? "  map_odometry.png, map_seed.png                    "
@@ -181,6 +181,15 @@ void MapRun::PrintResults() const {
       << std::flush;
   for (const std::string& warning : summary_.warnings) std::cerr << "warning: " << warning << '\n';
   std::cerr << AlarmText(summary_.mapping.alarms);
+}
+
+std::string MapRun::PeakMemoryText() const {
+  if (summary_.processes.empty()) return std::to_string(PeakMemoryBytes() / 1000000);
+  std::string text;
+  for (const ProcessSummary& process : summary_.processes) {
+    text += (text.empty() ? "" : ", ") + std::to_string(process.peak_memory_bytes / 1000000);
+  }
+  return text;
 }
 
 std::string MapRun::RefusedMapsText() const {

@@ -64,6 +64,7 @@ class MapRun {
   Status SaveMap(Status* saved) const;
   Status WriteReportOfAll(const std::string& signal_name);
   std::string RefusedMapsText() const;
+  std::string PeakMemoryText() const;
 
   MapLogOptions options_;
   const RunOutputOptions& outputs_;

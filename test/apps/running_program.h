@@ -81,6 +81,7 @@ class RunningProgram {
     return false;
   }
 
+  int process() const { return process_; }
   void Send(int signal_number) const { kill(process_, signal_number); }
 
   /// Exit code; 1000 and the number of the signal that ended it.

@@ -65,7 +65,7 @@ TEST_F(RunOutputsTest, ProcessesThatShareTheGraphWriteTheSameFiles) {
 }
 
 TEST_F(RunOutputsTest, ProcessesThatShareTheGraphAllLearnThatAFileCannotBeWritten) {
-  for (const std::string& taken : {"points.ply", "map_refined.png", "map.pgm"}) {
+  for (const char* taken : {"points.ply", "map_refined.png", "map.pgm"}) {
     const std::string folder = folder_ + "without_" + taken;
     OutputFolder made(folder);
     ASSERT_TRUE(made.Make().ok());

@@ -253,7 +253,7 @@ TEST(ConsistencyMeterTest, ProcessesThatShareAGraphMeasureTheSame) {
   scene.poses = BackAndForth(3);
   const SlamGraph graph = MakeGraph(scene);
   std::vector<Pose2> poses = scene.poses;
-  for (std::size_t i = 25; i < poses.size(); ++i) poses[i].x += 1.0;  // contradicts itself
+  for (std::size_t i = 25; i < poses.size(); ++i) poses[i].y += 1.0;  // contradicts itself
   const MapConsistency expected = Measure(graph, poses);
   ASSERT_FALSE(expected.places.empty());
   RunOnParts(graph, 3, [&](const SlamGraph& part) {

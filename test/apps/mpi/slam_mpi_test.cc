@@ -1,0 +1,211 @@
+// plumbline_slam_mpi as a user runs it, next to plumbline_slam.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "plumbline/test/apps/program_testing.h"
+#include "plumbline/test/apps/running_program.h"
+
+namespace plumbline {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+#ifdef PLUMBLINE_MPIRUN
+
+const std::string kName = "plumbline_slam_mpi";
+
+std::vector<double> NumbersIn(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<double> numbers;
+  for (double number = 0.0; stream >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+std::set<std::string> KeysOf(const nlohmann::json& json) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.insert(key);
+  return keys;
+}
+
+class SlamMpiTest : public ProgramTest {
+ protected:
+  // As root and on any number of processors, where mpirun would rather not.
+  static std::string Mpirun(int num_processes) {
+    return "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+           "OMPI_MCA_rmaps_base_oversubscribe=1 " PLUMBLINE_MPIRUN " -n " +
+           std::to_string(num_processes) + " ";
+  }
+
+  Outcome SlamMpi(int num_processes, const std::string& log, const std::string& flags = "",
+                  const std::string& output_dir = "out") {
+    limits_ = Mpirun(num_processes);
+    const Outcome run = Run("slam_mpi", "--log=" + folder_ + log + " --output_dir=" + folder_ +
+                                            output_dir + " --threads=1 " + flags);
+    limits_.clear();
+    return run;
+  }
+
+  nlohmann::json SummaryIn(const std::string& output_dir) const {
+    return nlohmann::json::parse(Result(output_dir, "summary.json"));
+  }
+
+  // mpirun adds lines of its own.
+  static std::vector<std::string> OwnLines(const Outcome& run) {
+    std::vector<std::string> own;
+    for (const std::string& line : Lines(run.err)) {
+      if (line.rfind(kName + ": ", 0) == 0) own.push_back(line);
+    }
+    return own;
+  }
+
+  void ExpectOneError(const Outcome& run, int exit_code, const std::string& message) const {
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    const std::vector<std::string> lines = OwnLines(run);
+    ASSERT_EQ(lines.size(), 1u) << run.err;
+    EXPECT_THAT(lines.front(), HasSubstr(message));
+  }
+
+  void ExpectSamePoses(const std::string& output_dir, const std::string& expected_dir) const {
+    const std::vector<double> poses = NumbersIn(Result(output_dir, "trajectory.tum"));
+    const std::vector<double> expected = NumbersIn(Result(expected_dir, "trajectory.tum"));
+    ASSERT_EQ(poses.size(), expected.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(poses[i], expected[i], 1e-4);
+  }
+
+  // Of files that no clock and no memory gets into.
+  void ExpectSameBytes(const std::string& output_dir, const std::string& expected_dir) const {
+    for (const char* name : {"points.ply", "points.pcd", "trajectory.tum", "graph.g2o", "map.pgm",
+                             "map_refined.png", "conflicts.png", "before_after.png"}) {
+      EXPECT_TRUE(Result(output_dir, name) == Result(expected_dir, name)) << name;
+    }
+  }
+};
+
+TEST_F(SlamMpiTest, WritesWhatOneProcessWritesWithAnyNumberOfProcesses) {
+  SimulateLog(300);
+  ASSERT_EQ(Slam("a.clf", "", "one").exit_code, 0);
+  const nlohmann::json expected = SummaryIn("one");
+  for (const int num_processes : {1, 2, 4}) {
+    SCOPED_TRACE(num_processes);
+    const std::string folder = "of_" + std::to_string(num_processes);
+    const Outcome run = SlamMpi(num_processes, "a.clf", "", folder);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(OwnLines(run), IsEmpty());
+    EXPECT_EQ(FilesOf(folder), FilesOf("one"));
+    const nlohmann::json summary = SummaryIn(folder);
+    EXPECT_EQ(KeysOf(summary), KeysOf(expected));
+    EXPECT_EQ(summary["returns"], expected["returns"]);
+    const double energy = expected["solver"]["marginal_energy_final"];
+    EXPECT_NEAR(summary["solver"]["marginal_energy_final"], energy, 1e-6 * energy);
+    const double thickness_m = expected["stages"].back()["wall_thickness_m"];
+    EXPECT_NEAR(summary["stages"].back()["wall_thickness_m"], thickness_m, 1e-5);
+    // Nothing of this was solved.
+    EXPECT_EQ(summary["seeding"]["loop_closures"], expected["seeding"]["loop_closures"]);
+    EXPECT_TRUE(Result(folder, "map_seed.png") == Result("one", "map_seed.png"));
+    EXPECT_TRUE(Result(folder, "map_odometry.png") == Result("one", "map_odometry.png"));
+    EXPECT_EQ(Result(folder, "points.ply").size(), Result("one", "points.ply").size());
+    EXPECT_EQ(Result(folder, "points.pcd").size(), Result("one", "points.pcd").size());
+    ExpectSamePoses(folder, "one");
+  }
+}
+
+TEST_F(SlamMpiTest, TheSameNumberOfProcessesWritesTheSameBytes) {
+  SimulateLog(120);
+  for (const char* folder : {"first", "second"}) {
+    ASSERT_EQ(SlamMpi(3, "a.clf", "", folder).exit_code, 0);
+  }
+  ExpectSameBytes("second", "first");
+}
+
+TEST_F(SlamMpiTest, SharesASavedMap) {
+  SimulateLog(80);
+  ASSERT_EQ(Slam("a.clf", "--save_map", "map").exit_code, 0);
+  ASSERT_EQ(Slam("map/map.g2o", "--test_edges=false", "one").exit_code, 0);
+  const Outcome run = SlamMpi(2, "map/map.g2o", "--test_edges=false", "two");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(FilesOf("two"), FilesOf("one"));
+  EXPECT_EQ(KeysOf(SummaryIn("two")), KeysOf(SummaryIn("one")));
+  ExpectSamePoses("two", "one");
+}
+
+TEST_F(SlamMpiTest, SaysOnceWhatIsWrong) {
+  ExpectOneError(SlamMpi(2, "nothing.clf"), kExitBadInput, "nothing.clf");
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
+  const Outcome run = SlamMpi(2, "a.clf", "--no_such_flag");
+  EXPECT_EQ(run.exit_code, kExitWrongUsage);
+  const std::size_t first = run.err.find("no_such_flag");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(run.err.find("no_such_flag", first + 1), std::string::npos);
+}
+
+TEST_F(SlamMpiTest, RefusesByNameWhatProcessesCannotShare) {
+  for (const char* given :
+       {"--solver=ceres", "--shape", "--reduced_polish_sweeps=2", "--calibrate=mounting",
+        "--truth=a.tum", "--save_map", "--fixed_map=map.g2o"}) {
+    const std::string flag = given;
+    const Outcome run = SlamMpi(1, "a.clf", flag);
+    ExpectOneError(run, kExitWrongUsage, flag.substr(0, flag.find('=')));
+  }
+  ExpectOneError(SlamMpi(1, "a.clf,b.clf"), kExitWrongUsage, "one log");
+}
+
+TEST_F(SlamMpiTest, LeavesNoHalfWrittenFile) {
+  SimulateLog(60);
+  std::filesystem::create_directories(folder_ + "out/points.ply/taken");
+  ExpectOneError(SlamMpi(2, "a.clf"), kExitCannotWrite, "points.ply");
+  for (const std::string& name : FilesOf("out")) EXPECT_THAT(name, testing::Not(HasSubstr(".tmp")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out/summary.json"));
+}
+
+// Children of a process, in the order of their start. Linux only.
+std::vector<int> ChildrenOf(int process) {
+  const std::string number = std::to_string(process);
+  std::ifstream file("/proc/" + number + "/task/" + number + "/children");
+  std::vector<int> children;
+  for (int child = 0; file >> child;) children.push_back(child);
+  return children;
+}
+
+TEST_F(SlamMpiTest, AProcessThatIsKilledEndsTheOthers) {
+  SimulateLog(700);
+  for (const std::size_t victim : {0, 1}) {
+    SCOPED_TRACE(victim);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    RunningProgram run(
+        {PLUMBLINE_MPIRUN, "--oversubscribe", "-n", "2", PLUMBLINE_PROGRAMS_DIR "/" + kName,
+         "--log=" + folder_ + "a.clf", "--output_dir=" + folder_ + "out", "--threads=1"},
+        folder_ + "printed");
+    ASSERT_TRUE(run.Prints("Seeding: done"));
+    const std::vector<int> children = ChildrenOf(run.process());
+    ASSERT_EQ(children.size(), 2u);
+    kill(children[victim], SIGKILL);
+    ASSERT_TRUE(run.EndsWithin(30.0));
+    EXPECT_NE(run.Wait(), 0);
+    EXPECT_FALSE(std::filesystem::exists(folder_ + "out/summary.json"));
+  }
+  ASSERT_EQ(SlamMpi(2, "a.clf").exit_code, 0);
+  EXPECT_EQ(FilesOf("out"), kResults);  // what was half-written is gone
+}
+
+#else
+
+TEST(SlamMpiTest, IsNotBuilt) { GTEST_SKIP() << "MPI or PETSc is not installed"; }
+
+#endif
+
+}  // namespace
+}  // namespace plumbline
