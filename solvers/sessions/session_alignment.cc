@@ -41,8 +41,8 @@ constexpr double kMaxConflict = 0.06;
 constexpr int kMinWitnesses = 3;
 // ... unless another one explains this share of what the best one does.
 constexpr double kRivalShare = 0.5;
-// Furniture that was moved bends sessions at some of the places where they are tied. A building that
-// is merely much like this one bends them at nearly all: they have other dimensions.
+// Furniture that was moved bends sessions at some of the places where they are tied. A building
+// that is merely much like this one bends them at nearly all: they have other dimensions.
 constexpr double kMaxBentShare = 0.5;
 // Ways that are tried with closures of their own.
 constexpr std::size_t kMaxAlignments = 4;
