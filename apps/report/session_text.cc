@@ -33,6 +33,10 @@ std::string OutcomeText(const SessionTie& tie) {
       return "not tied: " + ClosuresText(tie) + " are too few to believe";
     case TieOutcome::kContradicted:
       return "not tied: the best of what would fit has " + ConflictText(tie);
+    case TieOutcome::kBent:
+      return "not tied: " + std::to_string(tie.num_bent_places) + " of the " +
+             std::to_string(tie.num_places) +
+             " places that match fit only if the sessions are bent";
     case TieOutcome::kAmbiguous:
       return "not tied: several ways to put them together fit as well";
   }

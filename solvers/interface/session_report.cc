@@ -12,6 +12,8 @@ const char* ToString(TieOutcome outcome) {
       return "few_places";
     case TieOutcome::kContradicted:
       return "contradicted";
+    case TieOutcome::kBent:
+      return "bent";
     case TieOutcome::kAmbiguous:
       return "ambiguous";
   }

@@ -14,6 +14,7 @@ enum class TieOutcome {
   kNoMatch,       ///< nothing of the one fits anywhere in the other
   kFewPlaces,     ///< too few places match to believe them
   kContradicted,  ///< places match, but the one looked through what the other one saw
+  kBent,          ///< places match, but only if the sessions are bent at most of them
   kAmbiguous,     ///< several ways to put them together fit as well
 };
 
@@ -30,6 +31,9 @@ struct SessionTie {
   Pose2 first_from_second;
   int num_closures = 0;   ///< loop closures between the two
   int num_witnesses = 0;  ///< clusters of them: one place is one witness
+  /// Places of the second group that closures tie to the first one, and those of them where they
+  /// bend the groups by more than noise does. Counted where nothing else speaks against the tie.
+  int num_places = 0, num_bent_places = 0;
   /// Of scans of the one with scans of the other.
   FreeSpaceConflict conflict;
 };

@@ -19,6 +19,7 @@
 #include "plumbline/solvers/loop_closure/strained_stretches.h"
 #include "plumbline/solvers/loop_closure/suspect_clusters.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
+#include "plumbline/solvers/loop_closure/tied_places.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 
 namespace plumbline {
@@ -32,6 +33,8 @@ namespace {
 constexpr std::size_t kMostTentative = 8;
 // At most so often a cluster is found wrong, or such a match right.
 constexpr int kMaxRevisions = 6;
+// At most so often the closures of a session with others at one place are found wrong.
+constexpr int kMostBentPlaces = 12;
 // Steps that may be wrong at the same time, at most: those with the most evidence against them.
 constexpr std::size_t kMaxStepsInQuestion = 12;
 // At most so many of them are taken as wrong without a closure that says so, one at a time.
@@ -82,6 +85,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
+    PLUMBLINE_RETURN_IF_ERROR(DropBentPlaces(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
     PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
     for (const std::size_t record : best->records) weighed_[record].adopted = true;
@@ -109,6 +113,39 @@ class HypothesisSearch {
       *best = std::move(given);
     }
     return Status::Ok();
+  }
+
+  // Closures between sessions that bend them, the worst place first. The graph has spoken against
+  // them: free space, which does not see shifts of decimetres, need only not speak for them.
+  Status DropBentPlaces(MapHypothesis* best) {
+    if (ties_ == nullptr) return Status::Ok();
+    for (int i = 0; i < kMostBentPlaces; ++i) {
+      PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+      const TiedPlace worst = MostBentPlace(best->keys);
+      if (!worst.is_bent()) break;
+      MapHypothesis other;
+      other.kind = best->kind;
+      other.start = best->start;
+      other.keys = Without(worst.closures, best->keys);
+      PLUMBLINE_RETURN_IF_ERROR(Close(&other));
+      other.records = best->records;
+      other.records.push_back(weighed_.size());
+      RecordRevision(HypothesisKind::kWithoutCluster, worst.closures, best->keys,
+                     other.consistency);
+      if (IsBetter(best->consistency, other.consistency)) break;
+      *best = std::move(other);
+    }
+    return Status::Ok();
+  }
+
+  TiedPlace MostBentPlace(const KeyframeGraph& keys) const {
+    TiedPlace worst;
+    for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
+      for (TiedPlace& place : TestTiedPlaces(keys, first, keys.EndOfSession(first), pool_)) {
+        if (place.relief > worst.relief) worst = std::move(place);
+      }
+    }
+    return worst;
   }
 
   // Steps of the sequential matching as wrong as closures say, or as it takes.

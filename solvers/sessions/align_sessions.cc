@@ -95,6 +95,8 @@ class Agglomeration {
                                           GroupFromSession(set_, best.group, b.sessions.front()));
     pair->tie.num_closures = best.num_closures;
     pair->tie.num_witnesses = best.num_witnesses;
+    pair->tie.num_places = best.num_places;
+    pair->tie.num_bent_places = best.num_bent_places;
     pair->tie.conflict = best.conflict;
     pair->score = best.score;
     if (pair->tie.outcome == TieOutcome::kTied) pair->group = std::move(best.group);

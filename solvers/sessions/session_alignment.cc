@@ -12,6 +12,7 @@
 #include "plumbline/solvers/loop_closure/closure_memory.h"
 #include "plumbline/solvers/loop_closure/loop_candidates.h"
 #include "plumbline/solvers/loop_closure/loop_closure.h"
+#include "plumbline/solvers/loop_closure/tied_places.h"
 
 namespace plumbline {
 namespace {
@@ -40,6 +41,9 @@ constexpr double kMaxConflict = 0.06;
 constexpr int kMinWitnesses = 3;
 // ... unless another one explains this share of what the best one does.
 constexpr double kRivalShare = 0.5;
+// Furniture that was moved bends sessions at some of the places where they are tied. A building
+// that is merely much like this one bends them at nearly all: they have other dimensions.
+constexpr double kMaxBentShare = 0.5;
 // Ways that are tried with closures of their own.
 constexpr std::size_t kMaxAlignments = 4;
 
@@ -75,6 +79,7 @@ class AlignmentSearch {
     std::stable_sort(
         alignments->begin(), alignments->end(),
         [](const SessionAlignment& a, const SessionAlignment& b) { return a.score < b.score; });
+    if (Judge(*alignments) == TieOutcome::kTied) CountBentPlaces(&alignments->front());
     return Status::Ok();
   }
 
@@ -188,6 +193,14 @@ class AlignmentSearch {
     return Status::Ok();
   }
 
+  void CountBentPlaces(SessionAlignment* alignment) const {
+    const KeyframeGraph& keys = alignment->group.keys;
+    for (const TiedPlace& place : TestTiedPlaces(keys, first_of_b(), keys.size(), pool_)) {
+      ++alignment->num_places;
+      if (place.is_bent()) ++alignment->num_bent_places;
+    }
+  }
+
   // Whether loops were closed to the same result from another way: most of b lies where it does
   // there. The rest may be bent.
   bool IsKnown(const SessionAlignment& alignment,
@@ -225,6 +238,7 @@ TieOutcome Judge(const std::vector<SessionAlignment>& alignments) {
   if (best.num_witnesses < kMinWitnesses) return TieOutcome::kFewPlaces;
   const bool has_rival = alignments.size() > 1 && alignments[1].score <= kRivalShare * best.score;
   if (has_rival) return TieOutcome::kAmbiguous;
+  if (best.num_bent_places > kMaxBentShare * best.num_places) return TieOutcome::kBent;
   return TieOutcome::kTied;
 }
 

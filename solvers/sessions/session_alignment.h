@@ -36,8 +36,11 @@ struct SessionAlignment {
   FreeSpaceConflict conflict;  ///< of scans of the one with scans of the other
   int num_closures = 0;        ///< between the two
   int num_witnesses = 0;       ///< clusters of these closures: one place is one witness
-  double votes = 0.0;          ///< of the places that were found before loops were closed
-  double score = 0.0;          ///< as WeighedHypothesis::score: the lower, the better
+  /// Places of the second group that are tied to the first one, and those where that bends them.
+  /// Counted for the best alignment, if nothing else speaks against it.
+  int num_places = 0, num_bent_places = 0;
+  double votes = 0.0;  ///< of the places that were found before loops were closed
+  double score = 0.0;  ///< as WeighedHypothesis::score: the lower, the better
 };
 
 /// Looks for all ways in which b may lie to a, nothing being known of it: keyframes of b are sought

@@ -10,6 +10,7 @@
 
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/thread_pool.h"
@@ -30,6 +31,16 @@ SimulatedLog Visit(BuildingKind kind, std::uint64_t building, std::uint64_t visi
   options.scan_period_s = 1.0;
   options.laser.num_beams = num_beams;
   options.laser.bearing_step_rad = kPi / num_beams;
+  SimulatedLog log;
+  EXPECT_TRUE(Simulate(World(GenerateVisit(kind, building, visit)), options, &log).ok());
+  return log;
+}
+
+// As in the study of sessions (apps/benchmark): another drive, with a scan every 0.18 m.
+SimulatedLog StudiedVisit(BuildingKind kind, std::uint64_t building, std::uint64_t visit) {
+  SimulationOptions options;
+  options.seed = SeedOfVisit(building, visit);
+  options.scan_period_s = 0.45;
   SimulatedLog log;
   EXPECT_TRUE(Simulate(World(GenerateVisit(kind, building, visit)), options, &log).ok());
   return log;
@@ -161,6 +172,26 @@ TEST(MapSessionsTest, OtherBuildingsGetMapsOfTheirOwn) {
   ASSERT_THAT(mapping.ties, SizeIs(2));
   EXPECT_EQ(mapping.ties[0].outcome, TieOutcome::kTied);
   EXPECT_NE(mapping.ties[1].outcome, TieOutcome::kTied);
+}
+
+// In a corridor without features a cupboard was moved by 0.25 m.
+TEST(MapSessionsTest, FurnitureThatWasMovedBendsNoSession) {
+  const std::vector<SimulatedLog> logs{StudiedVisit(BuildingKind::kRandom, 17, 0),
+                                       StudiedVisit(BuildingKind::kRandom, 17, 1)};
+  const SessionsMapping mapping = Mapped(GraphsOf(logs));
+  ASSERT_THAT(mapping.maps, SizeIs(1));
+  EXPECT_LT(WorstM(mapping.maps.front(), logs), 0.08);
+  EXPECT_THAT(mapping.maps.front().mapping.report.alarms, IsEmpty());
+}
+
+// Their corridors and rooms are alike, but for some centimetres each.
+TEST(MapSessionsTest, BuildingsAlikeButForTheirDimensionsAreNotTied) {
+  const SessionsMapping mapping =
+      Mapped(GraphsOf({StudiedVisit(BuildingKind::kRepetitive, 12, 1),
+                       StudiedVisit(BuildingKind::kRepetitive, 1012, 0)}));
+  EXPECT_THAT(mapping.maps, SizeIs(2));
+  ASSERT_THAT(mapping.ties, SizeIs(1));
+  EXPECT_EQ(mapping.ties.front().outcome, TieOutcome::kBent);
 }
 
 // Half a turn puts such a building on itself: nothing tells which way round a robot started.

@@ -22,6 +22,8 @@ SessionTie Tie(TieOutcome outcome) {
   tie.first_from_second = Pose2(1.5, -2.0, 0.25);
   tie.num_closures = 12;
   tie.num_witnesses = 3;
+  tie.num_places = 6;
+  tie.num_bent_places = 5;
   tie.conflict = {2000, 50};
   return tie;
 }
@@ -37,6 +39,7 @@ TEST(SessionTextTest, SaysWhySessionsWereLeftApart) {
   EXPECT_THAT(TiesText({Tie(TieOutcome::kFewPlaces)}, kNames),
               HasSubstr("12 loop closures at 3 places are too few"));
   EXPECT_THAT(TiesText({Tie(TieOutcome::kContradicted)}, kNames), HasSubstr("2.5 % of 2,000"));
+  EXPECT_THAT(TiesText({Tie(TieOutcome::kBent)}, kNames), HasSubstr("5 of the 6 places"));
   EXPECT_THAT(TiesText({Tie(TieOutcome::kAmbiguous)}, kNames), HasSubstr("several ways"));
 }
 

@@ -29,6 +29,15 @@ TEST(JudgeTest, ConflictsAndTooFewPlacesSpeakAgainstIt) {
   EXPECT_EQ(Judge({Alignment(30000, 0.02, 2)}), TieOutcome::kFewPlaces);
 }
 
+TEST(JudgeTest, SessionsThatAreBentAtMostPlacesAreOfDifferentBuildings) {
+  SessionAlignment bent = Alignment(30000, 0.02, 8);
+  bent.num_places = 8;
+  bent.num_bent_places = 5;
+  EXPECT_EQ(Judge({bent}), TieOutcome::kBent);
+  bent.num_bent_places = 4;  // furniture was moved
+  EXPECT_EQ(Judge({bent}), TieOutcome::kTied);
+}
+
 TEST(JudgeTest, ARivalThatExplainsHalfAsMuchMakesItAmbiguous) {
   EXPECT_EQ(Judge({Alignment(30000, 0.02, 8), Alignment(20000, 0.03, 5)}), TieOutcome::kAmbiguous);
   EXPECT_EQ(Judge({Alignment(30000, 0.02, 8), Alignment(10000, 0.03, 5)}), TieOutcome::kTied);
