@@ -51,6 +51,10 @@ DEFINE_uint64(visit, 0,
               "If not 0, a drive through the same --building on another day: the robot starts and "
               "goes elsewhere, and a third of the furniture has moved");
 
+DEFINE_double(drive_length_m, 0.0,
+              "If not 0, --building=random becomes as large as a drive of this length needs to go "
+              "around each of its blocks once [m]");
+
 DEFINE_int32(num_beams, Defaults().laser.num_beams, "Beams per scan");
 DEFINE_double(first_bearing_deg, RadToDeg(Defaults().laser.first_bearing_rad),
               "Direction of the first beam [deg]");
@@ -252,6 +256,15 @@ Status CheckFlags() {
   if (FLAGS_visit != 0 && FLAGS_building.empty()) {
     return Status::InvalidArgument("--visit needs --building, which makes up the furniture");
   }
+  // Of a million scans or more.
+  constexpr double kLongestDriveM = 1e5;
+  if (!(FLAGS_drive_length_m >= 0.0 && FLAGS_drive_length_m <= kLongestDriveM)) {
+    return Status::InvalidArgument("--drive_length_m must be from 0 to 100000");
+  }
+  if (FLAGS_drive_length_m > 0.0 && (FLAGS_building != "random" || FLAGS_visit != 0)) {
+    return Status::InvalidArgument(
+        "--drive_length_m goes with --building=random, and not with --visit");
+  }
   if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   std::string error;
   if (!OptionsFromFlags().Check(&error)) return Status::InvalidArgument("simulation: " + error);
@@ -263,7 +276,8 @@ Status MakeBuilding(std::uint64_t seed, Building* building) {
   if (!FLAGS_world.empty()) return ReadBuilding(FLAGS_world, building);
   BuildingKind kind = BuildingKind::kRandom;
   FromString(FLAGS_building, &kind);  // CheckFlags knows the name
-  *building = GenerateVisit(kind, seed, FLAGS_visit);
+  *building = FLAGS_drive_length_m > 0.0 ? GenerateLargeBuilding(FLAGS_drive_length_m, seed)
+                                         : GenerateVisit(kind, seed, FLAGS_visit);
   return Status::Ok();
 }
 

@@ -6,9 +6,25 @@
 
 namespace plumbline {
 
+/// What a process has sent to its peers so far.
+struct PeersTraffic {
+  std::size_t num_sums = 0;      ///< calls of Sum
+  std::size_t sum_bytes = 0;     ///< that went into them
+  std::size_t num_messages = 0;  ///< of Exchange and Swap to other processes
+  std::size_t message_bytes = 0;
+  double time_s = 0.0;  ///< in these calls, waiting for others included
+
+  PeersTraffic operator-(const PeersTraffic& before) const {
+    return {num_sums - before.num_sums, sum_bytes - before.sum_bytes,
+            num_messages - before.num_messages, message_bytes - before.message_bytes,
+            time_s - before.time_s};
+  }
+};
+
 /// The processes that work on one graph, each with some of its scans (SlamGraph::ShareWith), and
-/// how they talk. All functions but rank() and size() are collective: every process calls the same
-/// ones in the same order, from one thread. They throw std::runtime_error where that fails.
+/// how they talk. All functions but rank(), size() and traffic() are collective: every process
+/// calls the same ones in the same order, from one thread. They throw std::runtime_error where that
+/// fails.
 class Peers {
  public:
   virtual ~Peers() = default;
@@ -17,6 +33,8 @@ class Peers {
   virtual int rank() const = 0;
   /// How many there are, this one included.
   virtual int size() const = 0;
+  /// Of this process. Nothing where nobody counts it.
+  virtual PeersTraffic traffic() const { return {}; }
 
   /// Replaces `count` values by their sums over all processes, the same bits everywhere and for
   /// every run with as many processes.

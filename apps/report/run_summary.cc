@@ -8,6 +8,7 @@
 #include "plumbline/apps/report/calibration_report.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/seeding_text.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -125,7 +126,32 @@ Json SeedingJson(const RunSummary& summary) {
           {"time_s", summary.seed_time_s}};
 }
 
+Json ProcessesJson(const std::vector<ProcessSummary>& processes) {
+  Json json = Json::array();
+  for (const ProcessSummary& process : processes) {
+    json.push_back({{"poses", process.num_poses},
+                    {"returns", process.num_returns},
+                    {"peak_memory_bytes", process.peak_memory_bytes},
+                    {"estimation",
+                     {{"sums", process.traffic.num_sums},
+                      {"sum_bytes", process.traffic.sum_bytes},
+                      {"messages", process.traffic.num_messages},
+                      {"message_bytes", process.traffic.message_bytes},
+                      {"time_s", process.traffic.time_s}}}});
+  }
+  return json;
+}
+
 }  // namespace
+
+std::vector<ProcessSummary> ProcessSummaries(const SlamGraph& graph, const PeersTraffic& traffic) {
+  ProcessSummary own;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) own.num_poses += graph.HasScansOf(pose);
+  own.num_returns = graph.num_returns();
+  own.peak_memory_bytes = PeakMemoryBytes();
+  own.traffic = traffic;
+  return JoinOverPeers(graph.peers(), std::vector<ProcessSummary>{own});
+}
 
 std::size_t PeakMemoryBytes() {
   struct rusage usage {};
@@ -151,6 +177,7 @@ Json RunSummaryJson(const RunSummary& summary) {
           {"stopped_by", StoppedByJson(summary.stopped_by)},
           {"warnings", summary.warnings},
           {"peak_memory_bytes", PeakMemoryBytes()},
+          {"processes", ProcessesJson(summary.processes)},
           {"flags", FlagsInForce()}};
 }
 

@@ -7,9 +7,19 @@
 
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/stage.h"
+#include "plumbline/core/peers.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
+
+/// One of the processes that share a run.
+struct ProcessSummary {
+  std::size_t num_poses = 0;    ///< whose scans it has
+  std::size_t num_returns = 0;  ///< that it has
+  std::size_t peak_memory_bytes = 0;
+  PeersTraffic traffic;  ///< of the joint estimation
+};
 
 /// Everything a run reports, for machines to read.
 struct RunSummary {
@@ -23,10 +33,15 @@ struct RunSummary {
   std::vector<Stage> stages;
   std::string stopped_by;             ///< name of the signal; empty if the run came to its own end
   std::vector<std::string> warnings;  ///< lines for people
+  std::vector<ProcessSummary> processes;  ///< by rank; empty if there is one only
 };
 
 /// Largest resident memory of this process so far [bytes].
 std::size_t PeakMemoryBytes();
+
+/// What each of the processes that share a graph has to report, with the traffic of its own.
+/// Collective.
+std::vector<ProcessSummary> ProcessSummaries(const SlamGraph& graph, const PeersTraffic& traffic);
 
 /// The content of summary.json, with the flags in force.
 Json RunSummaryJson(const RunSummary& summary);

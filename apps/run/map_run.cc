@@ -78,7 +78,10 @@ Status MapRun::Refine() {
     std::cout << ProgressRow(iteration) << '\n' << std::flush;
     return StopSignal() == 0;
   };
+  const Peers* peers = mapping_->graph.peers();
+  const PeersTraffic before = peers != nullptr ? peers->traffic() : PeersTraffic();
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, pool_, mapping_));
+  if (peers != nullptr) estimation_traffic_ = peers->traffic() - before;
   std::cout << '\n'
             << mapping_->report.solver.FullReport() << '\n'
             << CalibrationText(mapping_->report.calibration);
@@ -134,10 +137,10 @@ Status MapRun::SaveMap(Status* saved) const {
 }
 
 Status MapRun::WriteReport(const std::string& signal_name) {
-  const Peers* peers = mapping_->graph.peers();
-  PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [&] { return WriteReportOfAll(signal_name); }));
-  peak_bytes_ = JoinOverPeers(peers, std::vector<std::size_t>{PeakMemoryBytes()});
-  return Status::Ok();
+  if (mapping_->graph.peers() != nullptr) {
+    summary_.processes = ProcessSummaries(mapping_->graph, estimation_traffic_);
+  }
+  return BySpeaker(mapping_->graph.peers(), [&] { return WriteReportOfAll(signal_name); });
 }
 
 Status MapRun::WriteReportOfAll(const std::string& signal_name) {
@@ -181,9 +184,11 @@ void MapRun::PrintResults() const {
 }
 
 std::string MapRun::PeakMemoryText() const {
+  constexpr std::size_t kBytesPerMb = 1000000;
+  if (summary_.processes.empty()) return std::to_string(PeakMemoryBytes() / kBytesPerMb);
   std::string text;
-  for (const std::size_t bytes : peak_bytes_) {
-    text += (text.empty() ? "" : ", ") + std::to_string(bytes / 1000000);
+  for (const ProcessSummary& process : summary_.processes) {
+    text += (text.empty() ? "" : ", ") + std::to_string(process.peak_memory_bytes / kBytesPerMb);
   }
   return text;
 }

@@ -71,10 +71,10 @@ class MapRun {
   const OutputFolder& output_;
   const Truth* truth_;
   RunSummary summary_;
+  PeersTraffic estimation_traffic_;  // of a shared graph
   ThreadPool* pool_;
   LogMapping* mapping_;
   ExtraResults extras_;
-  std::vector<std::size_t> peak_bytes_;  // per process
   std::vector<ReportMap> maps_;
   std::size_t num_refused_maps_ = 0;
 };

@@ -6,6 +6,8 @@
 #include <string>
 #include <thread>
 
+#include "plumbline/core/seconds_since.h"
+
 namespace plumbline {
 namespace {
 
@@ -20,10 +22,24 @@ void Check(int code, const char* what) {
   throw std::runtime_error(std::string("MPI, ") + what + ": " + std::string(text, length));
 }
 
+// Adds the time until the end of a block.
+class CallTimer {
+ public:
+  explicit CallTimer(PeersTraffic* traffic) : traffic_(*traffic) {}
+  ~CallTimer() { traffic_.time_s += SecondsSince(start_); }
+  CallTimer(const CallTimer&) = delete;
+  CallTimer& operator=(const CallTimer&) = delete;
+
+ private:
+  PeersTraffic& traffic_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 // Sends and receives of one exchange, waited for together.
 class Transfers {
  public:
-  explicit Transfers(MPI_Comm communicator) : communicator_(communicator) {}
+  Transfers(MPI_Comm communicator, PeersTraffic* traffic)
+      : communicator_(communicator), traffic_(*traffic) {}
 
   void Receive(char* bytes, std::size_t size, int rank) {
     ForEachPiece(size, [&](std::size_t begin, int count) {
@@ -31,6 +47,8 @@ class Transfers {
     });
   }
   void Send(const char* bytes, std::size_t size, int rank) {
+    traffic_.num_messages += size > 0 ? 1 : 0;
+    traffic_.message_bytes += size;
     ForEachPiece(size, [&](std::size_t begin, int count) {
       Check(MPI_Isend(bytes + begin, count, MPI_BYTE, rank, 0, communicator_, Add()), "sending");
     });
@@ -50,6 +68,7 @@ class Transfers {
   MPI_Request* Add() { return &requests_.emplace_back(MPI_REQUEST_NULL); }
 
   MPI_Comm communicator_;
+  PeersTraffic& traffic_;
   std::vector<MPI_Request> requests_;
 };
 
@@ -65,6 +84,9 @@ MpiPeers::MpiPeers(MPI_Comm communicator) {
 MpiPeers::~MpiPeers() { MPI_Comm_free(&communicator_); }
 
 void MpiPeers::Sum(double* values, std::size_t count) const {
+  const CallTimer timer(&traffic_);
+  ++traffic_.num_sums;
+  traffic_.sum_bytes += sizeof(double) * count;
   for (std::size_t begin = 0; begin < count; begin += kMaxCount) {
     const int piece = static_cast<int>(std::min(kMaxCount, count - begin));
     Check(MPI_Allreduce(MPI_IN_PLACE, values + begin, piece, MPI_DOUBLE, MPI_SUM, communicator_),
@@ -74,13 +96,14 @@ void MpiPeers::Sum(double* values, std::size_t count) const {
 
 std::vector<std::vector<char>> MpiPeers::Exchange(
     const std::vector<std::vector<char>>& to_rank) const {
+  const CallTimer timer(&traffic_);
   std::vector<unsigned long long> sizes(size_), from_sizes(size_);
   for (int rank = 0; rank < size_; ++rank) sizes[rank] = to_rank[rank].size();
   Check(MPI_Alltoall(sizes.data(), 1, MPI_UNSIGNED_LONG_LONG, from_sizes.data(), 1,
                      MPI_UNSIGNED_LONG_LONG, communicator_),
         "exchanging sizes");
   std::vector<std::vector<char>> from_rank(size_);
-  Transfers transfers(communicator_);
+  Transfers transfers(communicator_, &traffic_);
   for (int rank = 0; rank < size_; ++rank) {
     if (rank == rank_) continue;
     from_rank[rank].resize(from_sizes[rank]);
@@ -97,7 +120,8 @@ std::vector<std::vector<char>> MpiPeers::Exchange(
 void MpiPeers::Swap(const std::vector<std::vector<double>>& to_rank,
                     std::vector<std::vector<double>>* from_rank) const {
   from_rank->resize(size_);
-  Transfers transfers(communicator_);
+  const CallTimer timer(&traffic_);
+  Transfers transfers(communicator_, &traffic_);
   for (int rank = 0; rank < size_; ++rank) {
     (*from_rank)[rank].resize(to_rank[rank].size());
     if (rank == rank_) continue;

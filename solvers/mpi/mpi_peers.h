@@ -24,6 +24,7 @@ class MpiPeers final : public Peers {
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
+  PeersTraffic traffic() const override { return traffic_; }
   void Sum(double* values, std::size_t count) const override;
   std::vector<std::vector<char>> Exchange(
       const std::vector<std::vector<char>>& to_rank) const override;
@@ -35,6 +36,7 @@ class MpiPeers final : public Peers {
   MPI_Comm communicator_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
+  mutable PeersTraffic traffic_;
 };
 
 }  // namespace plumbline

@@ -106,7 +106,9 @@ TEST_F(SlamMpiTest, WritesWhatOneProcessWritesWithAnyNumberOfProcesses) {
     EXPECT_THAT(OwnLines(run), IsEmpty());
     EXPECT_EQ(FilesOf(folder), FilesOf("one"));
     const nlohmann::json summary = SummaryIn(folder);
-    EXPECT_EQ(KeysOf(summary), KeysOf(expected));
+    std::set<std::string> keys = KeysOf(summary);
+    EXPECT_EQ(keys.erase("processes"), num_processes > 1 ? 1u : 0u);
+    EXPECT_EQ(keys, KeysOf(expected));
     EXPECT_EQ(summary["returns"], expected["returns"]);
     const double energy = expected["solver"]["marginal_energy_final"];
     EXPECT_NEAR(summary["solver"]["marginal_energy_final"], energy, 1e-6 * energy);
