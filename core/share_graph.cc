@@ -178,6 +178,7 @@ SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_a
   }
   const std::vector<std::vector<char>> received = peers.Exchange(replies);
   std::vector<const char*> next;
+  next.reserve(received.size());
   for (const std::vector<char>& scans : received) next.push_back(scans.data());
   SlamGraph fetched;
   const Status added = AddLasersAndPoses(OutlineOf(graph), &fetched);

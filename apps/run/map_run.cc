@@ -184,10 +184,11 @@ void MapRun::PrintResults() const {
 }
 
 std::string MapRun::PeakMemoryText() const {
-  if (summary_.processes.empty()) return std::to_string(PeakMemoryBytes() / 1000000);
+  constexpr std::size_t kBytesPerMb = 1000000;
+  if (summary_.processes.empty()) return std::to_string(PeakMemoryBytes() / kBytesPerMb);
   std::string text;
   for (const ProcessSummary& process : summary_.processes) {
-    text += (text.empty() ? "" : ", ") + std::to_string(process.peak_memory_bytes / 1000000);
+    text += (text.empty() ? "" : ", ") + std::to_string(process.peak_memory_bytes / kBytesPerMb);
   }
   return text;
 }

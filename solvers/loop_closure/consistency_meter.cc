@@ -236,6 +236,7 @@ void ComparePairsOverPeers(const SlamGraph& graph, const std::vector<Viewpoint>&
                            std::vector<ViewpointPair>* pairs) {
   const std::vector<int> foreign = ForeignFirsts(graph, viewpoints, *pairs);
   std::vector<int> ids;
+  ids.reserve(foreign.size());
   for (const int viewpoint : foreign) ids.push_back(viewpoints[viewpoint].scan);
   const SlamGraph fetched = FetchScans(graph, ids);
   std::vector<FreeSpaceScan> fetched_scans;

@@ -107,6 +107,7 @@ TEST_F(SlamMpiTest, WritesWhatOneProcessWritesWithAnyNumberOfProcesses) {
     EXPECT_EQ(FilesOf(folder), FilesOf("one"));
     const nlohmann::json summary = SummaryIn(folder);
     EXPECT_EQ(KeysOf(summary), KeysOf(expected));
+    EXPECT_EQ(summary["processes"].size(), num_processes > 1 ? num_processes : 0u);
     EXPECT_EQ(summary["returns"], expected["returns"]);
     const double energy = expected["solver"]["marginal_energy_final"];
     EXPECT_NEAR(summary["solver"]["marginal_energy_final"], energy, 1e-6 * energy);
