@@ -39,8 +39,11 @@ constexpr double kBentShare = 0.02;
 // 0.066 at least.
 constexpr double kMaxConflict = 0.06;
 constexpr int kMinWitnesses = 3;
-// ... unless another one explains this share of what the best one does.
+// ... unless another one explains this share of what the best one does, or as many places match and
+// it conflicts as little, but for this share: then sessions have less in common there, and nothing
+// says that they have more.
 constexpr double kRivalShare = 0.5;
+constexpr double kSameConflict = 0.01;
 // Furniture that was moved bends sessions at some of the places where they are tied. A building
 // that is merely much like this one bends them at nearly all: they have other dimensions.
 constexpr double kMaxBentShare = 0.5;
@@ -229,6 +232,13 @@ class AlignmentSearch {
   ClosureMemory memory_;
 };
 
+// Whether another alignment may be right as well as the best one.
+bool IsRival(const SessionAlignment& other, const SessionAlignment& best) {
+  return other.score <= kRivalShare * best.score ||
+         (other.num_witnesses >= kMinWitnesses &&
+          other.conflict.Share() <= best.conflict.Share() + kSameConflict);
+}
+
 }  // namespace
 
 TieOutcome Judge(const std::vector<SessionAlignment>& alignments) {
@@ -236,7 +246,9 @@ TieOutcome Judge(const std::vector<SessionAlignment>& alignments) {
   const SessionAlignment& best = alignments.front();
   if (best.conflict.Share() > kMaxConflict) return TieOutcome::kContradicted;
   if (best.num_witnesses < kMinWitnesses) return TieOutcome::kFewPlaces;
-  const bool has_rival = alignments.size() > 1 && alignments[1].score <= kRivalShare * best.score;
+  const bool has_rival =
+      std::any_of(alignments.begin() + 1, alignments.end(),
+                  [&](const SessionAlignment& other) { return IsRival(other, best); });
   if (has_rival) return TieOutcome::kAmbiguous;
   if (best.num_bent_places > kMaxBentShare * best.num_places) return TieOutcome::kBent;
   return TieOutcome::kTied;

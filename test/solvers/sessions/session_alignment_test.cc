@@ -40,7 +40,16 @@ TEST(JudgeTest, SessionsThatAreBentAtMostPlacesAreOfDifferentBuildings) {
 
 TEST(JudgeTest, ARivalThatExplainsHalfAsMuchMakesItAmbiguous) {
   EXPECT_EQ(Judge({Alignment(30000, 0.02, 8), Alignment(20000, 0.03, 5)}), TieOutcome::kAmbiguous);
-  EXPECT_EQ(Judge({Alignment(30000, 0.02, 8), Alignment(10000, 0.03, 5)}), TieOutcome::kTied);
+  EXPECT_EQ(Judge({Alignment(30000, 0.02, 8), Alignment(10000, 0.05, 5)}), TieOutcome::kTied);
+}
+
+// In a building that half a turn puts on itself, two sessions may have little in common where they
+// lie as they do, and more where they do not.
+TEST(JudgeTest, ARivalThatConflictsAsLittleMakesItAmbiguous) {
+  const SessionAlignment best = Alignment(39000, 0.0015, 9), worse = Alignment(38000, 0.11, 8);
+  EXPECT_EQ(Judge({best, worse, Alignment(12000, 0.002, 3)}), TieOutcome::kAmbiguous);
+  EXPECT_EQ(Judge({best, worse, Alignment(12000, 0.002, 2)}), TieOutcome::kTied);
+  EXPECT_EQ(Judge({best, worse, Alignment(12000, 0.05, 3)}), TieOutcome::kTied);
 }
 
 }  // namespace
