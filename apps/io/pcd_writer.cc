@@ -40,7 +40,7 @@ Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const Map
     out = StoreFloat(static_cast<float>(state.points[2 * i] - offset.x()), out);
     out = StoreFloat(static_cast<float>(state.points[2 * i + 1] - offset.y()), out);
     out = StoreFloat(0.0f, out);
-    return StoreLittleEndian(static_cast<std::uint32_t>(graph.returns().scan[i]), out);
+    return StoreLittleEndian(static_cast<std::uint32_t>(graph.ScanOfReturn(i)), out);
   };
   constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + sizeof(std::uint32_t);
   WriteRecords(graph.num_returns(), kBytesPerPoint, store, &file.stream());
