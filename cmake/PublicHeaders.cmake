@@ -21,6 +21,8 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
   core/options_check.h
+  core/return_normal.h
+  core/scan_returns.h
   factors/own_term.h
   solvers/alarm.h
   solvers/interface/acceptance.h

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "plumbline/core/pose_frame.h"
-
 namespace plumbline {
 namespace {
 
@@ -20,25 +18,26 @@ constexpr int kMaxBeamGap = 2;
 
 void MeasuredPoints(const SlamGraph& graph, int scan_id, std::vector<Eigen::Vector2d>* points) {
   const ScanEntry& scan = graph.scan(scan_id);
-  const PoseFrame laser(graph.laser(scan.laser).robot_from_laser);
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   points->resize(scan.num_returns);
   for (std::size_t k = 0; k < scan.num_returns; ++k) {
-    (*points)[k] = laser.Rotate(graph.PointInLaser(scan.first_return + k)) + laser.translation();
+    (*points)[k] = returns.PointInRobot(scan.first_return + k);
   }
 }
 
 void FindJoinedReturns(const SlamGraph& graph, int scan_id,
                        const std::vector<Eigen::Vector2d>& points, double reach_m,
                        std::vector<bool>* joined) {
-  const LaserReturns& returns = graph.returns();
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
+  const std::vector<float>& ranges_m = graph.returns().range_m;
   const double bearing_step_rad = std::abs(graph.LaserOfScan(scan_id).bearing_step_rad);
   joined->assign(points.size(), false);
   for (std::size_t k = 1; k < points.size(); ++k) {
     const std::size_t r = graph.scan(scan_id).first_return + k;
     // Points of one beam may be as far apart as neighbours.
-    const int gap = std::max(returns.beam[r] - returns.beam[r - 1], 1);
+    const int gap = std::max(returns.Beam(r) - returns.Beam(r - 1), 1);
     if (gap > kMaxBeamGap) continue;
-    const double range_m = std::min(returns.range_m[r], returns.range_m[r - 1]);
+    const double range_m = std::min(ranges_m[r], ranges_m[r - 1]);
     const double limit = std::max(reach_m, kGrazingFactor * gap * range_m * bearing_step_rad);
     (*joined)[k] = (points[k] - points[k - 1]).squaredNorm() <= limit * limit;
   }

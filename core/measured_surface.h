@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/return_normal.h"
 #include "plumbline/core/slam_graph.h"
 
 namespace plumbline {
@@ -12,20 +13,18 @@ class ThreadPool;
 struct ReturnNormalOptions;
 
 /// What the scans saw of the surfaces, per return and in the frame of its robot: fixed while poses
-/// move. Single precision is exact to 4 micrometres at 80 m, and halves the memory that every pass
-/// over the returns has to read.
+/// move. Where the beams ended the graph knows, ScanReturns::PointInRobot; a copy would be twice
+/// what every pass over the returns has to read.
 struct MeasuredSurface {
-  std::vector<Eigen::Vector2f> points;   ///< measured end of the beam [m]
-  std::vector<Eigen::Vector2f> normals;  ///< as EstimateReturnNormals gives them
+  std::vector<ReturnNormal> normals;  ///< as EstimateReturnNormals gives them, in 16 bits
 };
 
-/// Estimates the normals and places both in the frames of their robots.
+/// Estimates the normals.
 MeasuredSurface MeasureSurface(const SlamGraph& graph, const ReturnNormalOptions& options,
                                ThreadPool* pool);
 
-/// The same with normals that are already known; one per return.
-MeasuredSurface MeasureSurface(const SlamGraph& graph, std::vector<Eigen::Vector2f> normals,
-                               ThreadPool* pool);
+/// The same of normals that EstimateReturnNormals has given.
+MeasuredSurface SurfaceOfNormals(const std::vector<Eigen::Vector2f>& normals, ThreadPool* pool);
 
 /// Adds the scans from first_scan on to the surface of the scans before it.
 void ExtendSurface(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,

@@ -41,12 +41,10 @@ struct ScanEntry {
   bool has_own_bearings = false;
 };
 
-/// Every laser return of a graph, one array per quantity, ordered by scan and then by beam; their
-/// bearings are SlamGraph::Bearing. Single precision is exact to 4 micrometres at 80 m.
+/// Every laser return of a graph, ordered by scan and then by beam; SlamGraph says which ones these
+/// are. Single precision is exact to 4 micrometres at 80 m.
 struct LaserReturns {
   std::vector<float> range_m;  ///< from the laser
-  std::vector<int> beam;  ///< index of the beam within its sweep; gaps are beams without return
-  std::vector<int> scan;  ///< scan id
 
   /// Number of returns.
   std::size_t size() const { return range_m.size(); }

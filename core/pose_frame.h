@@ -32,6 +32,19 @@ struct PoseFrame {
 /// A vector turned by a right angle, counter-clockwise.
 inline Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
+/// A vector turned by an angle [rad], counter-clockwise. Up to 0.05 rad, polynomials that are exact
+/// to rounding take the place of sine and cosine.
+inline Eigen::Vector2d Turned(const Eigen::Vector2d& v, double angle_rad) {
+  const double squared = angle_rad * angle_rad;
+  double c = 1.0 - squared * (1.0 / 2 - squared * (1.0 / 24 - squared * (1.0 / 720)));
+  double s = angle_rad * (1.0 - squared * (1.0 / 6 - squared * (1.0 / 120 - squared / 5040)));
+  if (squared > 0.05 * 0.05) {
+    c = std::cos(angle_rad);
+    s = std::sin(angle_rad);
+  }
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_CORE_POSE_FRAME_H_

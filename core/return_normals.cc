@@ -18,13 +18,15 @@ class ScanNormalEstimator {
   ScanNormalEstimator(const SlamGraph& graph, const ReturnNormalOptions& options)
       : graph_(graph), options_(options) {}
 
-  void EstimateScan(int scan_id, std::vector<Eigen::Vector2f>* normals) {
+  // Calls take(return id, normal) for each return.
+  template <typename Take>
+  void EstimateScan(int scan_id, const Take& take) {
     const ScanEntry& scan = graph_.scan(scan_id);
     laser_in_robot_ = graph_.laser(scan.laser).robot_from_laser.translation();
     first_ = scan.first_return;
     MeasuredPoints(graph_, scan_id, &points_);
     FindJoinedReturns(graph_, scan_id, points_, options_.half_window_m, &joined_);
-    for (std::size_t k = 0; k < scan.num_returns; ++k) (*normals)[first_ + k] = NormalOf(k);
+    for (std::size_t k = 0; k < scan.num_returns; ++k) take(first_ + k, NormalOf(k));
   }
 
  private:
@@ -63,6 +65,20 @@ class ScanNormalEstimator {
   std::vector<bool> joined_;             // to the return before it, by one surface
 };
 
+// Calls take(return id, normal) for each return of the scans from first_scan on.
+template <typename Take>
+void EstimateScansFrom(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
+                       ThreadPool* pool, const Take& take) {
+  constexpr std::size_t kScansPerChunk = 64;
+  pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       ScanNormalEstimator estimator(graph, options);
+                       for (std::size_t s = begin; s < end; ++s) {
+                         estimator.EstimateScan(first_scan + static_cast<int>(s), take);
+                       }
+                     });
+}
+
 }  // namespace
 
 bool ReturnNormalOptions::Check(std::string* error) const {
@@ -73,22 +89,19 @@ bool ReturnNormalOptions::Check(std::string* error) const {
 std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
                                                    const ReturnNormalOptions& options,
                                                    ThreadPool* pool) {
-  std::vector<Eigen::Vector2f> normals;
-  ExtendReturnNormals(graph, 0, options, pool, &normals);
+  std::vector<Eigen::Vector2f> normals(graph.num_returns(), Eigen::Vector2f::Zero());
+  EstimateScansFrom(graph, 0, options, pool,
+                    [&](std::size_t r, const Eigen::Vector2f& normal) { normals[r] = normal; });
   return normals;
 }
 
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
-                         ThreadPool* pool, std::vector<Eigen::Vector2f>* normals) {
-  normals->resize(graph.num_returns(), Eigen::Vector2f::Zero());
-  constexpr std::size_t kScansPerChunk = 64;
-  pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       ScanNormalEstimator estimator(graph, options);
-                       for (std::size_t s = begin; s < end; ++s) {
-                         estimator.EstimateScan(first_scan + static_cast<int>(s), normals);
-                       }
-                     });
+                         ThreadPool* pool, std::vector<ReturnNormal>* normals) {
+  normals->resize(graph.num_returns());
+  EstimateScansFrom(graph, first_scan, options, pool,
+                    [&](std::size_t r, const Eigen::Vector2f& normal) {
+                      (*normals)[r] = ReturnNormal(normal.cast<double>());
+                    });
 }
 
 }  // namespace plumbline

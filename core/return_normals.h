@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/core/return_normal.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 
@@ -30,9 +31,9 @@ std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
                                                    const ReturnNormalOptions& options,
                                                    ThreadPool* pool);
 
-/// Adds the normals of the scans from first_scan on to those of the scans before it.
+/// Adds the normals of the scans from first_scan on to those of the scans before it, in 16 bits.
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
-                         ThreadPool* pool, std::vector<Eigen::Vector2f>* normals);
+                         ThreadPool* pool, std::vector<ReturnNormal>* normals);
 
 }  // namespace plumbline
 

@@ -28,12 +28,7 @@ Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
     *laser_id = known->second;
     return Status::Ok();
   }
-  const DefaultFloatEnvironment float_environment;
-  Laser added{laser, {}};
-  added.beam_directions.reserve(laser.num_beams);
-  for (int beam = 0; beam < laser.num_beams; ++beam) {
-    added.beam_directions.push_back(BeamEnd(1.0, laser.Bearing(beam)));
-  }
+  LaserBeams added(laser);
   std::map<LaserModel, int> added_id = {{laser, num_lasers()}};
   lasers_.push_back(std::move(added));
   laser_ids_.merge(added_id);  // needs no memory: both or none
@@ -93,8 +88,7 @@ Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
 
 void SlamGraph::ReserveReturns(std::size_t num_returns) {
   returns_.range_m.reserve(num_returns);
-  returns_.beam.reserve(num_returns);
-  returns_.scan.reserve(num_returns);
+  low_beam_.reserve(num_returns);
 }
 
 void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
@@ -103,11 +97,15 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
     return r.bearing_rad != laser.Bearing(r.beam);
   });
   const std::size_t first_return = returns_.size();
-  first_own_bearing_.push_back(off_beam_rad_.size());
+  const auto first_large =
+      std::partition_point(returns.begin(), returns.end(),
+                           [](const Return& r) { return r.beam < ScanReturns::kSmallBeams; });
+  const auto num_small = static_cast<std::size_t>(first_large - returns.begin());
+  scan_index_.push_back({off_beam_rad_.size(), first_return + num_small});
   for (const Return& r : returns) {
+    if (returns_.size() % kReturnsPerBlock == 0) scan_of_block_.push_back(num_scans());
     returns_.range_m.push_back(ClampRange(laser, r.range_m));
-    returns_.beam.push_back(r.beam);
-    returns_.scan.push_back(num_scans());
+    low_beam_.push_back(static_cast<std::uint16_t>(r.beam % ScanReturns::kSmallBeams));
     if (!has_own_bearings) continue;
     off_beam_rad_.push_back(static_cast<float>(r.bearing_rad - laser.Bearing(r.beam)));
   }
@@ -207,9 +205,10 @@ Status SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
   int laser_id = 0;
   PLUMBLINE_RETURN_IF_ERROR(AddLaser(other.LaserOfScan(scan_id), &laser_id));
   const ScanEntry entry = other.scans_[scan_id];
+  const ScanReturns of_other = other.ReturnsOfScan(scan_id);
   std::vector<Return> returns;
   for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    returns.push_back({other.returns_.range_m[r], other.Bearing(r), other.returns_.beam[r]});
+    returns.push_back({other.returns_.range_m[r], of_other.Bearing(r), of_other.Beam(r)});
   }
   AppendScan(pose_id, laser_id, returns);
   return Status::Ok();
@@ -273,7 +272,7 @@ std::size_t SlamGraph::num_returns_of_all() const {
 }
 
 std::size_t SlamGraph::ReturnIdAmongAll(std::size_t return_id) const {
-  const int scan = returns_.scan[return_id];
+  const int scan = ScanOfReturn(return_id);
   return all_scans()[IdAmongAll(scan)].first_return + (return_id - scans_[scan].first_return);
 }
 
@@ -285,9 +284,12 @@ void SlamGraph::PackScan(int scan_id, std::vector<char>* bytes) const {
   };
   append(&scan, 1);
   append(returns_.range_m.data() + scan.first_return, scan.num_returns);
-  append(returns_.beam.data() + scan.first_return, scan.num_returns);
+  append(low_beam_.data() + scan.first_return, scan.num_returns);
+  const ScanIndex& index = scan_index_[scan_id];
+  const std::size_t num_small = index.first_large_beam - scan.first_return;
+  append(&num_small, 1);
   if (!scan.has_own_bearings) return;
-  append(off_beam_rad_.data() + first_own_bearing_[scan_id], scan.num_returns);
+  append(off_beam_rad_.data() + index.first_own_bearing, scan.num_returns);
 }
 
 const char* SlamGraph::AddPackedScan(const char* bytes) {
@@ -303,9 +305,13 @@ const char* SlamGraph::AddPackedScan(const char* bytes) {
   take(&scan, 1);
   scan.first_return = num_returns();
   extend(&returns_.range_m, scan.num_returns);
-  extend(&returns_.beam, scan.num_returns);
-  returns_.scan.resize(returns_.size(), num_scans());
-  first_own_bearing_.push_back(off_beam_rad_.size());
+  extend(&low_beam_, scan.num_returns);
+  std::size_t num_small = 0;
+  take(&num_small, 1);
+  scan_index_.push_back({off_beam_rad_.size(), scan.first_return + num_small});
+  while (scan_of_block_.size() * kReturnsPerBlock < num_returns()) {
+    scan_of_block_.push_back(num_scans());
+  }
   if (scan.has_own_bearings) extend(&off_beam_rad_, scan.num_returns);
   scans_.push_back(scan);
   return bytes;
@@ -318,13 +324,15 @@ bool SlamGraph::HasScansOf(int pose_id) const {
 void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
                             std::vector<double>* points) const {
   const DefaultFloatEnvironment float_environment;
-  for (const ScanEntry& scan : scans_) {
+  for (int s = 0; s < num_scans(); ++s) {
+    const ScanEntry& scan = scans_[s];
     const std::size_t end_of_scan = scan.first_return + scan.num_returns;
     if (end_of_scan <= first) continue;
+    const ScanReturns returns = ReturnsOfScan(s);
     const PoseFrame laser{Pose2(&poses[3 * scan.pose]) *
                           lasers_[scan.laser].model.robot_from_laser};
     for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
-      const Eigen::Vector2d end = laser.Rotate(PointInLaser(r)) + laser.translation();
+      const Eigen::Vector2d end = laser.Rotate(returns.PointInLaser(r)) + laser.translation();
       (*points)[2 * r] = end.x();
       (*points)[2 * r + 1] = end.y();
     }
@@ -333,9 +341,10 @@ void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
 
 std::vector<double> SlamGraph::RangesOfScan(int scan_id, double no_return_m) const {
   const ScanEntry& scan = scans_[scan_id];
+  const ScanReturns returns = ReturnsOfScan(scan_id);
   std::vector<double> ranges_m(LaserOfScan(scan_id).num_beams, no_return_m);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    ranges_m[returns_.beam[r]] = returns_.range_m[r];
+    ranges_m[returns.Beam(r)] = returns_.range_m[r];
   }
   return ranges_m;
 }
@@ -360,10 +369,29 @@ std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) con
   return points;
 }
 
+template <typename Value, typename ValueOf>
+std::vector<Value> SlamGraph::OfAllReturns(const ValueOf& value_of) const {
+  std::vector<Value> values(num_returns());
+  for (int s = 0; s < num_scans(); ++s) {
+    const ScanReturns returns = ReturnsOfScan(s);
+    const std::size_t end = scans_[s].first_return + scans_[s].num_returns;
+    for (std::size_t r = scans_[s].first_return; r < end; ++r) values[r] = value_of(s, returns, r);
+  }
+  return values;
+}
+
+std::vector<int> SlamGraph::ScansOfReturns() const {
+  return OfAllReturns<int>([](int scan, const ScanReturns&, std::size_t) { return scan; });
+}
+
+std::vector<int> SlamGraph::Beams() const {
+  return OfAllReturns<int>(
+      [](int, const ScanReturns& returns, std::size_t r) { return returns.Beam(r); });
+}
+
 std::vector<double> SlamGraph::Bearings() const {
-  std::vector<double> bearings_rad(num_returns());
-  for (std::size_t r = 0; r < bearings_rad.size(); ++r) bearings_rad[r] = Bearing(r);
-  return bearings_rad;
+  return OfAllReturns<double>(
+      [](int, const ScanReturns& returns, std::size_t r) { return returns.Bearing(r); });
 }
 
 // Rounding must not make a return of what is none.
@@ -379,33 +407,45 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
     odometry_[i].from_from_to = corrections.odometry[i];
   }
   for (std::size_t i = 0; i < corrections.robot_from_laser.size(); ++i) {
-    lasers_[i].model.robot_from_laser = corrections.robot_from_laser[i];
+    LaserModel model = lasers_[i].model;
+    model.robot_from_laser = corrections.robot_from_laser[i];
+    lasers_[i] = LaserBeams(model);
   }
   if (!corrections.robot_from_laser.empty()) {
     laser_ids_.clear();
     for (int id = 0; id < num_lasers(); ++id) laser_ids_.emplace(laser(id), id);
   }
-  for (std::size_t r = 0; r < corrections.range_m.size(); ++r) {
-    const LaserModel& laser = LaserOfScan(returns_.scan[r]);
-    returns_.range_m[r] = ClampRange(laser, corrections.range_m[r]);
-  }
+  if (!corrections.range_m.empty()) SetRanges(corrections.range_m);
   if (!corrections.bearing_rad.empty()) SetBearings(corrections.bearing_rad);
 }
 
+void SlamGraph::SetRanges(const std::vector<double>& ranges_m) {
+  for (const ScanEntry& scan : scans_) {
+    const LaserModel& model = laser(scan.laser);
+    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      returns_.range_m[r] = ClampRange(model, ranges_m[r]);
+    }
+  }
+}
+
 void SlamGraph::SetBearings(const std::vector<double>& bearings_rad) {
-  off_beam_rad_.clear();
+  std::vector<float> off_beam_rad;
   for (int s = 0; s < num_scans(); ++s) {
     ScanEntry& scan = scans_[s];
     const LaserModel& model = laser(scan.laser);
-    first_own_bearing_[s] = off_beam_rad_.size();
-    scan.has_own_bearings = false;
+    const ScanReturns returns = ReturnsOfScan(s);
+    const std::size_t first_own = off_beam_rad.size();
+    bool has_own_bearings = false;
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const double off_rad = bearings_rad[r] - model.Bearing(returns_.beam[r]);
-      off_beam_rad_.push_back(static_cast<float>(off_rad));
-      scan.has_own_bearings = scan.has_own_bearings || off_rad != 0.0;
+      const double off_rad = bearings_rad[r] - model.Bearing(returns.Beam(r));
+      off_beam_rad.push_back(static_cast<float>(off_rad));
+      has_own_bearings = has_own_bearings || off_rad != 0.0;
     }
-    if (!scan.has_own_bearings) off_beam_rad_.resize(first_own_bearing_[s]);
+    if (!has_own_bearings) off_beam_rad.resize(first_own);
+    scan.has_own_bearings = has_own_bearings;
+    scan_index_[s].first_own_bearing = first_own;
   }
+  off_beam_rad_ = std::move(off_beam_rad);
 }
 
 SlamGraph SlamGraph::Corrected(const MeasurementCorrections& corrections) const& {

@@ -2,7 +2,9 @@
 #define PLUMBLINE_CORE_SLAM_GRAPH_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measurements.h"
 #include "plumbline/core/pose2.h"
+#include "plumbline/core/scan_returns.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -137,25 +140,43 @@ class SlamGraph {
 
   /// All readings, by return id.
   const LaserReturns& returns() const { return returns_; }
-  /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.
-  double Bearing(std::size_t return_id) const {
-    const ScanEntry& scan = scans_[returns_.scan[return_id]];
-    const double by_model = laser(scan.laser).Bearing(returns_.beam[return_id]);
-    return scan.has_own_bearings ? by_model + off_beam_rad_[OwnBearing(scan, return_id)] : by_model;
+  /// Whatever there is to know of the returns of a sweep, the quick way.
+  ScanReturns ReturnsOfScan(int scan_id) const {
+    const ScanEntry& scan = scans_[scan_id];
+    const ScanIndex& index = scan_index_[scan_id];
+    return {lasers_[scan.laser],
+            returns_.range_m.data(),
+            low_beam_.data(),
+            scan.has_own_bearings ? off_beam_rad_.data() + index.first_own_bearing : nullptr,
+            scan.first_return,
+            index.first_large_beam};
   }
-  std::vector<double> Bearings() const;  ///< of all returns
+  /// The sweep that a return is part of.
+  int ScanOfReturn(std::size_t return_id) const {
+    const std::size_t block = return_id / kReturnsPerBlock;
+    const auto first = scans_.begin() + scan_of_block_[block];
+    const auto last = block + 1 < scan_of_block_.size()
+                          ? scans_.begin() + scan_of_block_[block + 1] + 1
+                          : scans_.end();
+    const auto after = std::upper_bound(
+        first, last, return_id,
+        [](std::size_t id, const ScanEntry& scan) { return id < scan.first_return; });
+    return static_cast<int>(after - scans_.begin()) - 1;
+  }
+  /// Index of the beam of a return within its sweep; gaps are beams without return.
+  int Beam(std::size_t return_id) const { return ReturnsNear(return_id).Beam(return_id); }
+  /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.
+  double Bearing(std::size_t return_id) const { return ReturnsNear(return_id).Bearing(return_id); }
+  std::vector<int> ScansOfReturns() const;  ///< of all returns
+  std::vector<int> Beams() const;           ///< of all returns
+  std::vector<double> Bearings() const;     ///< of all returns
   /// Measured end of a beam [m] in the frame of its laser.
   Eigen::Vector2d PointInLaser(std::size_t return_id) const {
-    const ScanEntry& scan = scans_[returns_.scan[return_id]];
-    const double range_m = returns_.range_m[return_id];
-    // Sines and cosines would be most of the work of placing a map.
-    return scan.has_own_bearings
-               ? BeamEnd(range_m, Bearing(return_id))
-               : range_m * lasers_[scan.laser].beam_directions[returns_.beam[return_id]];
+    return ReturnsNear(return_id).PointInLaser(return_id);
   }
   /// Measured end of a beam [m] in the frame of the robot.
   Eigen::Vector2d PointInRobot(std::size_t return_id) const {
-    return LaserOfScan(returns_.scan[return_id]).robot_from_laser * PointInLaser(return_id);
+    return ReturnsNear(return_id).PointInRobot(return_id);
   }
 
   /// In the order of addition.
@@ -185,10 +206,14 @@ class SlamGraph {
     double range_m, bearing_rad;
     int beam;
   };
-  struct Laser {
-    LaserModel model;
-    std::vector<Eigen::Vector2d> beam_directions;  // unit vectors
+  // See ScanReturns.
+  struct ScanIndex {
+    std::size_t first_own_bearing = 0;  // in off_beam_rad_
+    std::size_t first_large_beam = 0;   // return id
   };
+  // A number per return would say which sweep it is of. That of one in so many is enough to begin a
+  // search from.
+  static constexpr std::size_t kReturnsPerBlock = 256;
   Status CheckScan(int pose_id, int laser_id) const;
   // The readings that are returns.
   Status ReturnsOf(int laser_id, const std::vector<double>& ranges,
@@ -197,11 +222,14 @@ class SlamGraph {
   static float ClampRange(const LaserModel& laser, double range_m);
   // In the order of their beams.
   void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
-  // Into off_beam_rad_.
-  std::size_t OwnBearing(const ScanEntry& scan, std::size_t return_id) const {
-    return first_own_bearing_[returns_.scan[return_id]] + (return_id - scan.first_return);
+  ScanReturns ReturnsNear(std::size_t return_id) const {
+    return ReturnsOfScan(ScanOfReturn(return_id));
   }
+  void SetRanges(const std::vector<double>& ranges_m);
   void SetBearings(const std::vector<double>& bearings_rad);
+  // value_of(scan id, returns of the scan, return id)
+  template <typename Value, typename ValueOf>
+  std::vector<Value> OfAllReturns(const ValueOf& value_of) const;
   // points: two numbers per return, those from `first` on are placed.
   void PlacePoints(const std::vector<double>& poses, std::size_t first,
                    std::vector<double>* points) const;
@@ -211,13 +239,15 @@ class SlamGraph {
   std::vector<FixedPose> gauge_;  // the first pose at its initial guess
   std::vector<FixedPose> fixed_poses_;
   std::map<int, std::size_t> index_of_fixed_pose_;
-  std::vector<Laser> lasers_;
+  std::vector<LaserBeams> lasers_;
   std::map<LaserModel, int> laser_ids_;  // the first of equal ones
   std::vector<double> timestamps_s_;
   std::vector<ScanEntry> scans_;
+  std::vector<ScanIndex> scan_index_;  // per scan
+  std::vector<int> scan_of_block_;     // of the first return of each block
   LaserReturns returns_;
+  std::vector<std::uint16_t> low_beam_;  // per return: beam modulo ScanReturns::kSmallBeams
   std::vector<float> off_beam_rad_;  // of returns with bearings of their own: off their beams' ones
-  std::vector<std::size_t> first_own_bearing_;  // into these, per scan
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;
   std::vector<double> initial_poses_;

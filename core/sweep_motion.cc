@@ -59,9 +59,9 @@ bool HasSweeps(const SlamGraph& graph) {
 
 MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder order,
                                           const std::vector<double>& poses) {
-  const LaserReturns& returns = measured.returns();
+  const std::vector<float>& ranges_m = measured.returns().range_m;
   MeasurementCorrections corrections;
-  corrections.range_m.assign(returns.range_m.begin(), returns.range_m.end());
+  corrections.range_m.assign(ranges_m.begin(), ranges_m.end());
   corrections.bearing_rad = measured.Bearings();
   if (order == SweepOrder::kAtOnce) return corrections;
   for (int s = 0; s < measured.num_scans(); ++s) {
@@ -71,13 +71,14 @@ MeasurementCorrections TakeOutSweepMotion(const SlamGraph& measured, SweepOrder 
     if (!velocity) velocity = VelocityBetween(measured, poses, scan.pose - 1, scan.pose);
     if (!velocity || laser.beam_period_s <= 0.0) continue;
     const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
+    const ScanReturns returns = measured.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const int beam = order == SweepOrder::kFirstBeamFirst ? returns.beam[r]
-                                                            : laser.num_beams - 1 - returns.beam[r];
+      const int beam = order == SweepOrder::kFirstBeamFirst ? returns.Beam(r)
+                                                            : laser.num_beams - 1 - returns.Beam(r);
       const double share = beam * laser.beam_period_s / velocity->duration_s;
       const Pose2 moved =
           laser_from_robot * PartOfMotion(velocity->motion, share) * laser.robot_from_laser;
-      const BeamReturn before = SeenFromBefore({returns.range_m[r], measured.Bearing(r)}, moved);
+      const BeamReturn before = SeenFromBefore({ranges_m[r], returns.Bearing(r)}, moved);
       corrections.range_m[r] = before.range_m;
       corrections.bearing_rad[r] = before.bearing_rad;
     }

@@ -76,14 +76,12 @@ Status CheckMountings(const SlamGraph& graph) {
 // of.
 class LandmarkedState {
  public:
-  LandmarkedState(const CalibratedGraph& graph, const std::vector<Eigen::Vector2f>& normals,
-                  const LineLandmarks& cut, const FactorOptions& factors, double gate_sigmas,
-                  ThreadPool* pool)
+  LandmarkedState(const CalibratedGraph& graph, const LineLandmarks& cut,
+                  const FactorOptions& factors, double gate_sigmas, ThreadPool* pool)
       : graph_(graph),
         pool_(pool),
         loss_(GemanMcClure::FromGate(gate_sigmas)),
-        surface_(MeasureSurface(graph.graph(), normals, pool)),
-        compressor_(graph.graph(), surface_, graph.Noise(factors), pool),
+        compressor_(graph.graph(), graph.Noise(factors), pool),
         observations_(compressor_.LayOut(cut.landmarks.size(), cut.landmark_of_return)),
         landmarks_(cut.landmarks),
         frames_(FramesOf(graph.poses())),
@@ -125,7 +123,6 @@ class LandmarkedState {
   const CalibratedGraph& graph_;
   ThreadPool* pool_;
   const GemanMcClure loss_;
-  const MeasuredSurface surface_;
   ReturnCompressor compressor_;
   LineObservations observations_;
   std::vector<LineLandmark> landmarks_;
@@ -168,9 +165,8 @@ class Calibrator {
     graph_.Set(graph_.theta(), final_poses);
     graph_.WeighMotions();
     CalibrationStep step;
-    const Cut cut = CutSurfaces();
-    LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, FinalGate(),
-                          &pool_);
+    const LineLandmarks cut = CutSurfaces();
+    LandmarkedState state(graph_, cut, options_.factors, FinalGate(), &pool_);
     PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
     const CalibrationMatrix covariance = state.Covariance(step);
     for (const int p : active_) {
@@ -192,21 +188,14 @@ class Calibrator {
   const CalibratedGraph& graph() const { return graph_; }
 
  private:
-  struct Cut {
-    std::vector<Eigen::Vector2f> normals;
-    LineLandmarks landmarks;
-  };
-
   double FinalGate() const { return options_.factors.manifold.robust_gate_sigmas; }
 
-  Cut CutSurfaces() {
+  LineLandmarks CutSurfaces() {
     const SlamGraph& graph = graph_.graph();
-    MeasuredSurface surface =
+    const MeasuredSurface surface =
         MeasureSurface(graph, NormalOptionsFor(options_.factors.beam), &pool_);
-    LineLandmarks landmarks =
-        CutIntoLandmarks(graph, graph_.poses(), surface,
-                         LandmarkOptionsFor(options_.factors, options_.association), &pool_);
-    return {std::move(surface.normals), std::move(landmarks)};
+    return CutIntoLandmarks(graph, graph_.poses(), surface,
+                            LandmarkOptionsFor(options_.factors, options_.association), &pool_);
   }
 
   // False if the callback wants to stop.
@@ -225,11 +214,11 @@ class Calibrator {
   Status MoveOnce(bool first, bool* moved, Calibration* result) {
     graph_.WeighMotions();
     const double gate = FinalGate() * (first ? options_.reduced.first_gate_factor : 1.0);
-    const Cut cut = CutSurfaces();
+    const LineLandmarks cut = CutSurfaces();
     CalibrationStep step;
     double energy = 0.0;
     {
-      LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, gate, &pool_);
+      LandmarkedState state(graph_, cut, options_.factors, gate, &pool_);
       energy = state.energy() + PriorEnergy();
       PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
     }
@@ -244,8 +233,7 @@ class Calibrator {
       }
       const CalibrationVector to = theta + length * step.theta;
       graph_.Set(to, graph_.Carried(to, tried));
-      const LandmarkedState state(graph_, cut.normals, cut.landmarks, options_.factors, gate,
-                                  &pool_);
+      const LandmarkedState state(graph_, cut, options_.factors, gate, &pool_);
       *moved = state.energy() + PriorEnergy() < energy;
       if (!*moved) graph_.Set(theta, poses);
     }

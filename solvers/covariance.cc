@@ -59,7 +59,7 @@ class PosteriorSystem {
     const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool_);
     LineLandmarks cut = CutIntoLandmarks(graph, poses, surface,
                                          LandmarkOptionsFor(factors, options.association), &pool_);
-    ReturnCompressor compressor(graph, surface, NoiseOf(factors), &pool_);
+    ReturnCompressor compressor(graph, NoiseOf(factors), &pool_);
     observations_ = compressor.LayOut(cut.landmarks.size(), std::move(cut.landmark_of_return));
     const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
     // Weights and lines depend on each other; the second time they are settled.

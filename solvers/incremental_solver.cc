@@ -109,15 +109,14 @@ class IncrementalSolver::Impl {
 
   Status GetState(const SlamGraph& graph, MapState* state) const {
     if (3 * static_cast<std::size_t>(graph.num_poses()) != poses_.size() ||
-        graph.num_returns() != surface_.points.size()) {
+        graph.num_returns() != surface_.normals.size()) {
       return Status::InvalidArgument("the graph is not the one of the last update");
     }
     return CatchExceptions([&] {
       if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
       TangentLines lines(graph.num_returns());
       AddLandmarkLines(Landmarks(), &lines);
-      *state = {poses_,
-                RecoverPoints(graph, poses_, surface_, lines, solver_.factors, pool_.get())};
+      *state = {poses_, RecoverPoints(graph, poses_, lines, solver_.factors, pool_.get())};
       return Status::Ok();
     });
   }
@@ -144,7 +143,7 @@ class IncrementalSolver::Impl {
                                      " numbers for them, not three each");
     }
     if (graph.num_poses() < NumKnownPoses() || graph.num_scans() < num_scans_ ||
-        graph.num_returns() < surface_.points.size() ||
+        graph.num_returns() < surface_.normals.size() ||
         graph.odometry().size() < edges_.motions().size() ||
         graph.relative_poses().size() < edges_.relative_poses().size()) {
       return Status::InvalidArgument("the graph has lost something since the last update");
@@ -346,7 +345,7 @@ class IncrementalSolver::Impl {
   }
 
   void Weigh(const std::vector<int>& poses, double gate_factor, const SlamGraph& graph) {
-    store_->Weigh(poses, graph, surface_, frames_, LossOf(gate_factor), pool_.get());
+    store_->Weigh(poses, graph, frames_, LossOf(gate_factor), pool_.get());
   }
 
   GemanMcClure LossOf(double gate_factor) const {

@@ -5,6 +5,7 @@
 
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -21,14 +22,11 @@
 namespace plumbline {
 namespace {
 
-// Places every return of a sweep by the pose at its own time, and measures the surfaces anew.
-void FollowSweeps(const MapLogOptions& options, const std::vector<double>& poses, ThreadPool* pool,
-                  LogMapping* mapping) {
+// Places every return of a sweep by the pose at its own time.
+void FollowSweeps(const std::vector<double>& poses, LogMapping* mapping) {
   mapping->graph =
       std::move(mapping->graph)
           .Corrected(TakeOutSweepMotion(*mapping->as_swept, *mapping->report.sweep_order, poses));
-  mapping->surface =
-      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
 }
 
 // The poses of the calibrated robot that leave its lasers where they were.
@@ -75,7 +73,7 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
   MapState chain;
   PairwiseIcpReport report;
   PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(options.solver.factors.beam, metric),
-                                       mapping.surface.normals, pool, graph, &chain, &report));
+                                       mapping.normals, pool, graph, &chain, &report));
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }
@@ -130,11 +128,10 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
       prepared.as_swept = prepared.graph;
       prepared.report.sweep_order =
           FindSweepOrder(options.seeding, options.solver, prepared.graph, pool);
-      FollowSweeps(options, prepared.graph.initial_poses(), pool, &prepared);
-    } else {
-      prepared.surface =
-          MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
+      FollowSweeps(prepared.graph.initial_poses(), &prepared);
     }
+    prepared.normals =
+        EstimateReturnNormals(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
     prepared.state = prepared.graph.InitialState();
     *mapping = std::move(prepared);
     return Status::Ok();
@@ -150,8 +147,8 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
     if (options.start == StartType::kSeed || needs_pose_graph) {
       MapState seed;
       PLUMBLINE_RETURN_IF_ERROR(SeedGraph(options.seeding, options.solver.factors.motion,
-                                          mapping->surface.normals, progress, pool, mapping->graph,
-                                          &seed, &seeding));
+                                          mapping->normals, progress, pool, mapping->graph, &seed,
+                                          &seeding));
       // A solver of pose graphs has the work still to do that the seeding did by its own.
       start_poses = needs_pose_graph ? PoseArray(seeding.sequential_poses) : std::move(seed.poses);
     }
@@ -185,10 +182,15 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
     if (LacksOdometry(mapping->graph)) {
       PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
     }
+    ThreadPool pool(options.solver.num_threads);
     if (mapping->as_swept) {
-      ThreadPool pool(options.solver.num_threads);
-      FollowSweeps(options, start_poses, &pool, mapping);
+      FollowSweeps(start_poses, mapping);
+      mapping->surface =
+          MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), &pool);
+    } else {
+      mapping->surface = SurfaceOfNormals(mapping->normals, &pool);
     }
+    mapping->normals = std::vector<Eigen::Vector2f>();
     mapping->state.points = mapping->graph.MeasuredMap(start_poses);
     mapping->state.poses = start_poses;
     mapping->start_poses = std::move(start_poses);
@@ -215,6 +217,10 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     } else {
       // As large as the readings, and not needed over landmarks, see Solve.
       if (solver.IsOverLandmarks()) mapping->state.points = std::vector<double>();
+      if (mapping->surface.normals.empty()) {
+        mapping->surface = SurfaceOfNormals(mapping->normals, pool);
+      }
+      mapping->normals = std::vector<Eigen::Vector2f>();
       mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_MAP_LOG_H_
 #define PLUMBLINE_SOLVERS_MAP_LOG_H_
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,7 +62,10 @@ struct LogMapping {
   SlamGraph graph;
   /// The measurements with that motion in them; empty where lasers measure all beams at once.
   std::optional<SlamGraph> as_swept;
-  MeasuredSurface surface;  ///< what its scans saw; empty after RefineLog
+  /// What its scans saw, to find a seed by (EstimateReturnNormals); empty once there is one.
+  std::vector<Eigen::Vector2f> normals;
+  /// The same for the joint estimation; empty before there is a seed, and after RefineLog.
+  MeasuredSurface surface;
   /// The estimate: first the initial guesses of the log; then where the solver starts
   /// (MapLogOptions::start); then the map.
   MapState state;

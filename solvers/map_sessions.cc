@@ -42,8 +42,8 @@ Status SeedSession(const MapLogOptions& options, SlamGraph session, const Seedin
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(session), pool, mapping));
   SeedingReport seeding;
   PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
-                                      mapping->surface.normals, progress, pool, mapping->graph,
-                                      drive, &seeding));
+                                      mapping->normals, progress, pool, mapping->graph, drive,
+                                      &seeding));
   return StartFromSeed(options, PoseArray(drive->world_from_robot), std::move(seeding), mapping);
 }
 

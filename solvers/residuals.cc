@@ -36,7 +36,7 @@ TangentLines LinesOf(const SolverOptions& options, const SlamGraph& graph, const
   if (!options.IsOverLandmarks()) return lines;
   LineLandmarks cut = CutIntoLandmarks(graph, state.poses, surface,
                                        LandmarkOptionsFor(factors, options.association), pool);
-  ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
+  ReturnCompressor compressor(graph, NoiseOf(factors), pool);
   LineObservations observations = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
   SettleLines(compressor, FramesOf(state.poses), factors.manifold.robust_gate_sigmas, pool,
               &observations, &cut.landmarks);

@@ -189,7 +189,7 @@ class Window {
       if (pose == kOutside) return false;
     }
     for (std::size_t& point : residual->points) {
-      const int s = graph.returns().scan[point];
+      const int s = graph.ScanOfReturn(point);
       const auto in_part = std::lower_bound(scans_.begin(), scans_.end(), s);
       if (in_part == scans_.end() || *in_part != s) return false;
       sees_free = sees_free || is_free_[graph.scan(s).pose];

@@ -22,13 +22,9 @@ namespace plumbline {
 namespace {
 
 Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
-  if (surface.points.size() == graph.num_returns() &&
-      surface.normals.size() == graph.num_returns()) {
-    return Status::Ok();
-  }
+  if (surface.normals.size() == graph.num_returns()) return Status::Ok();
   return Status::InvalidArgument("the graph has " + std::to_string(graph.num_returns()) +
                                  " returns, but the surface " +
-                                 std::to_string(surface.points.size()) + " points and " +
                                  std::to_string(surface.normals.size()) + " normals");
 }
 

@@ -7,6 +7,7 @@
 
 #include "plumbline/core/map_quality.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/seed.h"
@@ -60,18 +61,17 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
   SlamGraph graph =
       measured.Corrected(TakeOutSweepMotion(measured, order, measured.initial_poses()));
   const ReturnNormalOptions normals = NormalOptionsFor(solver.factors.beam);
-  MeasuredSurface surface = MeasureSurface(graph, normals, pool);
+  const std::vector<Eigen::Vector2f> before = EstimateReturnNormals(graph, normals, pool);
   MapState state;
   SeedingReport report;
-  if (!SeedGraph(seeding, solver.factors.motion, surface.normals, {}, pool, graph, &state, &report)
-           .ok()) {
+  if (!SeedGraph(seeding, solver.factors.motion, before, {}, pool, graph, &state, &report).ok()) {
     return kNone;
   }
   if (LacksOdometry(graph) && !AddPredictedSteps(report.sequential_poses, &graph).ok()) {
     return kNone;
   }
   graph = graph.Corrected(TakeOutSweepMotion(measured, order, state.poses));
-  surface = MeasureSurface(graph, normals, pool);
+  const MeasuredSurface surface = MeasureSurface(graph, normals, pool);
   if (!Solve(solver, surface, graph, &state).IsSolutionUsable()) return kNone;
   const MapQuality quality =
       MeasureMapQuality(graph.MeasuredMap(state.poses), MapQualityOptions(), pool);

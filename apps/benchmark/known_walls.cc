@@ -99,10 +99,9 @@ class Localiser {
   Localiser(const SyntheticDrive& drive, const FactorOptions& factors)
       : drive_(drive), factors_(factors), noise_(NoiseOf(factors)) {
     noise_.surface_variance = 0.0;
-    const LaserReturns& returns = drive.graph.returns();
     const std::vector<int> walls = NumberWalls(drive.building.faces);
-    for (std::size_t r = 0; r < returns.size(); ++r) {
-      const Vector2d& hit = drive.log.scans[returns.scan[r]].hits[returns.beam[r]];
+    for (std::size_t r = 0; r < drive.graph.num_returns(); ++r) {
+      const Vector2d& hit = drive.log.scans[drive.graph.ScanOfReturn(r)].hits[drive.graph.Beam(r)];
       surfaces_.push_back(SurfaceAt(drive.building, walls, hit));
     }
     NumberSeenWalls();
@@ -271,10 +270,10 @@ class Localiser {
     return point - pull * distance / noise_.BeamVariance(beam, normal);
   }
 
-  int PoseOf(std::size_t r) const { return drive_.graph.scan(drive_.graph.returns().scan[r]).pose; }
+  int PoseOf(std::size_t r) const { return drive_.graph.scan(drive_.graph.ScanOfReturn(r)).pose; }
   // From the laser to the end of the beam [m], in the frame of the building.
   Vector2d BeamOf(std::size_t r) const {
-    const int scan = drive_.graph.returns().scan[r];
+    const int scan = drive_.graph.ScanOfReturn(r);
     const Pose2& robot_from_laser = drive_.graph.LaserOfScan(scan).robot_from_laser;
     const Vector2d in_robot = drive_.graph.PointInRobot(r) - robot_from_laser.translation();
     return Pose2(0.0, 0.0, poses_[PoseOf(r)].yaw) * in_robot;

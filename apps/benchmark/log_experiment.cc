@@ -10,9 +10,11 @@
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
 #include "plumbline/solvers/solve.h"
@@ -95,8 +97,7 @@ class Experiment {
     PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromIcp());
     PLUMBLINE_RETURN_IF_ERROR(
         RunPublished("published method, from the corrected poses", mapping_.state));
-    const SolverSummary summary =
-        Solve(inputs_.solver, mapping_.surface, mapping_.graph, &mapping_.state);
+    const SolverSummary summary = Solve(inputs_.solver, mapping_.graph, &mapping_.state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     AddRefined(summary);
     PLUMBLINE_RETURN_IF_ERROR(Start("the same scans, raw odometry", pair.raw));
@@ -126,8 +127,10 @@ class Experiment {
     options.metric = metric;
     PairwiseIcpReport report;
     const auto start = Clock::now();
-    PLUMBLINE_RETURN_IF_ERROR(plumbline::ChainPairs(options, mapping_.surface.normals, &pool_,
-                                                    mapping_.graph, chain, &report));
+    const std::vector<Eigen::Vector2f> normals = EstimateReturnNormals(
+        mapping_.graph, NormalOptionsFor(options_.solver.factors.beam), &pool_);
+    PLUMBLINE_RETURN_IF_ERROR(
+        plumbline::ChainPairs(options, normals, &pool_, mapping_.graph, chain, &report));
     AddStage(name, *chain, SecondsSince(start));
     return Status::Ok();
   }
@@ -150,7 +153,7 @@ class Experiment {
   Status RunPublished(const std::string& name, MapState state) {
     SolverOptions options = inputs_.solver;
     options.type = SolverType::kPublished;
-    const SolverSummary summary = Solve(options, mapping_.surface, mapping_.graph, &state);
+    const SolverSummary summary = Solve(options, mapping_.graph, &state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     AddOptimised(name, state, summary.total_time_s);
     return Status::Ok();

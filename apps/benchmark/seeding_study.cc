@@ -228,9 +228,8 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   std::vector<Pose2> poses;
   SeedingReport& report = mapping.report.seeding;
   if (run.fault.kind == FaultKind::kInjected) {
-    PLUMBLINE_RETURN_IF_ERROR(SeedWithInjectedJump(run, seeding, factors.motion,
-                                                   mapping.surface.normals, &pool, mapping.graph,
-                                                   &poses, &report));
+    PLUMBLINE_RETURN_IF_ERROR(SeedWithInjectedJump(run, seeding, factors.motion, mapping.normals,
+                                                   &pool, mapping.graph, &poses, &report));
   } else {
     PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));
     poses = PosesOf(mapping.state.poses);

@@ -25,9 +25,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // Bytes per return of the arrays that all stages share.
-constexpr double kReading = 16.0;  // range and bearing
-constexpr double kNaming = 8.0;    // beam and scan
-constexpr double kSurface = 16.0;  // measured end and normal, in single precision
+constexpr double kReading = 6.0;   // range and beam
+constexpr double kNormals = 8.0;   // to find the seed by, in single precision
+constexpr double kSurface = 8.0;   // reading and normal, in 16 bits
 constexpr double kPoint = 16.0;    // of the map
 constexpr double kNumber = 4.0;    // of its cell, landmark or line
 constexpr double kWritten = 28.0;  // in points.ply; points.pcd is as long
@@ -125,13 +125,13 @@ Status ProfileLog(const std::string& path, const MapLogOptions& options, const O
   PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(path, 0, &counts, &graph));
   result.num_returns = graph.num_returns();
   const auto n = static_cast<double>(graph.num_returns());
-  clock.End("reading", BytesOfFile(path) + n * (kReading + kNaming));
+  clock.End("reading", BytesOfFile(path) + n * kReading);
   LogMapping mapping;
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), pool, &mapping));
-  clock.End("surfaces", n * (kReading + kSurface + kPoint));
+  clock.End("surfaces", n * (kReading + kNormals + kPoint));
   bool is_matching = true;
   const auto end_matching = [&] {
-    if (std::exchange(is_matching, false)) clock.End("matching scans", n * kSurface);
+    if (std::exchange(is_matching, false)) clock.End("matching scans", n * (kReading + kNormals));
   };
   const auto progress = [&](SeedingPhase phase, int, int) {
     if (phase == SeedingPhase::kClosingLoops) end_matching();
@@ -139,7 +139,7 @@ Status ProfileLog(const std::string& path, const MapLogOptions& options, const O
   };
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, progress, pool, &mapping));
   end_matching();  // a short drive has no loops to close
-  clock.End("closing loops", n * (kSurface + kPoint));
+  clock.End("closing loops", n * (kReading + kNormals + kPoint));
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, pool, &mapping));
   clock.End("joint estimation", JointBytes(mapping.report.solver, n));
   MeasureStage("", mapping.state, nullptr, pool);

@@ -130,11 +130,10 @@ class MapMaker {
 // Means over stretches of beams, so that beams without a return do not move their neighbours.
 std::vector<double> MeansOverStretches(const SlamGraph& graph, const std::vector<double>& errors) {
   std::vector<std::vector<double>> stretches(SyntheticOutcome::kNumStretches);
-  const LaserReturns& returns = graph.returns();
   const int num_beams = graph.LaserOfScan(0).num_beams;
   const int total = graph.num_scans() * num_beams;
   for (std::size_t r = 0; r < errors.size(); ++r) {
-    const int beam = returns.scan[r] * num_beams + returns.beam[r];
+    const int beam = graph.ScanOfReturn(r) * num_beams + graph.Beam(r);
     stretches[beam * SyntheticOutcome::kNumStretches / total].push_back(errors[r]);
   }
   std::vector<double> means;

@@ -70,11 +70,10 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
     hits[{Milliseconds(t), beam}] = {x, y};
   }
   PLUMBLINE_RETURN_IF_ERROR(reader.CheckWhole());
-  const LaserReturns& returns = graph.returns();
-  truth->points.assign(2 * returns.size(), std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t r = 0; r < returns.size(); ++r) {
-    const double t = graph.timestamp_s(graph.scan(returns.scan[r]).pose);
-    const auto found = hits.find({Milliseconds(t), returns.beam[r]});
+  truth->points.assign(2 * graph.num_returns(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+    const double t = graph.timestamp_s(graph.scan(graph.ScanOfReturn(r)).pose);
+    const auto found = hits.find({Milliseconds(t), graph.Beam(r)});
     if (found == hits.end()) continue;
     truth->points[2 * r] = found->second.first;
     truth->points[2 * r + 1] = found->second.second;

@@ -42,7 +42,7 @@ class ScanScorer {
       cells_[k] = InCells(points_[k]);
     }
     AddSurface(scan);
-    AddFreeSpace(entry, InCells(graph_.WorldFromLaser(scan, state_.poses).translation()));
+    AddFreeSpace(scan, InCells(graph_.WorldFromLaser(scan, state_.poses).translation()));
   }
 
  private:
@@ -72,14 +72,16 @@ class ScanScorer {
 
   // One outline around the free triangles between neighbouring beams, from the laser along one
   // triangle after the other and back.
-  void AddFreeSpace(const ScanEntry& entry, const Eigen::Vector2d& laser) {
-    const int* beam = graph_.returns().beam.data() + entry.first_return;
-    const double turn = graph_.laser(entry.laser).bearing_step_rad < 0.0 ? -1.0 : 1.0;
+  void AddFreeSpace(int scan, const Eigen::Vector2d& laser) {
+    const ScanReturns returns = graph_.ReturnsOfScan(scan);
+    const std::size_t first = graph_.scan(scan).first_return;
+    const double turn = graph_.LaserOfScan(scan).bearing_step_rad < 0.0 ? -1.0 : 1.0;
     if (!IsPlace(laser)) return;
     Eigen::Vector2d tip = laser;
     for (std::size_t k = 1; k < cells_.size(); ++k) {
       Eigen::Vector2d a = cells_[k - 1] - laser, b = cells_[k] - laser;
-      if (beam[k] > beam[k - 1] + 1 || !CutToFreePart(turn, &a, &b)) a = b = {0.0, 0.0};
+      const bool is_gap = returns.Beam(first + k) > returns.Beam(first + k - 1) + 1;
+      if (is_gap || !CutToFreePart(turn, &a, &b)) a = b = {0.0, 0.0};
       AddEdge(tip, laser + a, turn);
       AddEdge(laser + a, laser + b, turn);
       tip = laser + b;

@@ -40,7 +40,7 @@ Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const Map
     out = StoreFloat(static_cast<float>(state.points[2 * i] - offset.x()), out);
     out = StoreFloat(static_cast<float>(state.points[2 * i + 1] - offset.y()), out);
     out = StoreFloat(0.0f, out);
-    const int scan = graph.IdAmongAll(graph.returns().scan[i]);
+    const int scan = graph.IdAmongAll(graph.ScanOfReturn(i));
     return StoreLittleEndian(static_cast<std::uint32_t>(scan), out);
   };
   constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + sizeof(std::uint32_t);

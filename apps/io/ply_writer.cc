@@ -19,7 +19,7 @@ Status WritePointsPly(const std::string& path, const SlamGraph& graph, const Map
     out = StoreDouble(state.points[2 * i], out);
     out = StoreDouble(state.points[2 * i + 1], out);
     out = StoreDouble(0.0, out);
-    const int scan = graph.IdAmongAll(graph.returns().scan[i]);
+    const int scan = graph.IdAmongAll(graph.ScanOfReturn(i));
     return StoreLittleEndian(static_cast<std::uint32_t>(scan), out);
   };
   constexpr std::size_t kBytesPerVertex = 3 * sizeof(double) + sizeof(std::int32_t);

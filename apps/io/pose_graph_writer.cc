@@ -51,9 +51,10 @@ Status ReadingsOf(const SlamGraph& graph, int scan, std::vector<double>* reading
   const double no_return = std::ceil(1.02 * laser.max_range_m);
   readings->assign(laser.num_beams, no_return);
   const ScanEntry& entry = graph.scan(scan);
+  const ScanReturns returns = graph.ReturnsOfScan(scan);
   for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    const int beam = graph.returns().beam[r];
-    const double off_rad = graph.Bearing(r) - laser.Bearing(beam);
+    const int beam = returns.Beam(r);
+    const double off_rad = returns.Bearing(r) - laser.Bearing(beam);
     if (std::abs(off_rad) > kToleranceRad || (*readings)[beam] != no_return) {
       return Status::InvalidArgument("scan " + std::to_string(scan) + ", beam " +
                                      std::to_string(beam) +

@@ -267,10 +267,10 @@ void BindSlamGraph(py::module_* module) {
           "bearings_rad", [](const Graph& g) { return ArrayOf(g->Bearings()); },
           "(M,): of each return, in the frame of the laser [rad]")
       .def_property_readonly(
-          "beams", [](const Graph& g) { return ArrayOf(g->returns().beam); },
+          "beams", [](const Graph& g) { return ArrayOf(g->Beams()); },
           "(M,): of each return, its beam")
       .def_property_readonly(
-          "scan_of_return", [](const Graph& g) { return ArrayOf(g->returns().scan); },
+          "scan_of_return", [](const Graph& g) { return ArrayOf(g->ScansOfReturns()); },
           "(M,): of each return, its scan id")
       .def_property_readonly("odometry", [](const Graph& g) { return g->odometry(); })
       .def_property_readonly("relative_poses", [](const Graph& g) { return g->relative_poses(); })

@@ -33,12 +33,15 @@ namespace {
 class LogRun {
  public:
   explicit LogRun(const LogRunOptions& options)
-      : options_(options), pool_(options.mapping.solver.num_threads), output_(options.output_dir) {}
+      : options_(options),
+        outputs_(options.outputs),
+        pool_(options.mapping.solver.num_threads),
+        output_(options.output_dir) {}
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Start());
-    MapRun map(options_.mapping, options_.outputs, output_, TruthOrNull(), std::move(summary_),
-               &pool_, &mapping_);
+    MapRun map(options_.mapping, outputs_, output_, TruthOrNull(), std::move(summary_), &pool_,
+               &mapping_);
     PLUMBLINE_RETURN_IF_ERROR(RecordStart(&map));
     PLUMBLINE_RETURN_IF_ERROR(map.Refine());
     PLUMBLINE_RETURN_IF_ERROR(map.WriteMap());
@@ -72,13 +75,12 @@ class LogRun {
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
     // What would end the run at its end is found before the work.
     const MapState odometry = graph.InitialState();
-    PLUMBLINE_RETURN_IF_ERROR(
-        CheckRobotMap(options_.log, odometry, options_.outputs.map_resolution_m));
+    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options_.log, odometry, outputs_.map_resolution_m));
     const SolverOptions& solver = options_.mapping.solver;
-    const MemoryEstimate memory =
-        EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
-                       options_.outputs.picture_side_px);
-    std::cout << memory.Text() << std::flush;
+    MemoryEstimate memory = EstimateMemory(
+        graph, odometry, solver, options_.mapping.calibration.IsOn(), outputs_.picture_side_px);
+    std::cout << memory.Text()
+              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, options_.max_memory, graph, solver));
     const auto start = std::chrono::steady_clock::now();
     PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_.mapping, std::move(graph), &pool_, &mapping_));
@@ -183,6 +185,7 @@ class LogRun {
   const Truth* TruthOrNull() const { return truth_ ? &*truth_ : nullptr; }
 
   const LogRunOptions& options_;
+  RunOutputOptions outputs_;  // as the memory allows them
   ThreadPool pool_;
   OutputFolder output_;
   LogMapping mapping_;

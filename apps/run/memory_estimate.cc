@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
@@ -105,9 +106,6 @@ std::string Advice(const MemoryEstimate& estimate, double limit, const SlamGraph
     advice += (advice.empty() ? "" : " or ") + flag;
   };
   if (estimate.joint > limit && solver.type != SolverType::kReduced) add("--solver=reduced");
-  if (estimate.results > std::max({limit, estimate.joint, estimate.seeding})) {
-    add("a smaller --picture_side_px");
-  }
   const double share = (limit - kBytesOfProgram) / (estimate.Peak() - kBytesOfProgram);
   const double num_scans = std::floor(share * graph.num_scans());
   if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
@@ -149,6 +147,20 @@ Status ParseMemorySize(const std::string& text, double* bytes) {
   }
   *bytes = number * factor;
   return Status::Ok();
+}
+
+std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px) {
+  constexpr int kSmallestSidePx = 300;
+  // Pictures take memory by the square of their sides.
+  const double pictures = estimate->results - estimate->seeding;
+  if (limit == 0.0 || estimate->results <= limit || pictures <= 0.0) return "";
+  const double share = std::sqrt(std::max(limit - estimate->seeding, 0.0) / pictures);
+  const int side_px = static_cast<int>(share * *picture_side_px);
+  if (side_px < kSmallestSidePx) return "";
+  estimate->results = estimate->seeding + pictures * std::pow(1.0 * side_px / *picture_side_px, 2);
+  const std::string before = std::to_string(std::exchange(*picture_side_px, side_px));
+  return "To stay within --max_memory, pictures have sides of " + std::to_string(side_px) +
+         " pixels at most, not " + before + '\n';
 }
 
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,

@@ -48,6 +48,11 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
 /// else.
 Status ParseMemorySize(const std::string& text, double* bytes);
 
+/// Makes the pictures of a run as much smaller as it takes to stay within the limit [bytes, 0: no
+/// limit], and gives a line for people that says so. Empty where nothing is changed: they fit, or
+/// pictures of 300 pixels would not either.
+std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px);
+
 /// InvalidArgument if more is needed than the limit allows [bytes, 0: no limit, but the machine's
 /// for Ceres' dense linear solvers]; the message says what would need less.
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,

@@ -41,7 +41,10 @@ namespace {
 class PoseGraphRun {
  public:
   explicit PoseGraphRun(const PoseGraphRunOptions& options)
-      : options_(options), pool_(options.solver.num_threads), output_(options.output_dir) {}
+      : options_(options),
+        outputs_(options.outputs),
+        pool_(options.solver.num_threads),
+        output_(options.output_dir) {}
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return Start(); }));
@@ -106,11 +109,12 @@ class PoseGraphRun {
     return Status::Ok();
   }
 
-  Status CheckMemoryOfScans() const {
+  Status CheckMemoryOfScans() {
     if (!has_scans()) return Status::Ok();
-    const MemoryEstimate memory = EstimateMemory(file_.graph, state_, options_.solver, false,
-                                                 options_.outputs.picture_side_px);
-    std::cout << memory.Text() << std::flush;
+    MemoryEstimate memory =
+        EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
+    std::cout << memory.Text()
+              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
   }
 
@@ -141,7 +145,7 @@ class PoseGraphRun {
     const auto energy = [&](const std::vector<double>& poses) {
       const TangentLines lines = LinesFromRadius(graph, poses, surface, options_.solver.association,
                                                  options_.solver.rounds.coarse_radius_m, &pool_);
-      return MarginalEnergy(graph, poses, surface, lines, factors, &pool_);
+      return MarginalEnergy(graph, poses, lines, factors, &pool_);
     };
     joint_starts_as_given_ = energy(graph.initial_poses()) < energy(state_.poses);
     if (joint_starts_as_given_) state_ = graph.InitialState();
@@ -256,7 +260,7 @@ class PoseGraphRun {
                          &maps_.back().area,
                          &map_warning_};
     PLUMBLINE_RETURN_IF_ERROR(
-        RunAll(MapWriteTasks(map, options_.outputs, output_), &pool_, options_.peers));
+        RunAll(MapWriteTasks(map, outputs_, output_), &pool_, options_.peers));
     AddStage("refined, raw ranges", {state_.poses, file_.graph.MeasuredMap(state_.poses)});
     AddStage("refined, optimised points", state_);
     return Status::Ok();
@@ -274,7 +278,7 @@ class PoseGraphRun {
     AddStage(stage, state_);
     MapPictureOptions options;
     options.title = stage;
-    options.max_side_px = options_.outputs.picture_side_px;
+    options.max_side_px = outputs_.picture_side_px;
     maps_.push_back({stage, output_.File(picture), MapArea()});
     return WriteMapPicture(output_.File(picture), file_.graph, RobotState(), options,
                            &maps_.back().area);
@@ -370,6 +374,7 @@ class PoseGraphRun {
   }
 
   const PoseGraphRunOptions& options_;
+  RunOutputOptions outputs_;  // as the memory allows them
   ThreadPool pool_;
   OutputFolder output_;
   PoseGraphInput file_;  // its graph's initial guesses are the given poses

@@ -61,6 +61,7 @@ class SessionsRun {
  public:
   explicit SessionsRun(const SessionsRunOptions& options)
       : options_(options),
+        outputs_(options.outputs),
         pool_(options.mapping.solver.num_threads),
         output_(options.output_dir),
         paths_(options.logs) {
@@ -105,10 +106,9 @@ class SessionsRun {
         PLUMBLINE_RETURN_IF_ERROR(ReadFixedMap(paths_[i], options_.max_memory, &read, &graph));
       }
       const MapState odometry = graph.InitialState();
-      PLUMBLINE_RETURN_IF_ERROR(
-          CheckRobotMap(paths_[i], odometry, options_.outputs.map_resolution_m));
-      const MemoryEstimate own = EstimateMemory(graph, odometry, options_.mapping.solver, false,
-                                                options_.outputs.picture_side_px);
+      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(paths_[i], odometry, outputs_.map_resolution_m));
+      const MemoryEstimate own =
+          EstimateMemory(graph, odometry, options_.mapping.solver, false, outputs_.picture_side_px);
       memory.seeding += own.seeding;
       memory.joint += own.joint;
       pictures = std::max(pictures, own.results - own.seeding);
@@ -116,7 +116,8 @@ class SessionsRun {
       graphs->push_back(std::move(graph));
     }
     memory.results = memory.seeding + pictures;
-    std::cout << memory.Text() << std::flush;
+    std::cout << memory.Text()
+              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     return CheckMemory(memory, options_.max_memory, (*graphs)[largest], options_.mapping.solver);
   }
 
@@ -163,8 +164,8 @@ class SessionsRun {
             std::make_unique<OutputFolder>(output_.MapFolder(static_cast<int>(results_.size())));
         PLUMBLINE_RETURN_IF_ERROR(results.own_folder->Make());
       }
-      results.run = std::make_unique<MapRun>(options_.mapping, options_.outputs, FolderOf(results),
-                                             nullptr, std::move(summary), &pool_, &map.mapping);
+      results.run = std::make_unique<MapRun>(options_.mapping, outputs_, FolderOf(results), nullptr,
+                                             std::move(summary), &pool_, &map.mapping);
     }
     return Status::Ok();
   }
@@ -197,14 +198,13 @@ class SessionsRun {
   Status WriteMap(MapResults* results) {
     const LogMapping& mapping = results->map->mapping;
     const OutputFolder& folder = FolderOf(*results);
-    const int side_px = options_.outputs.picture_side_px;
+    const int side_px = outputs_.picture_side_px;
     results->alarm = !mapping.report.alarms.empty();
     ExtraResults extras;
     extras.summary = {{"sessions", SessionsJson(*results)}};
     if (results->marks.size() > 1) {
       PLUMBLINE_RETURN_IF_ERROR(FindSessionChanges(mapping.graph, mapping.state, results->marks,
-                                                   options_.outputs.GridOptions(),
-                                                   &results->changes));
+                                                   outputs_.GridOptions(), &results->changes));
       extras.summary["changes"] = ChangesJson(results->marks, results->changes);
       extras.tables = {SessionsTable(*results), ChangesTable(results->marks, results->changes)};
       extras.pictures = {{"Sessions", folder.File("sessions.png")},
@@ -294,6 +294,7 @@ class SessionsRun {
   }
 
   const SessionsRunOptions& options_;
+  RunOutputOptions outputs_;  // as the memory allows them
   ThreadPool pool_;
   OutputFolder output_;
   std::vector<std::string> paths_;  // per session: of the logs, then of the fixed map

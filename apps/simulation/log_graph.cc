@@ -29,9 +29,9 @@ MapEstimate TruthOf(const SimulatedLog& log, const SlamGraph& graph) {
   for (const SimulatedScan& scan : log.scans) {
     truth.poses.push_back(Between(log.scans.front().world_from_robot, scan.world_from_robot));
   }
-  const LaserReturns& returns = graph.returns();
-  for (std::size_t r = 0; r < returns.size(); ++r) {
-    const Eigen::Vector2d point = map_from_world * log.scans[returns.scan[r]].hits[returns.beam[r]];
+  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+    const SimulatedScan& scan = log.scans[graph.ScanOfReturn(r)];
+    const Eigen::Vector2d point = map_from_world * scan.hits[graph.Beam(r)];
     truth.points.insert(truth.points.end(), {point.x(), point.y()});
   }
   return truth;

@@ -61,8 +61,8 @@ class SeedComparison {
       if (!HasNormal(r)) fitted.landmark_of_return[r] = LineLandmarks::kNone;
     }
     std::vector<std::vector<LineLandmark>> lines;
-    const std::vector<double> energies = LandmarkEnergies(
-        graph_, surface_, factors_, std::move(fitted), {&seed, &state}, pool_, &lines);
+    const std::vector<double> energies =
+        LandmarkEnergies(graph_, factors_, std::move(fitted), {&seed, &state}, pool_, &lines);
     seed_energy_ += energies[0];
     state_energy_ += energies[1];
     ++num_cuts_;
@@ -121,7 +121,7 @@ class SeedComparison {
   }
 
  private:
-  bool HasNormal(std::size_t r) const { return !surface_.normals[r].isZero(0.0f); }
+  bool HasNormal(std::size_t r) const { return !surface_.normals[r].IsNone(); }
 
   // lines: of the landmarks, at the seed and at the state.
   void AddErrors(const std::vector<int>& landmark_of_return,
@@ -132,12 +132,13 @@ class SeedComparison {
       const int pose = graph_.scan(s).pose;
       const PoseFrame at_seed(&seed[3 * pose]), at_state(&state[3 * pose]);
       const Eigen::Vector2d laser = graph_.LaserOfScan(s).robot_from_laser.translation();
+      const ScanReturns returns = graph_.ReturnsOfScan(s);
       HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t r) {
         if (i == held_out_.size()) held_out_.emplace_back();
         HeldOutReturn& held_out = held_out_[i++];
         const int landmark = landmark_of_return[r];
         if (landmark == LineLandmarks::kNone || !HasNormal(r)) return;
-        const Eigen::Vector2d in_robot = surface_.points[r].cast<double>();
+        const Eigen::Vector2d in_robot = returns.PointInRobot(r);
         ++held_out.num_landmarks;
         held_out.seed_error += Error(in_robot, in_robot - laser, at_seed, lines[0][landmark]);
         held_out.state_error += Error(in_robot, in_robot - laser, at_state, lines[1][landmark]);

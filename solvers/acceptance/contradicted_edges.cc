@@ -45,7 +45,7 @@ EdgeTests::EdgeTests(const RangeBeamOptions& beam)
       max_conflict_(LoopAcceptance::kMaxFreeSpaceConflict) {}
 
 void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool) {
-  ExtendThinnedSurfacePoints(graph, surface.normals, kPointSpacingM, pool, &surfaces_);
+  ExtendThinnedSurfacePoints(graph, surface, kPointSpacingM, pool, &surfaces_);
   scan_of_pose_ = MatchedScanOfPoses(graph, surfaces_);
   step_to_.resize(graph.num_poses());
   // The steps first: they tell how the scans beside each other lie, and what is usual.

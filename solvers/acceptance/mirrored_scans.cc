@@ -56,12 +56,13 @@ std::vector<Eigen::Vector2d> PointsOf(const SlamGraph& graph, int scan_id, Mirro
   const LaserModel& laser = graph.LaserOfScan(scan_id);
   const double bearing_sum_rad =
       mirror == Mirror::kFanMiddle ? laser.Bearing(0) + laser.Bearing(laser.num_beams - 1) : 0.0;
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   const std::size_t stride = (scan.num_returns + max_points - 1) / max_points;
   std::vector<Eigen::Vector2d> points;
   points.reserve(max_points);
   for (std::size_t i = 0; i < scan.num_returns; i += stride) {
     const std::size_t r = scan.first_return + i;
-    const double measured_rad = graph.Bearing(r);
+    const double measured_rad = returns.Bearing(r);
     const double bearing_rad =
         mirror == Mirror::kNone ? measured_rad : bearing_sum_rad - measured_rad;
     points.push_back(BeamEnd(graph.returns().range_m[r], bearing_rad));

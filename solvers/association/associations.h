@@ -7,6 +7,7 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/return_normal.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/shape_factor.h"
@@ -52,10 +53,10 @@ TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& 
                              const MeasuredSurface& surface, const AssociationOptions& options,
                              double radius_m, ThreadPool* pool);
 TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
-                              const std::vector<Eigen::Vector2f>& normals,
+                              const std::vector<ReturnNormal>& normals,
                               const AssociationOptions& options, ThreadPool* pool);
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                                      const std::vector<Eigen::Vector2f>& normals,
+                                      const std::vector<ReturnNormal>& normals,
                                       const AssociationOptions& options, ThreadPool* pool);
 
 }  // namespace plumbline

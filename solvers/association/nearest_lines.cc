@@ -36,18 +36,18 @@ struct SurfaceMap {
 };
 
 SurfaceMap CollectSurface(const SlamGraph& graph, const MapState& state,
-                          const std::vector<Eigen::Vector2f>& normals) {
+                          const std::vector<ReturnNormal>& normals) {
   SurfaceMap map;
   for (int s = 0; s < graph.num_scans(); ++s) {
     const ScanEntry& scan = graph.scan(s);
     const Eigen::Matrix2f rotation =
         Eigen::Rotation2Dd(state.WorldFromRobot(scan.pose).yaw).toRotationMatrix().cast<float>();
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (!normals.empty() && normals[r].isZero()) continue;
+      if (!normals.empty() && normals[r].IsNone()) continue;
       map.return_ids.push_back(r);
       map.scans.push_back(s);
       map.points.insert(map.points.end(), {state.points[2 * r], state.points[2 * r + 1]});
-      if (!normals.empty()) map.normals.push_back(rotation * normals[r]);
+      if (!normals.empty()) map.normals.push_back(rotation * normals[r].Direction().cast<float>());
     }
   }
   return map;
@@ -128,7 +128,7 @@ class NearestLineFitter {
 }  // namespace
 
 TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
-                              const std::vector<Eigen::Vector2f>& normals,
+                              const std::vector<ReturnNormal>& normals,
                               const AssociationOptions& options, ThreadPool* pool) {
   const SurfaceMap map = CollectSurface(graph, state, normals);
   const NearestLineFitter fitter(map, options, pool);

@@ -26,7 +26,7 @@ struct Region {
 class ScanShapePairs {
  public:
   ScanShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                 const std::vector<Eigen::Vector2f>& normals, const AssociationOptions& options)
+                 const std::vector<ReturnNormal>& normals, const AssociationOptions& options)
       : graph_(graph),
         points_(points),
         normals_(normals),
@@ -63,8 +63,9 @@ class ScanShapePairs {
   // One past the last return of the run that begins at `first`; `first` itself if there is none.
   std::size_t EndOfRun(std::size_t first) const {
     std::size_t k = first;
-    while (k < measured_.size() && !NormalOf(k).isZero() &&
-           (k == first || (joined_[k] && NormalOf(k - 1).dot(NormalOf(k)) >= min_normal_cosine_))) {
+    while (k < measured_.size() && !NormalOf(k).IsNone() &&
+           (k == first || (joined_[k] && NormalOf(k - 1).Direction().dot(NormalOf(k).Direction()) >=
+                                             min_normal_cosine_))) {
       ++k;
     }
     return k;
@@ -104,14 +105,14 @@ class ScanShapePairs {
   Eigen::Vector2d MapPoint(std::size_t k) const {
     return Eigen::Map<const Eigen::Vector2d>(&points_[2 * (first_return_ + k)]);
   }
-  const Eigen::Vector2f& NormalOf(std::size_t k) const { return normals_[first_return_ + k]; }
+  ReturnNormal NormalOf(std::size_t k) const { return normals_[first_return_ + k]; }
   double Distance(std::size_t a, std::size_t b) const {
     return (measured_[a] - measured_[b]).norm();
   }
 
   const SlamGraph& graph_;
   const std::vector<double>& points_;
-  const std::vector<Eigen::Vector2f>& normals_;
+  const std::vector<ReturnNormal>& normals_;
   const AssociationOptions& options_;
   const double min_normal_cosine_;
   // Of the current scan.
@@ -125,7 +126,7 @@ class ScanShapePairs {
 }  // namespace
 
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                                      const std::vector<Eigen::Vector2f>& normals,
+                                      const std::vector<ReturnNormal>& normals,
                                       const AssociationOptions& options, ThreadPool* pool) {
   constexpr std::size_t kScansPerChunk = 64;
   const std::size_t num_scans = graph.num_scans();

@@ -48,10 +48,11 @@ void AddBlocksOfBareReturns(const SlamGraph& graph, const std::vector<double>& p
   for (int s = 0; s < graph.num_scans(); ++s) {
     const ScanEntry& scan = graph.scan(s);
     const PoseFrame frame(&poses[3 * scan.pose]);
+    const ScanReturns returns = graph.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (!surface.normals[r].isZero(0.0f)) continue;
-      const Eigen::Vector2d in_grid = grid_axes.RotateBack(
-          frame.Rotate(surface.points[r].cast<double>()) + frame.translation());
+      if (!surface.normals[r].IsNone()) continue;
+      const Eigen::Vector2d in_grid =
+          grid_axes.RotateBack(frame.Rotate(returns.PointInRobot(r)) + frame.translation());
       const SurfaceCellKey key = cells.KeyOf(in_grid.x(), in_grid.y(), 0);
       blocks->insert(CellBlock::Of(key.x, key.y));
     }

@@ -1,9 +1,11 @@
 #include "plumbline/solvers/association/surface_cells.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 
@@ -29,8 +31,10 @@ class ChunkSorter {
     const Pose2 grid_from_robot =
         Pose2(0.0, 0.0, -grid_.cell_yaw_rad) * Pose2(&poses_[3 * scan.pose]);
     const double c = std::cos(grid_from_robot.yaw), s = std::sin(grid_from_robot.yaw);
-    const double octant_yaw = poses_[3 * scan.pose + 2] - grid_.octant_yaw_rad;
-    const double oc = std::cos(octant_yaw), os = std::sin(octant_yaw);
+    const double turns_to_octants =
+        (poses_[3 * scan.pose + 2] - grid_.octant_yaw_rad) / (2.0 * kPi);
+    const double turned = turns_to_octants - std::floor(turns_to_octants);
+    const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
     // Neighbouring beams mostly end in the same cell, which saves looking it up.
     SurfaceCellKey last_key;
     int last = SurfaceCells::kNone;
@@ -39,17 +43,15 @@ class ChunkSorter {
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const bool counts = r != held_out;
       if (!counts) held_out += HeldOutReturns::kOneIn;
-      const Eigen::Vector2f& normal = surface_.normals[r];
-      if (normal.isZero()) {
+      const ReturnNormal normal = surface_.normals[r];
+      if (normal.IsNone()) {
         cell_of_return_[r] = SurfaceCells::kNone;
         continue;
       }
-      const double zx = surface_.points[r].x(), zy = surface_.points[r].y();
-      const double x = c * zx - s * zy + grid_from_robot.x;
-      const double y = s * zx + c * zy + grid_from_robot.y;
-      const int octant =
-          OctantOf(oc * normal.x() - os * normal.y(), os * normal.x() + oc * normal.y());
-      const SurfaceCellKey key = cells_.KeyOf(x, y, octant);
+      const Eigen::Vector2d z = returns.PointInRobot(r);
+      const double x = c * z.x() - s * z.y() + grid_from_robot.x;
+      const double y = s * z.x() + c * z.y() + grid_from_robot.y;
+      const SurfaceCellKey key = cells_.KeyOf(x, y, OctantOf(normal.Turns() + turned));
       if (last == SurfaceCells::kNone || !(key == last_key)) {
         last = cells_.FindOrInsert(key, scan.pose);
         last_key = key;
@@ -75,17 +77,23 @@ class ChunkSorter {
 };
 
 constexpr std::size_t kScansPerBatch = 256;
+// So many are sorted before their tables become one: all tables of a long drive are many times that
+// one.
+constexpr std::size_t kScansAtOnce = 32 * kScansPerBatch;
+
+// Gives each cell of a part its number among all cells.
+std::vector<int> MergeInto(const std::vector<SurfaceCell>& part, SurfaceCells* cells) {
+  std::vector<int> renamed;
+  renamed.reserve(part.size());
+  for (const SurfaceCell& cell : part) {
+    const int id = cells->FindOrInsert(cell.key, cell.pose);
+    (*cells)[id].Merge(cell.moments, cell.pose, cell.several_poses);
+    renamed.push_back(id);
+  }
+  return renamed;
+}
 
 }  // namespace
-
-int OctantOf(double x, double y) {
-  constexpr double kTan22 = 0.41421356237309503;
-  const double ax = std::abs(x), ay = std::abs(y);
-  if (ay <= kTan22 * ax) return x >= 0.0 ? 0 : 4;
-  if (ax <= kTan22 * ay) return y >= 0.0 ? 2 : 6;
-  if (y >= 0.0) return x >= 0.0 ? 1 : 3;
-  return x >= 0.0 ? 7 : 5;
-}
 
 int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
   const std::uint64_t square = PackedSquare(key.x, key.y);
@@ -139,7 +147,8 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
                          double re = 0.0, im = 0.0;
                          for (std::size_t r = scan.first_return;
                               r < scan.first_return + scan.num_returns; ++r) {
-                           const double x = surface.normals[r].x(), y = surface.normals[r].y();
+                           const Eigen::Vector2d normal = surface.normals[r].Direction();
+                           const double x = normal.x(), y = normal.y();
                            const double re2 = x * x - y * y, im2 = 2.0 * x * y;
                            re += re2 * re2 - im2 * im2;
                            im += 2.0 * re2 * im2;
@@ -161,33 +170,34 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
                            ThreadPool* pool, std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
-  std::vector<std::vector<SurfaceCell>> parts(ThreadPool::NumChunks(num_scans, kScansPerBatch));
-  pool->ForEachChunk(num_scans, kScansPerBatch,
-                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
-                       for (std::size_t s = begin; s < end; ++s) sorter.Sort(static_cast<int>(s));
-                       parts[chunk] = sorter.TakeCells();
-                     });
   SurfaceCells cells(grid.cell_m);
-  std::vector<std::vector<int>> renamed(parts.size());
-  for (std::size_t chunk = 0; chunk < parts.size(); ++chunk) {
-    renamed[chunk].reserve(parts[chunk].size());
-    for (const SurfaceCell& part : parts[chunk]) {
-      const int id = cells.FindOrInsert(part.key, part.pose);
-      cells[id].Merge(part.moments, part.pose, part.several_poses);
-      renamed[chunk].push_back(id);
+  for (std::size_t first = 0; first < num_scans; first += kScansAtOnce) {
+    const std::size_t count = std::min(kScansAtOnce, num_scans - first);
+    std::vector<std::vector<SurfaceCell>> parts(ThreadPool::NumChunks(count, kScansPerBatch));
+    pool->ForEachChunk(count, kScansPerBatch,
+                       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                         ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
+                         for (std::size_t s = begin; s < end; ++s) {
+                           sorter.Sort(static_cast<int>(first + s));
+                         }
+                         parts[chunk] = sorter.TakeCells();
+                       });
+    std::vector<std::vector<int>> renamed(parts.size());
+    for (std::size_t chunk = 0; chunk < parts.size(); ++chunk) {
+      renamed[chunk] = MergeInto(parts[chunk], &cells);
+      parts[chunk] = std::vector<SurfaceCell>();
     }
-    parts[chunk] = std::vector<SurfaceCell>();
+    pool->ForEachChunk(
+        count, kScansPerBatch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+          const ScanEntry& last_scan = graph.scan(static_cast<int>(first + end) - 1);
+          const std::size_t last_return = last_scan.first_return + last_scan.num_returns;
+          for (std::size_t r = graph.scan(static_cast<int>(first + begin)).first_return;
+               r < last_return; ++r) {
+            int& cell = (*cell_of_return)[r];
+            if (cell != SurfaceCells::kNone) cell = renamed[chunk][cell];
+          }
+        });
   }
-  pool->ForEachChunk(
-      num_scans, kScansPerBatch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const std::size_t first = graph.scan(static_cast<int>(begin)).first_return;
-        const ScanEntry& last_scan = graph.scan(static_cast<int>(end) - 1);
-        for (std::size_t r = first; r < last_scan.first_return + last_scan.num_returns; ++r) {
-          int& cell = (*cell_of_return)[r];
-          if (cell != SurfaceCells::kNone) cell = renamed[chunk][cell];
-        }
-      });
   return cells;
 }
 

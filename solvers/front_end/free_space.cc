@@ -27,11 +27,10 @@ FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
       turn_direction_(laser_.bearing_step_rad < 0.0 ? -1.0 : 1.0),
       beams_per_rad_(1.0 / std::abs(laser_.bearing_step_rad)) {
   const ScanEntry& entry = graph.scan(scan);
-  const PoseFrame mounting(laser_.robot_from_laser);
+  const ScanReturns returns = graph.ReturnsOfScan(scan);
   const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
   for (std::size_t k = 0; k < entry.num_returns; k += kReturnStride) {
-    const Eigen::Vector2d point = graph.PointInLaser(entry.first_return + k);
-    points_in_robot_.push_back(mounting.Rotate(point) + mounting.translation());
+    points_in_robot_.push_back(returns.PointInRobot(entry.first_return + k));
   }
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;

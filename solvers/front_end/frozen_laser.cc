@@ -58,15 +58,17 @@ std::vector<OdometryPose> IntegrateOdometry(const SlamGraph& graph) {
   return poses;
 }
 
-bool HaveSameReturns(const SlamGraph& graph, const ScanEntry& a, const ScanEntry& b) {
-  const LaserReturns& returns = graph.returns();
-  const auto same = [&](const auto& values) {
-    const auto begin = values.begin() + a.first_return;
-    return std::equal(begin, begin + a.num_returns, values.begin() + b.first_return);
-  };
-  if (a.num_returns != b.num_returns || !same(returns.range_m) || !same(returns.beam)) return false;
+bool HaveSameReturns(const SlamGraph& graph, int scan_a, int scan_b) {
+  const ScanEntry &a = graph.scan(scan_a), &b = graph.scan(scan_b);
+  if (a.num_returns != b.num_returns) return false;
+  const ScanReturns of_a = graph.ReturnsOfScan(scan_a), of_b = graph.ReturnsOfScan(scan_b);
+  const std::vector<float>& ranges_m = graph.returns().range_m;
   for (std::size_t k = 0; k < a.num_returns; ++k) {
-    if (graph.Bearing(a.first_return + k) != graph.Bearing(b.first_return + k)) return false;
+    const std::size_t r = a.first_return + k, s = b.first_return + k;
+    if (ranges_m[r] != ranges_m[s] || of_a.Beam(r) != of_b.Beam(s) ||
+        of_a.Bearing(r) != of_b.Bearing(s)) {
+      return false;
+    }
   }
   return true;
 }
@@ -136,8 +138,7 @@ class Search {
   const OdometryPose& PoseOf(int scan) const { return poses_[graph_.scan(scan).pose]; }
 
   bool Continues(int before, int scan) const {
-    return PoseOf(before).chain == PoseOf(scan).chain &&
-           HaveSameReturns(graph_, graph_.scan(before), graph_.scan(scan));
+    return PoseOf(before).chain == PoseOf(scan).chain && HaveSameReturns(graph_, before, scan);
   }
 
   // Whether the robot moved, between any two of these equal scans, in a way that changes them.

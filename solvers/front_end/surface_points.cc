@@ -6,17 +6,12 @@
 
 namespace plumbline {
 
-std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
-                                                const std::vector<Eigen::Vector2f>& normals,
-                                                double spacing_m, ThreadPool* pool) {
-  std::vector<SurfacePoints> surfaces;
-  ExtendThinnedSurfacePoints(graph, normals, spacing_m, pool, &surfaces);
-  return surfaces;
-}
+namespace {
 
-void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
-                                double spacing_m, ThreadPool* pool,
-                                std::vector<SurfacePoints>* surfaces) {
+// normal_of(return id): zero where there is no surface.
+template <typename NormalOf>
+void ThinNewScans(const SlamGraph& graph, const NormalOf& normal_of, double spacing_m,
+                  ThreadPool* pool, std::vector<SurfacePoints>* surfaces) {
   const std::size_t first_scan = surfaces->size();
   surfaces->resize(graph.num_scans());
   const double spacing_squared = spacing_m * spacing_m;
@@ -26,14 +21,14 @@ void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen:
     SurfacePoints& surface = *thinned;
     surface.clear();
     for (std::size_t k = 0; k < measured->size(); ++k) {
-      const Eigen::Vector2f& normal = normals[graph.scan(s).first_return + k];
+      const Eigen::Vector2d normal = normal_of(graph.scan(s).first_return + k);
       const Eigen::Vector2d& position = (*measured)[k];
       if (normal.isZero()) continue;
       if (!surface.empty() &&
           (position - surface.back().position).squaredNorm() < spacing_squared) {
         continue;
       }
-      surface.push_back({position, normal.cast<double>()});
+      surface.push_back({position, normal});
     }
     (*surfaces)[s] = surface;  // a copy has no slack
   };
@@ -46,6 +41,26 @@ void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen:
                          thin_scan(static_cast<int>(first_scan + i), &measured, &thinned);
                        }
                      });
+}
+
+}  // namespace
+
+std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
+                                                const std::vector<Eigen::Vector2f>& normals,
+                                                double spacing_m, ThreadPool* pool) {
+  std::vector<SurfacePoints> surfaces;
+  const auto normal_of = [&](std::size_t r) -> Eigen::Vector2d {
+    return normals[r].cast<double>();
+  };
+  ThinNewScans(graph, normal_of, spacing_m, pool, &surfaces);
+  return surfaces;
+}
+
+void ExtendThinnedSurfacePoints(const SlamGraph& graph, const MeasuredSurface& measured,
+                                double spacing_m, ThreadPool* pool,
+                                std::vector<SurfacePoints>* surfaces) {
+  const auto normal_of = [&](std::size_t r) { return measured.normals[r].Direction(); };
+  ThinNewScans(graph, normal_of, spacing_m, pool, surfaces);
 }
 
 std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,

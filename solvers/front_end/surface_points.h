@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -50,8 +51,8 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const std::vector<Eigen::Vector2f>& normals,
                                                 double spacing_m, ThreadPool* pool);
 
-/// Adds those of the scans that the graph has gained.
-void ExtendThinnedSurfacePoints(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+/// Adds those of the scans that the graph has gained, by normals in 16 bits.
+void ExtendThinnedSurfacePoints(const SlamGraph& graph, const MeasuredSurface& measured,
                                 double spacing_m, ThreadPool* pool,
                                 std::vector<SurfacePoints>* surfaces);
 

@@ -110,11 +110,11 @@ TangentLines JointRun::CurrentLines() {
 }
 
 double JointRun::MarginalEnergyUnder(const TangentLines& lines) {
-  return MarginalEnergy(graph_, state_.poses, *surface_, lines, factors_, &pool_);
+  return MarginalEnergy(graph_, state_.poses, lines, factors_, &pool_);
 }
 
 PointDisplacements JointRun::Displacements() {
-  return MeasureDisplacements(graph_, state_, *surface_, factors_, &pool_);
+  return MeasureDisplacements(graph_, state_, factors_, &pool_);
 }
 
 ProgressCallback JointRun::ReportCallback() {

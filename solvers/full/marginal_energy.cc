@@ -17,15 +17,15 @@ namespace plumbline {
 namespace {
 
 // Cost of the returns of one scan, given the lines of the map.
-double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
-                const MeasuredSurface& surface, int scan_id, const TangentLines& lines,
-                const FactorOptions& factors) {
+double ScanCost(const SlamGraph& graph, const std::vector<double>& poses, int scan_id,
+                const TangentLines& lines, const FactorOptions& factors) {
   const ScanEntry& scan = graph.scan(scan_id);
   const Pose2 pose(&poses[3 * scan.pose]);
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   double cost = 0.0;
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     if (!lines.HasLine(r)) {
@@ -35,7 +35,7 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
     const TangentLine& line = lines[r];
     const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,
                                  -s * line.normal_x + c * line.normal_y);
-    const Eigen::Vector2d point = surface.points[r].cast<double>();
+    const Eigen::Vector2d point = returns.PointInRobot(r);
     const double variance = noise.surface_variance + noise.BeamVariance(point - laser, normal);
     const double distance =
         normal.dot(point) + line.normal_x * pose.x + line.normal_y * pose.y - line.offset;
@@ -47,14 +47,13 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses,
 }  // namespace
 
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                      const MeasuredSurface& surface, const TangentLines& lines,
-                      const FactorOptions& factors, ThreadPool* pool) {
+                      const TangentLines& lines, const FactorOptions& factors, ThreadPool* pool) {
   std::vector<double> costs(ThreadPool::NumChunks(graph.num_scans(), kScansPerChunk), 0.0);
   pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t s = begin; s < end; ++s) {
                          costs[chunk] +=
-                             ScanCost(graph, poses, surface, static_cast<int>(s), lines, factors);
+                             ScanCost(graph, poses, static_cast<int>(s), lines, factors);
                        }
                      });
   double of_returns = 0.0;
@@ -67,7 +66,7 @@ double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
                       const MeasuredSurface& surface, const SolverOptions& options,
                       ThreadPool* pool) {
   return MarginalEnergy(
-      graph, poses, surface,
+      graph, poses,
       LinesFromRadius(graph, poses, surface, options.association, FineRadius(options), pool),
       options.factors, pool);
 }

@@ -23,8 +23,7 @@ namespace plumbline {
 /// terms with the points at the ends of their beams; shape terms, which tie points to each other,
 /// are left out.
 double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
-                      const MeasuredSurface& surface, const TangentLines& lines,
-                      const FactorOptions& factors, ThreadPool* pool);
+                      const TangentLines& lines, const FactorOptions& factors, ThreadPool* pool);
 
 /// The same under the lines that the poses give at the fine radius: one measure for the states of
 /// all rounds and all solvers.

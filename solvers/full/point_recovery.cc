@@ -34,15 +34,16 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
 }
 
 void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
-                 const MeasuredSurface& surface, const TangentLines& lines,
-                 const FactorOptions& factors, int scan_id, std::vector<double>* points) {
+                 const TangentLines& lines, const FactorOptions& factors, int scan_id,
+                 std::vector<double>* points) {
   const ScanEntry& scan = graph.scan(scan_id);
   const PoseFrame frame(&poses[3 * scan.pose]);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
+    const Eigen::Vector2d in_robot = returns.PointInRobot(r);
     Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
     point = frame.Rotate(in_robot) + frame.translation();
     if (!lines.HasLine(r)) continue;
@@ -90,15 +91,16 @@ void AddPartsOfPeers(const Peers& peers, PointDisplacements* total) {
 }
 
 // Adds up; `mean_m` as a sum.
-void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSurface& surface,
-                 const SurfaceNoise& noise, int scan_id, PointDisplacements* displacements) {
+void MeasureScan(const SlamGraph& graph, const MapState& state, const SurfaceNoise& noise,
+                 int scan_id, PointDisplacements* displacements) {
   const ScanEntry& scan = graph.scan(scan_id);
   const PoseFrame frame(&state.poses[3 * scan.pose]);
   const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const double range_information = 1.0 / noise.range_variance;
   const double bearing_information = 1.0 / noise.bearing_variance;
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const Eigen::Vector2d in_robot = surface.points[r].cast<double>();
+    const Eigen::Vector2d in_robot = returns.PointInRobot(r);
     const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
     const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const Eigen::Vector2d moved =
@@ -119,30 +121,29 @@ void MeasureScan(const SlamGraph& graph, const MapState& state, const MeasuredSu
 }  // namespace
 
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
-                                  const MeasuredSurface& surface, const TangentLines& lines,
-                                  const FactorOptions& factors, ThreadPool* pool) {
+                                  const TangentLines& lines, const FactorOptions& factors,
+                                  ThreadPool* pool) {
   std::vector<double> points(2 * graph.num_returns());
-  pool->ForEachChunk(
-      graph.num_scans(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          RecoverScan(graph, poses, surface, lines, factors, static_cast<int>(s), &points);
-        }
-      });
+  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         RecoverScan(graph, poses, lines, factors, static_cast<int>(s), &points);
+                       }
+                     });
   return points;
 }
 
 PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
-                                        const MeasuredSurface& surface,
                                         const FactorOptions& factors, ThreadPool* pool) {
   const std::size_t num_scans = graph.num_scans();
   const SurfaceNoise noise = NoiseOf(factors);
   std::vector<PointDisplacements> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk));
-  pool->ForEachChunk(
-      num_scans, kScansPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          MeasureScan(graph, state, surface, noise, static_cast<int>(s), &parts[chunk]);
-        }
-      });
+  pool->ForEachChunk(num_scans, kScansPerChunk,
+                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                       for (std::size_t s = begin; s < end; ++s) {
+                         MeasureScan(graph, state, noise, static_cast<int>(s), &parts[chunk]);
+                       }
+                     });
   PointDisplacements total;
   for (const PointDisplacements& part : parts) Add(part, &total);
   if (graph.peers() != nullptr) AddPartsOfPeers(*graph.peers(), &total);

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
@@ -19,12 +18,11 @@ namespace plumbline {
 /// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
 /// per return, as LinesFromRadius gives them. Shape terms are left out.
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
-                                  const MeasuredSurface& surface, const TangentLines& lines,
-                                  const FactorOptions& factors, ThreadPool* pool);
+                                  const TangentLines& lines, const FactorOptions& factors,
+                                  ThreadPool* pool);
 
 /// How far the points of a state are from where its poses and the measurements put them.
 PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
-                                        const MeasuredSurface& surface,
                                         const FactorOptions& factors, ThreadPool* pool);
 
 }  // namespace plumbline

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
@@ -22,19 +23,21 @@ constexpr double kMaxSigmas = 3.0;
 
 // A pose in the axes of a grid, where directions of surfaces count from other axes than places.
 struct GridFrame {
-  PoseFrame in_cells, in_octants;
+  PoseFrame in_cells;
+  double turned_to_octants;  // a share of a full turn, at least 0
 
   GridFrame(const PoseFrame& frame, const SurfaceGrid& grid)
-      : in_cells(TurnedBack(frame, grid.cell_yaw_rad)),
-        in_octants(TurnedBack(frame, grid.octant_yaw_rad)) {}
+      : in_cells(TurnedBack(frame, grid.cell_yaw_rad)) {
+    const PoseFrame in_octants = TurnedBack(frame, grid.octant_yaw_rad);
+    turned_to_octants = std::atan2(in_octants.s, in_octants.c) / (2.0 * kPi) + 1.0;
+  }
 
-  Eigen::Vector2d Place(const Eigen::Vector2f& point) const {
-    return in_cells.Rotate(point.cast<double>()) + in_cells.translation();
+  Eigen::Vector2d Place(const Eigen::Vector2d& point) const {
+    return in_cells.Rotate(point) + in_cells.translation();
   }
   // 0 for a return without a normal.
-  int Octant(const Eigen::Vector2f& normal) const {
-    const Eigen::Vector2d direction = in_octants.Rotate(normal.cast<double>());
-    return OctantOf(direction.x(), direction.y());
+  int Octant(const ReturnNormal& normal) const {
+    return normal.IsNone() ? 0 : OctantOf(normal.Turns() + turned_to_octants);
   }
 
  private:
@@ -84,9 +87,9 @@ struct Sighting {
   LineInRobot line;
   PointMoments moments;
 
-  void Add(const Eigen::Vector2f& point, const Eigen::Vector2d& laser, const SurfaceNoise& noise,
+  void Add(const Eigen::Vector2d& point, const Eigen::Vector2d& laser, const SurfaceNoise& noise,
            const GemanMcClure& loss) {
-    const ReturnResidual residual(point.cast<double>(), laser, line, noise);
+    const ReturnResidual residual(point, laser, line, noise);
     moments.Add(residual.z.x(), residual.z.y(),
                 loss.Term(residual.distance, residual.variance).information);
   }
@@ -196,7 +199,7 @@ void LandmarkStore::Place(const std::vector<int>& poses, const SlamGraph& graph,
   const std::vector<int> squares = SquaresToCut();
   Drop(squares);
   CutAll(squares, graph, surface, frames, pool);
-  Observe(squares, graph, surface, frames, loss);
+  Observe(squares, graph, frames, loss);
   for (const int pose : poses) ListObservations(pose, graph);
 }
 
@@ -223,7 +226,7 @@ void LandmarkStore::TakeOut(const std::vector<int>& poses, const SlamGraph& grap
     Square& square = *Change(id);
     const auto kept = std::remove_if(
         square.returns.begin(), square.returns.end(),
-        [&](std::uint32_t r) { return is_taken[graph.scan(graph.returns().scan[r]).pose]; });
+        [&](std::uint32_t r) { return is_taken[graph.scan(graph.ScanOfReturn(r)).pose]; });
     square.num_changes += square.returns.end() - kept;
     square.returns.erase(kept, square.returns.end());
   }
@@ -239,9 +242,11 @@ void LandmarkStore::PutIn(int pose, const SlamGraph& graph, const MeasuredSurfac
     const ScanEntry& scan = graph.scan(s);
     const Eigen::Vector2d laser =
         PlaceIn(placed_at_[pose], graph.laser(scan.laser).robot_from_laser.translation());
+    const ScanReturns returns = graph.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const Eigen::Vector2f& normal = surface.normals[r];
-      const Eigen::Vector2d in_grid = frame.Place(surface.points[r]);
+      const ReturnNormal normal = surface.normals[r];
+      const Eigen::Vector2d point = returns.PointInRobot(r);
+      const Eigen::Vector2d in_grid = frame.Place(point);
       const SurfaceCellKey key = keys.KeyOf(in_grid.x(), in_grid.y(), frame.Octant(normal));
       // Neighbouring beams mostly end in the same cell, which saves looking it up.
       if (square < 0 || !(key == last_key)) {
@@ -254,9 +259,8 @@ void LandmarkStore::PutIn(int pose, const SlamGraph& graph, const MeasuredSurfac
       squares_[square].returns.push_back(static_cast<std::uint32_t>(r));
       ++squares_[square].num_changes;
       landmark_of_return_[r] =
-          normal.isZero(0.0f)
-              ? LandmarkNear(squares_[square], key,
-                             PlaceIn(placed_at_[pose], surface.points[r].cast<double>()), laser)
+          normal.IsNone()
+              ? LandmarkNear(squares_[square], key, PlaceIn(placed_at_[pose], point), laser)
               : landmark;
     }
   }
@@ -313,32 +317,33 @@ LandmarkStore::CutPart LandmarkStore::Cut(const int* first_square, const int* en
                                           const std::vector<PoseFrame>& frames) {
   SurfaceCells cells(grid_.cell_m);
   std::vector<int> cell_of_return;
-  // Calls body(return, scan, its pose where it was placed, and where it is now).
+  // Calls body(return, its point, scan, its pose where it was placed, and where it is now).
   const auto for_each_return = [&](const auto& body) {
     for (const int* id = first_square; id != end_square; ++id) {
       int pose = -1;
       GridFrame placed(PoseFrame(), grid_), now = placed;
       for (const std::uint32_t r : squares_[*id].returns) {
-        const int scan = graph.returns().scan[r];
+        const int scan = graph.ScanOfReturn(r);
         if (graph.scan(scan).pose != pose) {
           pose = graph.scan(scan).pose;
           placed = GridFrame(placed_at_[pose], grid_);
           now = GridFrame(frames[pose], grid_);
         }
-        body(r, scan, placed, now);
+        body(r, graph.ReturnsOfScan(scan).PointInRobot(r), scan, placed, now);
       }
     }
   };
-  for_each_return([&](std::uint32_t r, int scan, const GridFrame& placed, const GridFrame& now) {
-    const Eigen::Vector2f& normal = surface.normals[r];
-    if (normal.isZero(0.0f)) {
+  for_each_return([&](std::uint32_t r, const Eigen::Vector2d& in_robot, int scan,
+                      const GridFrame& placed, const GridFrame& now) {
+    const ReturnNormal normal = surface.normals[r];
+    if (normal.IsNone()) {
       cell_of_return.push_back(SurfaceCells::kNone);
       return;
     }
-    const Eigen::Vector2d at = placed.Place(surface.points[r]);
+    const Eigen::Vector2d at = placed.Place(in_robot);
     const SurfaceCellKey key = cells.KeyOf(at.x(), at.y(), placed.Octant(normal));
     const int cell = cells.FindOrInsert(key, graph.scan(scan).pose);
-    const Eigen::Vector2d point = now.Place(surface.points[r]) - cells.Center(key);
+    const Eigen::Vector2d point = now.Place(in_robot) - cells.Center(key);
     cells[cell].moments.Add(point.x(), point.y());
     cell_of_return.push_back(cell);
   });
@@ -348,13 +353,14 @@ LandmarkStore::CutPart LandmarkStore::Cut(const int* first_square, const int* en
   part.lines = quadtree.Cut(grid_);
   part.cells = quadtree.cells_of_landmarks();
   auto cell = cell_of_return.begin();
-  for_each_return([&](std::uint32_t r, int scan, const GridFrame& placed, const GridFrame&) {
+  for_each_return([&](std::uint32_t r, const Eigen::Vector2d& in_robot, int scan,
+                      const GridFrame& placed, const GridFrame&) {
     if (*cell != SurfaceCells::kNone) {
       landmark_of_return_[r] = quadtree.LandmarkOfCell(*cell);
     } else {
       const PoseFrame& frame = frames[graph.scan(scan).pose];
       landmark_of_return_[r] = quadtree.LandmarkAt(
-          placed.Place(surface.points[r]), PlaceIn(frame, surface.points[r].cast<double>()),
+          placed.Place(in_robot), PlaceIn(frame, in_robot),
           PlaceIn(frame, graph.LaserOfScan(scan).robot_from_laser.translation()), kMaxSigmas,
           part.lines);
     }
@@ -401,8 +407,7 @@ void LandmarkStore::CutAll(const std::vector<int>& squares, const SlamGraph& gra
 
 // Sums up the returns of squares into observations of their new landmarks.
 void LandmarkStore::Observe(const std::vector<int>& squares, const SlamGraph& graph,
-                            const MeasuredSurface& surface, const std::vector<PoseFrame>& frames,
-                            const GemanMcClure& loss) {
+                            const std::vector<PoseFrame>& frames, const GemanMcClure& loss) {
   std::vector<Sighting> sightings;  // of one pose
   const auto take = [&](int pose) {
     for (const Sighting& sighting : sightings) {
@@ -421,7 +426,7 @@ void LandmarkStore::Observe(const std::vector<int>& squares, const SlamGraph& gr
     for (const std::uint32_t r : squares_[id].returns) {
       const int landmark = landmark_of_return_[r];
       if (landmark == LineLandmarks::kNone) continue;
-      const int scan = graph.returns().scan[r];
+      const int scan = graph.ScanOfReturn(r);
       if (graph.scan(scan).pose != pose) {
         take(pose);
         pose = graph.scan(scan).pose;
@@ -432,8 +437,8 @@ void LandmarkStore::Observe(const std::vector<int>& squares, const SlamGraph& gr
         const LineInRobot line(landmarks_[landmark].line, frames[pose]);
         sighting = sightings.insert(sightings.end(), {landmark, line, PointMoments()});
       }
-      sighting->Add(surface.points[r], graph.LaserOfScan(scan).robot_from_laser.translation(),
-                    options_.noise, loss);
+      sighting->Add(graph.ReturnsOfScan(scan).PointInRobot(r),
+                    graph.LaserOfScan(scan).robot_from_laser.translation(), options_.noise, loss);
     }
     take(pose);
     for (const CellEntry& entry : squares_[id].cells) {
@@ -471,8 +476,8 @@ void LandmarkStore::ListObservations(int pose, const SlamGraph& graph) {
 }
 
 void LandmarkStore::Weigh(const std::vector<int>& poses, const SlamGraph& graph,
-                          const MeasuredSurface& surface, const std::vector<PoseFrame>& frames,
-                          const GemanMcClure& loss, ThreadPool* pool) {
+                          const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
+                          ThreadPool* pool) {
   constexpr std::size_t kPosesPerChunk = 16;
   pool->ForEachChunk(
       poses.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -488,6 +493,7 @@ void LandmarkStore::Weigh(const std::vector<int>& poses, const SlamGraph& graph,
           for (const int s : scans_of_pose_[pose]) {
             const ScanEntry& scan = graph.scan(s);
             const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
+            const ScanReturns returns = graph.ReturnsOfScan(s);
             int last = LineLandmarks::kNone;
             Sighting* sighting = nullptr;
             for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
@@ -498,7 +504,7 @@ void LandmarkStore::Weigh(const std::vector<int>& poses, const SlamGraph& graph,
                 const auto at = std::lower_bound(seen.begin(), seen.end(), landmark);
                 sighting = &sightings[at - seen.begin()];
               }
-              sighting->Add(surface.points[r], laser, options_.noise, loss);
+              sighting->Add(returns.PointInRobot(r), laser, options_.noise, loss);
             }
           }
           for (const Sighting& sighting : sightings) {

@@ -69,7 +69,7 @@ class LandmarkStore {
              const std::vector<PoseFrame>& frames, const GemanMcClure& loss, ThreadPool* pool);
 
   /// Sums up the returns of poses into their observations, see ReturnCompressor::Weigh.
-  void Weigh(const std::vector<int>& poses, const SlamGraph& graph, const MeasuredSurface& surface,
+  void Weigh(const std::vector<int>& poses, const SlamGraph& graph,
              const std::vector<PoseFrame>& frames, const GemanMcClure& loss, ThreadPool* pool);
 
   /// By id. Ids of landmarks that are no more have no observations.
@@ -124,8 +124,7 @@ class LandmarkStore {
               const MeasuredSurface& surface, const std::vector<PoseFrame>& frames,
               ThreadPool* pool);
   void Observe(const std::vector<int>& squares, const SlamGraph& graph,
-               const MeasuredSurface& surface, const std::vector<PoseFrame>& frames,
-               const GemanMcClure& loss);
+               const std::vector<PoseFrame>& frames, const GemanMcClure& loss);
   void ListObservations(int pose, const SlamGraph& graph);
   int NewLandmark(const LineLandmark& line);
   void Forget(int landmark, int pose);

@@ -23,12 +23,12 @@ void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame
   }
 }
 
-std::vector<double> LandmarkEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
-                                     const FactorOptions& factors, LineLandmarks cut,
+std::vector<double> LandmarkEnergies(const SlamGraph& graph, const FactorOptions& factors,
+                                     LineLandmarks cut,
                                      const std::vector<const std::vector<double>*>& states,
                                      ThreadPool* pool,
                                      std::vector<std::vector<LineLandmark>>* lines) {
-  ReturnCompressor compressor(graph, surface, NoiseOf(factors), pool);
+  ReturnCompressor compressor(graph, NoiseOf(factors), pool);
   LineObservations observations = compressor.LayOut(
       cut.landmarks.size(), std::move(cut.landmark_of_return), std::move(cut.shared));
   const PoseTerms terms(graph, factors);

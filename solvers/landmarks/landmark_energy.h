@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -28,8 +27,8 @@ void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame
 ///
 /// MarginalEnergy gives each state associations of its own: where returns are few, which of them
 /// then count as surface changes the sum by more than the poses do.
-std::vector<double> LandmarkEnergies(const SlamGraph& graph, const MeasuredSurface& surface,
-                                     const FactorOptions& factors, LineLandmarks cut,
+std::vector<double> LandmarkEnergies(const SlamGraph& graph, const FactorOptions& factors,
+                                     LineLandmarks cut,
                                      const std::vector<const std::vector<double>*>& states,
                                      ThreadPool* pool,
                                      std::vector<std::vector<LineLandmark>>* lines = nullptr);

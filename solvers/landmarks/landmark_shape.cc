@@ -31,7 +31,6 @@ void AddTerm(const Eigen::Vector2d& direction, double weight, LineObservation* o
 }  // namespace
 
 std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
-                                                     const MeasuredSurface& surface,
                                                      const LineLandmarks& landmarks,
                                                      double max_gap_m, ThreadPool* pool) {
   constexpr std::size_t kScansPerChunk = 64;
@@ -40,6 +39,7 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
       ThreadPool::NumChunks(num_scans, kScansPerChunk));
   const auto find_in_scan = [&](int scan_id, std::vector<AdjacentLandmarks>* pairs) {
     const ScanEntry& scan = graph.scan(scan_id);
+    const ScanReturns returns = graph.ReturnsOfScan(scan_id);
     const std::size_t first_pair = pairs->size();
     std::size_t last = 0;
     int last_landmark = LineLandmarks::kNone;
@@ -47,7 +47,7 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
       const int landmark = landmarks.landmark_of_return[r];
       if (landmark == LineLandmarks::kNone) continue;
       if (last_landmark != LineLandmarks::kNone && landmark != last_landmark &&
-          (surface.points[r] - surface.points[last]).norm() <= max_gap_m) {
+          (returns.PointInRobot(r) - returns.PointInRobot(last)).norm() <= max_gap_m) {
         pairs->push_back(
             {scan.pose, std::min(landmark, last_landmark), std::max(landmark, last_landmark)});
       }

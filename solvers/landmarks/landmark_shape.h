@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -23,7 +22,6 @@ struct AdjacentLandmarks {
 /// Finds them: consecutive returns on different landmarks, no more than max_gap_m [m] apart. Once
 /// per scan, in order of scans.
 std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
-                                                     const MeasuredSurface& surface,
                                                      const LineLandmarks& landmarks,
                                                      double max_gap_m, ThreadPool* pool);
 

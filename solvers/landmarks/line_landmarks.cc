@@ -49,10 +49,11 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& 
           const PoseFrame frame(&poses[3 * scan.pose]);
           const Eigen::Vector2d laser =
               graph.WorldFromLaser(static_cast<int>(s), poses).translation();
+          const ScanReturns returns = graph.ReturnsOfScan(static_cast<int>(s));
           for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-            if (!surface.normals[r].isZero(0.0f)) continue;
+            if (!surface.normals[r].IsNone()) continue;
             const Eigen::Vector2d point =
-                frame.Rotate(surface.points[r].cast<double>()) + frame.translation();
+                frame.Rotate(returns.PointInRobot(r)) + frame.translation();
             result->landmark_of_return[r] = quadtree.LandmarkAt(
                 grid_axes.RotateBack(point), point, laser, kMaxSigmas, result->landmarks);
           }

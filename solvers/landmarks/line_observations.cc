@@ -28,10 +28,9 @@ std::vector<PoseFrame> FramesOf(const std::vector<double>& poses) {
   return frames;
 }
 
-ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
-                                   const SurfaceNoise& noise, ThreadPool* pool)
+ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& noise,
+                                   ThreadPool* pool)
     : graph_(graph),
-      surface_(surface),
       noise_(noise),
       pool_(pool),
       scans_of_pose_(graph.num_scans()),
@@ -133,12 +132,18 @@ LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
   return result;
 }
 
-std::vector<int> ReturnCompressor::LandmarkOfReturn() const {
-  std::vector<int> landmarks = entry_of_return_;
+std::vector<int> ReturnCompressor::TakeLandmarkOfReturn() {
+  std::vector<int> landmarks = std::move(entry_of_return_);
   for (int& entry : landmarks) {
     if (entry != LineLandmarks::kNone) entry = landmark_of_entry_[entry];
   }
+  ForgetLayout();
   return landmarks;
+}
+
+void ReturnCompressor::ForgetLayout() {
+  entry_of_return_ = std::vector<int>();
+  landmark_of_entry_ = std::vector<int>();
 }
 
 template <typename Body>
@@ -154,6 +159,7 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<LineLandma
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
     const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
     const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
+    const ScanReturns returns = graph_.ReturnsOfScan(scans_of_pose_[i]);
     const std::size_t end = scan.first_return + scan.num_returns;
     for (std::size_t begin = scan.first_return, after = begin; begin < end; begin = after) {
       const int entry = entry_of_return_[begin];
@@ -162,7 +168,7 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<LineLandma
       const LineInRobot line = lines[entry - first_entry];
       body(entry - first_entry, [&, begin, after](const auto& take) {
         for (std::size_t r = begin; r < after; ++r) {
-          take(ReturnResidual(surface_.points[r].cast<double>(), laser, line, noise_));
+          take(ReturnResidual(returns.PointInRobot(r), laser, line, noise_));
         }
       });
     }

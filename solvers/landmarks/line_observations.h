@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -62,17 +61,18 @@ struct RangeSlope {
 /// residuals.
 class ReturnCompressor {
  public:
-  /// Keeps references to the graph and the surface.
-  ReturnCompressor(const SlamGraph& graph, const MeasuredSurface& surface,
-                   const SurfaceNoise& noise, ThreadPool* pool);
+  /// Keeps a reference to the graph.
+  ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& noise, ThreadPool* pool);
 
   /// Lays out the observations, all of weight zero. Takes landmark_of_return over. The observations
   /// that the other functions want are those of the last layout. shared: of the landmarks.
   LineObservations LayOut(std::size_t num_landmarks, std::vector<int> landmark_of_return,
                           SharedLandmarks shared = {});
 
-  /// What LayOut took over.
-  std::vector<int> LandmarkOfReturn() const;
+  /// Gives back what LayOut took over. Another layout has to come before the other functions.
+  std::vector<int> TakeLandmarkOfReturn();
+  /// The same for nobody.
+  void ForgetLayout();
 
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the landmark's
   /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the
@@ -111,7 +111,6 @@ class ReturnCompressor {
                    const LineObservations& observations);
 
   const SlamGraph& graph_;
-  const MeasuredSurface& surface_;
   const SurfaceNoise noise_;
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose

@@ -29,9 +29,10 @@ class LandmarkRun final : public JointRun {
     Candidate found = Evaluator().Evaluate(result.fitted_poses, std::move(result.fitted_cut));
     const std::vector<DownweightedStep> downweighted = StepsAgainst(found);
     if (!downweighted.empty()) MinimizeDownweighting(downweighted, &result, &found);
-    last_landmarks_ = std::move(result.last_cut);
     RunAcceptanceTest(&found);
-    fitted_landmarks_ = std::move(found.cut);
+    KeepForPolish(found.cut);
+    last_landmarks_ = {std::move(result.last_landmarks), std::move(found.cut.landmark_of_return),
+                       std::move(found.cut.shared)};
     if (summary_.acceptance.IsBetter()) {
       PutBack(summary_.put_back, graph_.fixed_poses(), seed_.poses, &state_.poses);
     } else {
@@ -91,6 +92,15 @@ class LandmarkRun final : public JointRun {
     converged_ = converged;
   }
 
+  // Only a polish is judged once more.
+  void KeepForPolish(const LineLandmarks& fitted) {
+    if (options_.reduced.polish_sweeps > 0) {
+      fitted_landmarks_ = fitted;
+    } else {
+      seed_landmarks_ = LineLandmarks();
+    }
+  }
+
   // For want of something better, the terms after are those before.
   void RecordSeedTerms(const Associations& associations) {
     const Energy energy(graph_, associations, factors_, &pool_);
@@ -106,20 +116,25 @@ class LandmarkRun final : public JointRun {
     }
   }
 
-  // The final points, and the costs per term before and after, under the final lines.
+  // The final points, and the costs per term before and after, under the final lines. One map at a
+  // time: its points are most of what there is at the end.
   void FinishReduced(Associations* associations) {
     AddLandmarkLines(last_landmarks_, &associations->lines);
-    state_.points =
-        RecoverPoints(graph_, state_.poses, *surface_, associations->lines, factors_, &pool_);
-    summary_.displacements = Displacements();
+    last_landmarks_ = LineLandmarks();
     if (factors_.shape.enabled) {
-      associations->shape_pairs =
-          FindShapePairs(graph_, state_.points, surface_->normals, options_.association, &pool_);
+      associations->shape_pairs = FindShapePairs(graph_, FinalPoints(*associations),
+                                                 surface_->normals, options_.association, &pool_);
     }
     const Energy energy(graph_, *associations, factors_, &pool_);
     RecordSeed(energy, &TermSummary::initial_cost);
+    state_.points = FinalPoints(*associations);
+    summary_.displacements = Displacements();
     if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
     RecordTerms(energy, state_, &TermSummary::final_cost);
+  }
+
+  std::vector<double> FinalPoints(const Associations& associations) {
+    return RecoverPoints(graph_, state_.poses, associations.lines, factors_, &pool_);
   }
 
   // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the

@@ -51,7 +51,7 @@ class LandmarkMinimizer {
         poses_(*poses),
         terms_(graph, factors),
         fixed_(terms_.is_constant),
-        compressor_(graph, surface, NoiseOf(factors), pool),
+        compressor_(graph, NoiseOf(factors), pool),
         move_([this, ceres] { ceres ? MoveByCeres(*ceres) : MoveByGaussNewton(); }) {}
 
   ReducedResult Run() {
@@ -61,11 +61,12 @@ class LandmarkMinimizer {
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
     result_.fitted_poses = poses_;
-    result_.fitted_cut = {landmarks_, LandmarkOfReturn(), observations_.shared};
+    result_.fitted_cut.landmarks = landmarks_;
+    result_.fitted_cut.shared = observations_.shared;
     if (!Ended()) RunLastRound();
-    result_.last_cut.landmark_of_return = compressor_.LandmarkOfReturn();
-    result_.last_cut.landmarks = std::move(landmarks_);
-    result_.last_cut.shared = std::move(observations_.shared);
+    ForgetObservations();
+    result_.fitted_cut.landmark_of_return = TakeLandmarkOfReturn();
+    result_.last_landmarks = std::move(landmarks_);
     return std::move(result_);
   }
 
@@ -86,7 +87,8 @@ class LandmarkMinimizer {
   void RunLastRound() {
     SharedLandmarks shared = observations_.shared;
     ForgetObservations();
-    observations_ = compressor_.LayOut(landmarks_.size(), LandmarkOfReturn(), std::move(shared));
+    observations_ =
+        compressor_.LayOut(landmarks_.size(), TakeLandmarkOfReturn(), std::move(shared));
     HoldUnanchored();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
     if (result_.stopped) result_.stop_reason = kStopped;
@@ -144,12 +146,12 @@ class LandmarkMinimizer {
   void CutLandmarks() {
     const auto start = Clock::now();
     ForgetObservations();
+    compressor_.ForgetLayout();
     LineLandmarkOptions options = LandmarkOptionsFor(factors_, association_);
     options.hold_out = true;
     LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
     if (factors_.shape.enabled) {
-      adjacent_ =
-          FindAdjacentLandmarks(graph_, surface_, cut, association_.min_segment_length_m, pool_);
+      adjacent_ = FindAdjacentLandmarks(graph_, cut, association_.min_segment_length_m, pool_);
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
     landmarks_ = std::move(cut.landmarks);
@@ -162,8 +164,8 @@ class LandmarkMinimizer {
   }
 
   // With those held out.
-  std::vector<int> LandmarkOfReturn() const {
-    std::vector<int> landmark_of_return = compressor_.LandmarkOfReturn();
+  std::vector<int> TakeLandmarkOfReturn() {
+    std::vector<int> landmark_of_return = compressor_.TakeLandmarkOfReturn();
     PutHeldOut(graph_, held_out_landmarks_, &landmark_of_return);
     return landmark_of_return;
   }

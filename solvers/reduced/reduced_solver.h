@@ -17,11 +17,11 @@ namespace plumbline {
 struct ReducedResult {
   std::vector<LandmarkRoundSummary> rounds;
   LineLandmarks first_cut;  ///< of the first round: the surfaces as the given poses place them
-  LineLandmarks last_cut;   ///< of the last round, with the lines that suit the final poses
   /// The poses (x, y, yaw) before the last round, what came of them without the held-out returns,
   /// and the surfaces of that round.
   std::vector<double> fitted_poses;
   LineLandmarks fitted_cut;
+  std::vector<LineLandmark> last_landmarks;  ///< the same with the lines that suit the final poses
   bool converged = false;
   bool stopped = false;  ///< by the callback
   bool usable = true;    ///< false: Ceres failed, the poses are the best before that

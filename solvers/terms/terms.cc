@@ -61,16 +61,17 @@ class RangeBeamTerm final : public TermOf<RangeBeamTerm, RangeBeamFactor, PoseId
 
   template <typename Visit>
   bool ForEach(int scan_id, const double* poses, const Visit& visit) const {
-    const LaserReturns& returns = graph_.returns();
+    const std::vector<float>& ranges_m = graph_.returns().range_m;
     const ScanEntry& scan = graph_.scan(scan_id);
+    const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
     BeamOfSweep beam;
     beam.robot_from_laser = graph_.laser(scan.laser).robot_from_laser;
     beam.inv_sigma_range = 1.0 / options_.sigma_range_m;
     beam.inv_sigma_bearing = 1.0 / options_.sigma_bearing_rad;
     beam.frame = MakeBeamFrame(poses + 3 * scan.pose, beam.robot_from_laser);
     for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
-      beam.range_m = returns.range_m[i];
-      beam.bearing_rad = graph_.Bearing(i);
+      beam.range_m = ranges_m[i];
+      beam.bearing_rad = returns.Bearing(i);
       if (!visit(i, beam, PoseId{scan.pose}, PointId{i})) return false;
     }
     return true;
@@ -116,7 +117,7 @@ class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId, 
   ShapeTerm(const SlamGraph& graph, const Associations& associations, const ShapeOptions& options)
       : pairs_(associations.shape_pairs), options_(options), first_pair_(graph.num_scans() + 1, 0) {
     if (!options.enabled) return;
-    for (const ShapePair& pair : pairs_) ++first_pair_[graph.returns().scan[pair.current] + 1];
+    for (const ShapePair& pair : pairs_) ++first_pair_[graph.ScanOfReturn(pair.current) + 1];
     for (int s = 0; s < graph.num_scans(); ++s) first_pair_[s + 1] += first_pair_[s];
   }
 

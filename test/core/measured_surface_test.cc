@@ -26,17 +26,36 @@ SlamGraph MountedLaserRoom() {
   return MakeGraph(scene);
 }
 
-TEST(MeasuredSurfaceTest, HoldsEveryReturnInTheFrameOfItsRobot) {
+TEST(MeasuredSurfaceTest, HasTheNormalsOfTheReturnsOnAnyNumberOfThreads) {
+  const SlamGraph graph = MountedLaserRoom();
+  const ReturnNormalOptions options;
+  ThreadPool one(1);
+  const std::vector<Eigen::Vector2f> exact = EstimateReturnNormals(graph, options, &one);
+  const MeasuredSurface expected = MeasureSurface(graph, options, &one);
+  ASSERT_EQ(expected.normals.size(), graph.num_returns());
+  int num_normals = 0;
+  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
+    ASSERT_EQ(expected.normals[r].IsNone(), exact[r].isZero());
+    EXPECT_LT((expected.normals[r].Direction() - exact[r].cast<double>()).norm(), 5e-5);
+    num_normals += !exact[r].isZero();
+  }
+  EXPECT_GT(num_normals, 1000);
+  for (const int num_threads : {1, 2, 5}) {
+    ThreadPool pool(num_threads);
+    EXPECT_EQ(MeasureSurface(graph, options, &pool).normals, expected.normals);
+    EXPECT_EQ(SurfaceOfNormals(exact, &pool).normals, expected.normals);
+  }
+}
+
+TEST(MeasuredSurfaceTest, ExtendedItIsTheSame) {
   const SlamGraph graph = MountedLaserRoom();
   ThreadPool pool(2);
-  const ReturnNormalOptions options;
-  const MeasuredSurface surface = MeasureSurface(graph, options, &pool);
-  ASSERT_EQ(surface.points.size(), graph.num_returns());
-  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    const Eigen::Vector2d expected = graph.PointInRobot(r);
-    EXPECT_LT((surface.points[r].cast<double>() - expected).norm(), 1e-6) << r;
-  }
-  EXPECT_EQ(surface.normals, EstimateReturnNormals(graph, options, &pool));
+  const MeasuredSurface expected = MeasureSurface(graph, ReturnNormalOptions(), &pool);
+  MeasuredSurface surface;
+  surface.normals.assign(expected.normals.begin(),
+                         expected.normals.begin() + graph.scan(100).first_return);
+  ExtendSurface(graph, 100, ReturnNormalOptions(), &pool, &surface);
+  EXPECT_EQ(surface.normals, expected.normals);
 }
 
 TEST(MeasuredSurfaceTest, DoesNotLookAtInitialGuesses) {
@@ -47,20 +66,7 @@ TEST(MeasuredSurfaceTest, DoesNotLookAtInitialGuesses) {
   const SlamGraph other = WithInitialPoses(graph, PosesOf(guesses));
   const MeasuredSurface one = MeasureSurface(graph, ReturnNormalOptions(), &pool);
   const MeasuredSurface two = MeasureSurface(other, ReturnNormalOptions(), &pool);
-  EXPECT_EQ(two.points, one.points);
   EXPECT_EQ(two.normals, one.normals);
-}
-
-TEST(MeasuredSurfaceTest, TakesNormalsThatAreKnown) {
-  const SlamGraph graph = MountedLaserRoom();
-  std::vector<Eigen::Vector2f> normals(graph.num_returns());
-  for (std::size_t r = 0; r < normals.size(); ++r) normals[r] = {0.6f, r % 2 == 0 ? 0.8f : -0.8f};
-  for (const int num_threads : {1, 2, 5}) {
-    ThreadPool pool(num_threads);
-    const MeasuredSurface surface = MeasureSurface(graph, normals, &pool);
-    EXPECT_EQ(surface.normals, normals);
-    EXPECT_EQ(surface.points, MeasureSurface(graph, ReturnNormalOptions(), &pool).points);
-  }
 }
 
 TEST(MeasuredSurfaceTest, IsEmptyWithoutReturns) {
@@ -68,11 +74,10 @@ TEST(MeasuredSurfaceTest, IsEmptyWithoutReturns) {
   ThreadPool pool(2);
   int pose = 0, laser = 0;
   ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &pose).ok());
-  EXPECT_TRUE(MeasureSurface(graph, ReturnNormalOptions(), &pool).points.empty());
+  EXPECT_TRUE(MeasureSurface(graph, ReturnNormalOptions(), &pool).normals.empty());
   ASSERT_TRUE(graph.AddLaser(PanoramicLaser(2), &laser).ok());
   ASSERT_TRUE(graph.AddScan(pose, laser, {kNaN, kInfinity}).ok());
   const MeasuredSurface surface = MeasureSurface(graph, ReturnNormalOptions(), &pool);
-  EXPECT_TRUE(surface.points.empty());
   EXPECT_TRUE(surface.normals.empty());
 }
 

@@ -47,7 +47,7 @@ std::vector<Normal> NormalsOf(const std::function<double(int beam, double bearin
   std::vector<Normal> normals;
   for (std::size_t r = 0; r < in_robot.size(); ++r) {
     const Eigen::Vector2d n = in_robot[r].cast<double>();
-    normals.push_back({graph.returns().beam[r], {n.y(), -n.x()}});
+    normals.push_back({graph.Beam(r), {n.y(), -n.x()}});
   }
   return normals;
 }

@@ -80,8 +80,8 @@ TEST_F(SlamGraphTest, KeepsReturnsOnlyAndPlacesThemByTheInitialGuess) {
   EXPECT_EQ(graph_.scan(1).num_returns, 1u);
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0, 3.0));
   EXPECT_THAT(graph_.Bearings(), ElementsAre(-0.5 * kPi, 0.5 * kPi, 0.0));
-  EXPECT_THAT(graph_.returns().beam, ElementsAre(0, 2, 1));
-  EXPECT_THAT(graph_.returns().scan, ElementsAre(0, 0, 1));
+  EXPECT_THAT(graph_.Beams(), ElementsAre(0, 2, 1));
+  EXPECT_THAT(graph_.ScansOfReturns(), ElementsAre(0, 0, 1));
 
   const MapState state = graph_.InitialState();
   EXPECT_EQ(state.poses, graph_.initial_poses());
@@ -107,8 +107,8 @@ TEST_F(SlamGraphTest, PointsOfASweepAreThoseOfItsRanges) {
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(graph_.returns().range_m[3 + k], graph_.returns().range_m[k], 1e-12);
     EXPECT_NEAR(graph_.Bearing(3 + k), graph_.Bearing(k), 1e-12);
-    EXPECT_EQ(graph_.returns().beam[3 + k], graph_.returns().beam[k]);
-    EXPECT_EQ(graph_.returns().scan[3 + k], 1);
+    EXPECT_EQ(graph_.Beam(3 + k), graph_.Beam(k));
+    EXPECT_EQ(graph_.ScanOfReturn(3 + k), 1);
     EXPECT_TRUE(graph_.PointInRobot(3 + k).isApprox(graph_.PointInRobot(k)));
     EXPECT_NEAR(points[6 + 2 * k], points[2 * k], 1e-12);
   }
@@ -118,7 +118,83 @@ TEST_F(SlamGraphTest, PointsBetweenBeamsKeepTheirBearing) {
   ASSERT_TRUE(graph_.AddPoints(first_, laser_, {{1.5, 1.2}, {1.5, 0.8}}).ok());
   EXPECT_THAT(graph_.Bearings(), ElementsAre(testing::DoubleNear(std::atan2(0.8, 1.0), 1e-7),
                                              testing::DoubleNear(std::atan2(1.2, 1.0), 1e-7)));
-  EXPECT_THAT(graph_.returns().beam, ElementsAre(1, 2));
+  EXPECT_THAT(graph_.Beams(), ElementsAre(1, 2));
+}
+
+TEST_F(SlamGraphTest, FindsTheScanOfAReturnAmongSmallEmptyAndLargeOnes) {
+  LaserModel fine;
+  fine.num_beams = 1000;
+  fine.bearing_step_rad = 1e-3;
+  int laser = 0;
+  ASSERT_TRUE(graph_.AddLaser(fine, &laser).ok());
+  std::vector<int> expected;
+  for (int s = 0; s < 900; ++s) {
+    const bool is_large = s % 300 == 200, is_empty = !is_large && s % 3 == 0;
+    const std::vector<double> large(1000, 1.0), small = {1.0, kInfinity, 2.0};
+    const std::vector<double> empty(3, kInfinity);
+    ASSERT_TRUE(graph_
+                    .AddScan(first_, is_large ? laser : laser_,
+                             is_large   ? large
+                             : is_empty ? empty
+                                        : small)
+                    .ok());
+    expected.insert(expected.end(), is_large ? 1000 : is_empty ? 0 : 2, s);
+  }
+  ASSERT_EQ(graph_.num_returns(), expected.size());
+  EXPECT_EQ(graph_.ScansOfReturns(), expected);
+  for (std::size_t r = 0; r < expected.size(); ++r) {
+    ASSERT_EQ(graph_.ScanOfReturn(r), expected[r]) << r;
+  }
+}
+
+TEST_F(SlamGraphTest, BeamsMayNeedMoreThan16Bits) {
+  LaserModel finest;
+  finest.num_beams = 100000;
+  finest.bearing_step_rad = 6e-5;
+  finest.robot_from_laser = Pose2(1.0, -2.0, 0.5);
+  int laser = 0;
+  ASSERT_TRUE(graph_.AddLaser(finest, &laser).ok());
+  const std::vector<int> beams = {0, 7, 65535, 65536, 99999};
+  std::vector<double> ranges(finest.num_beams, kInfinity);
+  for (const int beam : beams) ranges[beam] = 2.0;
+  std::vector<double> upper(finest.num_beams, kInfinity);
+  upper[65537] = 3.0;
+  ASSERT_TRUE(graph_.AddScan(first_, laser, ranges).ok());
+  ASSERT_TRUE(graph_.AddScan(second_, laser, upper).ok());
+  ASSERT_TRUE(graph_.AddScan(second_, laser_, {1.0, kInfinity, 2.0}).ok());
+  EXPECT_THAT(graph_.Beams(), ElementsAre(0, 7, 65535, 65536, 99999, 65537, 0, 2));
+  for (std::size_t r = 0; r < beams.size(); ++r) {
+    EXPECT_EQ(graph_.Beam(r), beams[r]);
+    EXPECT_EQ(graph_.Bearing(r), finest.Bearing(beams[r]));
+    const Eigen::Vector2d in_laser = BeamEnd(2.0, finest.Bearing(beams[r]));
+    EXPECT_LT((graph_.PointInRobot(r) - finest.robot_from_laser * in_laser).norm(), 1e-12);
+  }
+  EXPECT_EQ(graph_.RangesOfScan(1, kInfinity), upper);
+  SlamGraph other;
+  int pose = 0;
+  ASSERT_TRUE(other.AddPose(Pose2(), 0.0, &pose).ok());
+  ASSERT_TRUE(other.AddScanOf(graph_, 0, pose).ok());
+  EXPECT_EQ(other.Beams(), beams);
+}
+
+TEST_F(SlamGraphTest, ReturnsOffTheirBeamsAreWhereTheirPointsWere) {
+  LaserModel fan;
+  fan.num_beams = 61;
+  fan.first_bearing_rad = -1.5;
+  fan.bearing_step_rad = 0.05;
+  fan.robot_from_laser = Pose2(0.3, 0.1, -0.7);
+  int laser = 0;
+  ASSERT_TRUE(graph_.AddLaser(fan, &laser).ok());
+  // Up to 0.025 rad off their beams, and at the ends of the fan further.
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 160; ++i) {
+    points.push_back(fan.robot_from_laser * BeamEnd(1.0 + 0.05 * i, -1.545 + 0.0194 * i));
+  }
+  ASSERT_TRUE(graph_.AddPoints(first_, laser, points).ok());
+  ASSERT_EQ(graph_.num_returns(), points.size());
+  for (std::size_t r = 0; r < points.size(); ++r) {
+    EXPECT_LT((graph_.PointInRobot(r) - points[r]).norm(), 2e-6) << r;
+  }
 }
 
 TEST_F(SlamGraphTest, PointsInOrderOfAFanThatTurnsClockwise) {
@@ -128,7 +204,7 @@ TEST_F(SlamGraphTest, PointsInOrderOfAFanThatTurnsClockwise) {
   int laser = 0;
   ASSERT_TRUE(graph_.AddLaser(clockwise, &laser).ok());
   ASSERT_TRUE(graph_.AddPoints(first_, laser, {{0.5, -1.0}, {3.5, 0.0}, {0.5, 2.0}}).ok());
-  EXPECT_THAT(graph_.returns().beam, ElementsAre(0, 1, 2));
+  EXPECT_THAT(graph_.Beams(), ElementsAre(0, 1, 2));
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(2.0, 3.0, 1.0));
 }
 
@@ -335,8 +411,8 @@ TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
     const std::size_t from = graph_.scan(1).first_return + r % 3;
     EXPECT_EQ(other.returns().range_m[r], graph_.returns().range_m[from]);
     EXPECT_EQ(other.Bearing(r), graph_.Bearing(from));
-    EXPECT_EQ(other.returns().beam[r], graph_.returns().beam[from]);
-    EXPECT_EQ(other.returns().scan[r], static_cast<int>(r / 3));
+    EXPECT_EQ(other.Beam(r), graph_.Beam(from));
+    EXPECT_EQ(other.ScanOfReturn(r), static_cast<int>(r / 3));
     const Eigen::Vector2d expected = Pose2(7.0, 8.0, 0.0) * other.PointInRobot(r);
     ExpectPoint(points, r, expected.x(), expected.y());
   }
@@ -356,6 +432,7 @@ TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   const std::vector<double> points = corrected.InitialState().points;
   ExpectPoint(points, 0, 2.0, 2.0);
   ExpectPoint(points, 1, 1.0, 5.0);
+  EXPECT_TRUE(corrected.PointInRobot(1).isApprox(Eigen::Vector2d(3.0, 0.0)));
   EXPECT_EQ(graph_.laser(laser_).robot_from_laser.x, 0.5);
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0));
   // A return stays one.

@@ -143,7 +143,7 @@ TEST(AddSweepTest, ReturnsAreWhereTheirBeamsEnded) {
       const int before = order == SweepOrder::kFirstBeamFirst ? beam : kNumBeams - 1 - beam;
       const Eigen::Vector2d truth = arc.At(0.01 * before) * measured.PointInRobot(beam);
       EXPECT_LT((graph.PointInRobot(beam) - truth).norm(), 1e-6) << beam;
-      EXPECT_EQ(graph.returns().beam[beam], beam);
+      EXPECT_EQ(graph.Beam(beam), beam);
     }
   }
 }
@@ -159,7 +159,7 @@ TEST(AddSweepTest, KeepsReturnsOfTheLaserOnly) {
   ranges[3] = 5.9;  // beyond 6 m as seen from the beginning
   ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0)).ok());
   ASSERT_EQ(graph.num_returns(), 1u);
-  EXPECT_EQ(graph.returns().beam[0], 3);
+  EXPECT_EQ(graph.Beam(0), 3);
   EXPECT_TRUE(laser.IsReturn(graph.returns().range_m[0]));
   // At once: as measured.
   ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0), SweepOrder::kAtOnce).ok());

@@ -35,8 +35,9 @@ inline void MapGraph(bool seed, SlamGraph graph) {
   MapState state = graph.InitialState();
   if (seed) {
     SeedingReport report;
-    Require(SeedGraph(SeedingOptions(), options.factors.motion, surface.normals, {}, &pool, graph,
-                      &state, &report)
+    Require(SeedGraph(SeedingOptions(), options.factors.motion,
+                      EstimateReturnNormals(graph, NormalOptionsFor(options.factors.beam), &pool),
+                      {}, &pool, graph, &state, &report)
                 .ok());
     graph = std::move(graph).Corrected(report.corrections);
   } else {

@@ -102,12 +102,11 @@ double EnergyOf(const Way& way, const NoisyRoom& given, const SlamGraph& graph,
     return GraphChi2(given.graph.relative_poses(), PosesOf(poses));
   const FactorOptions factors;
   ThreadPool pool(1);
-  const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);
   const LineLandmarks cut =
       CutIntoLandmarks(given.graph, given.state.poses,
                        MeasureSurface(given.graph, NormalOptionsFor(factors.beam), &pool),
                        LandmarkOptionsFor(factors, AssociationOptions()), &pool);
-  return LandmarkEnergies(graph, surface, factors, cut, {&poses}, &pool)[0];
+  return LandmarkEnergies(graph, factors, cut, {&poses}, &pool)[0];
 }
 
 class EveryWay : public testing::TestWithParam<Way> {};

@@ -113,7 +113,7 @@ TEST(MapLogTest, IsItsStepsInTurnOnAnyNumberOfThreads) {
   LogMapping steps = Seeded(options, Office());
   Refine(options, &steps);
   ExpectSameMap(steps, MappedOffice());
-  EXPECT_THAT(steps.surface.points, IsEmpty());
+  EXPECT_THAT(steps.surface.normals, IsEmpty());
 }
 
 TEST(MapLogTest, ComesNearerToTheTruthThanItsSeed) {

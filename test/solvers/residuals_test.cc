@@ -121,7 +121,7 @@ TEST(ResidualsTest, BeamsAreWhitenedRangesAndBearings) {
   SolverOptions options;
   const std::size_t r = 100;
   const Pose2 world_from_laser =
-      room.graph.WorldFromLaser(room.graph.returns().scan[r], room.state.poses);
+      room.graph.WorldFromLaser(room.graph.ScanOfReturn(r), room.state.poses);
   // Three sigmas too far, two to the left.
   const Eigen::Vector2d moved =
       world_from_laser *

@@ -76,7 +76,7 @@ void ExpectOthersUntouched(const MapState& before, const NoisyRoom& after,
     }
   }
   for (std::size_t i = 0; i < before.points.size(); ++i) {
-    const int pose = after.graph.scan(after.graph.returns().scan[i / 2]).pose;
+    const int pose = after.graph.scan(after.graph.ScanOfReturn(i / 2)).pose;
     if (!is_free[pose]) {
       ASSERT_EQ(before.points[i], after.state.points[i]) << "a point of " << pose;
     }
@@ -108,8 +108,8 @@ TEST(SlidingWindowTest, AWindowImprovesTheWholeMap) {
   const MeasuredSurface surface = SurfaceOf(room.graph);
   const LineLandmarks cut = CutIntoLandmarks(
       room.graph, before.poses, surface, LandmarkOptionsFor(factors, AssociationOptions()), &pool);
-  const std::vector<double> energies = LandmarkEnergies(room.graph, surface, factors, cut,
-                                                        {&before.poses, &room.state.poses}, &pool);
+  const std::vector<double> energies =
+      LandmarkEnergies(room.graph, factors, cut, {&before.poses, &room.state.poses}, &pool);
   EXPECT_LT(energies[1], 0.7 * energies[0]);
 }
 

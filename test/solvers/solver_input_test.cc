@@ -14,7 +14,7 @@ namespace {
 const Pose2 kElsewhere(4.0, -7.0, 5.0);
 
 Eigen::Vector2d PointInRobot(const NoisyRoom& room, const MapState& state, std::size_t r) {
-  const int pose = room.graph.scan(room.graph.returns().scan[r]).pose;
+  const int pose = room.graph.scan(room.graph.ScanOfReturn(r)).pose;
   return state.WorldFromRobot(pose).Inverse() * MapPoint(state, r);
 }
 
@@ -86,7 +86,7 @@ TEST(PutAtFixedPosesTest, OtherFixedPosesAreMovedByThemselvesWithTheirPoints) {
     EXPECT_EQ(ToBlock(room.state.WorldFromRobot(pose)), ToBlock(expected)) << pose;
   }
   for (std::size_t r = 0; r < room.graph.num_returns(); ++r) {
-    const bool is_moved = room.graph.scan(room.graph.returns().scan[r]).pose == 2;
+    const bool is_moved = room.graph.scan(room.graph.ScanOfReturn(r)).pose == 2;
     ASSERT_EQ(MapPoint(room.state, r) == MapPoint(before, r), !is_moved) << r;
   }
   ExpectPointsKeptTheirPlaceInTheRobot(room, before);

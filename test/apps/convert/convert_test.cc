@@ -87,7 +87,7 @@ TEST_F(ConvertTest, ALogBecomesAPoseGraphWithItsScans) {
     EXPECT_EQ(graph.initial_poses(), log.initial_poses());
     EXPECT_EQ(graph.returns().range_m, log.returns().range_m);
     EXPECT_EQ(graph.Bearings(), log.Bearings());
-    EXPECT_EQ(graph.returns().beam, log.returns().beam);
+    EXPECT_EQ(graph.Beams(), log.Beams());
     EXPECT_NEAR(graph.laser(0).robot_from_laser.x, 0.1, 1e-12);
     EXPECT_EQ(graph.timestamp_s(2), 102.25);
     ASSERT_EQ(graph.relative_poses().size(), 2u);

@@ -63,8 +63,8 @@ void ExpectSameScans(const SlamGraph& a, const SlamGraph& b) {
   ASSERT_EQ(a.num_scans(), b.num_scans());
   EXPECT_EQ(a.returns().range_m, b.returns().range_m);
   EXPECT_EQ(a.Bearings(), b.Bearings());
-  EXPECT_EQ(a.returns().beam, b.returns().beam);
-  EXPECT_EQ(a.returns().scan, b.returns().scan);
+  EXPECT_EQ(a.Beams(), b.Beams());
+  EXPECT_EQ(a.ScansOfReturns(), b.ScansOfReturns());
   ASSERT_EQ(a.num_lasers(), b.num_lasers());
   for (int s = 0; s < a.num_scans(); ++s) {
     EXPECT_EQ(a.scan(s).pose, b.scan(s).pose);

@@ -151,9 +151,9 @@ TEST_F(RosRecordingTest, ALaserUpsideDownSeesLeftAndRightExchanged) {
   // By hand: the first beam's end in the laser's frame, taken through the transform.
   const Eigen::Vector3d end =
       Rolled(Upright(0.2, 0.0, 0.1), 180.0) * Eigen::Vector3d(std::cos(-0.5), std::sin(-0.5), 0.0);
-  const LaserReturns& returns = graph_.returns();
-  const auto first = std::find(returns.beam.begin(), returns.beam.end(), 0);
-  const Eigen::Vector2d point = graph_.PointInRobot(first - returns.beam.begin());
+  const std::vector<int> beams = graph_.Beams();
+  const auto first = std::find(beams.begin(), beams.end(), 0);
+  const Eigen::Vector2d point = graph_.PointInRobot(first - beams.begin());
   EXPECT_NEAR(point.x(), end.x(), 1e-12);
   EXPECT_NEAR(point.y(), end.y(), 1e-12);
 }
@@ -190,7 +190,7 @@ TEST_F(RosRecordingTest, WhatIsNoReadingIsNoReturn) {
   recording_.scans[0].ranges = {kNan, kInf, -kInf, 0.0, 0.099, 0.1, 9.999, 10.0, 11.0, -1.0};
   Build();
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(0.1, 9.999));
-  EXPECT_THAT(graph_.returns().beam, ElementsAre(5, 6));
+  EXPECT_THAT(graph_.Beams(), ElementsAre(5, 6));
 }
 
 TEST_F(RosRecordingTest, LimitsThatTheDriverDoesNotKnowAreTheUsualOnes) {

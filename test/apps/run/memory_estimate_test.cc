@@ -79,6 +79,44 @@ TEST_F(MemoryEstimateTest, ReadsSizes) {
   }
 }
 
+TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
+  constexpr int kAskedPx = 4000;
+  const auto estimate_at = [&](int side_px) {
+    return EstimateMemory(graph_, state_, solver_, false, side_px);
+  };
+  const MemoryEstimate asked = estimate_at(kAskedPx);
+  const auto fit = [&](double limit, MemoryEstimate* estimate, int* side_px) {
+    *estimate = asked;
+    *side_px = kAskedPx;
+    return FitPictures(limit, estimate, side_px);
+  };
+  MemoryEstimate estimate;
+  int side_px = 0;
+  for (const double limit : {0.0, 1.01 * asked.results}) {
+    EXPECT_EQ(fit(limit, &estimate, &side_px), "");
+    EXPECT_EQ(side_px, kAskedPx);
+    EXPECT_EQ(estimate.results, asked.results);
+  }
+  // Smaller ones take as much as is left, and never more.
+  for (const int wanted_px : {350, 1000, 3900}) {
+    const double limit = estimate_at(wanted_px).results + 1e4;
+    const std::string text = fit(limit, &estimate, &side_px);
+    EXPECT_THAT(text,
+                HasSubstr("sides of " + std::to_string(side_px) + " pixels at most, not 4000"));
+    EXPECT_NEAR(side_px, wanted_px, 0.01 * wanted_px + 5.0);
+    EXPECT_LE(estimate.results, limit);
+    EXPECT_NEAR(estimate.results, estimate_at(side_px).results, 0.02 * estimate.results);
+    EXPECT_EQ(estimate.seeding, asked.seeding);
+    EXPECT_TRUE(CheckMemory(estimate, limit, graph_, solver_).ok());
+  }
+  // What a picture of no use would not save is left for CheckMemory to refuse.
+  for (const double limit : {estimate_at(290).results, 0.9 * asked.seeding}) {
+    EXPECT_EQ(fit(limit, &estimate, &side_px), "");
+    EXPECT_EQ(side_px, kAskedPx);
+    EXPECT_FALSE(CheckMemory(estimate, limit, graph_, solver_).ok());
+  }
+}
+
 TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
   solver_.type = SolverType::kCeres;
   EXPECT_EQ(ErrorAt(0.0), "");
@@ -86,7 +124,6 @@ TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
   EXPECT_THAT(ErrorAt(22e6), AllOf(HasSubstr("needs about 23 MB"), HasSubstr("allows 22 MB"),
                                    HasSubstr("--solver=reduced or --max_scans=6 would")));
   EXPECT_THAT(ErrorAt(5e6), AllOf(HasSubstr("allows 5 MB"), Not(HasSubstr("--max_scans"))));
-  EXPECT_THAT(ErrorAt(22e6, 4000), HasSubstr("a smaller --picture_side_px"));
   solver_.type = SolverType::kReduced;
   EXPECT_THAT(ErrorAt(20.1e6), Not(HasSubstr("--solver")));
 }

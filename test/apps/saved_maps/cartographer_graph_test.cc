@@ -121,7 +121,7 @@ TEST_F(CartographerGraphTest, BeamsAreAsFarApartAsMostPoints) {
   EXPECT_GT(graph_.laser(0).max_range_m, 30.0);
   EXPECT_LT(graph_.laser(0).max_range_m, 30.01);
   const std::size_t first = graph_.scan(1).first_return;
-  const std::vector<int>& beams = graph_.returns().beam;
+  const std::vector<int> beams = graph_.Beams();
   for (std::size_t k = 1; k < graph_.scan(1).num_returns; ++k) {
     EXPECT_GE(beams[first + k] - beams[first + k - 1], 1);
     EXPECT_LE(beams[first + k] - beams[first + k - 1], 2);

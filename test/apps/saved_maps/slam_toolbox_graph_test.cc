@@ -55,7 +55,7 @@ TEST_F(SlamToolboxGraphTest, HasTheScansAtTheirCorrectedPosesAndTimes) {
     const std::size_t first = graph_.scan(i).first_return;
     EXPECT_EQ(graph_.returns().range_m[first], 1.0 + i);
     EXPECT_EQ(graph_.returns().range_m[first + 2], 4.0);
-    EXPECT_EQ(graph_.returns().beam[first + 2], 3);
+    EXPECT_EQ(graph_.Beam(first + 2), 3);
   }
 }
 

@@ -35,13 +35,13 @@ SyntheticScene Room(double range_sigma_m) {
 /// an index.
 class Oracle {
  public:
-  Oracle(const SlamGraph& graph, const std::vector<Eigen::Vector2f>& normals,
+  Oracle(const SlamGraph& graph, const std::vector<ReturnNormal>& normals,
          const AssociationOptions& options)
       : graph_(graph), state_(graph.InitialState()), options_(options) {
     for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-      const double yaw = graph.InitialPose(graph.scan(graph.returns().scan[r]).pose).yaw;
-      normals_.push_back(Eigen::Rotation2Dd(yaw) * normals[r].cast<double>());
-      if (!normals[r].isZero()) surface_.push_back(r);
+      const double yaw = graph.InitialPose(graph.scan(graph.ScanOfReturn(r)).pose).yaw;
+      normals_.push_back(Eigen::Rotation2Dd(yaw) * normals[r].Direction());
+      if (!normals[r].IsNone()) surface_.push_back(r);
     }
     for (const std::size_t r : surface_) {
       typical_radius_m_ += std::log(PilotRadius(ByDistance(r), r)) / surface_.size();
@@ -65,7 +65,7 @@ class Oracle {
                           static_cast<double>(members.size()) >= number;
       if (enough) break;
       members.push_back(q);
-      several_scans = several_scans || graph_.returns().scan[q] != graph_.returns().scan[r];
+      several_scans = several_scans || graph_.ScanOfReturn(q) != graph_.ScanOfReturn(r);
     }
     if (static_cast<int>(members.size()) < options_.min_points || !several_scans) return none;
     return Line(members, r);
@@ -118,7 +118,7 @@ class Oracle {
 TangentLines LinesOf(const SlamGraph& graph, const AssociationOptions& options,
                      int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return LinesFromNearest(graph, graph.InitialState(), NormalsOf(graph), options, &pool);
+  return LinesFromNearest(graph, graph.InitialState(), SurfaceOf(graph).normals, options, &pool);
 }
 
 TEST(NearestLinesTest, FollowTheRule) {
@@ -131,7 +131,7 @@ TEST(NearestLinesTest, FollowTheRule) {
   for (const AssociationOptions& options : {AssociationOptions(), few, fixed_number}) {
     const SlamGraph graph = MakeGraph(Room(0.01), seed++);
     const TangentLines lines = LinesOf(graph, options);
-    const Oracle oracle(graph, NormalsOf(graph), options);
+    const Oracle oracle(graph, SurfaceOf(graph).normals, options);
     ASSERT_EQ(lines.size(), graph.num_returns());
     EXPECT_GE(lines.CountReturns(), graph.num_returns() / 3);
     for (std::size_t r = 0; r < lines.size(); ++r) {

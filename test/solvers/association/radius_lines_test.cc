@@ -103,7 +103,7 @@ TEST(RadiusLinesTest, TheTwoFacesOfAThinWallStayApart) {
     EXPECT_GE(lines.CountReturns(), graph.num_returns() * 95 / 100);
     for (std::size_t r = 0; r < lines.size(); ++r) {
       if (!lines.HasLine(r)) continue;
-      const bool from_above = graph.InitialPose(graph.returns().scan[r]).y > 0.0;
+      const bool from_above = graph.InitialPose(graph.ScanOfReturn(r)).y > 0.0;
       const Eigen::Vector2d foot(MapPoint(state, r).x(), from_above ? upper : -upper);
       EXPECT_LE(std::abs(Height(lines[r], foot)), 0.01) << foot.transpose();
     }

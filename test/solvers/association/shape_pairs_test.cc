@@ -14,8 +14,8 @@ namespace {
 
 std::vector<ShapePair> PairsOf(const SlamGraph& graph, int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return FindShapePairs(graph, graph.InitialState().points, NormalsOf(graph), AssociationOptions(),
-                        &pool);
+  return FindShapePairs(graph, graph.InitialState().points, SurfaceOf(graph).normals,
+                        AssociationOptions(), &pool);
 }
 
 std::vector<ShapePair> PairsOf(const SyntheticScene& scene) { return PairsOf(MakeGraph(scene)); }
@@ -87,7 +87,7 @@ TEST(ShapePairsTest, EndsOfSegmentsAreDistinctReturnsInOrder) {
   ASSERT_GE(pairs.size(), 20u);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     EXPECT_LT(pairs[i].previous, pairs[i].current);
-    EXPECT_EQ(graph.returns().scan[pairs[i].previous], graph.returns().scan[pairs[i].current]);
+    EXPECT_EQ(graph.ScansOfReturns()[pairs[i].previous], graph.ScansOfReturns()[pairs[i].current]);
     if (i > 0) {
       EXPECT_LT(pairs[i - 1].current, pairs[i].previous);
     }

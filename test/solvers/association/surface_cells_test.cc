@@ -39,13 +39,10 @@ ScatteredReturns ScatterReturns(int num_scans) {
     EXPECT_TRUE(scattered.graph.AddScan((7 * s) % kNumPoses, laser, ranges).ok());
   }
   scattered.poses = scattered.graph.initial_poses();
-  std::vector<Eigen::Vector2f> normals;
   for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
-    const Eigen::Vector2f normal = random.Direction().cast<float>();
-    normals.push_back(r % 7 == 3 ? Eigen::Vector2f(Eigen::Vector2f::Zero()) : normal);
+    const ReturnNormal normal(random.Direction());
+    scattered.surface.normals.push_back(r % 7 == 3 ? ReturnNormal() : normal);
   }
-  ThreadPool pool(1);
-  scattered.surface = MeasureSurface(scattered.graph, normals, &pool);
   return scattered;
 }
 
@@ -63,14 +60,15 @@ struct Placed {
 std::vector<Placed> PlaceReturns(const ScatteredReturns& scattered, const SurfaceGrid& grid) {
   std::vector<Placed> placed;
   for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
-    const int pose = scattered.graph.scan(scattered.graph.returns().scan[r]).pose;
+    const int pose = scattered.graph.scan(scattered.graph.ScanOfReturn(r)).pose;
     const Pose2 world_from_robot(&scattered.poses[3 * pose]);
-    const Eigen::Vector2d in_robot = scattered.surface.points[r].cast<double>();
-    const Eigen::Vector2f& normal = scattered.surface.normals[r];
+    const Eigen::Vector2d in_robot = scattered.graph.PointInRobot(r);
+    const ReturnNormal normal = scattered.surface.normals[r];
+    const Eigen::Vector2d direction = normal.Direction();
     placed.push_back(
         {Pose2(0, 0, -grid.cell_yaw_rad) * Eigen::Vector2d(world_from_robot * in_robot),
-         std::atan2(normal.y(), normal.x()) + world_from_robot.yaw - grid.octant_yaw_rad, pose,
-         !normal.isZero()});
+         std::atan2(direction.y(), direction.x()) + world_from_robot.yaw - grid.octant_yaw_rad,
+         pose, !normal.IsNone()});
   }
   return placed;
 }
@@ -118,7 +116,8 @@ void ExpectCellsOf(const std::vector<Placed>& placed, SurfaceCells cells) {
 constexpr SurfaceGrid kTurnedGrid{0.3, 0.4, -0.2};
 
 TEST(SurfaceCellsTest, AgreesWithAPlainMap) {
-  const ScatteredReturns scattered = ScatterReturns(700);
+  // More scans than are sorted at once.
+  const ScatteredReturns scattered = ScatterReturns(8500);
   ThreadPool pool(2);
   std::vector<int> cell_of_return;
   const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
@@ -150,8 +149,7 @@ TEST(SurfaceCellsTest, CountsPosesAndNotScans) {
     std::vector<double> ranges(12, kInfinity);
     ranges[4] = 1.0;
     ASSERT_TRUE(scattered.graph.AddScan(pose, 0, ranges).ok());
-    scattered.surface.points.emplace_back(0.1f, 0.1f);
-    scattered.surface.normals.emplace_back(1.0f, 0.0f);
+    scattered.surface.normals.emplace_back(Eigen::Vector2d(1.0, 0.0));
     ThreadPool pool(1);
     std::vector<int> cell_of_return;
     const SurfaceCells cells = SortIntoCells(scattered.graph, scattered.poses, scattered.surface,
@@ -257,19 +255,19 @@ TEST(SurfaceCellsTest, TheDominantDirectionIsThatOfTheWalls) {
     ScatteredReturns scattered = ScatterReturns(600);
     RandomStates random(8);
     for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
-      Eigen::Vector2f& normal = scattered.surface.normals[r];
-      if (normal.isZero() || r % 3 == 0) continue;  // a third stays clutter
-      const int pose = scattered.graph.scan(scattered.graph.returns().scan[r]).pose;
+      ReturnNormal& normal = scattered.surface.normals[r];
+      if (normal.IsNone() || r % 3 == 0) continue;  // a third stays clutter
+      const int pose = scattered.graph.scan(scattered.graph.ScanOfReturn(r)).pose;
       const double angle = walls_rad + 0.5 * kPi * static_cast<double>(r % 4) +
                            random.Gaussian(0.02) - scattered.graph.InitialPose(pose).yaw;
-      normal = Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
+      normal = ReturnNormal({std::cos(angle), std::sin(angle)});
     }
     ThreadPool pool(2);
     EXPECT_NEAR(DominantDirection(scattered.graph, scattered.poses, scattered.surface, &pool),
                 walls_rad, 0.02);
   }
   ScatteredReturns nothing = ScatterReturns(10);
-  for (Eigen::Vector2f& normal : nothing.surface.normals) normal.setZero();
+  for (ReturnNormal& normal : nothing.surface.normals) normal = {};
   ThreadPool pool(1);
   EXPECT_EQ(DominantDirection(nothing.graph, nothing.poses, nothing.surface, &pool), 0.0);
 }

@@ -22,9 +22,8 @@ double MarginalEnergyOf(const SlamGraph& graph, const std::vector<double>& poses
   ThreadPool pool(num_threads);
   const MeasuredSurface surface = SurfaceOf(graph);
   return MarginalEnergy(
-      graph, poses, surface,
-      LinesFromRadius(graph, poses, surface, AssociationOptions(), kRadius_m, &pool), factors,
-      &pool);
+      graph, poses, LinesFromRadius(graph, poses, surface, AssociationOptions(), kRadius_m, &pool),
+      factors, &pool);
 }
 
 TEST(MarginalEnergyTest, DoesNotLookAtInitialGuesses) {
@@ -55,10 +54,10 @@ TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
       expected += 0.5 * 16.0;  // clutter
       continue;
     }
-    const Pose2 laser = graph.WorldFromLaser(graph.returns().scan[r], poses);
+    const Pose2 laser = graph.WorldFromLaser(graph.ScanOfReturn(r), poses);
     const BeamFrame frame =
-        MakeBeamFrame(&poses[3 * graph.scan(graph.returns().scan[r]).pose],
-                      graph.LaserOfScan(graph.returns().scan[r]).robot_from_laser);
+        MakeBeamFrame(&poses[3 * graph.scan(graph.ScanOfReturn(r)).pose],
+                      graph.LaserOfScan(graph.ScanOfReturn(r)).robot_from_laser);
     EXPECT_NEAR(frame.x, laser.x, 1e-12);
     Eigen::Vector2d point = MapPoint(room.state, r);
     double cost = 0.0;

@@ -17,12 +17,10 @@ namespace {
 /// by up to `reach_m`. Every eighth point has none.
 struct LinedRoom {
   NoisyRoom room = MakeNoisyRoom();
-  MeasuredSurface surface;
   TangentLines lines;
 
   explicit LinedRoom(double reach_m) {
     RandomStates random(9);
-    surface = SurfaceOf(room.graph);
     lines = TangentLines(room.graph.num_returns());
     for (std::size_t r = 0; r < room.graph.num_returns(); ++r) {
       const Eigen::Vector2d normal = random.Direction();
@@ -34,15 +32,15 @@ struct LinedRoom {
 
   PointDisplacements Recover(const FactorOptions& factors, int num_threads = 2) {
     ThreadPool pool(num_threads);
-    room.state.points = RecoverPoints(room.graph, room.state.poses, surface, lines, factors, &pool);
-    return MeasureDisplacements(room.graph, room.state, surface, factors, &pool);
+    room.state.points = RecoverPoints(room.graph, room.state.poses, lines, factors, &pool);
+    return MeasureDisplacements(room.graph, room.state, factors, &pool);
   }
 
   /// Covariance of the beam, world frame.
   Eigen::Matrix2d Covariance(std::size_t r, const FactorOptions& factors) const {
     const SlamGraph& graph = room.graph;
     const double bearing =
-        graph.WorldFromLaser(graph.returns().scan[r], room.state.poses).yaw + graph.Bearing(r);
+        graph.WorldFromLaser(graph.ScanOfReturn(r), room.state.poses).yaw + graph.Bearing(r);
     Eigen::Matrix2d axes;
     axes << std::cos(bearing), -std::sin(bearing), std::sin(bearing), std::cos(bearing);
     const Eigen::Vector2d sigmas(factors.beam.sigma_range_m,
@@ -61,7 +59,7 @@ struct LinedRoom {
   }
 
   Eigen::Vector2d Measured(std::size_t r) const {
-    return room.state.WorldFromRobot(room.graph.scan(room.graph.returns().scan[r]).pose) *
+    return room.state.WorldFromRobot(room.graph.scan(room.graph.ScanOfReturn(r)).pose) *
            room.graph.PointInRobot(r);
   }
   Eigen::Vector2d Moved(std::size_t r) const { return MapPoint(room.state, r) - Measured(r); }
@@ -176,8 +174,8 @@ TEST(PointRecoveryTest, LengthsBeyondAllBinsAreInTheLast) {
   LinedRoom lined(0.0);
   for (double& coordinate : lined.room.state.points) coordinate += 50.0;
   ThreadPool pool(2);
-  const PointDisplacements displacements = MeasureDisplacements(
-      lined.room.graph, lined.room.state, lined.surface, FactorOptions(), &pool);
+  const PointDisplacements displacements =
+      MeasureDisplacements(lined.room.graph, lined.room.state, FactorOptions(), &pool);
   EXPECT_EQ(displacements.sigma_counts.back(), lined.lines.size());
   EXPECT_EQ(displacements.octave_counts.back(), lined.lines.size());
 }
@@ -218,10 +216,9 @@ TEST(PointRecoveryTest, AGraphWithoutReturnsHasNoPoints) {
   ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
   ThreadPool pool(2);
   const MapState state = graph.InitialState();
-  EXPECT_TRUE(
-      RecoverPoints(graph, state.poses, MeasuredSurface(), {}, FactorOptions(), &pool).empty());
+  EXPECT_TRUE(RecoverPoints(graph, state.poses, {}, FactorOptions(), &pool).empty());
   const PointDisplacements displacements =
-      MeasureDisplacements(graph, state, MeasuredSurface(), FactorOptions(), &pool);
+      MeasureDisplacements(graph, state, FactorOptions(), &pool);
   EXPECT_EQ(displacements.mean_m, 0.0);
   EXPECT_EQ(displacements.max_m, 0.0);
 }

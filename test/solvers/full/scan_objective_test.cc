@@ -57,7 +57,7 @@ TEST(ScanObjectiveTest, PointsStayWhereTheirRobotSeesThem) {
   const Vector moved = Plus(state.poses, RandomVector(state.poses.size(), 1.0), 1.0);
   objective.PlacePoints(moved, &placed);
   for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    const int pose = graph.scan(graph.returns().scan[r]).pose;
+    const int pose = graph.scan(graph.ScanOfReturn(r)).pose;
     const Eigen::Vector2d before = state.WorldFromRobot(pose).Inverse() * MapPoint(state, r);
     const Eigen::Vector2d after =
         Pose2(&moved[3 * pose]).Inverse() * Eigen::Vector2d(placed[2 * r], placed[2 * r + 1]);

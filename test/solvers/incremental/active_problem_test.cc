@@ -45,7 +45,7 @@ struct Parts {
     return all;
   }
   void Weigh(const std::vector<int>& poses) {
-    store.Weigh(poses, room.graph, surface, FramesOf(room.state.poses), loss, &pool);
+    store.Weigh(poses, room.graph, FramesOf(room.state.poses), loss, &pool);
   }
   ActiveProblem Problem(const std::vector<int>& active) {
     return {active, room.graph, edges, store, room.state.poses, &pool};

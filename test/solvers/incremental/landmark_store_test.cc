@@ -51,7 +51,7 @@ struct StoredRoom {
 
   void Place(const std::vector<int>& poses) {
     store.Place(poses, room.graph, surface, frames, loss, &pool);
-    store.Weigh(poses, room.graph, surface, frames, loss, &pool);
+    store.Weigh(poses, room.graph, frames, loss, &pool);
   }
   void Displace(const std::vector<int>& poses, double sigma, RandomStates* random) {
     for (const int pose : poses) {
@@ -76,8 +76,8 @@ struct StoredRoom {
     for (const int pose : all) {
       if (store.IsPlaced(pose)) placed.push_back(pose);
     }
-    store.Weigh(placed, room.graph, surface, frames, loss, &pool);
-    ReturnCompressor compressor(room.graph, surface, options.noise, &pool);
+    store.Weigh(placed, room.graph, frames, loss, &pool);
+    ReturnCompressor compressor(room.graph, options.noise, &pool);
     LineObservations expected =
         compressor.LayOut(store.landmarks().size(), store.landmark_of_return());
     compressor.Weigh(Lines(), frames, loss, &expected);

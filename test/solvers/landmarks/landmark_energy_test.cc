@@ -18,7 +18,7 @@ std::vector<double> EnergiesOf(const SlamGraph& graph, const std::vector<double>
   const MeasuredSurface surface = SurfaceOf(graph);
   const FactorOptions factors;
   return LandmarkEnergies(
-      graph, surface, factors,
+      graph, factors,
       CutIntoLandmarks(graph, poses, surface, LandmarkOptionsFor(factors, AssociationOptions()),
                        &pool),
       states, &pool);

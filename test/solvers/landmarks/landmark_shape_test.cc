@@ -149,7 +149,7 @@ TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
   landmarks.landmarks.resize(4);
   ThreadPool pool(1);
   const std::vector<AdjacentLandmarks> adjacent =
-      FindAdjacentLandmarks(graph, SurfaceOf(graph), landmarks, 0.2, &pool);
+      FindAdjacentLandmarks(graph, landmarks, 0.2, &pool);
   ASSERT_EQ(adjacent.size(), 4u);
   for (int pose = 0; pose < 2; ++pose) {
     for (int i = 0; i < 2; ++i) {

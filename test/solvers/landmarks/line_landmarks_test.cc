@@ -43,7 +43,7 @@ struct CutScene {
   }
 
   std::size_t num_landmarks() const { return cut.landmarks.size(); }
-  int PoseOf(std::size_t r) const { return graph.scan(graph.returns().scan[r]).pose; }
+  int PoseOf(std::size_t r) const { return graph.scan(graph.ScanOfReturn(r)).pose; }
   Pose2 WorldFromRobot(int pose) const { return Pose2(&poses[3 * pose]); }
   bool HasLandmark(std::size_t r) const {
     return cut.landmark_of_return[r] != LineLandmarks::kNone;
@@ -59,7 +59,7 @@ struct CutScene {
   /// Standard deviation of its distance [m].
   double NoiseOfReturn(std::size_t r) const {
     const LineLandmark& landmark = cut.landmarks[cut.landmark_of_return[r]];
-    const Pose2 world_from_laser = graph.WorldFromLaser(graph.returns().scan[r], poses);
+    const Pose2 world_from_laser = graph.WorldFromLaser(graph.ScanOfReturn(r), poses);
     return std::sqrt(noise.surface_variance +
                      noise.BeamVariance(End(r) - world_from_laser.translation(), landmark.normal));
   }
@@ -77,7 +77,7 @@ struct CutScene {
   double CoveredShare() const {
     int with_normal = 0, with_landmark = 0;
     for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-      with_normal += !surface.normals[r].isZero();
+      with_normal += !surface.normals[r].IsNone();
       with_landmark += HasLandmark(r);
     }
     return static_cast<double>(with_landmark) / with_normal;
@@ -94,7 +94,7 @@ struct CutScene {
       ASSERT_GE(landmark, 0);
       ASSERT_LT(landmark, static_cast<int>(num_landmarks()));
       EXPECT_LE((End(r) - cut.landmarks[landmark].origin).norm(), 0.8 * std::sqrt(0.5) + 1e-6);
-      if (surface.normals[r].isZero()) {
+      if (surface.normals[r].IsNone()) {
         EXPECT_LE(std::abs(Distance(r)), 3.0 * NoiseOfReturn(r));
         continue;
       }
@@ -307,12 +307,12 @@ TEST(LineLandmarksTest, NormalsMakeTheLandmarks) {
   scene.poses = PosesAlong(-1, 1, 6);
   CutScene wall(scene);
   for (std::size_t r = 0; r < wall.surface.normals.size(); ++r) {
-    if (r % 3 == 0) wall.surface.normals[r].setZero();
+    if (r % 3 == 0) wall.surface.normals[r] = {};
   }
   wall.Cut();
   EXPECT_GT(wall.num_landmarks(), 3u);
   wall.ExpectSound();
-  for (Eigen::Vector2f& normal : wall.surface.normals) normal.setZero();
+  for (ReturnNormal& normal : wall.surface.normals) normal = {};
   wall.Cut();
   EXPECT_EQ(wall.num_landmarks(), 0u);
 }
@@ -334,10 +334,18 @@ class ReturnsWithoutNormalTest : public testing::Test {
     std::vector<std::size_t> taken;
     for (std::size_t r = 0; r < scene_.graph.num_returns(); r += 10) {
       if (!scene_.HasLandmark(r)) continue;
-      scene_.surface.normals[r].setZero();
+      scene_.surface.normals[r] = {};
       taken.push_back(r);
     }
     return taken;
+  }
+
+  void ScaleRanges(const std::vector<std::size_t>& returns, double factor) {
+    const std::vector<float>& ranges_m = scene_.graph.returns().range_m;
+    MeasurementCorrections corrections;
+    corrections.range_m.assign(ranges_m.begin(), ranges_m.end());
+    for (const std::size_t r : returns) corrections.range_m[r] *= factor;
+    scene_.graph = scene_.graph.Corrected(corrections);
   }
 
   CutScene scene_;
@@ -360,7 +368,7 @@ TEST_F(ReturnsWithoutNormalTest, HaveNoSayInHowTheSurfacesAreCut) {
   const std::vector<std::size_t> taken = TakeNormals();
   scene_.Cut();
   const LineLandmarks before = scene_.cut;
-  for (const std::size_t r : taken) scene_.surface.points[r] *= 1.5f;
+  ScaleRanges(taken, 1.5);
   scene_.Cut();
   ASSERT_EQ(scene_.num_landmarks(), before.landmarks.size());
   for (std::size_t p = 0; p < before.landmarks.size(); ++p) {
@@ -370,11 +378,7 @@ TEST_F(ReturnsWithoutNormalTest, HaveNoSayInHowTheSurfacesAreCut) {
 
 TEST_F(ReturnsWithoutNormalTest, StayAloneMoreThanThreeSigmasOff) {
   const std::vector<std::size_t> taken = TakeNormals();
-  for (const std::size_t r : taken) {
-    Eigen::Vector2f& point = scene_.surface.points[r];
-    point *=
-        1.0f - 8.0f * static_cast<float>(scene_.noise.StandardDeviation());  // 1 m away or more
-  }
+  ScaleRanges(taken, 1.0 - 8.0 * scene_.noise.StandardDeviation());  // 1 m away or more
   scene_.Cut();
   for (const std::size_t r : taken) EXPECT_FALSE(scene_.HasLandmark(r));
 }
@@ -393,8 +397,7 @@ TEST_F(ReturnsWithoutNormalTest, StayAloneOnTheFarSide) {
   const std::size_t first = graph.num_returns();
   ASSERT_TRUE(graph.AddPoints(beyond, 0, points).ok());
   for (std::size_t r = first; r < graph.num_returns(); ++r) {
-    scene_.surface.points.push_back(graph.PointInRobot(r).cast<float>());
-    scene_.surface.normals.emplace_back(0.0f, 0.0f);
+    scene_.surface.normals.emplace_back();
   }
   ASSERT_EQ(graph.num_returns(), first + taken.size());
   scene_.Cut();

@@ -65,20 +65,19 @@ struct Sighted {
     return lines;
   }
 
-  int PoseOf(std::size_t r) const { return graph.scan(graph.returns().scan[r]).pose; }
+  int PoseOf(std::size_t r) const { return graph.scan(graph.ScanOfReturn(r)).pose; }
 
   /// Signed distance [m] of a return from its landmark's line.
   double Distance(std::size_t r, const std::vector<LineLandmark>& lines,
                   const std::vector<double>& poses) const {
     const LineLandmark& line = lines[landmark_of_return[r]];
-    const Eigen::Vector2d point =
-        Pose2(&poses[3 * PoseOf(r)]) * Eigen::Vector2d(surface.points[r].cast<double>());
+    const Eigen::Vector2d point = Pose2(&poses[3 * PoseOf(r)]) * graph.PointInRobot(r);
     return line.normal.dot(point - line.origin) - line.offset_m;
   }
 
   /// sigma_M^2 + n^T C n [m^2], C from the beam as the graph has it.
   double Variance(std::size_t r) const {
-    const int scan = graph.returns().scan[r];
+    const int scan = graph.ScanOfReturn(r);
     const double bearing = graph.WorldFromLaser(scan, graph.initial_poses()).yaw + graph.Bearing(r);
     const Eigen::Vector2d axis(std::cos(bearing), std::sin(bearing)), side(-axis.y(), axis.x());
     const Eigen::Vector2d& normal = landmarks[landmark_of_return[r]].normal;
@@ -97,7 +96,7 @@ struct Sighted {
 
 LineObservations LayOutAndWeigh(const Sighted& sighted, const GemanMcClure& loss, ThreadPool* pool,
                                 double* cost) {
-  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), pool);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), pool);
   LineObservations observations = compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
   *cost = compressor.Weigh(sighted.landmarks, FramesOf(sighted.graph.initial_poses()), loss,
                            &observations);
@@ -132,7 +131,7 @@ TEST(LineObservationsTest, FramesAreThePoses) {
 TEST(LineObservationsTest, ListsEachPairOfPoseAndLandmarkOnce) {
   const Sighted sighted;
   ThreadPool pool(2);
-  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
   const LineObservations observations =
       compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
   std::set<std::pair<int, int>> expected;  // landmark, pose
@@ -140,7 +139,7 @@ TEST(LineObservationsTest, ListsEachPairOfPoseAndLandmarkOnce) {
     const int landmark = sighted.landmark_of_return[r];
     if (landmark != LineLandmarks::kNone) expected.insert({landmark, sighted.PoseOf(r)});
   }
-  EXPECT_EQ(compressor.LandmarkOfReturn(), sighted.landmark_of_return);
+  EXPECT_EQ(compressor.TakeLandmarkOfReturn(), sighted.landmark_of_return);
   ASSERT_EQ(observations.num_landmarks(), static_cast<std::size_t>(kNumLandmarks));
   ASSERT_EQ(static_cast<int>(observations.num_poses()), sighted.graph.num_poses());
   ASSERT_EQ(observations.observations.size(), expected.size());
@@ -231,7 +230,7 @@ TEST(LineObservationsTest, CostsWhatItsReturnsCostAtAnyPoseAndLine) {
 TEST(LineObservationsTest, WeighingAgainStartsFromNothing) {
   const Sighted sighted;
   ThreadPool pool(1);
-  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
   LineObservations observations = compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
   const std::vector<PoseFrame> frames = FramesOf(sighted.graph.initial_poses());
   const GemanMcClure loss = GemanMcClure::FromGate(2.0);
@@ -249,7 +248,7 @@ TEST(LineObservationsTest, WeighingAgainStartsFromNothing) {
 TEST(LineObservationsTest, AnotherLayoutTakesTheFirstOnesPlace) {
   const Sighted sighted;
   ThreadPool pool(1);
-  ReturnCompressor compressor(sighted.graph, sighted.surface, NoiseOf(sighted.factors), &pool);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
   compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
   LineObservations all_on_one =
       compressor.LayOut(1, std::vector<int>(sighted.graph.num_returns(), 0));

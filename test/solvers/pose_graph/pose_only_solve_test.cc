@@ -60,7 +60,7 @@ TEST_P(PoseOnlySolveTest, PointsRideAlong) {
   ASSERT_TRUE(Solve(Options(), room.graph, &room.state).IsSolutionUsable());
   const SlamGraph& graph = room.graph;
   const auto in_robot = [&graph](const MapState& state, std::size_t r) -> Eigen::Vector2d {
-    return state.WorldFromRobot(graph.scan(graph.returns().scan[r]).pose).Inverse() *
+    return state.WorldFromRobot(graph.scan(graph.ScanOfReturn(r)).pose).Inverse() *
            MapPoint(state, r);
   };
   EXPECT_GT((MapPoint(before, 1500) - MapPoint(room.state, 1500)).norm(), 1e-3);

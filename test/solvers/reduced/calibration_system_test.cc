@@ -42,15 +42,14 @@ class CalibrationSystemTest : public testing::Test {
                             LandmarkOptionsFor(factors_, AssociationOptions()), &pool_);
     // Without a normal, next to a corner, some are on the line of the other wall: not exact data.
     for (std::size_t r = 0; r < surface.normals.size(); ++r) {
-      if (surface.normals[r].isZero()) cut_.landmark_of_return[r] = LineLandmarks::kNone;
+      if (surface.normals[r].IsNone()) cut_.landmark_of_return[r] = LineLandmarks::kNone;
     }
   }
 
   // At the parameters and poses of the moment, the lines refitted.
   double Energy() {
     const SlamGraph& graph = calibrated_->graph();
-    const MeasuredSurface surface = MeasureSurface(graph, ReturnNormalOptions(), &pool_);
-    ReturnCompressor compressor(graph, surface, calibrated_->Noise(factors_), &pool_);
+    ReturnCompressor compressor(graph, calibrated_->Noise(factors_), &pool_);
     observations_ = compressor.LayOut(cut_.landmarks.size(), cut_.landmark_of_return);
     landmarks_ = cut_.landmarks;
     frames_ = FramesOf(calibrated_->poses());

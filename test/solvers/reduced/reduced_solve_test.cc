@@ -45,7 +45,7 @@ SolverSummary SolveSoundly(const SolverOptions& options, const SlamGraph& graph,
     const MeasuredSurface surface =
         MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool);
     const std::vector<double> energies = LandmarkEnergies(
-        graph, surface, options.factors,
+        graph, options.factors,
         CutIntoLandmarks(graph, seed.poses, surface,
                          LandmarkOptionsFor(options.factors, options.association), &pool),
         {&seed.poses, &state->poses}, &pool);

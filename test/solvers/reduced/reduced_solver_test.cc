@@ -134,7 +134,7 @@ TEST(ReducedSolverTest, TheCallbackStopsAfterTheStepItSaw) {
 TEST(ReducedSolverTest, WithoutSurfacesTheOdometryRules) {
   NoisyRoom room = DisturbedRoom();
   MeasuredSurface blind = SurfaceOf(room.graph);
-  for (Eigen::Vector2f& normal : blind.normals) normal.setZero();
+  for (ReturnNormal& normal : blind.normals) normal = {};
   ThreadPool pool(2);
   ReducedOptions options;
   options.cg_tolerance = 1e-8;
