@@ -50,8 +50,8 @@ void ExpectSameScan(const SlamGraph& graph, int scan, const SlamGraph& expected,
   for (std::size_t k = 0; k < entry.num_returns; ++k) {
     const std::size_t r = entry.first_return + k, s = other.first_return + k;
     EXPECT_EQ(graph.returns().range_m[r], expected.returns().range_m[s]);
-    EXPECT_EQ(graph.returns().beam[r], expected.returns().beam[s]);
-    EXPECT_EQ(graph.returns().scan[r], scan);
+    EXPECT_EQ(graph.Beam(r), expected.Beam(s));
+    EXPECT_EQ(graph.ScanOfReturn(r), scan);
     EXPECT_EQ(graph.Bearing(r), expected.Bearing(s));
   }
 }
