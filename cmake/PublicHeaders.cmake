@@ -20,6 +20,7 @@ set(PLUMBLINE_DOORS
 set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
+  core/measurements.h
   core/options_check.h
   core/return_normal.h
   core/scan_returns.h

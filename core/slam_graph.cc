@@ -276,6 +276,18 @@ std::size_t SlamGraph::ReturnIdAmongAll(std::size_t return_id) const {
   return all_scans()[IdAmongAll(scan)].first_return + (return_id - scans_[scan].first_return);
 }
 
+int SlamGraph::ScanOfReturn(std::size_t return_id) const {
+  const std::size_t block = return_id / kReturnsPerBlock;
+  const auto first = scans_.begin() + scan_of_block_[block];
+  const auto last = block + 1 < scan_of_block_.size()
+                        ? scans_.begin() + scan_of_block_[block + 1] + 1
+                        : scans_.end();
+  const auto after = std::upper_bound(
+      first, last, return_id,
+      [](std::size_t id, const ScanEntry& scan) { return id < scan.first_return; });
+  return static_cast<int>(after - scans_.begin()) - 1;
+}
+
 void SlamGraph::PackScan(int scan_id, std::vector<char>* bytes) const {
   const ScanEntry& scan = scans_[scan_id];
   const auto append = [bytes](const auto* values, std::size_t count) {

@@ -2,7 +2,6 @@
 #define PLUMBLINE_CORE_SLAM_GRAPH_H_
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -74,12 +73,11 @@ class SlamGraph {
   Status AddRelativePose(const RelativePoseConstraint& constraint);
 
   /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
-  /// some poses only, and the peers have those of the others. rank_of_pose: which peer has the
-  /// scans of each pose; all_scans: the sweeps of the larger graph, those of this part in its own
-  /// order. Scan and return ids, and the points of a state, are those of this part. Keeps the
-  /// pointer, which must not be null.
+  /// some poses only, and the peers, not null, have those of the others. rank_of_pose: which peer
+  /// has the scans of each pose; all_scans: the sweeps of the larger graph, those of this part in
+  /// its own order. Scan and return ids, and the points of a state, are those of this part.
   void ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
-                 std::vector<ScanEntry> all_scans = {});
+                 std::vector<ScanEntry> all_scans);
   /// Who has the other scans; null if this graph has them all.
   const Peers* peers() const { return peers_; }
   /// Which peer has the scans of each pose; empty if this graph has them all.
@@ -152,17 +150,7 @@ class SlamGraph {
             index.first_large_beam};
   }
   /// The sweep that a return is part of.
-  int ScanOfReturn(std::size_t return_id) const {
-    const std::size_t block = return_id / kReturnsPerBlock;
-    const auto first = scans_.begin() + scan_of_block_[block];
-    const auto last = block + 1 < scan_of_block_.size()
-                          ? scans_.begin() + scan_of_block_[block + 1] + 1
-                          : scans_.end();
-    const auto after = std::upper_bound(
-        first, last, return_id,
-        [](std::size_t id, const ScanEntry& scan) { return id < scan.first_return; });
-    return static_cast<int>(after - scans_.begin()) - 1;
-  }
+  int ScanOfReturn(std::size_t return_id) const;
   /// Index of the beam of a return within its sweep; gaps are beams without return.
   int Beam(std::size_t return_id) const { return ReturnsNear(return_id).Beam(return_id); }
   /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.

@@ -16,6 +16,7 @@
 #include "plumbline/solvers/loop_closure/part_joins.h"
 #include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
 #include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
+#include "plumbline/solvers/loop_closure/steps_in_question.h"
 #include "plumbline/solvers/loop_closure/strained_stretches.h"
 #include "plumbline/solvers/loop_closure/suspect_clusters.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
@@ -35,13 +36,8 @@ constexpr std::size_t kMostTentative = 8;
 constexpr int kMaxRevisions = 6;
 // At most so often the closures of a session with others at one place are found wrong.
 constexpr int kMostBentPlaces = 12;
-// Steps that may be wrong at the same time, at most: those with the most evidence against them.
-constexpr std::size_t kMaxStepsInQuestion = 12;
-// At most so many of them are taken as wrong without a closure that says so, one at a time.
+// At most so many steps are taken as wrong without a closure that says so, one at a time.
 constexpr int kMaxForcedBreaks = 3;
-// A step leads elsewhere if it is off by this much [m]: more than matching leaves, less than a jump
-// that matters.
-constexpr double kElsewhereM = 0.15;
 // At most so many steps are looked at as ones over which the robot may have been carried anywhere.
 constexpr int kMostCarried = 3;
 // Places that are tried with closures of their own where a robot may have been carried to: the best
@@ -121,7 +117,7 @@ class HypothesisSearch {
     if (ties_ == nullptr) return Status::Ok();
     for (int i = 0; i < kMostBentPlaces; ++i) {
       PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-      const TiedPlace worst = MostBentPlace(best->keys);
+      const TiedPlace worst = MostBentPlace(best->keys, pool_);
       if (!worst.is_bent()) break;
       MapHypothesis other;
       other.kind = best->kind;
@@ -138,20 +134,10 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  TiedPlace MostBentPlace(const KeyframeGraph& keys) const {
-    TiedPlace worst;
-    for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
-      for (TiedPlace& place : TestTiedPlaces(keys, first, keys.EndOfSession(first), pool_)) {
-        if (place.relief > worst.relief) worst = std::move(place);
-      }
-    }
-    return worst;
-  }
-
   // Steps of the sequential matching as wrong as closures say, or as it takes.
   Status TryBreaks(MapHypothesis* best) {
     if (best->kind != HypothesisKind::kMatching) return Status::Ok();
-    const std::vector<int> suspects = MostSuspectSteps();
+    const std::vector<int> suspects = MostSuspectSteps(suspected_);
     KeyframeGraph in_question = suspected_;
     in_question.refused = best->keys.refused;
     for (const int step : suspects) in_question.sequential[step].in_question = true;
@@ -210,23 +196,13 @@ class HypothesisSearch {
     return steps;
   }
 
-  // Whether closures put the far side of a step elsewhere once it does not hold it itself, by more
-  // than matching leaves.
-  static bool LeadsElsewhere(int step, KeyframeGraph keys) {
-    if (keys.sequential[step].broken) return false;
-    keys.sequential[step].broken = true;
-    OptimizeKeyframes(&keys);
-    const Pose2 off = Between(keys.sequential[step].constraint.from_from_to, StepAt(step, keys));
-    return std::hypot(off.x, off.y) > kElsewhereM;
-  }
-
   // What lies beyond a wrong step may be anywhere. One step after the other, the worst first.
   Status TryJoins(MapHypothesis* best) {
     if (best->kind != HypothesisKind::kMatching && best->kind != HypothesisKind::kBrokenSteps) {
       return Status::Ok();
     }
     int num_tried = 0;
-    for (const int step : MostSuspectSteps()) {
+    for (const int step : MostSuspectSteps(suspected_)) {
       const bool is_suspect =
           suspected_.sequential[step].evidence >= SuspectStep::kUntrustedEvidence &&
           IsSuspicious(best->consistency);
@@ -352,25 +328,6 @@ class HypothesisSearch {
                          [pose](const SuspectStep& d) { return d.first_pose_after == pose; });
   }
 
-  // What the others contradicted gets another chance.
-  static KeyframeGraph WithContradicted(KeyframeGraph keys) {
-    keys.closures.insert(keys.closures.end(), keys.contradicted.begin(), keys.contradicted.end());
-    keys.contradicted.clear();
-    return keys;
-  }
-
-  // Whether the closures that were found move a step beyond its noise if it is allowed to be wrong:
-  // held as firmly as its neighbours, it shares its error out among them, or contradicts closures.
-  static bool GivesWay(const std::vector<int>& steps, KeyframeGraph keys) {
-    keys = WithContradicted(std::move(keys));
-    for (const int step : steps) keys.sequential[step].in_question = true;
-    OptimizeKeyframes(&keys);
-    return std::any_of(steps.begin(), steps.end(), [&](int step) {
-      return EdgeChi2(keys.sequential[step].constraint, keys.world_from_key) >
-             LoopAcceptance::kMaxEdgeChi2;
-    });
-  }
-
   Status TryBreak(const KeyframeGraph& keys, MapHypothesis* best) {
     MapHypothesis broken;
     PLUMBLINE_RETURN_IF_ERROR(MakeBroken(keys, &broken));
@@ -385,19 +342,6 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Close(broken));
     Weigh(broken);
     return Status::Ok();
-  }
-
-  // The worst first.
-  std::vector<int> MostSuspectSteps() const {
-    std::vector<int> steps;
-    for (std::size_t e = 0; e < suspected_.sequential.size(); ++e) {
-      if (suspected_.sequential[e].evidence > 0.0) steps.push_back(static_cast<int>(e));
-    }
-    std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
-      return suspected_.sequential[a].evidence > suspected_.sequential[b].evidence;
-    });
-    if (steps.size() > kMaxStepsInQuestion) steps.resize(kMaxStepsInQuestion);
-    return steps;
   }
 
   double Score(const MapConsistency& consistency) const {

@@ -97,4 +97,14 @@ std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int 
   return tested;
 }
 
+TiedPlace MostBentPlace(const KeyframeGraph& keys, ThreadPool* pool) {
+  TiedPlace worst;
+  for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
+    for (TiedPlace& place : TestTiedPlaces(keys, first, keys.EndOfSession(first), pool)) {
+      if (place.relief > worst.relief) worst = std::move(place);
+    }
+  }
+  return worst;
+}
+
 }  // namespace plumbline

@@ -29,6 +29,10 @@ struct TiedPlace {
 std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int end,
                                       ThreadPool* pool);
 
+/// The place whose closures bend the sessions of a graph most, of all between one and the others;
+/// without closures if there is none.
+TiedPlace MostBentPlace(const KeyframeGraph& keys, ThreadPool* pool);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_TIED_PLACES_H_
