@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <utility>
 
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
@@ -25,15 +24,15 @@ constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
 struct Rates {
   double bytes_per_return, bytes_per_scan;
 };
-constexpr Rates kSeeding{75.0, 12e3};
+constexpr Rates kSeeding{40.0, 9e3};
 constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;
 // Of LogMapping::as_swept.
-constexpr Rates kAsSwept{16.0, 0.0};
+constexpr Rates kAsSwept{10.0, 0.0};
 
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
-  double bytes_per_return = solver.IsOverLandmarks() ? 125.0 : 300.0;
+  double bytes_per_return = solver.IsOverLandmarks() ? 70.0 : 300.0;
   if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 500.0;
   if (solver.type == SolverType::kCeres) {
     const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
@@ -88,12 +87,12 @@ double PhysicalMemory() {
   return static_cast<double>(num_pages) * static_cast<double>(page_size);
 }
 
-// Of a picture of the map, as far as one can tell by the odometry; 0 for a map of absurd size.
-double NumPixels(const MapState& state, int picture_side_px) {
+// Of a picture of the map, as far as one can tell by the odometry; empty for a map of absurd size.
+MapRaster RasterOfPicture(const MapState& state, int picture_side_px) {
   MapRaster raster;
   const Status status = ChooseRaster(state.points, PosesOf(state.poses),
                                      MapPictureOptions().crop_share, picture_side_px, &raster);
-  return status.ok() ? static_cast<double>(raster.width) * raster.height : 0.0;
+  return status.ok() ? raster : MapRaster();
 }
 
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
@@ -132,7 +131,9 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
-  estimate.results = estimate.seeding + kBytesPerPixel * NumPixels(state, picture_side_px);
+  const MapRaster raster = RasterOfPicture(state, picture_side_px);
+  estimate.results = estimate.seeding + kBytesPerPixel * raster.width * raster.height;
+  estimate.picture_side_px = std::max(raster.width, raster.height);
   return estimate;
 }
 
@@ -155,12 +156,13 @@ std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_sid
   const double pictures = estimate->results - estimate->seeding;
   if (limit == 0.0 || estimate->results <= limit || pictures <= 0.0) return "";
   const double share = std::sqrt(std::max(limit - estimate->seeding, 0.0) / pictures);
-  const int side_px = static_cast<int>(share * *picture_side_px);
+  const int side_px = static_cast<int>(share * estimate->picture_side_px);
   if (side_px < kSmallestSidePx) return "";
-  estimate->results = estimate->seeding + pictures * std::pow(1.0 * side_px / *picture_side_px, 2);
-  const std::string before = std::to_string(std::exchange(*picture_side_px, side_px));
+  const double kept = static_cast<double>(side_px) / estimate->picture_side_px;
+  estimate->results = estimate->seeding + kept * kept * pictures;
+  estimate->picture_side_px = *picture_side_px = side_px;
   return "To stay within --max_memory, pictures have sides of " + std::to_string(side_px) +
-         " pixels at most, not " + before + '\n';
+         " pixels at most\n";
 }
 
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,

@@ -15,10 +15,10 @@ namespace plumbline {
 /// for the program, and
 ///
 ///                       bytes per return   kB per scan
-///   seeding                    75              12
-///   results                    75              12      and 20 bytes per pixel of a picture
-///   pose_graph, sgd            75              12
-///   reduced                   140               2
+///   seeding                    40               9
+///   results                    40               9      and 20 bytes per pixel of a picture
+///   pose_graph, sgd            40               9
+///   reduced                    70               2
 ///   alternating_cg            500               2
 ///   published                 300               2
 ///   ceres                    1600               2
@@ -33,6 +33,7 @@ struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;
   double results = 0.0;
+  int picture_side_px = 0;  ///< longer side of the largest picture: a small map has a small one
 
   double Peak() const;
   /// A line for people.

@@ -112,6 +112,7 @@ class SessionsRun {
       memory.seeding += own.seeding;
       memory.joint += own.joint;
       pictures = std::max(pictures, own.results - own.seeding);
+      memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
       graphs->push_back(std::move(graph));
     }

@@ -48,8 +48,10 @@ DEFINE_string(
 DEFINE_string(resume, "",
               "Checkpoint of an earlier run over the same log with the same options: goes on from "
               "there, to the same results");
-DEFINE_string(max_memory, "0",
-              "Refuse a run that needs more than this by estimate, as 4GB or 500MB; 0: no limit");
+DEFINE_string(
+    max_memory, "0",
+    "Make pictures and the occupancy grid coarser, or else refuse the run, where it needs "
+    "more than this by estimate, as 4GB or 500MB; 0: no limit");
 
 namespace plumbline {
 namespace {

@@ -29,7 +29,7 @@ struct SurfaceCellKey {
 
 /// Octant of a direction, given as a share of a full turn from the x axis, at least 0; octant 0 is
 /// centred on that axis.
-inline int OctantOf(double turns) { return static_cast<int>(8.0 * turns + 0.5) & 7; }
+inline int OctantOf(double turns) { return static_cast<int>(8.0 * (turns + 1.0 / 16.0)) & 7; }
 
 /// The returns that ended in one cell.
 struct SurfaceCell {

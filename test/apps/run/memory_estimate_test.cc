@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "plumbline/solvers/interface/ceres_options.h"
@@ -80,11 +81,13 @@ TEST_F(MemoryEstimateTest, ReadsSizes) {
 }
 
 TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
-  constexpr int kAskedPx = 4000;
+  constexpr int kAskedPx = 4000;  // more than a picture of a room has
   const auto estimate_at = [&](int side_px) {
     return EstimateMemory(graph_, state_, solver_, false, side_px);
   };
   const MemoryEstimate asked = estimate_at(kAskedPx);
+  ASSERT_GT(asked.picture_side_px, 700);
+  ASSERT_LT(asked.picture_side_px, kAskedPx);
   const auto fit = [&](double limit, MemoryEstimate* estimate, int* side_px) {
     *estimate = asked;
     *side_px = kAskedPx;
@@ -97,20 +100,20 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(side_px, kAskedPx);
     EXPECT_EQ(estimate.results, asked.results);
   }
-  // Smaller ones take as much as is left, and never more.
-  for (const int wanted_px : {350, 1000, 3900}) {
-    const double limit = estimate_at(wanted_px).results + 1e4;
+  // Smaller ones take as much as is left, and no more.
+  const double pictures = asked.results - asked.seeding;
+  for (const double share : {0.9, 0.5, 0.2}) {
+    const double limit = asked.seeding + share * pictures;
     const std::string text = fit(limit, &estimate, &side_px);
-    EXPECT_THAT(text,
-                HasSubstr("sides of " + std::to_string(side_px) + " pixels at most, not 4000"));
-    EXPECT_NEAR(side_px, wanted_px, 0.01 * wanted_px + 5.0);
-    EXPECT_LE(estimate.results, limit);
-    EXPECT_NEAR(estimate.results, estimate_at(side_px).results, 0.02 * estimate.results);
+    EXPECT_THAT(text, HasSubstr("sides of " + std::to_string(side_px) + " pixels at most"));
+    EXPECT_NEAR(side_px, std::sqrt(share) * asked.picture_side_px, 1.0);
+    EXPECT_NEAR(estimate.results, limit, 0.01 * pictures);
+    EXPECT_LE(estimate_at(side_px).results, limit);
     EXPECT_EQ(estimate.seeding, asked.seeding);
     EXPECT_TRUE(CheckMemory(estimate, limit, graph_, solver_).ok());
   }
   // What a picture of no use would not save is left for CheckMemory to refuse.
-  for (const double limit : {estimate_at(290).results, 0.9 * asked.seeding}) {
+  for (const double limit : {asked.seeding + 0.1 * pictures, 0.9 * asked.seeding}) {
     EXPECT_EQ(fit(limit, &estimate, &side_px), "");
     EXPECT_EQ(side_px, kAskedPx);
     EXPECT_FALSE(CheckMemory(estimate, limit, graph_, solver_).ok());
