@@ -22,6 +22,7 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/measured_surface.h
   core/measurements.h
   core/options_check.h
+  core/pose_frame.h
   core/return_normal.h
   core/scan_returns.h
   factors/own_term.h

@@ -10,22 +10,29 @@ namespace plumbline {
 
 /// A pose with its rotation at hand.
 struct PoseFrame {
-  double x = 0.0, y = 0.0;
-  double c = 1.0, s = 0.0;
+  double x = 0.0;  ///< of world_from_robot [m]
+  double y = 0.0;  ///< likewise
+  double c = 1.0;  ///< cosine of the yaw
+  double s = 0.0;  ///< sine of the yaw
 
   PoseFrame() = default;
+  /// @{
+  /// Of a pose, or of x, y [m], yaw [rad].
   explicit PoseFrame(const double* pose)
       : x(pose[0]), y(pose[1]), c(std::cos(pose[2])), s(std::sin(pose[2])) {}
   explicit PoseFrame(const Pose2& pose)
       : x(pose.x), y(pose.y), c(std::cos(pose.yaw)), s(std::sin(pose.yaw)) {}
+  /// @}
 
   /// From the robot's axes to those of the world.
   Eigen::Vector2d Rotate(const Eigen::Vector2d& v) const {
     return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
   }
+  /// The inverse of Rotate.
   Eigen::Vector2d RotateBack(const Eigen::Vector2d& v) const {
     return {c * v.x() + s * v.y(), -s * v.x() + c * v.y()};
   }
+  /// Where the robot is [m].
   Eigen::Vector2d translation() const { return {x, y}; }
 };
 

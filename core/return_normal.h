@@ -42,8 +42,11 @@ class ReturnNormal {
     return Turned({at[0], at[1]}, (code_ - 1 - near * kStepsPerSector) * (2.0 * kPi / kSteps));
   }
 
+  /// @{
+  /// Exactly.
   bool operator==(const ReturnNormal& other) const { return code_ == other.code_; }
   bool operator!=(const ReturnNormal& other) const { return code_ != other.code_; }
+  /// @}
 
  private:
   // Axes and diagonals are steps of their own.

@@ -13,11 +13,12 @@ namespace plumbline {
 
 /// A laser, and what all its sweeps share.
 struct LaserBeams {
-  LaserModel model;
-  /// Of each beam, a unit vector in the frame of the laser, and the same in that of the robot.
-  std::vector<Eigen::Vector2d> directions, directions_in_robot;
+  LaserModel model;                         ///< as it was given
+  std::vector<Eigen::Vector2d> directions;  ///< unit vector per beam, in the frame of the laser
+  std::vector<Eigen::Vector2d> directions_in_robot;  ///< the same in the frame of the robot
 
   LaserBeams() = default;
+  /// Finds the directions.
   explicit LaserBeams(const LaserModel& laser);
 };
 

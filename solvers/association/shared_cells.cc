@@ -148,7 +148,7 @@ SharedBlocks AddCellsOfPeers(const SlamGraph& graph, const std::vector<double>& 
                              CellReach reach, SurfaceCells* cells,
                              std::vector<int>* cell_of_return) {
   if (graph.peers() == nullptr) return {};
-  const SharedBlocks shared =
+  SharedBlocks shared =
       FindSharedBlocks(*graph.peers(), WantedBlocks(graph, poses, surface, grid, reach, *cells));
   std::vector<int> new_id;
   MergeCells(*graph.peers(), shared, cells, &new_id);

@@ -31,9 +31,10 @@ struct SessionTie {
   Pose2 first_from_second;
   int num_closures = 0;   ///< loop closures between the two
   int num_witnesses = 0;  ///< clusters of them: one place is one witness
-  /// Places of the second group that closures tie to the first one, and those of them where they
-  /// bend the groups by more than noise does. Counted where nothing else speaks against the tie.
-  int num_places = 0, num_bent_places = 0;
+  /// Places of the second group that closures tie to the first one. Counted where nothing else
+  /// speaks against the tie.
+  int num_places = 0;
+  int num_bent_places = 0;  ///< those of them where they bend the groups by more than noise does
   /// Of scans of the one with scans of the other.
   FreeSpaceConflict conflict;
 };
