@@ -16,7 +16,7 @@ class LocalMap {
  public:
   /// Side of a cell [m]: the points of all scans are then about as dense as those of a thinned
   /// scan.
-  static constexpr double kCellM = 0.03;
+  static constexpr double kCellM = 0.05;
 
   /// One averaged point per square of cell_m (1 cm and more) and octant of the normal.
   explicit LocalMap(double cell_m = kCellM);

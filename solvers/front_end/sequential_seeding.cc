@@ -1,211 +1,196 @@
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <thread>
 #include <utility>
 
-#include "plumbline/core/angle.h"
-#include "plumbline/core/options_check.h"
-#include "plumbline/core/rotate_axes.h"
-#include "plumbline/factors/motion_factor.h"
-#include "plumbline/solvers/front_end/correlative_matcher.h"
-#include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_sign.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
-#include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/front_end/sequential_matcher.h"
 
 namespace plumbline {
 namespace {
 
-// A step is taken as reversed (or as forward again) only if that explains scan and odometry better
-// by three standard deviations: where the scan cannot tell, the robot has not turned back.
-constexpr double kReversalChi2 = 9.0;
-// The shares of matched points were tuned on fr079 and intel, the one of slips as it says.
+// Stretches of a long drive are matched side by side. They depend on the drive alone, so that the
+// result is the same for any number of threads. Each begins with a run-up over the end of the one
+// before it, which fills its local map: this long a path [m] and this many poses.
+constexpr double kRunUpM = 6.0;
+constexpr int kRunUpPoses = 50;
+// A stretch is long against its run-up, ...
+constexpr double kMinStretchM = 10.0 * kRunUpM;
+constexpr int kMinStretchPoses = 5 * kRunUpPoses;
+// ... and more than these would keep no more processors busy.
+constexpr int kMaxStretches = 16;
 
-// Below this share of matched points the prediction is suspect, and other starts are tried.
-constexpr double kSuspectInlierRatio = 0.6;
-// Another start must match this much more of the scan to be believed against the odometry.
-constexpr double kRecoveryInlierGain = 0.1;
-// Below this share of matched points a match is not trusted and the odometry stands.
-constexpr double kMinInlierRatio = 0.25;
-// A match farther off the odometry than this many of its standard deviations says that the wheels
-// have slipped. It is believed only if the scan fits all but completely: slips that were real do so
-// on every indoor log at hand (0.83 and more). Among bushes and fences, where there is something
-// near by in any place, half of a scan fits metres off and turned by a right angle.
-constexpr double kSlipSigmas = 3.0;
-constexpr double kMinSlipInlierRatio = 0.8;
+// Pose ids: matched from `run_up` to before `end`, and kept from `begin` on.
+struct Stretch {
+  int run_up = 0;
+  int begin = 0;
+  int end = 0;
+};
 
-// Without odometry a suspect scan is searched for this far around its prediction: some seconds of a
-// walking pace, as between scans that were thinned out, and a turn to either side.
-constexpr double kSearchM = 3.0;
-constexpr double kSearchRad = 0.5 * kPi;
-// Cells [m] of that search, as for loop closures: the matcher does the rest.
-constexpr double kRecoveryCellM = 0.1;
-constexpr int kMaxRecoveryPlaces = 5;
+// odometry: of each pose from the one before.
+std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry) {
+  const int num_poses = static_cast<int>(odometry.size());
+  std::vector<double> path_m(num_poses, 0.0);
+  for (int pose = 1; pose < num_poses; ++pose) {
+    path_m[pose] = path_m[pose - 1] + odometry[pose].translation().norm();
+  }
+  const int num_stretches =
+      std::min({kMaxStretches, num_poses / kMinStretchPoses,
+                static_cast<int>(std::min(path_m.back() / kMinStretchM, 1.0 * kMaxStretches))});
+  if (num_stretches < 2) return {{0, 0, num_poses}};
+  std::vector<Stretch> stretches(num_stretches);
+  const auto border = [&](int i) {
+    return static_cast<int>(static_cast<std::int64_t>(num_poses) * i / num_stretches);
+  };
+  for (int i = 0; i < num_stretches; ++i) {
+    Stretch& stretch = stretches[i];
+    stretch = {border(i), border(i), border(i + 1)};
+    if (i == 0) continue;
+    // Not farther than half way: a robot that stands still gains nothing there.
+    const int earliest = (border(i - 1) + border(i)) / 2;
+    while (stretch.run_up > earliest && (path_m[stretch.begin] - path_m[stretch.run_up] < kRunUpM ||
+                                         stretch.begin - stretch.run_up < kRunUpPoses)) {
+      --stretch.run_up;
+    }
+  }
+  return stretches;
+}
 
-// The local map is made of the nearest keyframes, at most this many, ...
-constexpr int kMaxKeyframesInMap = 40;
-// ... of the last stretch of this length [m] of the path: what is older may have drifted away.
-constexpr double kMapPathM = 12.0;
-
-Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, motion.yaw}; }
-
-class SequentialMatcher {
+// Counts scans on all threads, and tells the caller on its own: it may not expect calls on others.
+class ProgressMeter {
  public:
-  SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    const std::vector<SurfacePoints>& surfaces, bool sign_lost, bool is_prediction)
-      : options_(options),
-        motion_(motion),
-        surfaces_(surfaces),
-        sign_lost_(sign_lost),
-        is_prediction_(is_prediction) {}
+  ProgressMeter(const SeedingProgress& progress, int num_total)
+      : progress_(progress), num_total_(num_total), caller_(std::this_thread::get_id()) {}
 
-  // Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven.
-  ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
-                  SequentialSeedingReport* report) {
-    if (sign_lost_ && reversing_) *step = ReversedTranslation(*step);
-    ScanMatch match = MatchStep(previous, *step, scan);
-    if (sign_lost_ && step->x != 0.0) {
-      const Pose2 other_step = ReversedTranslation(*step);
-      const ScanMatch other = MatchStep(previous, other_step, scan);
-      if (other.chi2 < match.chi2 - kReversalChi2) {
-        match = other;
-        *step = other_step;
-        reversing_ = !reversing_;
-      }
+  // False if the caller has had enough.
+  bool Count() {
+    const int num_done = num_done_++;
+    if (progress_ && std::this_thread::get_id() == caller_ && num_done >= next_report_) {
+      constexpr int kScansPerReport = 100;
+      next_report_ = num_done + kScansPerReport;
+      if (!progress_(SeedingPhase::kMatchingScans, num_done, num_total_)) stopped_ = true;
     }
-    if (reversing_ && step->x != 0.0) ++report->num_reversed_steps;
-    const bool recovered =
-        match.inlier_ratio < kSuspectInlierRatio && Recover(previous * *step, scan, &match);
-    // A prediction measures nothing that a match could contradict.
-    const bool is_slip = !is_prediction_ && SigmasOff(previous, *step, match) > kSlipSigmas;
-    if (match.inlier_ratio < (is_slip ? kMinSlipInlierRatio : kMinInlierRatio)) {
-      ++report->num_unmatched;
-      match.world_from_robot = previous * *step;
-      match.information.setZero();
-    } else if (recovered) {
-      ++report->num_recovered;
-    }
-    return match;
+    return !stopped_;
   }
 
-  // Makes the scan a keyframe if the local map has none near its pose. `path_m`: driven so far.
-  void MaybeAddKeyframe(int pose, int scan, double path_m, const ScanMatch& match) {
-    if (IsCovered(match.world_from_robot)) return;
-    keyframes_.push_back(
-        {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw)});
-    key_poses_.push_back(match.world_from_robot);
-    RebuildMap();
-  }
-
-  std::vector<Keyframe> TakeKeyframes() { return std::move(keyframes_); }
+  bool stopped() const { return stopped_; }
 
  private:
-  PosePrediction Predict(const Pose2& previous, const Pose2& step) const {
-    // The motion's noise is given in the frame it starts from; the prediction wants its own.
-    return {previous * step, RotateAxes(MotionCovariance(step, motion_).inverse(), -step.yaw)};
-  }
+  const SeedingProgress& progress_;
+  const int num_total_;
+  const std::thread::id caller_;
+  int next_report_ = 0;  // of the caller's thread
+  std::atomic<int> num_done_{0};
+  std::atomic<bool> stopped_{false};
+};
 
-  double SigmasOff(const Pose2& previous, const Pose2& step, const ScanMatch& match) const {
-    const PosePrediction predicted = Predict(previous, step);
-    const Pose2 off = Between(predicted.world_from_robot, match.world_from_robot);
-    const Eigen::Vector3d error(off.x, off.y, off.yaw);
-    return std::sqrt(error.dot(predicted.information * error));
-  }
+// What was found along a stretch; poses and odometry begin with its run-up.
+struct MatchedStretch {
+  std::vector<Pose2> poses;
+  std::vector<Pose2> odometry;
+  std::vector<Keyframe> keyframes;
+  SequentialSeedingReport report;  // counts only
+};
 
-  ScanMatch MatchStep(const Pose2& previous, const Pose2& step, const SurfacePoints& scan) const {
-    return MatchScan(map_, scan, Predict(previous, step), ScanMatchOptions());
-  }
+class DriveMatcher {
+ public:
+  // odometry: of each pose from the one before; empty if steps are to be predicted.
+  DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
+               const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+               const std::vector<Pose2>& odometry, bool sign_lost)
+      : options_(options),
+        motion_(motion),
+        graph_(graph),
+        surfaces_(surfaces),
+        odometry_(odometry),
+        sign_lost_(sign_lost),
+        prediction_(graph),
+        scan_of_pose_(MatchedScanOfPoses(graph, surfaces)) {}
 
-  // Other starts, without weight on the odometry. Replaces the match if one of them fits clearly
-  // more of the scan.
-  bool Recover(const Pose2& predicted, const SurfacePoints& scan, ScanMatch* match) const {
-    ScanMatchOptions wide;
-    if (!is_prediction_) wide.coarse_gate_m *= 2.0;
-    ScanMatch best = *match;
-    for (const Pose2& pose :
-         is_prediction_ ? SearchStarts(predicted, scan) : TurnedStarts(predicted)) {
-      PosePrediction start;
-      start.world_from_robot = pose;
-      const ScanMatch other = MatchScan(map_, scan, start, wide);
-      if (other.inlier_ratio > best.inlier_ratio) best = other;
+  MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
+    static const SurfacePoints kNoSurface;
+    MatchedStretch matched;
+    SequentialSeedingReport run_up_report;
+    SequentialMatcher matcher(options_, motion_, surfaces_, sign_lost_, is_prediction());
+    double path_m = 0.0;
+    for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
+      const int scan = scan_of_pose_[pose];
+      Pose2 step;
+      ScanMatch match;
+      match.world_from_robot = graph_.InitialPose(stretch.run_up);
+      if (pose > stretch.run_up) {
+        const Pose2& previous = matched.poses.back();
+        step = is_prediction() ? prediction_.Step(matched.poses, pose) : odometry_[pose];
+        match = matcher.Match(previous, scan >= 0 ? surfaces_[scan] : kNoSurface, &step,
+                              pose < stretch.begin ? &run_up_report : &matched.report);
+        path_m += Between(previous, match.world_from_robot).translation().norm();
+      }
+      matched.poses.push_back(match.world_from_robot);
+      matched.odometry.push_back(step);
+      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, path_m, match);
+      if (pose >= stretch.begin && !progress->Count()) break;
     }
-    if (best.inlier_ratio < match->inlier_ratio + kRecoveryInlierGain) return false;
-    *match = best;
-    return true;
+    matched.keyframes = matcher.TakeKeyframes();
+    return matched;
   }
 
-  // All round the predicted heading.
-  static std::vector<Pose2> TurnedStarts(const Pose2& predicted) {
-    constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
-    constexpr int kTurns = 4;          // to either side
-    std::vector<Pose2> starts;
-    for (int turn = -kTurns; turn <= kTurns; ++turn) {
-      starts.push_back(predicted * Pose2(0.0, 0.0, turn * kTurnRad));
-    }
-    return starts;
-  }
-
-  // Where the scan fits anywhere around the prediction.
-  std::vector<Pose2> SearchStarts(const Pose2& predicted, const SurfacePoints& scan) const {
-    std::vector<Pose2> starts;
-    if (scan.empty() || map_.points().empty()) return starts;
-    constexpr double kMinScore = 0.3;
-    constexpr PeakSize kPeak{0.5, 0.3};
-    const CorrelativeMatcher search(map_.points(), kRecoveryCellM, kSearchM);
-    for (const CorrelativeMatch& place : search.SearchPeaks(scan, {predicted, kSearchM, kSearchRad},
-                                                            kMinScore, kMaxRecoveryPlaces, kPeak)) {
-      starts.push_back(place.map_from_scan);
-    }
-    return starts;
-  }
-
-  bool IsCovered(const Pose2& pose) const {
-    return std::any_of(in_map_.begin(), in_map_.end(), [&](int k) {
-      const Pose2 moved = Between(key_poses_[k], pose);
-      return std::hypot(moved.x, moved.y) < options_.keyframe_distance_m &&
-             std::abs(moved.yaw) < options_.keyframe_angle_rad;
-    });
-  }
-
-  // Of the recent keyframes the nearest to the last one, which is among them.
-  void RebuildMap() {
-    std::vector<std::pair<double, int>> by_distance;
-    const int last = static_cast<int>(keyframes_.size()) - 1;
-    for (int k = last; k >= 0; --k) {
-      if (keyframes_[last].path_m - keyframes_[k].path_m > kMapPathM) break;
-      const Pose2 moved = Between(key_poses_[last], key_poses_[k]);
-      by_distance.emplace_back(std::hypot(moved.x, moved.y), last - k);
-    }
-    std::sort(by_distance.begin(), by_distance.end());
-    if (static_cast<int>(by_distance.size()) > kMaxKeyframesInMap) {
-      by_distance.resize(kMaxKeyframesInMap);
-    }
-    std::vector<const SurfacePoints*> scans;
-    std::vector<Pose2> poses;
-    in_map_.clear();
-    for (const auto& [distance, age] : by_distance) {
-      in_map_.push_back(last - age);
-      scans.push_back(&surfaces_[keyframes_[last - age].scan]);
-      poses.push_back(key_poses_[last - age]);
-    }
-    map_.Rebuild(scans, poses);
-  }
+ private:
+  bool is_prediction() const { return odometry_.empty(); }
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
+  const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
+  const std::vector<Pose2>& odometry_;
   const bool sign_lost_;
-  const bool is_prediction_;  // steps are predicted, not measured
-  bool reversing_ = false;
-  std::vector<Keyframe> keyframes_;
-  std::vector<Pose2> key_poses_;
-  std::vector<int> in_map_;  // indices of the keyframes in the local map
-  LocalMap map_;
+  const MotionPrediction prediction_;
+  const std::vector<int> scan_of_pose_;
 };
+
+// Joins a stretch to those before it by its own match of the last pose that they have in common.
+void Append(const Stretch& stretch, const MatchedStretch& matched,
+            SequentialTrajectory* trajectory) {
+  std::vector<Pose2>& poses = trajectory->world_from_robot;
+  const int num_in_run_up = stretch.begin - stretch.run_up;
+  if (num_in_run_up == 0) {
+    poses = matched.poses;
+  } else {
+    const Pose2 world_from_stretch = poses.back() * matched.poses[num_in_run_up - 1].Inverse();
+    for (auto it = matched.poses.begin() + num_in_run_up; it != matched.poses.end(); ++it) {
+      poses.push_back(world_from_stretch * *it);
+    }
+  }
+  trajectory->odometry.insert(trajectory->odometry.end(), matched.odometry.begin() + num_in_run_up,
+                              matched.odometry.end());
+  for (const Keyframe& keyframe : matched.keyframes) {
+    if (keyframe.pose >= stretch.begin) trajectory->keyframes.push_back(keyframe);
+  }
+}
+
+void MeasurePathToKeyframes(SequentialTrajectory* trajectory) {
+  const std::vector<Pose2>& poses = trajectory->world_from_robot;
+  double path_m = 0.0;
+  int pose = 0;
+  for (Keyframe& keyframe : trajectory->keyframes) {
+    for (; pose < keyframe.pose; ++pose) {
+      path_m += Between(poses[pose], poses[pose + 1]).translation().norm();
+    }
+    keyframe.path_m = path_m;
+  }
+}
+
+void AddCounts(const SequentialSeedingReport& more, SequentialSeedingReport* report) {
+  report->num_reversed_steps += more.num_reversed_steps;
+  report->num_recovered += more.num_recovered;
+  report->num_unmatched += more.num_unmatched;
+}
 
 }  // namespace
 
@@ -213,42 +198,38 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
-  const bool is_prediction = LacksOdometry(graph);
-  const MotionPrediction prediction(graph);
-  std::vector<int> step_to_pose;
-  if (!is_prediction) PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
-  *report = SequentialSeedingReport();
-  report->odometry_sign = CheckOdometrySign(graph, surfaces, pool);
-
-  const int num_poses = graph.num_poses();
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
-  SequentialMatcher matcher(options, motion, surfaces, report->odometry_sign.sign_lost,
-                            is_prediction);
-  std::vector<Pose2> poses(num_poses), odometry(num_poses);
-  double path_m = 0.0;
-  static const SurfacePoints kNoSurface;
-  for (int pose = 0; pose < num_poses; ++pose) {
-    const int scan = scan_of_pose[pose];
-    ScanMatch match;
-    match.world_from_robot = graph.InitialPose(0);
-    if (pose > 0) {
-      odometry[pose] = is_prediction ? prediction.Step(poses, pose)
-                                     : graph.odometry()[step_to_pose[pose]].from_from_to;
-      match = matcher.Match(poses[pose - 1], scan >= 0 ? surfaces[scan] : kNoSurface,
-                            &odometry[pose], report);
-      const Pose2 moved = Between(poses[pose - 1], match.world_from_robot);
-      path_m += std::hypot(moved.x, moved.y);
+  std::vector<Pose2> odometry;
+  std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
+  if (!LacksOdometry(graph)) {
+    std::vector<int> step_to_pose;
+    PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
+    odometry.resize(graph.num_poses());
+    for (int pose = 1; pose < graph.num_poses(); ++pose) {
+      odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
     }
-    poses[pose] = match.world_from_robot;
-    if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, path_m, match);
-    constexpr int kPosesPerReport = 100;
-    if (pose % kPosesPerReport == 0 && progress &&
-        !progress(SeedingPhase::kMatchingScans, pose, num_poses)) {
-      return Status::Unavailable("seeding was stopped by its caller");
-    }
+    stretches = CutIntoStretches(odometry);
   }
-  *trajectory = {std::move(poses), std::move(odometry), matcher.TakeKeyframes()};
-  report->num_keyframes = static_cast<int>(trajectory->keyframes.size());
+  SequentialSeedingReport counts;
+  counts.odometry_sign = CheckOdometrySign(graph, surfaces, pool);
+
+  const DriveMatcher matcher(options, motion, graph, surfaces, odometry,
+                             counts.odometry_sign.sign_lost);
+  ProgressMeter meter(progress, graph.num_poses());
+  std::vector<MatchedStretch> matched(stretches.size());
+  pool->ForEachChunk(stretches.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    matched[i] = matcher.Match(stretches[i], &meter);
+  });
+  if (meter.stopped()) return Status::Unavailable("seeding was stopped by its caller");
+
+  SequentialTrajectory joined;
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    Append(stretches[i], matched[i], &joined);
+    AddCounts(matched[i].report, &counts);
+  }
+  MeasurePathToKeyframes(&joined);
+  counts.num_keyframes = static_cast<int>(joined.keyframes.size());
+  *trajectory = std::move(joined);
+  *report = counts;
   return Status::Ok();
 }
 

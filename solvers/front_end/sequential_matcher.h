@@ -1,0 +1,67 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_MATCHER_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_MATCHER_H_
+
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/interface/seeding_options.h"
+#include "plumbline/solvers/interface/seeding_report.h"
+
+namespace plumbline {
+
+/// Matches the scans of a drive one after the other, each against a local map of the keyframes
+/// before it. What it is made of has to outlive it.
+class SequentialMatcher {
+ public:
+  /// surfaces: per scan, in the frame of the robot. sign_lost: of the odometry's translation.
+  /// is_prediction: the steps are predicted from those before, not measured.
+  SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
+                    const std::vector<SurfacePoints>& surfaces, bool sign_lost, bool is_prediction)
+      : options_(options),
+        motion_(motion),
+        surfaces_(surfaces),
+        sign_lost_(sign_lost),
+        is_prediction_(is_prediction) {}
+
+  /// Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven
+  /// and counts in *report what it did.
+  ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
+                  SequentialSeedingReport* report);
+
+  /// Makes the scan a keyframe if the local map has none near its pose. path_m: driven so far.
+  void MaybeAddKeyframe(int pose, int scan, double path_m, const ScanMatch& match);
+
+  std::vector<Keyframe> TakeKeyframes() { return std::move(keyframes_); }
+
+ private:
+  PosePrediction Predict(const Pose2& previous, const Pose2& step) const;
+  double SigmasOff(const Pose2& previous, const Pose2& step, const ScanMatch& match) const;
+  ScanMatch MatchStep(const Pose2& previous, const Pose2& step, const SurfacePoints& scan) const;
+  bool MayExplainBetter(const Pose2& previous, const Pose2& step, const ScanMatch& match,
+                        const Pose2& other_step) const;
+  bool Recover(const Pose2& predicted, const SurfacePoints& scan, ScanMatch* match) const;
+  std::vector<Pose2> SearchStarts(const Pose2& predicted, const SurfacePoints& scan) const;
+  bool IsCovered(const Pose2& pose) const;
+  void RebuildMap();
+
+  const SequentialSeedingOptions& options_;
+  const MotionOptions& motion_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const bool sign_lost_;
+  const bool is_prediction_;
+  bool reversing_ = false;
+  std::vector<Keyframe> keyframes_;
+  std::vector<Pose2> key_poses_;
+  std::vector<int> in_map_;  // indices of the keyframes in the local map
+  LocalMap map_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_MATCHER_H_
