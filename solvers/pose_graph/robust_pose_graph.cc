@@ -24,8 +24,11 @@ constexpr double kStepNarrowing = 2.0;
 // Steps at the final width, at most, ...
 constexpr int kMaxFinalSteps = 15;
 // ... which end once none of the poses moves by this much [m], [rad]: a tenth of what a scan match
-// knows.
+// knows; ...
 constexpr double kTolerance = 3e-4;
+// ... or once a step explains the edges better by no more than this [sigmas^2]: what still moves is
+// held by nothing.
+constexpr double kCostTolerance = 0.1;
 
 struct ResidualEdge {
   int from = 0, to = 0;
@@ -189,11 +192,12 @@ void OptimizeRobustly(const std::vector<RelativePoseConstraint>& certain,
     const double moved = system.Step(kCauchyScale, &poses);
     if (moved < 0.0) break;
     const double cost = system.Cost(kCauchyScale, poses);
-    if (cost < least_cost) {
+    const double gain = least_cost - cost;
+    if (gain > 0.0) {
       least_cost = cost;
       best = poses;
     }
-    if (moved < kTolerance) break;
+    if (moved < kTolerance || std::abs(gain) < kCostTolerance) break;
   }
   *world_from_pose = std::move(best);
 }
