@@ -13,7 +13,7 @@ packages=(
   libceres-dev libeigen3-dev libsuitesparse-dev libnanoflann-dev
 )
 programs=(
-  libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev
+  libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev libpng-dev
   libsqlite3-dev liblz4-dev libzstd-dev libyaml-cpp-dev  # bags of ROS 2
 )
 tests=(libgtest-dev libgmock-dev)

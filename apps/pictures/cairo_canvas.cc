@@ -1,16 +1,8 @@
 #include "plumbline/apps/pictures/cairo_canvas.h"
 
-#include <ostream>
+#include "plumbline/apps/pictures/png_file.h"
 
 namespace plumbline {
-namespace {
-
-cairo_status_t WriteBytes(void* stream, const unsigned char* data, unsigned int size) {
-  static_cast<std::ostream*>(stream)->write(reinterpret_cast<const char*>(data), size);
-  return CAIRO_STATUS_SUCCESS;  // AtomicFile::Commit reports a failure.
-}
-
-}  // namespace
 
 void SelectFont(double size_px, cairo_t* context) {
   cairo_select_font_face(context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
@@ -34,13 +26,13 @@ double TextWidth(const std::string& text, cairo_t* context) {
 
 Status CommitPng(const std::string& path, cairo_surface_t* surface, cairo_t* context,
                  AtomicFile* file) {
-  cairo_status_t result = cairo_status(context);
-  if (result == CAIRO_STATUS_SUCCESS) {
-    result = cairo_surface_write_to_png_stream(surface, WriteBytes, &file->stream());
-  }
-  if (result != CAIRO_STATUS_SUCCESS) {
-    return Status::Unavailable("cannot draw '" + path + "': " + cairo_status_to_string(result));
-  }
+  const auto failure = [&](const std::string& reason) {
+    return Status::Unavailable("cannot draw '" + path + "': " + reason);
+  };
+  const cairo_status_t result = cairo_status(context);
+  if (result != CAIRO_STATUS_SUCCESS) return failure(cairo_status_to_string(result));
+  std::string error;
+  if (!WritePng(surface, &file->stream(), &error)) return failure(error);
   return file->Commit();
 }
 

@@ -73,7 +73,6 @@ Status MapRun::RecordStart(const Stage* odometry) {
 
 Status MapRun::Refine() {
   std::cout << ProgressHeader() << '\n';
-  options_.solver.measure_rounds = true;  // for report.html
   options_.solver.callback = [](const IterationSummary& iteration) {
     std::cout << ProgressRow(iteration) << '\n' << std::flush;
     return StopSignal() == 0;
@@ -95,7 +94,18 @@ Status MapRun::WriteMap(ExtraResults extras) {
   RefinedMap map = RefinedMapOf(*mapping_);
   map.picture_area = &maps_.back().area;
   map.map_warning = &map_warning;
-  std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
+  // What takes longest begins first.
+  Stage measured, optimised;
+  std::vector<WriteTask> tasks;
+  tasks.push_back([&] {
+    const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
+    const std::vector<double>& poses = mapping_->state.poses;
+    return Measure("refined, " + ranges + " ranges", {poses, mapping_->graph.MeasuredMap(poses)},
+                   &measured);
+  });
+  tasks.push_back(
+      [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
+  for (WriteTask& task : MapWriteTasks(map, outputs_, output_)) tasks.push_back(std::move(task));
   tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
   tasks.push_back([this] { return WriteTrajectory("trajectory.tum"); });
   tasks.push_back([this] {
@@ -111,15 +121,6 @@ Status MapRun::WriteMap(ExtraResults extras) {
   });
   Status saved;
   if (outputs_.save_map) tasks.push_back([&] { return SaveMap(&saved); });
-  Stage measured, optimised;
-  tasks.push_back([&] {
-    const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
-    const std::vector<double>& poses = mapping_->state.poses;
-    return Measure("refined, " + ranges + " ranges", {poses, mapping_->graph.MeasuredMap(poses)},
-                   &measured);
-  });
-  tasks.push_back(
-      [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
   PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
   if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());

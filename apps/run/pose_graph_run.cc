@@ -161,7 +161,6 @@ class PoseGraphRun {
 
   Status RunSolver() {
     SolverOptions options = options_.solver;
-    options.measure_rounds = true;  // for report.html
     std::cout << ProgressHeader() << '\n';
     options.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;

@@ -33,6 +33,9 @@ DEFINE_string(
 DEFINE_bool(save_map, false,
             "Also write map.g2o, the refined poses with all scans: to give as one of several logs, "
             "or as --fixed_map");
+DEFINE_bool(measure_rounds, false,
+            "Also measure the energy after every round, the same one for all solvers: a plot in "
+            "report.html, and summary.json");
 DEFINE_int32(picture_side_px, plumbline::RunOutputOptions().picture_side_px,
              "Longer side of the pictures, at most [px]");
 DEFINE_double(map_resolution_m, plumbline::RunOutputOptions().map_resolution_m,
@@ -121,6 +124,7 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
   }
   MapLogOptions& mapping = options->mapping;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&mapping.solver));
+  mapping.solver.measure_rounds = FLAGS_measure_rounds;
   PLUMBLINE_RETURN_IF_ERROR(StartFromFlags(mapping.solver, &mapping.start));
   PLUMBLINE_RETURN_IF_ERROR(CheckNoFlagIsIgnored(mapping.solver, mapping.start));
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&mapping.seeding));

@@ -22,6 +22,9 @@ constexpr double kMaxRelativeSigma = 0.25;
 // Evidence: at least this many contradicting steps, and this share of the decided ones.
 constexpr int kMinContradicting = 5;
 constexpr double kMinContradictingShare = 0.002;
+// Beyond doubt: several times as many, and as large a share.
+constexpr int kPlentyContradicting = 4 * kMinContradicting;
+constexpr double kPlentyContradictingShare = 10.0 * kMinContradictingShare;
 
 enum class StepSign { kUndecided, kAgrees, kContradicts };
 
@@ -47,6 +50,25 @@ StepSign SignOfStep(const Pose2& odometry, const SurfacePoints& from, const Surf
   return forward * odometry.x > 0.0 ? StepSign::kAgrees : StepSign::kContradicts;
 }
 
+void CountSigns(std::vector<StepSign> signs, OdometrySignReport* report) {
+  signs.erase(std::remove(signs.begin(), signs.end(), StepSign::kUndecided), signs.end());
+  report->num_decided = static_cast<int>(signs.size());
+  report->num_contradicting = 0;
+  // A robot that backs up does so for a while; a single contradicting step is a bad match.
+  for (std::size_t i = 0; i + 2 < signs.size(); ++i) {
+    if (signs[i] == StepSign::kContradicts && signs[i + 1] == StepSign::kContradicts &&
+        signs[i + 2] == StepSign::kContradicts) {
+      ++report->num_contradicting;
+    }
+  }
+}
+
+// So many steps contradict the odometry that the rest of the drive need not be asked.
+bool IsBeyondDoubt(const OdometrySignReport& report) {
+  return report.num_contradicting >= kPlentyContradicting &&
+         report.num_contradicting >= kPlentyContradictingShare * report.num_decided;
+}
+
 }  // namespace
 
 OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
@@ -65,19 +87,15 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
     if (from < 0 || to < 0) return;
     signs[i] = SignOfStep(steps[i].from_from_to, surfaces[from], surfaces[to]);
   };
-  constexpr std::size_t kStepsPerChunk = 32;
-  pool->ForEachChunk(steps.size(), kStepsPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) decide(i);
-                     });
-  signs.erase(std::remove(signs.begin(), signs.end(), StepSign::kUndecided), signs.end());
-  report.num_decided = static_cast<int>(signs.size());
-  // A robot that backs up does so for a while; a single contradicting step is a bad match.
-  for (std::size_t i = 0; i + 2 < signs.size(); ++i) {
-    if (signs[i] == StepSign::kContradicts && signs[i + 1] == StepSign::kContradicts &&
-        signs[i + 2] == StepSign::kContradicts) {
-      ++report.num_contradicting;
-    }
+  // Batch by batch: a drive that backs up early tells soon.
+  constexpr std::size_t kStepsPerBatch = 512, kStepsPerChunk = 32;
+  for (std::size_t first = 0; first < steps.size() && !IsBeyondDoubt(report);
+       first += kStepsPerBatch) {
+    pool->ForEachChunk(std::min(kStepsPerBatch, steps.size() - first), kStepsPerChunk,
+                       [&](std::size_t, std::size_t begin, std::size_t end) {
+                         for (std::size_t i = begin; i < end; ++i) decide(first + i);
+                       });
+    CountSigns(signs, &report);
   }
   report.sign_lost = report.num_contradicting >= kMinContradicting &&
                      report.num_contradicting >= kMinContradictingShare * report.num_decided;
