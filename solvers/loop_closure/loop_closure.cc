@@ -8,6 +8,8 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/solvers/front_end/correlative_matcher.h"
@@ -42,28 +44,24 @@ class CandidateTester {
                   const KeyframeGraph& keyframe_graph)
       : graph_(graph), surfaces_(surfaces), keys_(keyframe_graph) {}
 
-  TestedCandidate Test(const LoopCandidate& candidate) const {
-    const LocalMap scan = ScanOf(candidate);
-    LocalMap map;
-    if (!candidate.wide()) map = SubmapAround(candidate.first, kSubmapPathM, LocalMap::kCellM);
-    const CorrelativeMatcher search(
-        candidate.wide() ? PointsOf(candidate.surroundings, candidate.first) : map.points(),
-        kSearchCellM, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
-    const SearchWindow window = WindowOf(candidate);
-    const CorrelativeMatch coarse =
-        search.Search(scan.points(), window, LoopAcceptance::kMinSearchScore);
-    if (!coarse.found) return NoMatch(candidate);
-
-    TestedCandidate tested =
-        candidate.wide() ? TestPlace(candidate, scan, coarse.map_from_scan)
-                         : TestFit(candidate, NoMatch(candidate), map, scan, coarse.map_from_scan);
-    if (tested.outcome == ClosureOutcome::kAccepted && candidate.wide() &&
-        (coarse.gave_up ||
-         SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
-         HasSecondPeak(search, scan.points(), window, coarse))) {
-      tested.outcome = ClosureOutcome::kAmbiguous;
+  // Tests candidates[i] for all i of a group, as GroupBySurroundings makes it: what they are
+  // matched against is made once.
+  void TestGroup(const std::vector<LoopCandidate>& candidates,
+                 const std::vector<std::size_t>& group,
+                 std::vector<TestedCandidate>* tested) const {
+    const LoopCandidate& any = candidates[group.front()];
+    double half_width_m = 0.0;
+    for (const std::size_t i : group) {
+      const LoopCandidate& candidate = candidates[i];
+      half_width_m = std::max(
+          half_width_m, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
     }
-    return tested;
+    LocalMap map;
+    if (!any.wide()) map = SubmapAround(any.first, kSubmapPathM, LocalMap::kCellM);
+    const CorrelativeMatcher search(
+        any.wide() ? PointsOf(any.surroundings, any.first) : map.points(), kSearchCellM,
+        half_width_m);
+    for (const std::size_t i : group) (*tested)[i] = Test(candidates[i], map, search);
   }
 
   CorrelativeMatcher PlacesAround(const LoopCandidate& candidate) const {
@@ -85,6 +83,27 @@ class CandidateTester {
   }
 
  private:
+  // map: around the earlier keyframe, unless the candidate is wide. search: of where it may be.
+  TestedCandidate Test(const LoopCandidate& candidate, const LocalMap& map,
+                       const CorrelativeMatcher& search) const {
+    const LocalMap scan = ScanOf(candidate);
+    const SearchWindow window = WindowOf(candidate);
+    const CorrelativeMatch coarse =
+        search.Search(scan.points(), window, LoopAcceptance::kMinSearchScore);
+    if (!coarse.found) return NoMatch(candidate);
+
+    TestedCandidate tested =
+        candidate.wide() ? TestPlace(candidate, scan, coarse.map_from_scan)
+                         : TestFit(candidate, NoMatch(candidate), map, scan, coarse.map_from_scan);
+    if (tested.outcome == ClosureOutcome::kAccepted && candidate.wide() &&
+        (coarse.gave_up ||
+         SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
+         HasSecondPeak(search, scan.points(), window, coarse))) {
+      tested.outcome = ClosureOutcome::kAmbiguous;
+    }
+    return tested;
+  }
+
   Pose2 KeyFromKey(int a, int b) const {
     return Between(keys_.world_from_key[a], keys_.world_from_key[b]);
   }
@@ -278,6 +297,24 @@ bool AreSoughtAlike(const LoopCandidate& a, const LoopCandidate& b) {
   return a.first == b.first && a.drift_m == b.drift_m && a.surroundings == b.surroundings;
 }
 
+// Of the candidates, by index: those with the same earlier keyframe, and each wide one by itself.
+std::vector<std::vector<std::size_t>> GroupBySurroundings(
+    const std::vector<LoopCandidate>& candidates) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::unordered_map<int, std::size_t> group_of_key;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const auto [group, is_new] = candidates[i].wide()
+                                     ? std::make_pair(group_of_key.end(), true)
+                                     : group_of_key.emplace(candidates[i].first, groups.size());
+    if (is_new) {
+      groups.push_back({i});
+    } else {
+      groups[group->second].push_back(i);
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
@@ -287,8 +324,9 @@ std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
                                                 ThreadPool* pool) {
   const CandidateTester tester(graph, surfaces, keyframe_graph);
   std::vector<TestedCandidate> tested(candidates.size());
-  pool->ForEachChunk(candidates.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) tested[i] = tester.Test(candidates[i]);
+  const std::vector<std::vector<std::size_t>> groups = GroupBySurroundings(candidates);
+  pool->ForEachChunk(groups.size(), 1, [&](std::size_t g, std::size_t, std::size_t) {
+    tester.TestGroup(candidates, groups[g], &tested);
   });
   return tested;
 }
