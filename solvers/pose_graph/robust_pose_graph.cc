@@ -1,9 +1,11 @@
 #include "plumbline/solvers/pose_graph/robust_pose_graph.h"
 
 #include <Eigen/Core>
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -30,13 +32,18 @@ constexpr double kTolerance = 3e-4;
 // held by nothing.
 constexpr double kCostTolerance = 0.1;
 
+// Where the columns of a block of 3 x 3 begin among the values of a sparse matrix.
+using BlockColumns = std::array<int, 3>;
+
 struct ResidualEdge {
   int from = 0, to = 0;
   bool uncertain = false;
   RelativePoseResidual residual;
+  BlockColumns from_from{}, to_to{}, coupling{};  // what its poses have in the normal equations
 };
 
-// The normal equations of one graph. Their pattern stays, their values change.
+// The normal equations of one graph: the upper triangle, its poses in an order that keeps the
+// factorisation sparse. The pattern stays, the values change. Pose 0 is no unknown.
 class System {
  public:
   System(const std::vector<RelativePoseConstraint>& certain,
@@ -76,7 +83,7 @@ class System {
     const Eigen::VectorXd step = solver_.solve(right_);
     if (!step.allFinite()) return -1.0;
     for (std::size_t p = 1; p < poses->size(); ++p) {
-      const auto change = step.segment<3>(3 * static_cast<Eigen::Index>(p - 1));
+      const auto change = step.segment<3>(Row(static_cast<int>(p)));
       (*poses)[p].x += change.x();
       (*poses)[p].y += change.y();
       (*poses)[p].yaw += change.z();
@@ -87,7 +94,10 @@ class System {
  private:
   void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain) {
     for (const RelativePoseConstraint& constraint : constraints) {
-      ResidualEdge edge{constraint.from, constraint.to, uncertain, {}};
+      ResidualEdge edge;
+      edge.from = constraint.from;
+      edge.to = constraint.to;
+      edge.uncertain = uncertain;
       edge.residual.a_from_b = constraint.from_from_to;
       if (SqrtInformation(constraint.covariance, &edge.residual.sqrt_information)) {
         edges_.push_back(edge);
@@ -95,27 +105,75 @@ class System {
     }
   }
 
-  // The lower triangle: per column of blocks its diagonal block and those below it.
-  void LayPattern() {
-    std::vector<std::pair<int, int>> blocks;  // column, row
-    blocks.reserve(edges_.size() + size_ / 3);
-    for (int p = 0; p < size_ / 3; ++p) blocks.emplace_back(p, p);
+  // First of the three unknowns of a pose.
+  int Row(int pose) const { return 3 * place_[pose - 1]; }
+
+  // Of the poses, which needs a pattern of a ninth of the size.
+  void ChooseOrder() {
+    const int num_unknown = size_ / 3;
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(edges_.size() + num_unknown);
+    for (int p = 0; p < num_unknown; ++p) entries.emplace_back(p, p, 1.0);
     for (const ResidualEdge& edge : edges_) {
-      if (edge.from > 0 && edge.to > 0) blocks.push_back(std::minmax(edge.from - 1, edge.to - 1));
+      if (edge.from > 0 && edge.to > 0) entries.emplace_back(edge.from - 1, edge.to - 1, 1.0);
+    }
+    SparseMatrix pattern(num_unknown, num_unknown);
+    pattern.setFromTriplets(entries.begin(), entries.end());
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> pose_at_place;
+    Eigen::AMDOrdering<int>()(pattern, pose_at_place);  // takes the pattern with its transpose
+    place_.resize(num_unknown);
+    for (int i = 0; i < num_unknown; ++i) place_[pose_at_place.indices()[i]] = i;
+  }
+
+  void LayPattern() {
+    ChooseOrder();
+    std::vector<std::pair<int, int>> blocks;  // column, row: first unknowns
+    blocks.reserve(edges_.size() + place_.size());
+    for (int row = 0; row < size_; row += 3) blocks.emplace_back(row, row);
+    for (const ResidualEdge& edge : edges_) {
+      if (edge.from == 0 || edge.to == 0) continue;
+      const auto [row, column] = std::minmax({Row(edge.from), Row(edge.to)});
+      blocks.emplace_back(column, row);
     }
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const auto& [column, row] : blocks) {
+    matrix_.resize(size_, size_);
+    matrix_.reserve(static_cast<Eigen::Index>(9 * blocks.size()));
+    for (auto first = blocks.begin(); first != blocks.end();) {
+      const auto last = std::find_if(first, blocks.end(), [&](const std::pair<int, int>& block) {
+        return block.first != first->first;
+      });
       for (int j = 0; j < 3; ++j) {
-        for (int i = row == column ? j : 0; i < 3; ++i) {
-          entries.emplace_back(3 * row + i, 3 * column + j, 0.0);
+        const int column = first->first + j;
+        matrix_.startVec(column);
+        for (auto block = first; block != last; ++block) {
+          for (int i = 0; i < 3 && block->second + i <= column; ++i) {
+            matrix_.insertBack(block->second + i, column) = 0.0;
+          }
         }
       }
+      first = last;
     }
-    matrix_.resize(size_, size_);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
+    matrix_.finalize();
+    for (ResidualEdge& edge : edges_) {
+      if (edge.from > 0) edge.from_from = FindBlock(Row(edge.from), Row(edge.from));
+      if (edge.to > 0) edge.to_to = FindBlock(Row(edge.to), Row(edge.to));
+      if (edge.from == 0 || edge.to == 0) continue;
+      const auto [row, column] = std::minmax({Row(edge.from), Row(edge.to)});
+      edge.coupling = FindBlock(row, column);
+    }
     solver_.analyzePattern(matrix_);
+  }
+
+  BlockColumns FindBlock(int row, int first_column) const {
+    BlockColumns at;
+    for (int j = 0; j < 3; ++j) {
+      const int* const indices = matrix_.innerIndexPtr();
+      const int* const outer = matrix_.outerIndexPtr() + first_column + j;
+      at[j] =
+          static_cast<int>(std::lower_bound(indices + outer[0], indices + outer[1], row) - indices);
+    }
+    return at;
   }
 
   static Eigen::Vector3d Error(const ResidualEdge& edge, const std::vector<Pose2>& poses) {
@@ -137,38 +195,41 @@ class System {
       edge.residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
       const double weight =
           edge.uncertain ? 1.0 / (1.0 + error.squaredNorm() / (cauchy_scale * cauchy_scale)) : 1.0;
-      AddBlock(edge.from, edge.from, weight * d_from.transpose() * d_from);
-      AddBlock(edge.to, edge.to, weight * d_to.transpose() * d_to);
-      if (edge.from > edge.to) {
-        AddBlock(edge.from, edge.to, weight * d_from.transpose() * d_to);
-      } else {
-        AddBlock(edge.to, edge.from, weight * d_to.transpose() * d_from);
+      if (edge.from > 0) {
+        AddDiagonalBlock(edge.from_from, weight * d_from.transpose() * d_from);
+        right_.segment<3>(Row(edge.from)) -= weight * d_from.transpose() * error;
       }
-      if (edge.from > 0)
-        right_.segment<3>(3 * edge.from - 3) -= weight * d_from.transpose() * error;
-      if (edge.to > 0) right_.segment<3>(3 * edge.to - 3) -= weight * d_to.transpose() * error;
+      if (edge.to > 0) {
+        AddDiagonalBlock(edge.to_to, weight * d_to.transpose() * d_to);
+        right_.segment<3>(Row(edge.to)) -= weight * d_to.transpose() * error;
+      }
+      if (edge.from == 0 || edge.to == 0) continue;
+      if (Row(edge.from) < Row(edge.to)) {
+        AddBlock(edge.coupling, weight * d_from.transpose() * d_to);
+      } else {
+        AddBlock(edge.coupling, weight * d_to.transpose() * d_from);
+      }
     }
   }
 
-  // row >= column. Pose 0 is no unknown.
-  void AddBlock(int row, int column, const Eigen::Matrix3d& block) {
-    if (row == 0 || column == 0) return;
+  void AddBlock(const BlockColumns& at, const Eigen::Matrix3d& block) {
     for (int j = 0; j < 3; ++j) {
-      const int first = row == column ? j : 0;  // of the three rows, which lie side by side
-      const int outer = 3 * (column - 1) + j;
-      const int* const begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[outer];
-      const int* const end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[outer + 1];
-      const int* const at = std::lower_bound(begin, end, 3 * (row - 1) + first);
-      double* const values = matrix_.valuePtr() + (at - matrix_.innerIndexPtr());
-      for (int i = first; i < 3; ++i) values[i - first] += block(i, j);
+      for (int i = 0; i < 3; ++i) matrix_.valuePtr()[at[j] + i] += block(i, j);
+    }
+  }
+
+  void AddDiagonalBlock(const BlockColumns& at, const Eigen::Matrix3d& block) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i <= j; ++i) matrix_.valuePtr()[at[j] + i] += block(i, j);
     }
   }
 
   int size_;  // of the system
   std::vector<ResidualEdge> edges_;
+  std::vector<int> place_;  // of pose p + 1 in the order of the unknowns
   SparseMatrix matrix_;
   Eigen::VectorXd right_;
-  Eigen::SimplicialLDLT<SparseMatrix> solver_;
+  Eigen::SimplicialLDLT<SparseMatrix, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
 };
 
 }  // namespace
