@@ -25,8 +25,8 @@ double RoundUpToNice(double value) {
   return 10.0 * decade;
 }
 
-/// A quantile of a million samples is as good as one of thirty million.
-std::size_t SampleStride(std::size_t num_points) { return 1 + num_points / 1000000; }
+/// A quantile of some hundred thousand samples is as good as one of thirty million.
+std::size_t SampleStride(std::size_t num_points) { return 1 + num_points / 200000; }
 
 /// One coordinate (0 = x, 1 = y) of every so many points, those that are not finite left out.
 std::vector<double> SampleCoordinates(const std::vector<double>& points, int coordinate) {

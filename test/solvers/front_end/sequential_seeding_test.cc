@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -107,6 +109,78 @@ TEST(SequentialSeeding, StopsWhenItsCallerSaysSo) {
       [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_TRUE(trajectory.world_from_robot.empty());
+}
+
+// Laps round the room, long enough to be cut into stretches.
+SlamGraph DriveManyLaps() {
+  SyntheticScene scene = Room();
+  scene.range_sigma_m = 0.01;
+  for (int i = 0; i < 1300; ++i) {
+    const double angle = 0.1 * i;
+    scene.poses.emplace_back(std::cos(angle), std::sin(angle), angle + kPi / 2.0);
+  }
+  SlamGraph graph = MakeGraph(scene);
+  AddOdometry([](const Pose2& s) { return Pose2(1.1 * s.x, s.y, 0.9 * s.yaw); }, &graph);
+  return graph;
+}
+
+TEST(SequentialSeeding, StretchesOfALongDriveFitTogether) {
+  const SlamGraph graph = DriveManyLaps();
+  SequentialSeedingReport report;
+  const SequentialTrajectory trajectory = Seed(graph, &report);
+  double worst_step_m = 0.0;
+  for (int pose = 1; pose < graph.num_poses(); ++pose) {
+    const Pose2 truth = Between(graph.InitialPose(pose - 1), graph.InitialPose(pose));
+    const std::vector<Pose2>& found = trajectory.world_from_robot;
+    worst_step_m = std::max(worst_step_m, DistanceM(truth, Between(found[pose - 1], found[pose])));
+  }
+  EXPECT_LT(worst_step_m, 0.02);
+  EXPECT_LT(WorstM(graph, trajectory), 0.1);
+  EXPECT_EQ(report.num_unmatched, 0);
+  const std::vector<Keyframe>& keyframes = trajectory.keyframes;
+  ASSERT_EQ(report.num_keyframes, static_cast<int>(keyframes.size()));
+  for (std::size_t k = 1; k < keyframes.size(); ++k) {
+    EXPECT_GT(keyframes[k].pose, keyframes[k - 1].pose);
+    EXPECT_GT(keyframes[k].path_m, keyframes[k - 1].path_m);
+  }
+  EXPECT_NEAR(keyframes.back().path_m, 0.1 * keyframes.back().pose, 2.0);
+}
+
+TEST(SequentialSeeding, StretchesDoNotDependOnTheNumberOfThreads) {
+  const SlamGraph graph = DriveManyLaps();
+  const std::vector<SurfacePoints> surfaces = SurfacesOf(graph);
+  std::vector<SequentialTrajectory> trajectories;
+  for (const int num_threads : {1, 3}) {
+    ThreadPool pool(num_threads);
+    SequentialSeedingReport report;
+    ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, surfaces,
+                                 nullptr, &pool, &trajectories.emplace_back(), &report)
+                    .ok());
+  }
+  EXPECT_EQ(PoseArray(trajectories[0].world_from_robot),
+            PoseArray(trajectories[1].world_from_robot));
+}
+
+TEST(SequentialSeeding, TellsItsCallerOnItsOwnThreadAboutScansOfAllStretches) {
+  const SlamGraph graph = DriveManyLaps();
+  ThreadPool pool(2);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport report;
+  const std::thread::id caller = std::this_thread::get_id();
+  int num_calls = 0, last = -1;
+  const auto progress = [&](SeedingPhase, int num_done, int num_total) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    EXPECT_EQ(num_total, graph.num_poses());
+    EXPECT_GT(num_done, last);
+    EXPECT_LT(num_done, num_total);
+    last = num_done;
+    ++num_calls;
+    return true;
+  };
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
+                               SurfacesOf(graph), progress, &pool, &trajectory, &report)
+                  .ok());
+  EXPECT_GT(num_calls, 0);
 }
 
 TEST(SequentialSeeding, WithoutOdometryTheScansAloneTellTheWay) {
