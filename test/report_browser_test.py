@@ -44,7 +44,8 @@ def make_report():
     truth = ["--truth=" + OUTPUT + "/truth.tum", "--hits=" + OUTPUT + "/hits.txt"]
     for command in (
         ["plumbline_simulate", "--world=" + WORLD, "--log=" + LOG] + truth,
-        ["plumbline_slam", "--log=" + LOG, "--output_dir=" + OUTPUT + "/run"] + truth,
+        ["plumbline_slam", "--log=" + LOG, "--output_dir=" + OUTPUT + "/run", "--measure_rounds"]
+        + truth,
     ):
         subprocess.run(
             [os.path.join(PROGRAMS, command[0])] + command[1:],

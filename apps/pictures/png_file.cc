@@ -5,13 +5,13 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <ostream>
 #include <vector>
 
 namespace plumbline {
 namespace {
 
-constexpr int kBytesPerPixel = 3;
 // Higher ones take twice as long for a hundredth less.
 constexpr int kCompressionLevel = 3;
 
@@ -29,13 +29,18 @@ void WriteBytes(png_structp png, png_bytep data, png_size_t size) {
 
 void Flush(png_structp) {}
 
+bool IsGray(cairo_surface_t* surface) {
+  return cairo_image_surface_get_format(surface) == CAIRO_FORMAT_A8;
+}
+
 // Cairo has a pixel in an integer of 32 bits, in whatever order of bytes the machine has.
-void UnpackRow(const unsigned char* pixels, std::vector<unsigned char>* row) {
-  const auto* const values = reinterpret_cast<const std::uint32_t*>(pixels);
-  for (std::size_t x = 0; x < row->size() / kBytesPerPixel; ++x) {
-    (*row)[kBytesPerPixel * x] = static_cast<unsigned char>(values[x] >> 16);
-    (*row)[kBytesPerPixel * x + 1] = static_cast<unsigned char>(values[x] >> 8);
-    (*row)[kBytesPerPixel * x + 2] = static_cast<unsigned char>(values[x]);
+void UnpackColors(const unsigned char* pixels, std::vector<unsigned char>* row) {
+  for (std::size_t x = 0; 3 * x < row->size(); ++x) {
+    std::uint32_t pixel = 0;
+    std::memcpy(&pixel, pixels + sizeof(pixel) * x, sizeof(pixel));
+    (*row)[3 * x] = static_cast<unsigned char>(pixel >> 16);
+    (*row)[3 * x + 1] = static_cast<unsigned char>(pixel >> 8);
+    (*row)[3 * x + 2] = static_cast<unsigned char>(pixel);
   }
 }
 
@@ -43,17 +48,18 @@ void UnpackRow(const unsigned char* pixels, std::vector<unsigned char>* row) {
 bool WriteRows(png_structp png, png_infop info, cairo_surface_t* surface,
                std::vector<unsigned char>* row) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
+  const bool is_gray = IsGray(surface);
+  const auto width = static_cast<png_uint_32>(cairo_image_surface_get_width(surface));
   const auto height = static_cast<png_uint_32>(cairo_image_surface_get_height(surface));
-  png_set_IHDR(png, info, static_cast<png_uint_32>(row->size() / kBytesPerPixel), height, 8,
-               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, width, height, 8, is_gray ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, kCompressionLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_write_info(png, info);
   const unsigned char* pixels = cairo_image_surface_get_data(surface);
   for (png_uint_32 y = 0; y < height; ++y) {
-    UnpackRow(pixels, row);
-    png_write_row(png, row->data());
+    if (!is_gray) UnpackColors(pixels, row);
+    png_write_row(png, is_gray ? pixels : row->data());
     pixels += cairo_image_surface_get_stride(surface);
   }
   png_write_end(png, info);
@@ -64,8 +70,10 @@ bool WriteRows(png_structp png, png_infop info, cairo_surface_t* surface,
 
 bool WritePng(cairo_surface_t* surface, std::ostream* stream, std::string* error) {
   cairo_surface_flush(surface);
-  std::vector<unsigned char> row(static_cast<std::size_t>(kBytesPerPixel) *
-                                 cairo_image_surface_get_width(surface));
+  std::vector<unsigned char> row;
+  if (!IsGray(surface)) {
+    row.resize(3 * static_cast<std::size_t>(cairo_image_surface_get_width(surface)));
+  }
   *error = "out of memory";
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, error, KeepError, IgnoreWarning);
   if (png == nullptr) return false;

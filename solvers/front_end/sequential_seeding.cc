@@ -37,6 +37,7 @@ struct Stretch {
 // odometry: of each pose from the one before.
 std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry) {
   const int num_poses = static_cast<int>(odometry.size());
+  if (num_poses == 0) return {};
   std::vector<double> path_m(num_poses, 0.0);
   for (int pose = 1; pose < num_poses; ++pose) {
     path_m[pose] = path_m[pose - 1] + odometry[pose].translation().norm();
