@@ -73,19 +73,14 @@ std::vector<std::vector<T>> ExchangeValues(const Peers& peers,
   return from_rank;
 }
 
-/// What all processes have, by rank, one after the other.
+/// What all processes have, by rank, one after the other: values that can be copied byte by byte.
 template <typename T>
 std::vector<T> JoinOverPeers(const Peers* peers, std::vector<T> own) {
-  static_assert(std::is_trivially_copyable_v<T>, "sent as bytes");
   if (peers == nullptr) return own;
-  const char* bytes = reinterpret_cast<const char*>(own.data());
-  const std::vector<char> sent(bytes, bytes + own.size() * sizeof(T));
   std::vector<T> joined;
-  for (const std::vector<char>& received :
-       peers->Exchange(std::vector<std::vector<char>>(peers->size(), sent))) {
-    const std::size_t size = joined.size();
-    joined.resize(size + received.size() / sizeof(T));
-    if (!received.empty()) std::memcpy(&joined[size], received.data(), received.size());
+  for (const std::vector<T>& part :
+       ExchangeValues(*peers, std::vector<std::vector<T>>(peers->size(), own))) {
+    joined.insert(joined.end(), part.begin(), part.end());
   }
   return joined;
 }
