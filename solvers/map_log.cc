@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/sweep_motion.h"
@@ -15,7 +16,7 @@
 #include "plumbline/solvers/front_end/pairwise_icp.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
-#include "plumbline/solvers/seed.h"
+#include "plumbline/solvers/loop_closure/seed_drive.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/sweep_order.h"
 
@@ -141,16 +142,17 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping) {
   return CatchExceptions([&] {
+    const DefaultFloatEnvironment float_environment;
     SeedingReport seeding;
     std::vector<double> start_poses;
     const bool needs_pose_graph = options.solver.MovesPosesOnly();
     if (options.start == StartType::kSeed || needs_pose_graph) {
-      MapState seed;
-      PLUMBLINE_RETURN_IF_ERROR(SeedGraph(options.seeding, options.solver.factors.motion,
-                                          mapping->normals, progress, pool, mapping->graph, &seed,
+      SeededDrive drive;
+      PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
+                                          mapping->normals, progress, pool, mapping->graph, &drive,
                                           &seeding));
       // A solver of pose graphs has the work still to do that the seeding did by its own.
-      start_poses = needs_pose_graph ? PoseArray(seeding.sequential_poses) : std::move(seed.poses);
+      start_poses = PoseArray(needs_pose_graph ? seeding.sequential_poses : drive.world_from_robot);
     }
     if (options.start != StartType::kSeed) {
       PLUMBLINE_RETURN_IF_ERROR(FindPlainStart(options, progress, pool, *mapping, &start_poses));

@@ -73,15 +73,7 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(
         ReadLogInput(options_.log, options_.max_scans, options_.max_memory, &summary_, &graph));
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
-    // What would end the run at its end is found before the work.
-    const MapState odometry = graph.InitialState();
-    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options_.log, odometry, outputs_.map_resolution_m));
-    const SolverOptions& solver = options_.mapping.solver;
-    MemoryEstimate memory = EstimateMemory(
-        graph, odometry, solver, options_.mapping.calibration.IsOn(), outputs_.picture_side_px);
-    std::cout << memory.Text()
-              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
-    PLUMBLINE_RETURN_IF_ERROR(CheckMemory(memory, options_.max_memory, graph, solver));
+    PLUMBLINE_RETURN_IF_ERROR(CheckLimits(graph));
     const auto start = std::chrono::steady_clock::now();
     PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_.mapping, std::move(graph), &pool_, &mapping_));
     summary_.seed_time_s = SecondsSince(start);
@@ -92,6 +84,18 @@ class LogRun {
     if (options_.truth.empty()) return Status::Ok();
     truth_.emplace();
     return ReadTruth(options_.truth, options_.hits, mapping_.graph, &*truth_);
+  }
+
+  // What would end the run at its end is found before the work. May make pictures smaller.
+  Status CheckLimits(const SlamGraph& graph) {
+    const MapState odometry = graph.InitialState();
+    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options_.log, odometry, outputs_.map_resolution_m));
+    const SolverOptions& solver = options_.mapping.solver;
+    MemoryEstimate memory = EstimateMemory(
+        graph, odometry, solver, options_.mapping.calibration.IsOn(), outputs_.picture_side_px);
+    std::cout << memory.Text()
+              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
+    return CheckMemory(memory, options_.max_memory, graph, solver);
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint.

@@ -94,9 +94,9 @@ Status MapRun::WriteMap(ExtraResults extras) {
   RefinedMap map = RefinedMapOf(*mapping_);
   map.picture_area = &maps_.back().area;
   map.map_warning = &map_warning;
-  // What takes longest begins first.
+  std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
+  // Long, but not first: at first there is least memory left.
   Stage measured, optimised;
-  std::vector<WriteTask> tasks;
   tasks.push_back([&] {
     const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
     const std::vector<double>& poses = mapping_->state.poses;
@@ -105,7 +105,6 @@ Status MapRun::WriteMap(ExtraResults extras) {
   });
   tasks.push_back(
       [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
-  for (WriteTask& task : MapWriteTasks(map, outputs_, output_)) tasks.push_back(std::move(task));
   tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
   tasks.push_back([this] { return WriteTrajectory("trajectory.tum"); });
   tasks.push_back([this] {
