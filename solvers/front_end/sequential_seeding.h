@@ -28,6 +28,8 @@ struct SequentialTrajectory {
 /// one. Expects poses in order of time, joined by odometry from each pose to the next. If there is
 /// none at all, each step is predicted from those before (MotionPrediction), and takes the place of
 /// the odometry; `motion` is then the noise of that. surfaces: per scan, in the frame of the robot.
+/// Stretches of a long drive with odometry are matched side by side; what comes out does not depend
+/// on the number of threads. progress: called on the thread of the caller.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,
