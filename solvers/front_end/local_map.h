@@ -14,8 +14,8 @@ namespace plumbline {
 /// proportional to the number of their points.
 class LocalMap {
  public:
-  /// Side of a cell [m]: the points of all scans are then about as dense as those of a thinned
-  /// scan.
+  /// Side of a cell [m]: the points of all scans are then a little less dense than those of a
+  /// thinned scan.
   static constexpr double kCellM = 0.05;
 
   /// One averaged point per square of cell_m (1 cm and more) and octant of the normal.

@@ -22,9 +22,6 @@ constexpr double kMaxRelativeSigma = 0.25;
 // Evidence: at least this many contradicting steps, and this share of the decided ones.
 constexpr int kMinContradicting = 5;
 constexpr double kMinContradictingShare = 0.002;
-// Beyond doubt: several times as many, and as large a share.
-constexpr int kPlentyContradicting = 4 * kMinContradicting;
-constexpr double kPlentyContradictingShare = 10.0 * kMinContradictingShare;
 
 enum class StepSign { kUndecided, kAgrees, kContradicts };
 
@@ -63,10 +60,11 @@ void CountSigns(std::vector<StepSign> signs, OdometrySignReport* report) {
   }
 }
 
-// So many steps contradict the odometry that the rest of the drive need not be asked.
-bool IsBeyondDoubt(const OdometrySignReport& report) {
-  return report.num_contradicting >= kPlentyContradicting &&
-         report.num_contradicting >= kPlentyContradictingShare * report.num_decided;
+// num_left: steps that have not been asked. If the sign is lost, no answer of theirs changes that.
+bool IsSignLost(const OdometrySignReport& report, std::size_t num_left) {
+  const double num_steps = report.num_decided + static_cast<double>(num_left);
+  return report.num_contradicting >= kMinContradicting &&
+         report.num_contradicting >= kMinContradictingShare * num_steps;
 }
 
 }  // namespace
@@ -89,16 +87,15 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
   };
   // Batch by batch: a drive that backs up early tells soon.
   constexpr std::size_t kStepsPerBatch = 512, kStepsPerChunk = 32;
-  for (std::size_t first = 0; first < steps.size() && !IsBeyondDoubt(report);
-       first += kStepsPerBatch) {
-    pool->ForEachChunk(std::min(kStepsPerBatch, steps.size() - first), kStepsPerChunk,
-                       [&](std::size_t, std::size_t begin, std::size_t end) {
-                         for (std::size_t i = begin; i < end; ++i) decide(first + i);
-                       });
+  for (std::size_t first = 0; first < steps.size() && !report.sign_lost;) {
+    const std::size_t size = std::min(kStepsPerBatch, steps.size() - first);
+    pool->ForEachChunk(size, kStepsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) decide(first + i);
+    });
+    first += size;
     CountSigns(signs, &report);
+    report.sign_lost = IsSignLost(report, steps.size() - first);
   }
-  report.sign_lost = report.num_contradicting >= kMinContradicting &&
-                     report.num_contradicting >= kMinContradictingShare * report.num_decided;
   return report;
 }
 

@@ -133,7 +133,8 @@ ScanMatch SequentialMatcher::MatchStep(const Pose2& previous, const Pose2& step,
 
 // Whether another step could explain a scan better than the one that it was matched with: by the
 // match's own Gauss-Newton model, in which the sum of squares of the points about the pose found is
-// a parabola. Spares most matches, as most scans tell clearly which way the robot went.
+// a parabola. Only what is clearly worse is ruled out. Spares most matches, as most scans tell
+// which way the robot went.
 bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& step,
                                          const ScanMatch& match, const Pose2& other_step) const {
   if (!match.converged || match.inlier_ratio < kSuspectInlierRatio) return true;
@@ -143,7 +144,7 @@ bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& ste
   const Eigen::Vector3d gradient = other.gradient - pull.gradient;
   const Eigen::Matrix3d information = match.information + other.information;
   const double gain = pull.chi2 - other.chi2 + gradient.dot(information.ldlt().solve(gradient));
-  return !(gain <= 0.0);
+  return !(gain <= -kReversalChi2);
 }
 
 // Other starts, without weight on the odometry. Replaces the match if one of them fits clearly

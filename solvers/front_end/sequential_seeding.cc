@@ -18,12 +18,12 @@ namespace {
 
 // Stretches of a long drive are matched side by side. They depend on the drive alone, so that the
 // result is the same for any number of threads. Each begins with a run-up over the end of the one
-// before it, which fills its local map: this long a path [m] and this many poses.
+// before it, which fills its local map: this long a path [m] and this many scans.
 constexpr double kRunUpM = 6.0;
-constexpr int kRunUpPoses = 50;
+constexpr int kRunUpScans = 50;
 // A stretch is long against its run-up, ...
 constexpr double kMinStretchM = 10.0 * kRunUpM;
-constexpr int kMinStretchPoses = 5 * kRunUpPoses;
+constexpr int kMinStretchPoses = 5 * kRunUpScans;
 // ... and more than these would keep no more processors busy.
 constexpr int kMaxStretches = 16;
 
@@ -34,8 +34,9 @@ struct Stretch {
   int end = 0;
 };
 
-// odometry: of each pose from the one before.
-std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry) {
+// odometry: of each pose from the one before. scan_of_pose: -1 if it has none to match.
+std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry,
+                                      const std::vector<int>& scan_of_pose) {
   const int num_poses = static_cast<int>(odometry.size());
   if (num_poses == 0) return {};
   std::vector<double> path_m(num_poses, 0.0);
@@ -56,9 +57,11 @@ std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry) {
     if (i == 0) continue;
     // Not farther than half way: a robot that stands still gains nothing there.
     const int earliest = (border(i - 1) + border(i)) / 2;
-    while (stretch.run_up > earliest && (path_m[stretch.begin] - path_m[stretch.run_up] < kRunUpM ||
-                                         stretch.begin - stretch.run_up < kRunUpPoses)) {
+    int num_scans = 0;
+    while (stretch.run_up > earliest &&
+           (path_m[stretch.begin] - path_m[stretch.run_up] < kRunUpM || num_scans < kRunUpScans)) {
       --stretch.run_up;
+      if (scan_of_pose[stretch.run_up] >= 0) ++num_scans;
     }
   }
   return stretches;
@@ -70,24 +73,28 @@ class ProgressMeter {
   ProgressMeter(const SeedingProgress& progress, int num_total)
       : progress_(progress), num_total_(num_total), caller_(std::this_thread::get_id()) {}
 
-  // False if the caller has had enough.
-  bool Count() {
+  // To be called first: the caller hears of the matching whatever its thread does.
+  void Begin() {
+    if (progress_ && !progress_(SeedingPhase::kMatchingScans, 0, num_total_)) stopped_ = true;
+  }
+
+  void Count() {
     const int num_done = num_done_++;
     if (progress_ && std::this_thread::get_id() == caller_ && num_done >= next_report_) {
-      constexpr int kScansPerReport = 100;
       next_report_ = num_done + kScansPerReport;
       if (!progress_(SeedingPhase::kMatchingScans, num_done, num_total_)) stopped_ = true;
     }
-    return !stopped_;
   }
 
+  // The caller has had enough.
   bool stopped() const { return stopped_; }
 
  private:
   const SeedingProgress& progress_;
   const int num_total_;
   const std::thread::id caller_;
-  int next_report_ = 0;  // of the caller's thread
+  static constexpr int kScansPerReport = 100;
+  int next_report_ = kScansPerReport;  // of the caller's thread
   std::atomic<int> num_done_{0};
   std::atomic<bool> stopped_{false};
 };
@@ -105,15 +112,16 @@ class DriveMatcher {
   // odometry: of each pose from the one before; empty if steps are to be predicted.
   DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
                const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-               const std::vector<Pose2>& odometry, bool sign_lost)
+               const std::vector<int>& scan_of_pose, const std::vector<Pose2>& odometry,
+               bool sign_lost)
       : options_(options),
         motion_(motion),
         graph_(graph),
         surfaces_(surfaces),
+        scan_of_pose_(scan_of_pose),
         odometry_(odometry),
         sign_lost_(sign_lost),
-        prediction_(graph),
-        scan_of_pose_(MatchedScanOfPoses(graph, surfaces)) {}
+        prediction_(graph) {}
 
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     static const SurfacePoints kNoSurface;
@@ -136,7 +144,8 @@ class DriveMatcher {
       matched.poses.push_back(match.world_from_robot);
       matched.odometry.push_back(step);
       if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, path_m, match);
-      if (pose >= stretch.begin && !progress->Count()) break;
+      if (pose >= stretch.begin) progress->Count();
+      if (progress->stopped()) break;
     }
     matched.keyframes = matcher.TakeKeyframes();
     return matched;
@@ -149,10 +158,10 @@ class DriveMatcher {
   const MotionOptions& motion_;
   const SlamGraph& graph_;
   const std::vector<SurfacePoints>& surfaces_;
+  const std::vector<int>& scan_of_pose_;
   const std::vector<Pose2>& odometry_;
   const bool sign_lost_;
   const MotionPrediction prediction_;
-  const std::vector<int> scan_of_pose_;
 };
 
 // Joins a stretch to those before it by its own match of the last pose that they have in common.
@@ -199,6 +208,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
                         const SeedingProgress& progress, ThreadPool* pool,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   std::vector<Pose2> odometry;
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
   if (!LacksOdometry(graph)) {
@@ -208,14 +218,15 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     for (int pose = 1; pose < graph.num_poses(); ++pose) {
       odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
     }
-    stretches = CutIntoStretches(odometry);
+    stretches = CutIntoStretches(odometry, scan_of_pose);
   }
   SequentialSeedingReport counts;
   counts.odometry_sign = CheckOdometrySign(graph, surfaces, pool);
 
-  const DriveMatcher matcher(options, motion, graph, surfaces, odometry,
+  const DriveMatcher matcher(options, motion, graph, surfaces, scan_of_pose, odometry,
                              counts.odometry_sign.sign_lost);
   ProgressMeter meter(progress, graph.num_poses());
+  meter.Begin();
   std::vector<MatchedStretch> matched(stretches.size());
   pool->ForEachChunk(stretches.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
     matched[i] = matcher.Match(stretches[i], &meter);

@@ -95,6 +95,7 @@ class System {
  private:
   void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain) {
     for (const RelativePoseConstraint& constraint : constraints) {
+      if (constraint.from == constraint.to) continue;  // says nothing of where it is
       ResidualEdge edge;
       edge.from = constraint.from;
       edge.to = constraint.to;
