@@ -144,7 +144,8 @@ bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& ste
   const Eigen::Vector3d gradient = other.gradient - pull.gradient;
   const Eigen::Matrix3d information = match.information + other.information;
   const double gain = pull.chi2 - other.chi2 + gradient.dot(information.ldlt().solve(gradient));
-  return !(gain <= -kReversalChi2);
+  constexpr double kMargin = 1.0;  // for the model, a ninth of what a reversal takes
+  return !(gain <= -kMargin);
 }
 
 // Other starts, without weight on the odometry. Replaces the match if one of them fits clearly
