@@ -47,19 +47,6 @@ StepSign SignOfStep(const Pose2& odometry, const SurfacePoints& from, const Surf
   return forward * odometry.x > 0.0 ? StepSign::kAgrees : StepSign::kContradicts;
 }
 
-void CountSigns(std::vector<StepSign> signs, OdometrySignReport* report) {
-  signs.erase(std::remove(signs.begin(), signs.end(), StepSign::kUndecided), signs.end());
-  report->num_decided = static_cast<int>(signs.size());
-  report->num_contradicting = 0;
-  // A robot that backs up does so for a while; a single contradicting step is a bad match.
-  for (std::size_t i = 0; i + 2 < signs.size(); ++i) {
-    if (signs[i] == StepSign::kContradicts && signs[i + 1] == StepSign::kContradicts &&
-        signs[i + 2] == StepSign::kContradicts) {
-      ++report->num_contradicting;
-    }
-  }
-}
-
 // num_left: steps that have not been asked. If the sign is lost, no answer of theirs changes that.
 bool IsSignLost(const OdometrySignReport& report, std::size_t num_left) {
   const double num_steps = report.num_decided + static_cast<double>(num_left);
@@ -87,13 +74,21 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
   };
   // Batch by batch: a drive that backs up early tells soon.
   constexpr std::size_t kStepsPerBatch = 512, kStepsPerChunk = 32;
+  constexpr int kShortestRun = 3;
+  int run = 0;  // of contradicting steps, among the decided ones
   for (std::size_t first = 0; first < steps.size() && !report.sign_lost;) {
     const std::size_t size = std::min(kStepsPerBatch, steps.size() - first);
     pool->ForEachChunk(size, kStepsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) decide(first + i);
     });
     first += size;
-    CountSigns(signs, &report);
+    for (std::size_t i = first - size; i < first; ++i) {
+      if (signs[i] == StepSign::kUndecided) continue;
+      ++report.num_decided;
+      run = signs[i] == StepSign::kContradicts ? run + 1 : 0;
+      // A robot that backs up does so for a while; a single contradicting step is a bad match.
+      if (run >= kShortestRun) ++report.num_contradicting;
+    }
     report.sign_lost = IsSignLost(report, steps.size() - first);
   }
   return report;

@@ -144,7 +144,7 @@ bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& ste
   const Eigen::Vector3d gradient = other.gradient - pull.gradient;
   const Eigen::Matrix3d information = match.information + other.information;
   const double gain = pull.chi2 - other.chi2 + gradient.dot(information.ldlt().solve(gradient));
-  constexpr double kMargin = 1.0;  // for the model, a ninth of what a reversal takes
+  constexpr double kMargin = 1.0;  // what the model may be off by; a reversal takes nine times that
   return !(gain <= -kMargin);
 }
 

@@ -52,7 +52,6 @@ void BlockCholesky::Analyze() {
   const int size = num_nodes();
   parent_.assign(size, -1);
   met_.assign(size, -1);
-  in_row_.clear();
   std::vector<std::size_t> num_blocks(size, 0);
   for (int row = 0; row < size; ++row) {
     met_[row] = row;
@@ -104,14 +103,12 @@ void BlockCholesky::FindRow(int row) {
 bool BlockCholesky::Factorize() {
   end_of_factor_.assign(first_of_factor_.begin(), first_of_factor_.end() - 1);
   std::fill(met_.begin(), met_.end(), -1);
-  std::vector<int> node_at_place(place_.size());
-  for (int node = 0; node < num_nodes(); ++node) node_at_place[place_[node]] = node;
   for (int row = 0; row < num_nodes(); ++row) {
     FindRow(row);
     for (std::size_t k = first_of_column_[row]; k < first_of_column_[row + 1]; ++k) {
       solution_[row_of_coupling_[k]] = couplings_[k];
     }
-    Eigen::Matrix3d pivot = diagonal_[node_at_place[row]];
+    Eigen::Matrix3d pivot = diagonal_[row];
     for (const int i : in_row_) {
       const Eigen::Matrix3d above = solution_[i];
       solution_[i].setZero();

@@ -20,7 +20,7 @@ class BlockCholesky {
 
   void SetZero();
   /// Adds to the block of a node on the diagonal.
-  void AddToDiagonal(int node, const Eigen::Matrix3d& block) { diagonal_[node] += block; }
+  void AddToDiagonal(int node, const Eigen::Matrix3d& block) { diagonal_[place_[node]] += block; }
   /// Where the block of two nodes is that were given as a coupling, for AddToCoupling.
   std::size_t FindCoupling(int a, int b) const;
   /// Whether the rows of the block of two nodes are those of a; else they are those of b.
@@ -44,9 +44,8 @@ class BlockCholesky {
 
   int num_nodes() const { return static_cast<int>(diagonal_.size()); }
 
-  // From here on, nodes go by their place in the order of elimination.
-  std::vector<int> place_;                 // per node
-  std::vector<Eigen::Matrix3d> diagonal_;  // by node
+  std::vector<int> place_;  // of each node in the order of elimination, by which the rest goes
+  std::vector<Eigen::Matrix3d> diagonal_;
   // The upper triangle by columns.
   std::vector<std::size_t> first_of_column_;
   std::vector<int> row_of_coupling_;
