@@ -23,6 +23,17 @@ T NormalizeAngle(const T& angle) {
   return wrapped;
 }
 
+/// The angle [rad] of the vector (x, y), like atan2. Up to 0.05 rad, where most angles between a
+/// measurement and its estimate are, a polynomial that is exact to rounding takes its place.
+inline double AngleOf(double x, double y) {
+  const double tangent = y / x, squared = tangent * tangent;
+  if (!(x > 0.0 && squared <= 0.05 * 0.05)) return std::atan2(y, x);
+  return tangent *
+         (1.0 - squared * (1.0 / 3 -
+                           squared * (1.0 / 5 -
+                                      squared * (1.0 / 7 - squared * (1.0 / 9 - squared / 11)))));
+}
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_CORE_ANGLE_H_

@@ -53,21 +53,32 @@ class ScanReturns {
     const double by_model = model_->Bearing(Beam(return_id));
     return off_beam_rad_ == nullptr ? by_model : by_model + OffBeam(return_id);
   }
+  /// Measured length of the beam [m].
+  double Range(std::size_t return_id) const { return range_m_[return_id]; }
+  /// Direction of the beam, a unit vector in the frame of its laser.
+  Eigen::Vector2d DirectionInLaser(std::size_t return_id) const {
+    return OnBeam(directions_[Beam(return_id)], return_id);
+  }
+  /// The same in the frame of its robot.
+  Eigen::Vector2d DirectionInRobot(std::size_t return_id) const {
+    return OnBeam(directions_in_robot_[Beam(return_id)], return_id);
+  }
+  /// Position of the laser [m] in the frame of its robot.
+  const Eigen::Vector2d& laser_in_robot() const { return laser_in_robot_; }
   /// Measured end of the beam [m] in the frame of its laser.
   Eigen::Vector2d PointInLaser(std::size_t return_id) const {
-    return Along(directions_[Beam(return_id)], return_id);
+    return Range(return_id) * DirectionInLaser(return_id);
   }
   /// Measured end of the beam [m] in the frame of its robot.
   Eigen::Vector2d PointInRobot(std::size_t return_id) const {
-    return Along(directions_in_robot_[Beam(return_id)], return_id) + laser_in_robot_;
+    return Range(return_id) * DirectionInRobot(return_id) + laser_in_robot_;
   }
 
  private:
   // Sines and cosines would be most of the work of placing a map.
-  Eigen::Vector2d Along(const Eigen::Vector2d& direction, std::size_t return_id) const {
-    const double range_m = range_m_[return_id];
-    if (off_beam_rad_ == nullptr) return range_m * direction;
-    return range_m * Turned(direction, OffBeam(return_id));
+  Eigen::Vector2d OnBeam(const Eigen::Vector2d& direction, std::size_t return_id) const {
+    if (off_beam_rad_ == nullptr) return direction;
+    return Turned(direction, OffBeam(return_id));
   }
   double OffBeam(std::size_t return_id) const { return off_beam_rad_[return_id - first_return_]; }
 

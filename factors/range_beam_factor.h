@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_FACTORS_RANGE_BEAM_FACTOR_H_
 #define PLUMBLINE_FACTORS_RANGE_BEAM_FACTOR_H_
 
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 
@@ -31,22 +32,26 @@ inline BeamFrame MakeBeamFrame(const double* world_from_robot, const Pose2& robo
 /// One laser return, as a residual between the pose of the robot and the map point m it hit:
 ///   q = laser_from_world m,
 ///   residual = [ (|q| - range) / sigma_range ; wrap(atan2(q_y, q_x) - bearing) / sigma_bearing ].
-/// Pose: x, y [m], yaw [rad] of world_from_robot; point: x, y [m] in the world. Residual: 2,
+/// Pose: x, y [m], yaw [rad] of world_from_robot; point: x, y [m] in the world. beam: (cos, sin) of
+/// the bearing. Residual: 2,
 /// dimensionless. d_pose is 2x3, d_point 2x2, row-major, each may be null. Singular at |q| = 0; the
 /// second residual jumps where the bearing error crosses +-pi.
 ///
 /// Returns false if |q| = 0 or anything is not finite; the outputs then carry no meaning.
 inline bool EvaluateRangeBeam(const BeamFrame& frame, const double* point_in_world, double range_m,
-                              double bearing_rad, double inv_sigma_range, double inv_sigma_bearing,
-                              double residuals[2], double* d_pose, double* d_point) {
+                              const Eigen::Vector2d& beam, double inv_sigma_range,
+                              double inv_sigma_bearing, double residuals[2], double* d_pose,
+                              double* d_point) {
   const double dx = point_in_world[0] - frame.x, dy = point_in_world[1] - frame.y;
   const double squared_distance = dx * dx + dy * dy;
   if (!(squared_distance >= std::numeric_limits<double>::min())) return false;
   const double distance = std::sqrt(squared_distance);
-  const double bearing =
-      std::atan2(frame.cos_yaw * dy - frame.sin_yaw * dx, frame.cos_yaw * dx + frame.sin_yaw * dy);
+  // Seen from the laser, and turned so that the beam is the first axis.
+  const double x = frame.cos_yaw * dx + frame.sin_yaw * dy;
+  const double y = frame.cos_yaw * dy - frame.sin_yaw * dx;
+  const double off_beam_rad = AngleOf(beam.x() * x + beam.y() * y, beam.x() * y - beam.y() * x);
   residuals[0] = (distance - range_m) * inv_sigma_range;
-  residuals[1] = NormalizeAngle(bearing - bearing_rad) * inv_sigma_bearing;
+  residuals[1] = off_beam_rad * inv_sigma_bearing;
   if (d_pose != nullptr || d_point != nullptr) {
     // Gradients of the two rows with respect to m; a move of the laser acts with opposite sign.
     const double radial = inv_sigma_range / distance;
@@ -82,8 +87,8 @@ struct RangeBeamResidual {
   bool Evaluate(const double* world_from_robot, const double* point_in_world, double* residuals,
                 double* d_pose, double* d_point) const {
     return EvaluateRangeBeam(MakeBeamFrame(world_from_robot, robot_from_laser), point_in_world,
-                             range_m, bearing_rad, inv_sigma_range, inv_sigma_bearing, residuals,
-                             d_pose, d_point);
+                             range_m, {std::cos(bearing_rad), std::sin(bearing_rad)},
+                             inv_sigma_range, inv_sigma_bearing, residuals, d_pose, d_point);
   }
 };
 

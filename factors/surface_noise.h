@@ -15,19 +15,24 @@ struct SurfaceNoise {
   double bearing_variance = 0.0;  ///< of the beam's direction [rad^2]
   double surface_variance = 0.0;  ///< of a point off its tangent line [m^2]
 
-  /// n^T C n [m^2], C the covariance of the beam's end. beam: from the laser to the return [m];
-  /// normal: unit, of the surface, same frame.
-  double BeamVariance(const Eigen::Vector2d& beam, const Eigen::Vector2d& normal) const {
-    const double along = beam.dot(normal);
-    const double across = beam.x() * normal.y() - beam.y() * normal.x();
-    return range_variance * along * along / beam.squaredNorm() + bearing_variance * across * across;
+  /// n^T C n [m^2], C the covariance of the beam's end. direction: of the beam, unit; normal: of
+  /// the surface, unit, same frame.
+  double BeamVariance(double range_m, const Eigen::Vector2d& direction,
+                      const Eigen::Vector2d& normal) const {
+    const double along = direction.dot(normal);
+    const double across = range_m * (direction.x() * normal.y() - direction.y() * normal.x());
+    return range_variance * along * along + bearing_variance * across * across;
+  }
+  /// No less than BeamVariance at this range, and what the surface adds [m^2].
+  double LargestVariance(double range_m) const {
+    return surface_variance + range_variance + bearing_variance * range_m * range_m;
   }
   /// C n [m^2].
-  Eigen::Vector2d BeamCovarianceTimes(const Eigen::Vector2d& beam,
+  Eigen::Vector2d BeamCovarianceTimes(double range_m, const Eigen::Vector2d& direction,
                                       const Eigen::Vector2d& normal) const {
-    const Eigen::Vector2d side(-beam.y(), beam.x());
-    return (range_variance * beam.dot(normal) / beam.squaredNorm()) * beam +
-           (bearing_variance * side.dot(normal)) * side;
+    const Eigen::Vector2d side(-direction.y(), direction.x());
+    return (range_variance * direction.dot(normal)) * direction +
+           (bearing_variance * range_m * range_m * side.dot(normal)) * side;
   }
 
   /// Of a return that meets its surface at a right angle and close by [m].

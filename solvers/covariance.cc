@@ -60,7 +60,7 @@ class PosteriorSystem {
     LineLandmarks cut = CutIntoLandmarks(graph, poses, surface,
                                          LandmarkOptionsFor(factors, options.association), &pool_);
     ReturnCompressor compressor(graph, NoiseOf(factors), &pool_);
-    observations_ = compressor.LayOut(cut.landmarks.size(), std::move(cut.landmark_of_return));
+    observations_ = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
     const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
     // Weights and lines depend on each other; the second time they are settled.
     for (int i = 0; i < 2; ++i) {

@@ -227,7 +227,8 @@ class Localiser {
                                    normal.y() * arm.x() - normal.x() * arm.y());
     // By the true direction, or a wall would turn towards beams that graze it, to weigh more.
     const Vector2d known = walls_.empty() ? normal : walls_[surfaces_[r].wall].true_normal;
-    const double weight = 1.0 / noise_.BeamVariance(BeamOf(r), known);
+    const Vector2d beam = BeamOf(r);
+    const double weight = 1.0 / noise_.BeamVariance(beam.norm(), beam.normalized(), known);
     const Eigen::Index row = PoseRow(i);
     information_.block<3, 3>(row, row) += weight * jacobian * jacobian.transpose();
     gradient_.segment<3>(row) += weight * distance * jacobian;
@@ -263,11 +264,9 @@ class Localiser {
     if (!surfaces_[r].exists) return point;
     Vector2d normal;
     const double distance = DistanceOf(r, point, &normal);
-    const Vector2d beam = BeamOf(r), along = beam.normalized(), across(-along.y(), along.x());
-    const Vector2d pull =
-        noise_.range_variance * along.dot(normal) * along +
-        noise_.bearing_variance * beam.squaredNorm() * across.dot(normal) * across;
-    return point - pull * distance / noise_.BeamVariance(beam, normal);
+    const Vector2d beam = BeamOf(r);
+    const Vector2d pull = noise_.BeamCovarianceTimes(beam.norm(), beam.normalized(), normal);
+    return point - pull * distance / pull.dot(normal);
   }
 
   int PoseOf(std::size_t r) const { return drive_.graph.scan(drive_.graph.ScanOfReturn(r)).pose; }

@@ -11,6 +11,7 @@
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
+#include "plumbline/solvers/landmarks/return_residual.h"
 
 namespace plumbline {
 namespace {
@@ -47,22 +48,22 @@ class SeedComparison {
         factors_(factors),
         noise_(NoiseOf(factors)),
         loss_(GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas)),
-        pool_(pool) {}
+        pool_(pool),
+        first_of_scan_(graph.num_scans()) {
+    std::size_t num_held_out = 0;
+    for (int s = 0; s < graph.num_scans(); ++s) {
+      first_of_scan_[s] = num_held_out;
+      num_held_out += HeldOutReturns::CountOf(graph, s);
+    }
+    held_out_.resize(num_held_out);
+  }
 
   // Takes what these landmarks say of both states into account.
   void AddSurfaces(const LineLandmarks& cut, const std::vector<double>& seed,
                    const std::vector<double>& state) {
-    LineLandmarks fitted;
-    fitted.landmarks = cut.landmarks;
-    fitted.shared = cut.shared;
-    fitted.landmark_of_return =
-        WithoutHeldOut(graph_, cut.landmark_of_return, int{LineLandmarks::kNone});
-    for (std::size_t r = 0; r < surface_.normals.size(); ++r) {
-      if (!HasNormal(r)) fitted.landmark_of_return[r] = LineLandmarks::kNone;
-    }
     std::vector<std::vector<LineLandmark>> lines;
     const std::vector<double> energies =
-        LandmarkEnergies(graph_, factors_, std::move(fitted), {&seed, &state}, pool_, &lines);
+        LandmarkEnergies(graph_, factors_, cut, {true, &surface_}, {&seed, &state}, pool_, &lines);
     seed_energy_ += energies[0];
     state_energy_ += energies[1];
     ++num_cuts_;
@@ -107,51 +108,59 @@ class SeedComparison {
 
   std::vector<PoseChange> ChangesOfPoses() const {
     std::vector<PoseChange> changes(graph_.num_poses());
-    std::size_t i = 0;
     for (int s = 0; s < graph_.num_scans(); ++s) {
       PoseChange& change = changes[graph_.scan(s).pose];
-      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t) {
-        const HeldOutReturn& held_out = held_out_[i++];
+      for (std::size_t i = 0; i < HeldOutReturns::CountOf(graph_, s); ++i) {
+        const HeldOutReturn& held_out = held_out_[first_of_scan_[s] + i];
         change += {held_out.num_landmarks, held_out.seed_error, held_out.state_error,
                    std::pow(held_out.state_error - held_out.seed_error, 2)};
-      });
+      }
     }
     if (graph_.peers() != nullptr) SumOfPeers(*graph_.peers(), &changes);
     return changes;
   }
 
  private:
-  bool HasNormal(std::size_t r) const { return !surface_.normals[r].IsNone(); }
-
   // lines: of the landmarks, at the seed and at the state.
   void AddErrors(const std::vector<int>& landmark_of_return,
                  const std::vector<std::vector<LineLandmark>>& lines,
                  const std::vector<double>& seed, const std::vector<double>& state) {
-    std::size_t i = 0;
-    for (int s = 0; s < graph_.num_scans(); ++s) {
-      const int pose = graph_.scan(s).pose;
-      const PoseFrame at_seed(&seed[3 * pose]), at_state(&state[3 * pose]);
-      const Eigen::Vector2d laser = graph_.LaserOfScan(s).robot_from_laser.translation();
-      const ScanReturns returns = graph_.ReturnsOfScan(s);
-      HeldOutReturns::ForEachOf(graph_, s, [&](std::size_t r) {
-        if (i == held_out_.size()) held_out_.emplace_back();
-        HeldOutReturn& held_out = held_out_[i++];
-        const int landmark = landmark_of_return[r];
-        if (landmark == LineLandmarks::kNone || !HasNormal(r)) return;
-        const Eigen::Vector2d in_robot = returns.PointInRobot(r);
-        ++held_out.num_landmarks;
-        held_out.seed_error += Error(in_robot, in_robot - laser, at_seed, lines[0][landmark]);
-        held_out.state_error += Error(in_robot, in_robot - laser, at_state, lines[1][landmark]);
-      });
-    }
+    constexpr std::size_t kScansPerChunk = 64;
+    pool_->ForEachChunk(graph_.num_scans(), kScansPerChunk,
+                        [&](std::size_t, std::size_t begin, std::size_t end) {
+                          for (std::size_t s = begin; s < end; ++s) {
+                            const int pose = graph_.scan(static_cast<int>(s)).pose;
+                            AddErrorsOfScan(static_cast<int>(s), landmark_of_return,
+                                            {PoseFrame(&seed[3 * pose]), lines[0]},
+                                            {PoseFrame(&state[3 * pose]), lines[1]});
+                          }
+                        });
   }
 
-  double Error(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& beam, const PoseFrame& frame,
+  // Where a state has a robot and the lines.
+  struct Placed {
+    PoseFrame frame;
+    const std::vector<LineLandmark>& lines;
+  };
+
+  void AddErrorsOfScan(int scan_id, const std::vector<int>& landmark_of_return, const Placed& seed,
+                       const Placed& state) {
+    const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
+    HeldOutReturn* held_out = &held_out_[first_of_scan_[scan_id]];
+    HeldOutReturns::ForEachOf(graph_, scan_id, [&](std::size_t r) {
+      HeldOutReturn& of_return = *held_out++;
+      const int landmark = landmark_of_return[r];
+      if (landmark == LineLandmarks::kNone || surface_.normals[r].IsNone()) return;
+      ++of_return.num_landmarks;
+      of_return.seed_error += Error(returns, r, seed.frame, seed.lines[landmark]);
+      of_return.state_error += Error(returns, r, state.frame, state.lines[landmark]);
+    });
+  }
+
+  double Error(const ScanReturns& returns, std::size_t r, const PoseFrame& frame,
                const LineLandmark& landmark) const {
-    const double distance = landmark.Distance(frame.Rotate(in_robot) + frame.translation());
-    const double variance =
-        noise_.surface_variance + noise_.BeamVariance(frame.Rotate(beam), landmark.normal);
-    return loss_.Rho(distance * distance / variance);
+    const ReturnResidual residual(returns, r, LineInRobot(landmark, frame), noise_);
+    return loss_.Rho(residual.distance * residual.distance / residual.variance);
   }
 
   const SlamGraph& graph_;
@@ -162,7 +171,8 @@ class SeedComparison {
   ThreadPool* pool_;
   int num_cuts_ = 0;
   double seed_energy_ = 0.0, state_energy_ = 0.0;
-  std::vector<HeldOutReturn> held_out_;  // of the graph, in order of scans
+  std::vector<std::size_t> first_of_scan_;  // into held_out_
+  std::vector<HeldOutReturn> held_out_;     // of the graph, in order of scans
 };
 
 }  // namespace

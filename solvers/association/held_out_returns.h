@@ -28,6 +28,12 @@ struct HeldOutReturns {
     return mixed / (0xffffffffu / kOneIn + 1);
   }
 
+  /// How many a scan has.
+  static std::size_t CountOf(const SlamGraph& graph, int scan_id) {
+    const std::size_t first = FirstOf(graph, scan_id), end = graph.scan(scan_id).num_returns;
+    return first < end ? (end - first + kOneIn - 1) / kOneIn : 0;
+  }
+
   /// Calls body(return id) for each of a scan, in order.
   template <typename Body>
   static void ForEachOf(const SlamGraph& graph, int scan_id, const Body& body) {
@@ -46,26 +52,6 @@ std::vector<Value> WithoutHeldOut(const SlamGraph& graph, std::vector<Value> of_
     HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) { of_return[r] = without; });
   }
   return of_return;
-}
-
-/// The values of the held-out returns alone, in the order of the returns.
-template <typename Value>
-std::vector<Value> HeldOutOnly(const SlamGraph& graph, const std::vector<Value>& of_return) {
-  std::vector<Value> values;
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) { values.push_back(of_return[r]); });
-  }
-  return values;
-}
-
-/// Puts them back in their places.
-template <typename Value>
-void PutHeldOut(const SlamGraph& graph, const std::vector<Value>& held_out,
-                std::vector<Value>* of_return) {
-  auto value = held_out.begin();
-  for (int s = 0; s < graph.num_scans(); ++s) {
-    HeldOutReturns::ForEachOf(graph, s, [&](std::size_t r) { (*of_return)[r] = *value++; });
-  }
 }
 
 }  // namespace plumbline

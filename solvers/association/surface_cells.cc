@@ -137,6 +137,8 @@ void SurfaceCells::Grow() {
 
 double DominantDirection(const SlamGraph& graph, const std::vector<double>& poses,
                          const MeasuredSurface& surface, ThreadPool* pool) {
+  // Some returns of each scan say as much of a direction as all of them.
+  constexpr std::size_t kOneIn = 4;
   // The fourth power of a normal, as a complex number, is the same for all four directions.
   std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerBatch));
   pool->ForEachChunk(graph.num_scans(), kScansPerBatch,
@@ -146,7 +148,7 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
                          const ScanEntry& scan = graph.scan(static_cast<int>(s));
                          double re = 0.0, im = 0.0;
                          for (std::size_t r = scan.first_return;
-                              r < scan.first_return + scan.num_returns; ++r) {
+                              r < scan.first_return + scan.num_returns; r += kOneIn) {
                            const Eigen::Vector2d normal = surface.normals[r].Direction();
                            const double x = normal.x(), y = normal.y();
                            const double re2 = x * x - y * y, im2 = 2.0 * x * y;

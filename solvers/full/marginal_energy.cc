@@ -22,7 +22,6 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses, int sc
   const ScanEntry& scan = graph.scan(scan_id);
   const Pose2 pose(&poses[3 * scan.pose]);
   const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
-  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
   const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
   const SurfaceNoise noise = NoiseOf(factors);
   const ScanReturns returns = graph.ReturnsOfScan(scan_id);
@@ -35,10 +34,11 @@ double ScanCost(const SlamGraph& graph, const std::vector<double>& poses, int sc
     const TangentLine& line = lines[r];
     const Eigen::Vector2d normal(c * line.normal_x + s * line.normal_y,
                                  -s * line.normal_x + c * line.normal_y);
-    const Eigen::Vector2d point = returns.PointInRobot(r);
-    const double variance = noise.surface_variance + noise.BeamVariance(point - laser, normal);
-    const double distance =
-        normal.dot(point) + line.normal_x * pose.x + line.normal_y * pose.y - line.offset;
+    const double variance =
+        noise.surface_variance +
+        noise.BeamVariance(returns.Range(r), returns.DirectionInRobot(r), normal);
+    const double distance = normal.dot(returns.PointInRobot(r)) + line.normal_x * pose.x +
+                            line.normal_y * pose.y - line.offset;
     cost += 0.5 * std::min(loss.Rho(distance * distance / variance), loss.ClutterRho());
   }
   return cost;

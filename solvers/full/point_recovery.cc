@@ -19,47 +19,27 @@ double RemainingDistance(double distance, double beam_variance, double surface_v
                          const GemanMcClure& loss) {
   constexpr int kMaxIterations = 20;
   constexpr double kToleranceM = 1e-5;
+  // A point at distance d has the information 1 / v (a v / (a v + d^2))^2, a v = scale.
+  const double scale = loss.scale_squared * surface_variance;
+  const double weight = beam_variance * scale * loss.scale_squared;
   double remaining = distance * surface_variance / (surface_variance + beam_variance);
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double information = loss.Term(remaining, surface_variance).information;
-    const double next = distance / (1.0 + information * beam_variance);
+    const double sum_squared = std::pow(scale + remaining * remaining, 2);
+    const double next = distance * sum_squared / (sum_squared + weight);
     const bool settled = std::abs(next - remaining) <= kToleranceM;
     remaining = next;
     if (settled) break;
   }
+  // Up to here the loss is convex in the distance: there is no other minimum.
+  if (3.0 * distance * distance <= scale) return remaining;
   const double moved = distance - remaining;
   const double cost_on_line =
       moved * moved / beam_variance + loss.Term(remaining, surface_variance).rho;
   return cost_on_line < loss.Term(distance, surface_variance).rho ? remaining : distance;
 }
 
-void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
-                 const TangentLines& lines, const FactorOptions& factors, int scan_id,
-                 std::vector<double>* points) {
-  const ScanEntry& scan = graph.scan(scan_id);
-  const PoseFrame frame(&poses[3 * scan.pose]);
-  const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
-  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
-  const SurfaceNoise noise = NoiseOf(factors);
-  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
-  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-    const Eigen::Vector2d in_robot = returns.PointInRobot(r);
-    Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
-    point = frame.Rotate(in_robot) + frame.translation();
-    if (!lines.HasLine(r)) continue;
-    const Eigen::Vector2d normal(lines[r].normal_x, lines[r].normal_y);
-    const Eigen::Vector2d covariance_normal =
-        noise.BeamCovarianceTimes(frame.Rotate(in_robot - laser), normal);
-    const double variance = normal.dot(covariance_normal);
-    const double distance = normal.dot(point) - lines[r].offset;
-    const double moved =
-        distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
-    point -= covariance_normal * (moved / variance);
-  }
-}
-
-// Counts one point in both histograms; lengths that are not finite go to the last bins.
-void Count(double moved_m, double beam_sigmas, PointDisplacements* displacements) {
+// Takes one point into account; `mean_m` is a sum. Lengths that are not finite go to the last bins.
+void AddPoint(double moved_m, double beam_sigmas, PointDisplacements* displacements) {
   using Bins = PointDisplacements;
   int sigma_bin = Bins::kNumSigmaBins - 1, octave = Bins::kNumOctaves - 1;
   if (beam_sigmas < sigma_bin * Bins::kSigmasPerBin) {
@@ -70,8 +50,40 @@ void Count(double moved_m, double beam_sigmas, PointDisplacements* displacements
   } else if (std::isfinite(moved_m)) {
     octave = std::min(octave, 1 + std::ilogb(moved_m / Bins::kFirstOctaveM));
   }
+  displacements->mean_m += moved_m;
+  displacements->max_m = std::max(displacements->max_m, moved_m);
+  displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
   ++displacements->sigma_counts[sigma_bin];
   ++displacements->octave_counts[octave];
+}
+
+void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
+                 const TangentLines& lines, const FactorOptions& factors, int scan_id,
+                 std::vector<double>* points, PointDisplacements* displacements) {
+  const ScanEntry& scan = graph.scan(scan_id);
+  const PoseFrame frame(&poses[3 * scan.pose]);
+  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+  const SurfaceNoise noise = NoiseOf(factors);
+  const ScanReturns returns = graph.ReturnsOfScan(scan_id);
+  for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
+    point = frame.Rotate(returns.PointInRobot(r)) + frame.translation();
+    if (!lines.HasLine(r)) {
+      AddPoint(0.0, 0.0, displacements);
+      continue;
+    }
+    const TangentLine& line = lines[r];
+    const Eigen::Vector2d normal(line.normal_x, line.normal_y);
+    const Eigen::Vector2d covariance_normal = noise.BeamCovarianceTimes(
+        returns.Range(r), frame.Rotate(returns.DirectionInRobot(r)), normal);
+    const double variance = normal.dot(covariance_normal);
+    const double distance = normal.dot(point) - line.offset;
+    const double moved =
+        distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
+    point -= covariance_normal * (moved / variance);
+    AddPoint(covariance_normal.norm() * std::abs(moved / variance),
+             std::abs(moved) / std::sqrt(variance), displacements);
+  }
 }
 
 void Add(const PointDisplacements& part, PointDisplacements* total) {
@@ -90,7 +102,6 @@ void AddPartsOfPeers(const Peers& peers, PointDisplacements* total) {
   }
 }
 
-// Adds up; `mean_m` as a sum.
 void MeasureScan(const SlamGraph& graph, const MapState& state, const SurfaceNoise& noise,
                  int scan_id, PointDisplacements* displacements) {
   const ScanEntry& scan = graph.scan(scan_id);
@@ -110,38 +121,19 @@ void MeasureScan(const SlamGraph& graph, const MapState& state, const SurfaceNoi
     const double turned_rad = (moved.x() * beam.y() - moved.y() * beam.x()) * per_range_squared;
     const double beam_sigmas = std::sqrt(along * along * per_range_squared * range_information +
                                          turned_rad * turned_rad * bearing_information);
-    const double moved_m = moved.norm();
-    displacements->mean_m += moved_m;
-    displacements->max_m = std::max(displacements->max_m, moved_m);
-    displacements->max_beam_sigmas = std::max(displacements->max_beam_sigmas, beam_sigmas);
-    Count(moved_m, beam_sigmas, displacements);
+    AddPoint(moved.norm(), beam_sigmas, displacements);
   }
 }
 
-}  // namespace
-
-std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
-                                  const TangentLines& lines, const FactorOptions& factors,
-                                  ThreadPool* pool) {
-  std::vector<double> points(2 * graph.num_returns());
-  pool->ForEachChunk(graph.num_scans(), kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t s = begin; s < end; ++s) {
-                         RecoverScan(graph, poses, lines, factors, static_cast<int>(s), &points);
-                       }
-                     });
-  return points;
-}
-
-PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
-                                        const FactorOptions& factors, ThreadPool* pool) {
+// Calls measure(scan, displacements) for all scans, and puts together what it adds to these.
+template <typename Measure>
+PointDisplacements SumOverScans(const SlamGraph& graph, ThreadPool* pool, const Measure& measure) {
   const std::size_t num_scans = graph.num_scans();
-  const SurfaceNoise noise = NoiseOf(factors);
   std::vector<PointDisplacements> parts(ThreadPool::NumChunks(num_scans, kScansPerChunk));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        for (std::size_t s = begin; s < end; ++s) {
-                         MeasureScan(graph, state, noise, static_cast<int>(s), &parts[chunk]);
+                         measure(static_cast<int>(s), &parts[chunk]);
                        }
                      });
   PointDisplacements total;
@@ -150,6 +142,28 @@ PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& 
   const double num_returns = SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns()));
   total.mean_m /= std::max(1.0, num_returns);
   return total;
+}
+
+}  // namespace
+
+std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
+                                  const TangentLines& lines, const FactorOptions& factors,
+                                  ThreadPool* pool, PointDisplacements* displacements) {
+  std::vector<double> points(2 * graph.num_returns());
+  const PointDisplacements moved =
+      SumOverScans(graph, pool, [&](int scan, PointDisplacements* of_chunk) {
+        RecoverScan(graph, poses, lines, factors, scan, &points, of_chunk);
+      });
+  if (displacements != nullptr) *displacements = moved;
+  return points;
+}
+
+PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
+                                        const FactorOptions& factors, ThreadPool* pool) {
+  const SurfaceNoise noise = NoiseOf(factors);
+  return SumOverScans(graph, pool, [&](int scan, PointDisplacements* of_chunk) {
+    MeasureScan(graph, state, noise, scan, of_chunk);
+  });
 }
 
 }  // namespace plumbline

@@ -16,10 +16,11 @@ namespace plumbline {
 /// beam, C its covariance, d = n . h - offset, and w the robust weight at the minimum, found by
 /// iteration. A point without a line, or whose line would cost more than leaving it where it is,
 /// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
-/// per return, as LinesFromRadius gives them. Shape terms are left out.
+/// per return, as LinesFromRadius gives them. Shape terms are left out. displacements: if given,
+/// what MeasureDisplacements would say of these points.
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
                                   const TangentLines& lines, const FactorOptions& factors,
-                                  ThreadPool* pool);
+                                  ThreadPool* pool, PointDisplacements* displacements = nullptr);
 
 /// How far the points of a state are from where its poses and the measurements put them.
 PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,

@@ -87,9 +87,9 @@ struct Sighting {
   LineInRobot line;
   PointMoments moments;
 
-  void Add(const Eigen::Vector2d& point, const Eigen::Vector2d& laser, const SurfaceNoise& noise,
+  void Add(const ScanReturns& returns, std::size_t return_id, const SurfaceNoise& noise,
            const GemanMcClure& loss) {
-    const ReturnResidual residual(point, laser, line, noise);
+    const ReturnResidual residual(returns, return_id, line, noise);
     moments.Add(residual.z.x(), residual.z.y(),
                 loss.Term(residual.distance, residual.variance).information);
   }
@@ -437,8 +437,7 @@ void LandmarkStore::Observe(const std::vector<int>& squares, const SlamGraph& gr
         const LineInRobot line(landmarks_[landmark].line, frames[pose]);
         sighting = sightings.insert(sightings.end(), {landmark, line, PointMoments()});
       }
-      sighting->Add(graph.ReturnsOfScan(scan).PointInRobot(r),
-                    graph.LaserOfScan(scan).robot_from_laser.translation(), options_.noise, loss);
+      sighting->Add(graph.ReturnsOfScan(scan), r, options_.noise, loss);
     }
     take(pose);
     for (const CellEntry& entry : squares_[id].cells) {
@@ -492,7 +491,6 @@ void LandmarkStore::Weigh(const std::vector<int>& poses, const SlamGraph& graph,
           }
           for (const int s : scans_of_pose_[pose]) {
             const ScanEntry& scan = graph.scan(s);
-            const Eigen::Vector2d laser = graph.laser(scan.laser).robot_from_laser.translation();
             const ScanReturns returns = graph.ReturnsOfScan(s);
             int last = LineLandmarks::kNone;
             Sighting* sighting = nullptr;
@@ -504,7 +502,7 @@ void LandmarkStore::Weigh(const std::vector<int>& poses, const SlamGraph& graph,
                 const auto at = std::lower_bound(seen.begin(), seen.end(), landmark);
                 sighting = &sightings[at - seen.begin()];
               }
-              sighting->Add(returns.PointInRobot(r), laser, options_.noise, loss);
+              sighting->Add(returns, r, options_.noise, loss);
             }
           }
           for (const Sighting& sighting : sightings) {

@@ -24,7 +24,7 @@ struct ReducedOptions {
   /// A round cuts the surfaces into landmarks anew.
   int max_rounds = 10;
   /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
-  int steps_per_round = 2;
+  int steps_per_round = 1;
   /// Factor on the robust gate of the manifold term in the first round.
   double first_gate_factor = 2.0;
   /// Rounds end, but never with the first, when the last step of one lowers the cost by less than

@@ -17,33 +17,42 @@ void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame
                  std::vector<LineLandmark>* landmarks) {
   // The lines at hand may be those of other poses: all returns pull at first, and then those near
   // the lines.
-  for (const double gate : {1e3, gate_sigmas}) {
-    compressor.Weigh(*landmarks, frames, GemanMcClure::FromGate(gate), observations);
-    FitLandmarkLines(*observations, frames, pool, landmarks);
-  }
+  compressor.WeighEqually(observations);
+  FitLandmarkLines(*observations, frames, pool, landmarks);
+  compressor.Weigh(*landmarks, frames, GemanMcClure::FromGate(gate_sigmas), observations);
+  FitLandmarkLines(*observations, frames, pool, landmarks);
 }
 
 std::vector<double> LandmarkEnergies(const SlamGraph& graph, const FactorOptions& factors,
-                                     LineLandmarks cut,
+                                     const LineLandmarks& cut, const ReturnSelection& selection,
                                      const std::vector<const std::vector<double>*>& states,
                                      ThreadPool* pool,
                                      std::vector<std::vector<LineLandmark>>* lines) {
   ReturnCompressor compressor(graph, NoiseOf(factors), pool);
-  LineObservations observations = compressor.LayOut(
-      cut.landmarks.size(), std::move(cut.landmark_of_return), std::move(cut.shared));
-  const PoseTerms terms(graph, factors);
-  const double gate_sigmas = factors.manifold.robust_gate_sigmas;
-  std::vector<double> energies;
-  for (const std::vector<double>* poses : states) {
-    const std::vector<PoseFrame> frames = FramesOf(*poses);
-    std::vector<LineLandmark> landmarks = cut.landmarks;
-    SettleLines(compressor, frames, gate_sigmas, pool, &observations, &landmarks);
-    const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
-    const double cost =
-        SumOverPeers(graph.peers(), compressor.Cost(landmarks, frames, loss, observations));
-    energies.push_back(cost + terms.Cost(*poses) + OwnPointCost(factors, graph, *poses));
-    if (lines != nullptr) lines->push_back(std::move(landmarks));
+  LineObservations observations =
+      compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return, cut.shared, selection);
+  std::vector<std::vector<LineLandmark>> lines_of_state(states.size(), cut.landmarks);
+  std::vector<std::vector<PoseFrame>> frames_of_state;
+  // As SettleLines does, but returns weigh the same in all states at first.
+  compressor.WeighEqually(&observations);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    frames_of_state.push_back(FramesOf(*states[i]));
+    FitLandmarkLines(observations, frames_of_state[i], pool, &lines_of_state[i]);
   }
+  const PoseTerms terms(graph, factors);
+  const GemanMcClure loss = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+  std::vector<double> energies;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const std::vector<PoseFrame>& frames = frames_of_state[i];
+    const RobustCost before = compressor.Weigh(lines_of_state[i], frames, loss, &observations);
+    // The loss is concave in the squares of the distances: it changes by no more than these do
+    // under its weights.
+    const double change = FitLandmarkLines(observations, frames, pool, &lines_of_state[i]) -
+                          SumOverPeers(graph.peers(), before.weighted);
+    energies.push_back(SumOverPeers(graph.peers(), before.robust) + change +
+                       terms.Cost(*states[i]) + OwnPointCost(factors, graph, *states[i]));
+  }
+  if (lines != nullptr) *lines = std::move(lines_of_state);
   return energies;
 }
 

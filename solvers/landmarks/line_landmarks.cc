@@ -66,7 +66,9 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& 
 double LineLandmarkOptions::SquaredSigmasOff(const LineLandmark& line, const Eigen::Vector2d& point,
                                              const Eigen::Vector2d& laser) const {
   if (line.normal.dot(laser - point) <= 0.0) return std::numeric_limits<double>::infinity();
-  const double variance = noise.surface_variance + noise.BeamVariance(point - laser, line.normal);
+  const double range_m = (point - laser).norm();
+  const double variance =
+      noise.surface_variance + noise.BeamVariance(range_m, (point - laser) / range_m, line.normal);
   return std::pow(line.Distance(point), 2) / variance;
 }
 

@@ -1,10 +1,12 @@
 #include "plumbline/solvers/landmarks/line_observations.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
 #include "plumbline/core/line_fit.h"
+#include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
 
 namespace plumbline {
@@ -18,6 +20,41 @@ void CountsToOffsets(std::vector<std::size_t>* counts) {
   for (std::size_t& count : *counts) sum += std::exchange(count, sum);
   counts->push_back(sum);
 }
+
+// Numbers the landmarks of a pose, from 0 in the order in which they come.
+class EntryNumbers {
+ public:
+  // Begins another pose, which calls NumberOf so often.
+  void Clear(std::size_t num_calls) {
+    log2_size_ = 1;
+    while ((std::size_t{1} << log2_size_) < 2 * num_calls) ++log2_size_;
+    slots_.assign(std::size_t{1} << log2_size_, Slot());
+    num_entries_ = 0;
+  }
+
+  // Appends a landmark that is new.
+  int NumberOf(int landmark, std::vector<int>* landmarks) {
+    std::size_t at = (static_cast<std::uint32_t>(landmark) * 2654435769u) >> (32 - log2_size_);
+    while (slots_[at].landmark != landmark) {
+      if (slots_[at].landmark == LineLandmarks::kNone) {
+        slots_[at] = {landmark, num_entries_++};
+        landmarks->push_back(landmark);
+        break;
+      }
+      at = (at + 1) & (slots_.size() - 1);
+    }
+    return slots_[at].number;
+  }
+
+ private:
+  struct Slot {
+    int landmark = LineLandmarks::kNone;
+    int number = 0;
+  };
+  std::vector<Slot> slots_;
+  int log2_size_ = 1;
+  int num_entries_ = 0;
+};
 
 }  // namespace
 
@@ -42,187 +79,194 @@ ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& n
                    [&](int a, int b) { return graph.scan(a).pose < graph.scan(b).pose; });
 }
 
-template <typename Body>
-void ReturnCompressor::ForEachReturnOnLandmark(std::size_t pose, const Body& body) {
-  for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-    const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
-    for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (entry_of_return_[r] != LineLandmarks::kNone) body(&entry_of_return_[r]);
+void ReturnCompressor::AddRunsOfScan(int scan_id, const std::vector<int>& landmark_of_return,
+                                     const ReturnSelection& selection,
+                                     std::vector<Run>* runs) const {
+  const ScanEntry& scan = graph_.scan(scan_id);
+  const int num_returns = static_cast<int>(scan.num_returns);
+  const int* landmarks = landmark_of_return.data() + scan.first_return;
+  int held_out = selection.without_held_out
+                     ? static_cast<int>(HeldOutReturns::FirstOf(graph_, scan_id))
+                     : num_returns;
+  int landmark_before = LineLandmarks::kNone;
+  for (int i = 0; i < num_returns; ++i) {
+    int landmark = landmarks[i];
+    if (i == held_out) {
+      landmark = LineLandmarks::kNone;
+      held_out += static_cast<int>(HeldOutReturns::kOneIn);
+    } else if (selection.surface != nullptr &&
+               selection.surface->normals[scan.first_return + i].IsNone()) {
+      landmark = LineLandmarks::kNone;
     }
+    if (landmark != LineLandmarks::kNone) {
+      if (landmark != landmark_before) runs->push_back({i, i, landmark});
+      runs->back().end = i + 1;
+    }
+    landmark_before = landmark;
   }
 }
 
-std::vector<std::vector<int>> ReturnCompressor::ListLandmarks(
-    std::vector<std::size_t>* first_of_pose) {
-  const std::size_t num_poses = graph_.num_poses();
-  std::vector<std::vector<int>> landmarks_of_chunk(
-      ThreadPool::NumChunks(num_poses, kPosesPerChunk));
-  first_of_pose->assign(num_poses, 0);
-  pool_->ForEachChunk(
-      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        std::vector<int>& landmarks = landmarks_of_chunk[chunk];
-        for (std::size_t pose = begin; pose < end; ++pose) {
-          const std::size_t first = landmarks.size();
-          ForEachReturnOnLandmark(pose, [&](const int* landmark) {
-            if (landmarks.size() == first || landmarks.back() != *landmark)
-              landmarks.push_back(*landmark);
-          });
-          std::sort(landmarks.begin() + first, landmarks.end());
-          landmarks.erase(std::unique(landmarks.begin() + first, landmarks.end()), landmarks.end());
-          (*first_of_pose)[pose] = landmarks.size() - first;
-        }
-      });
-  CountsToOffsets(first_of_pose);
-  return landmarks_of_chunk;
-}
-
-void ReturnCompressor::NameEntries(const std::vector<std::vector<int>>& landmarks_of_chunk,
-                                   const LineObservations& observations) {
-  landmark_of_entry_.resize(observations.of_pose.size());
-  pool_->ForEachChunk(
-      graph_.num_poses(), kPosesPerChunk,
-      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        const std::vector<int>& landmarks = landmarks_of_chunk[chunk];
-        const std::size_t start = observations.first_of_pose[begin];
-        std::copy(landmarks.begin(), landmarks.end(), landmark_of_entry_.begin() + start);
-        for (std::size_t pose = begin; pose < end; ++pose) {
-          const auto first = landmark_of_entry_.begin() + observations.first_of_pose[pose];
-          const auto last = landmark_of_entry_.begin() + observations.first_of_pose[pose + 1];
-          int landmark = LineLandmarks::kNone, entry = LineLandmarks::kNone;
-          ForEachReturnOnLandmark(pose, [&](int* of_return) {
-            if (*of_return != landmark) {
-              landmark = *of_return;
-              entry = static_cast<int>(std::lower_bound(first, last, landmark) -
-                                       landmark_of_entry_.begin());
-            }
-            *of_return = entry;
-          });
-        }
-      });
+ReturnCompressor::Chunk ReturnCompressor::ListRuns(std::size_t begin, std::size_t end,
+                                                   const std::vector<int>& landmark_of_return,
+                                                   const ReturnSelection& selection) const {
+  Chunk chunk;
+  EntryNumbers numbers;
+  for (std::size_t pose = begin; pose < end; ++pose) {
+    const std::size_t first_run = chunk.runs.size();
+    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+      chunk.first_run.push_back(chunk.runs.size());
+      AddRunsOfScan(scans_of_pose_[i], landmark_of_return, selection, &chunk.runs);
+    }
+    chunk.first_entry.push_back(chunk.landmarks.size());
+    numbers.Clear(chunk.runs.size() - first_run);
+    for (std::size_t run = first_run; run < chunk.runs.size(); ++run) {
+      chunk.runs[run].entry = numbers.NumberOf(chunk.runs[run].entry, &chunk.landmarks);
+    }
+  }
+  chunk.first_run.push_back(chunk.runs.size());
+  chunk.first_entry.push_back(chunk.landmarks.size());
+  chunk.runs.shrink_to_fit();
+  chunk.landmarks.shrink_to_fit();
+  return chunk;
 }
 
 LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
-                                          std::vector<int> landmark_of_return,
-                                          SharedLandmarks shared) {
-  entry_of_return_ = std::move(landmark_of_return);
-  const std::size_t num_poses = graph_.num_poses();
+                                          const std::vector<int>& landmark_of_return,
+                                          SharedLandmarks shared,
+                                          const ReturnSelection& selection) {
+  chunks_.assign(ThreadPool::NumChunks(graph_.num_poses(), kPosesPerChunk), Chunk());
+  pool_->ForEachChunk(graph_.num_poses(), kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        chunks_[chunk] = ListRuns(begin, end, landmark_of_return, selection);
+                      });
   LineObservations result;
-  const std::vector<std::vector<int>> landmarks_of_chunk = ListLandmarks(&result.first_of_pose);
   result.first_of_landmark.assign(num_landmarks, 0);
-  for (const std::vector<int>& landmarks : landmarks_of_chunk) {
-    for (const int landmark : landmarks) ++result.first_of_landmark[landmark];
+  for (const Chunk& chunk : chunks_) {
+    for (const int landmark : chunk.landmarks) ++result.first_of_landmark[landmark];
   }
   CountsToOffsets(&result.first_of_landmark);
-  result.observations.resize(result.first_of_pose.back());
-  result.of_pose.resize(result.first_of_pose.back());
+  result.observations.resize(result.first_of_landmark.back());
+  result.of_pose.reserve(result.observations.size());
+  result.first_of_pose.reserve(graph_.num_poses() + 1);
   std::vector<std::size_t> next = result.first_of_landmark;
-  for (std::size_t pose = 0; pose < num_poses; ++pose) {
-    const std::vector<int>& landmarks = landmarks_of_chunk[pose / kPosesPerChunk];
-    const std::size_t start = result.first_of_pose[pose / kPosesPerChunk * kPosesPerChunk];
-    for (std::size_t k = result.first_of_pose[pose]; k < result.first_of_pose[pose + 1]; ++k) {
-      const int landmark = landmarks[k - start];
-      result.of_pose[k] = static_cast<int>(next[landmark]);
-      LineObservation& observation = result.observations[next[landmark]++];
-      observation.pose = static_cast<int>(pose);
-      observation.landmark = landmark;
+  int pose = 0;
+  for (const Chunk& chunk : chunks_) {
+    for (std::size_t p = 0; p + 1 < chunk.first_entry.size(); ++p, ++pose) {
+      result.first_of_pose.push_back(result.of_pose.size());
+      for (std::size_t entry = chunk.first_entry[p]; entry < chunk.first_entry[p + 1]; ++entry) {
+        const int landmark = chunk.landmarks[entry];
+        result.of_pose.push_back(static_cast<int>(next[landmark]));
+        LineObservation& observation = result.observations[next[landmark]++];
+        observation.pose = pose;
+        observation.landmark = landmark;
+      }
     }
   }
-  NameEntries(landmarks_of_chunk, result);
+  result.first_of_pose.push_back(result.of_pose.size());
   result.shared = std::move(shared);
   return result;
 }
 
-std::vector<int> ReturnCompressor::TakeLandmarkOfReturn() {
-  std::vector<int> landmarks = std::move(entry_of_return_);
-  for (int& entry : landmarks) {
-    if (entry != LineLandmarks::kNone) entry = landmark_of_entry_[entry];
-  }
-  ForgetLayout();
-  return landmarks;
-}
-
-void ReturnCompressor::ForgetLayout() {
-  entry_of_return_ = std::vector<int>();
-  landmark_of_entry_ = std::vector<int>();
-}
-
 template <typename Body>
-void ReturnCompressor::ForEachRun(std::size_t pose, const std::vector<LineLandmark>& landmarks,
-                                  const PoseFrame& frame, const LineObservations& observations,
-                                  const Body& body) const {
-  const std::size_t first_entry = observations.first_of_pose[pose];
-  std::vector<LineInRobot> lines;
-  lines.reserve(observations.first_of_pose[pose + 1] - first_entry);
-  for (std::size_t k = first_entry; k < observations.first_of_pose[pose + 1]; ++k) {
-    lines.emplace_back(landmarks[landmark_of_entry_[k]], frame);
-  }
+void ReturnCompressor::ForEachRun(std::size_t pose, const Body& body) const {
+  const Chunk& chunk = chunks_[pose / kPosesPerChunk];
+  const std::size_t first_scan = first_scan_of_pose_[pose / kPosesPerChunk * kPosesPerChunk];
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-    const ScanEntry& scan = graph_.scan(scans_of_pose_[i]);
-    const Eigen::Vector2d laser = graph_.laser(scan.laser).robot_from_laser.translation();
     const ScanReturns returns = graph_.ReturnsOfScan(scans_of_pose_[i]);
-    const std::size_t end = scan.first_return + scan.num_returns;
-    for (std::size_t begin = scan.first_return, after = begin; begin < end; begin = after) {
-      const int entry = entry_of_return_[begin];
-      for (++after; after < end && entry_of_return_[after] == entry;) ++after;
-      if (entry == LineLandmarks::kNone) continue;
-      const LineInRobot line = lines[entry - first_entry];
-      body(entry - first_entry, [&, begin, after](const auto& take) {
-        for (std::size_t r = begin; r < after; ++r) {
-          take(ReturnResidual(returns.PointInRobot(r), laser, line, noise_));
-        }
-      });
+    const std::size_t end = chunk.first_run[i - first_scan + 1];
+    for (std::size_t run = chunk.first_run[i - first_scan]; run < end; ++run) {
+      body(scans_of_pose_[i], returns, chunk.runs[run]);
     }
   }
 }
 
 template <typename Body>
-double ReturnCompressor::SumOverPoses(const Body& cost_of_pose) const {
-  const std::size_t num_poses = graph_.num_poses();
-  std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
-  pool_->ForEachChunk(num_poses, kPosesPerChunk,
-                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        for (std::size_t pose = begin; pose < end; ++pose) {
-                          costs[chunk] += cost_of_pose(pose);
-                        }
-                      });
-  return std::accumulate(costs.begin(), costs.end(), 0.0);
-}
-
-double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
-                               const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
-                               LineObservations* observations) const {
-  return SumOverPoses([&](std::size_t pose) {
-    const std::size_t first = observations->first_of_pose[pose];
-    // At hand, while the observations of a pose lie all over memory.
-    std::vector<PointMoments> moments(observations->first_of_pose[pose + 1] - first);
-    double cost = 0.0;
-    ForEachRun(pose, landmarks, frames[pose], *observations,
-               [&](std::size_t entry, const auto& for_each) {
-                 PointMoments run;
-                 for_each([&](const ReturnResidual& r) {
-                   const RobustTerm term = loss.Term(r.distance, r.variance);
-                   cost += 0.5 * term.rho;
-                   run.Add(r.z.x(), r.z.y(), term.information);
-                 });
-                 moments[entry] += run;
-               });
-    for (std::size_t entry = 0; entry < moments.size(); ++entry) {
-      SetMoments(moments[entry], &observations->observations[observations->of_pose[first + entry]]);
-    }
-    return cost;
+void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<LineLandmark>& landmarks,
+                                       const PoseFrame& frame, const Body& body) const {
+  const Chunk& chunk = chunks_[pose / kPosesPerChunk];
+  std::vector<LineInRobot> lines;
+  const std::size_t first = chunk.first_entry[pose % kPosesPerChunk];
+  const std::size_t end = chunk.first_entry[pose % kPosesPerChunk + 1];
+  lines.reserve(end - first);
+  for (std::size_t k = first; k < end; ++k) {
+    lines.emplace_back(landmarks[chunk.landmarks[k]], frame);
+  }
+  ForEachRun(pose, [&](int scan_id, const ScanReturns& returns, const Run& run) {
+    const std::size_t first_return = graph_.scan(scan_id).first_return;
+    const LineInRobot line = lines[run.entry];
+    body(run.entry, [&, first_return](const auto& take) {
+      for (std::size_t r = first_return + run.first; r < first_return + run.end; ++r) {
+        take(ReturnResidual(returns, r, line, noise_));
+      }
+    });
   });
 }
 
-double ReturnCompressor::Cost(const std::vector<LineLandmark>& landmarks,
-                              const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
-                              const LineObservations& observations) const {
-  return SumOverPoses([&](std::size_t pose) {
-    double cost = 0.0;
-    ForEachRun(pose, landmarks, frames[pose], observations, [&](std::size_t, const auto& for_each) {
-      for_each(
-          [&](const ReturnResidual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
+template <typename Body>
+RobustCost ReturnCompressor::ForEachPose(const Body& body) const {
+  std::vector<RobustCost> costs(chunks_.size());
+  pool_->ForEachChunk(graph_.num_poses(), kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        for (std::size_t pose = begin; pose < end; ++pose)
+                          body(pose, &costs[chunk]);
+                      });
+  RobustCost total;
+  for (const RobustCost& cost : costs) {
+    total.robust += cost.robust;
+    total.weighted += cost.weighted;
+  }
+  return total;
+}
+
+void ReturnCompressor::SetObservations(std::size_t pose, const std::vector<PointMoments>& moments,
+                                       LineObservations* observations) const {
+  const int* of_pose = observations->of_pose.data() + observations->first_of_pose[pose];
+  for (std::size_t entry = 0; entry < moments.size(); ++entry) {
+    SetMoments(moments[entry], &observations->observations[of_pose[entry]]);
+  }
+}
+
+std::size_t ReturnCompressor::NumEntries(std::size_t pose) const {
+  const std::vector<std::size_t>& first = chunks_[pose / kPosesPerChunk].first_entry;
+  return first[pose % kPosesPerChunk + 1] - first[pose % kPosesPerChunk];
+}
+
+void ReturnCompressor::WeighEqually(LineObservations* observations) const {
+  ForEachPose([&](std::size_t pose, RobustCost* /*cost*/) {
+    std::vector<PointMoments> moments(NumEntries(pose));
+    ForEachRun(pose, [&](int scan_id, const ScanReturns& returns, const Run& run) {
+      const std::size_t first_return = graph_.scan(scan_id).first_return;
+      PointMoments sum;
+      for (std::size_t r = first_return + run.first; r < first_return + run.end; ++r) {
+        const Eigen::Vector2d point = returns.PointInRobot(r);
+        sum.Add(point.x(), point.y());
+      }
+      moments[run.entry] += sum;
     });
-    return cost;
+    SetObservations(pose, moments, observations);
+  });
+}
+
+RobustCost ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
+                                   const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
+                                   LineObservations* observations) const {
+  return ForEachPose([&](std::size_t pose, RobustCost* cost) {
+    // At hand, while the observations of a pose lie all over memory.
+    std::vector<PointMoments> moments(NumEntries(pose));
+    double robust = 0.0, weighted = 0.0;
+    ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
+      PointMoments run;
+      for_each([&](const ReturnResidual& r) {
+        const RobustTerm term = loss.Term(r.distance, r.variance);
+        robust += term.rho;
+        weighted += term.information * r.distance * r.distance;
+        run.Add(r.z.x(), r.z.y(), term.information);
+      });
+      moments[entry] += run;
+    });
+    SetObservations(pose, moments, observations);
+    cost->robust += 0.5 * robust;
+    cost->weighted += 0.5 * weighted;
   });
 }
 
@@ -231,25 +275,19 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
                                                       const GemanMcClure& loss,
                                                       const LineObservations& observations) const {
   std::vector<RangeSlope> slopes(observations.observations.size());
-  pool_->ForEachChunk(
-      graph_.num_poses(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t pose = begin; pose < end; ++pose) {
-          const int* observation_of_entry =
-              observations.of_pose.data() + observations.first_of_pose[pose];
-          ForEachRun(pose, landmarks, frames[pose], observations,
-                     [&](std::size_t entry, const auto& for_each) {
-                       RangeSlope& slope = slopes[observation_of_entry[entry]];
-                       for_each([&](const ReturnResidual& r) {
-                         const double weight = loss.Term(r.distance, r.variance).information;
-                         const double cosine = r.normal.dot(r.beam.normalized());
-                         slope.weight += weight * cosine;
-                         slope.moment += weight * cosine * r.z;
-                         slope.curvature += weight * cosine * cosine;
-                         slope.gradient += weight * cosine * r.distance;
-                       });
-                     });
-        }
+  ForEachPose([&](std::size_t pose, RobustCost* /*cost*/) {
+    const int* of_pose = observations.of_pose.data() + observations.first_of_pose[pose];
+    ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
+      RangeSlope& slope = slopes[of_pose[entry]];
+      for_each([&](const ReturnResidual& r) {
+        const double weight = loss.Term(r.distance, r.variance).information;
+        slope.weight += weight * r.cosine;
+        slope.moment += weight * r.cosine * r.z;
+        slope.curvature += weight * r.cosine * r.cosine;
+        slope.gradient += weight * r.cosine * r.distance;
       });
+    });
+  });
   return slopes;
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "plumbline/core/line_fit.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -57,6 +59,19 @@ struct RangeSlope {
   double gradient = 0.0;                             ///< sum of w g d [1/m]
 };
 
+/// What returns cost that have been weighed.
+struct RobustCost {
+  double robust = 0.0;    ///< 1/2 sum rho(d^2 / s^2)
+  double weighted = 0.0;  ///< 1/2 sum w d^2, with the weights that follow from rho
+};
+
+/// Which of the returns on landmarks are compressed.
+struct ReturnSelection {
+  bool without_held_out = false;  ///< not those of HeldOutReturns
+  /// Only those that have a normal here; null: whether they have one or not.
+  const MeasuredSurface* surface = nullptr;
+};
+
 /// Turns millions of returns into observations, again and again as the weights follow the
 /// residuals.
 class ReturnCompressor {
@@ -64,26 +79,22 @@ class ReturnCompressor {
   /// Keeps a reference to the graph.
   ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& noise, ThreadPool* pool);
 
-  /// Lays out the observations, all of weight zero. Takes landmark_of_return over. The observations
-  /// that the other functions want are those of the last layout. shared: of the landmarks.
-  LineObservations LayOut(std::size_t num_landmarks, std::vector<int> landmark_of_return,
-                          SharedLandmarks shared = {});
+  /// Lays out the observations, all of weight zero. The observations that the other functions want
+  /// are those of the last layout. landmark_of_return: as in LineLandmarks. shared: of the
+  /// landmarks.
+  LineObservations LayOut(std::size_t num_landmarks, const std::vector<int>& landmark_of_return,
+                          SharedLandmarks shared = {}, const ReturnSelection& selection = {});
+  /// Frees what the layout takes. Another one has to come before the other functions.
+  void ForgetLayout() { chunks_.clear(); }
 
-  /// Gives back what LayOut took over. Another layout has to come before the other functions.
-  std::vector<int> TakeLandmarkOfReturn();
-  /// The same for nobody.
-  void ForgetLayout();
+  /// Sums up all returns, each with weight one.
+  void WeighEqually(LineObservations* observations) const;
 
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the landmark's
-  /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the
-  /// returns, 1/2 sum rho(d^2 / s^2), at the lines and poses given; those of this process, if the
-  /// graph is shared.
-  double Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
-               const GemanMcClure& loss, LineObservations* observations) const;
-
-  /// The robust cost that Weigh gives, and nothing else.
-  double Cost(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
-              const GemanMcClure& loss, const LineObservations& observations) const;
+  /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives what the returns cost at
+  /// the lines and poses given; those of this process, if the graph is shared.
+  RobustCost Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+                   const GemanMcClure& loss, LineObservations* observations) const;
 
   /// One per observation, with the weights that Weigh gives to the same lines and poses.
   std::vector<RangeSlope> RangeSlopes(const std::vector<LineLandmark>& landmarks,
@@ -92,31 +103,48 @@ class ReturnCompressor {
                                       const LineObservations& observations) const;
 
  private:
-  // Neighbouring returns of a scan on the same landmark are a run. Calls body(entry, for_each) for
-  // every run of a pose, where for_each(take) calls take with each return of it. entry: into
-  // of_pose of the observations, from the pose's first one.
+  // Neighbouring returns of a scan on the same landmark.
+  struct Run {
+    int first, end;  // counted from the scan's first return
+    int entry;       // into of_pose of the observations, from the pose's first one
+  };
+  // The layout of some poses.
+  struct Chunk {
+    std::vector<Run> runs;                 // scan by scan, in the order of scans_of_pose_
+    std::vector<std::size_t> first_run;    // per scan, and the end
+    std::vector<int> landmarks;            // of the entries of each pose
+    std::vector<std::size_t> first_entry;  // per pose, and the end
+  };
+
+  // Lists runs and landmarks of the poses begin to end.
+  Chunk ListRuns(std::size_t begin, std::size_t end, const std::vector<int>& landmark_of_return,
+                 const ReturnSelection& selection) const;
+  // With the landmark in place of the entry.
+  void AddRunsOfScan(int scan_id, const std::vector<int>& landmark_of_return,
+                     const ReturnSelection& selection, std::vector<Run>* runs) const;
+  std::size_t NumEntries(std::size_t pose) const;
+  // Calls body(pose, cost) for all poses, and adds up what it adds to the cost: in the same order
+  // for any number of threads.
   template <typename Body>
-  void ForEachRun(std::size_t pose, const std::vector<LineLandmark>& landmarks,
-                  const PoseFrame& frame, const LineObservations& observations,
-                  const Body& body) const;
+  RobustCost ForEachPose(const Body& body) const;
+  // Calls body(scan id, its returns, run) for every run of a pose.
   template <typename Body>
-  void ForEachReturnOnLandmark(std::size_t pose, const Body& body);
-  // The sum of cost_of_pose(pose), in the same order for any number of threads.
+  void ForEachRun(std::size_t pose, const Body& body) const;
+  // Calls body(entry, for_each) for every run of a pose, where for_each(take) calls take with the
+  // ReturnResidual of each return of it.
   template <typename Body>
-  double SumOverPoses(const Body& cost_of_pose) const;
-  // The landmarks that each pose sees, ascending, in one list per chunk of poses.
-  std::vector<std::vector<int>> ListLandmarks(std::vector<std::size_t>* first_of_pose);
-  // Turns the landmark of every return into its entry.
-  void NameEntries(const std::vector<std::vector<int>>& landmarks_of_chunk,
-                   const LineObservations& observations);
+  void ForEachResidual(std::size_t pose, const std::vector<LineLandmark>& landmarks,
+                       const PoseFrame& frame, const Body& body) const;
+  // moments: of the entries of a pose, about the origin of the robot.
+  void SetObservations(std::size_t pose, const std::vector<PointMoments>& moments,
+                       LineObservations* observations) const;
 
   const SlamGraph& graph_;
   const SurfaceNoise noise_;
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose
   std::vector<std::size_t> first_scan_of_pose_;
-  std::vector<int> entry_of_return_;  // its landmark, until the observations are laid out
-  std::vector<int> landmark_of_entry_;
+  std::vector<Chunk> chunks_;
 };
 
 }  // namespace plumbline

@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstddef>
 
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/pose_frame.h"
+#include "plumbline/core/scan_returns.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
@@ -25,16 +27,20 @@ struct LineInRobot {
 
 /// A return against the line of its landmark, in the frame of its robot.
 struct ReturnResidual {
-  Eigen::Vector2d z, beam, normal;  ///< the return, seen from robot and laser [m]; of the line
-  double distance, variance;        ///< from the line [m]; of that [m^2]
+  Eigen::Vector2d z;  ///< the return [m]
+  double cosine;      ///< of the angle between its beam and the normal
+  double distance;    ///< from the line [m]
+  double variance;    ///< of that [m^2]
 
-  ReturnResidual(const Eigen::Vector2d& in_robot, const Eigen::Vector2d& laser,
-                 const LineInRobot& line, const SurfaceNoise& noise)
-      : z(in_robot),
-        beam(in_robot - laser),
-        normal(line.normal),
-        distance(line.normal.dot(in_robot) + line.offset),
-        variance(noise.surface_variance + noise.BeamVariance(beam, line.normal)) {}
+  ReturnResidual(const ScanReturns& returns, std::size_t return_id, const LineInRobot& line,
+                 const SurfaceNoise& noise) {
+    const Eigen::Vector2d direction = returns.DirectionInRobot(return_id);
+    const double range_m = returns.Range(return_id);
+    z = range_m * direction + returns.laser_in_robot();
+    cosine = line.normal.dot(direction);
+    distance = line.normal.dot(z) + line.offset;
+    variance = noise.surface_variance + noise.BeamVariance(range_m, direction, line.normal);
+  }
 };
 
 /// Gives an observation the weight, centroid and scatter of weighted returns. moments: about the

@@ -127,14 +127,14 @@ class LandmarkRun final : public JointRun {
     }
     const Energy energy(graph_, *associations, factors_, &pool_);
     RecordSeed(energy, &TermSummary::initial_cost);
-    state_.points = FinalPoints(*associations);
-    summary_.displacements = Displacements();
+    state_.points = FinalPoints(*associations, &summary_.displacements);
     if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
     RecordTerms(energy, state_, &TermSummary::final_cost);
   }
 
-  std::vector<double> FinalPoints(const Associations& associations) {
-    return RecoverPoints(graph_, state_.poses, associations.lines, factors_, &pool_);
+  std::vector<double> FinalPoints(const Associations& associations,
+                                  PointDisplacements* displacements = nullptr) {
+    return RecoverPoints(graph_, state_.poses, associations.lines, factors_, &pool_, displacements);
   }
 
   // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the

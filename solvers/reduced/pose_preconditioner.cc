@@ -121,8 +121,14 @@ void PosePreconditioner::CoupleGroups(const PoseSystem& system,
     if (system.line_coupling[i].row == PoseSystem::kConstant) continue;
     const std::size_t row = static_cast<std::size_t>(system.line_coupling[i].row);
     if (groups->empty() || groups->back().group != GroupOf(row)) groups->push_back({GroupOf(row)});
-    groups->back().rows +=
-        RigidMotion(row).transpose() * system.line_coupling[i].Rows(system.line_normal[p]);
+    // RigidMotion(row)^T times the rows of the pose.
+    const LineCoupling& coupling = system.line_coupling[i];
+    const Eigen::Vector2d& normal = system.line_normal[p];
+    const Eigen::Vector2d arm = frames_[row].translation() - group_center_[GroupOf(row)];
+    Eigen::Matrix<double, 3, 2>& rows = groups->back().rows;
+    rows.row(0) += normal.x() * coupling.along_normal;
+    rows.row(1) += normal.y() * coupling.along_normal;
+    rows.row(2) += coupling.turn + normal.dot(TurnedLeft(arm)) * coupling.along_normal;
   }
 }
 
@@ -130,7 +136,7 @@ void PosePreconditioner::AddLandmarks(const PoseSystem& system,
                                       const LineObservations& observations, ThreadPool* pool,
                                       Eigen::MatrixXd* matrix) const {
   // Few chunks, as each brings a matrix of its own.
-  constexpr std::size_t kNumChunks = 8;
+  constexpr std::size_t kNumChunks = 4;
   const std::size_t num_landmarks = observations.num_landmarks();
   const std::size_t landmarks_per_chunk = num_landmarks / kNumChunks + 1;
   std::vector<Eigen::MatrixXd> parts(ThreadPool::NumChunks(num_landmarks, landmarks_per_chunk));

@@ -12,7 +12,6 @@
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/factors/surface_noise.h"
-#include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/full/ceres_solver.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/landmarks/landmark_shape.h"
@@ -65,7 +64,7 @@ class LandmarkMinimizer {
     result_.fitted_cut.shared = observations_.shared;
     if (!Ended()) RunLastRound();
     ForgetObservations();
-    result_.fitted_cut.landmark_of_return = TakeLandmarkOfReturn();
+    result_.fitted_cut.landmark_of_return = std::move(landmark_of_return_);
     result_.last_landmarks = std::move(landmarks_);
     return std::move(result_);
   }
@@ -87,8 +86,7 @@ class LandmarkMinimizer {
   void RunLastRound() {
     SharedLandmarks shared = observations_.shared;
     ForgetObservations();
-    observations_ =
-        compressor_.LayOut(landmarks_.size(), TakeLandmarkOfReturn(), std::move(shared));
+    observations_ = compressor_.LayOut(landmarks_.size(), landmark_of_return_, std::move(shared));
     HoldUnanchored();
     TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
     if (result_.stopped) result_.stop_reason = kStopped;
@@ -140,13 +138,14 @@ class LandmarkMinimizer {
   // Need not lie beside what is about to take their place.
   void ForgetObservations() {
     observations_ = LineObservations();
+    compressor_.ForgetLayout();
     system_ = PoseSystem();
   }
 
   void CutLandmarks() {
     const auto start = Clock::now();
     ForgetObservations();
-    compressor_.ForgetLayout();
+    landmark_of_return_ = std::vector<int>();
     LineLandmarkOptions options = LandmarkOptionsFor(factors_, association_);
     options.hold_out = true;
     LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
@@ -155,19 +154,12 @@ class LandmarkMinimizer {
     }
     if (result_.rounds.empty()) result_.first_cut = cut;
     landmarks_ = std::move(cut.landmarks);
-    held_out_landmarks_ = HeldOutOnly(graph_, cut.landmark_of_return);
-    observations_ = compressor_.LayOut(
-        landmarks_.size(),
-        WithoutHeldOut(graph_, std::move(cut.landmark_of_return), int{LineLandmarks::kNone}),
-        std::move(cut.shared));
+    landmark_of_return_ = std::move(cut.landmark_of_return);
+    ReturnSelection fitted;
+    fitted.without_held_out = true;
+    observations_ =
+        compressor_.LayOut(landmarks_.size(), landmark_of_return_, std::move(cut.shared), fitted);
     result_.cutting_time_s += SecondsSince(start);
-  }
-
-  // With those held out.
-  std::vector<int> TakeLandmarkOfReturn() {
-    std::vector<int> landmark_of_return = compressor_.TakeLandmarkOfReturn();
-    PutHeldOut(graph_, held_out_landmarks_, &landmark_of_return);
-    return landmark_of_return;
   }
 
   StepOutcome Step() {
@@ -294,7 +286,7 @@ class LandmarkMinimizer {
   // Lowers the cost for the weights at hand, if it can: changes poses_ and cost_.
   const std::function<void()> move_;
   std::vector<LineLandmark> landmarks_;
-  std::vector<int> held_out_landmarks_;  // of the held-out returns, in their order
+  std::vector<int> landmark_of_return_;  // with those held out
   std::vector<AdjacentLandmarks> adjacent_;
   LineObservations observations_;
   std::vector<PoseFrame> frames_;

@@ -39,10 +39,11 @@ class EdgeTerm final : public TermOf<EdgeTerm, RelativePoseFactor, PoseId, PoseI
 // A return whose sweep shares what is to be known of the pose.
 struct BeamOfSweep : RangeBeamResidual {
   BeamFrame frame;
+  Eigen::Vector2d direction;  // in the frame of the laser
 
   bool Evaluate(const double* /*world_from_robot*/, const double* point_in_world, double* residuals,
                 double* d_pose, double* d_point) const {
-    return EvaluateRangeBeam(frame, point_in_world, range_m, bearing_rad, inv_sigma_range,
+    return EvaluateRangeBeam(frame, point_in_world, range_m, direction, inv_sigma_range,
                              inv_sigma_bearing, residuals, d_pose, d_point);
   }
 };
@@ -72,6 +73,7 @@ class RangeBeamTerm final : public TermOf<RangeBeamTerm, RangeBeamFactor, PoseId
     for (std::size_t i = scan.first_return; i < scan.first_return + scan.num_returns; ++i) {
       beam.range_m = ranges_m[i];
       beam.bearing_rad = returns.Bearing(i);
+      beam.direction = returns.DirectionInLaser(i);
       if (!visit(i, beam, PoseId{scan.pose}, PointId{i})) return false;
     }
     return true;

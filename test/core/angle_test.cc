@@ -51,6 +51,19 @@ TEST(NormalizeAngle, DerivativeIsOneOnEveryTurn) {
   }
 }
 
+TEST(AngleOf, IsTheArcTangentOfAnyVector) {
+  for (const double angle : {0.0, 1e-9, 0.01, 0.0499, 0.0501, 0.7, 1.6, 3.1}) {
+    for (const double sign : {-1.0, 1.0}) {
+      const double x = 3.0 * std::cos(sign * angle), y = 3.0 * std::sin(sign * angle);
+      EXPECT_NEAR(AngleOf(x, y), std::atan2(y, x), 1e-16 + 4e-16 * angle) << sign * angle;
+    }
+  }
+  EXPECT_EQ(AngleOf(-1.0, 0.0), kPi);
+  EXPECT_EQ(AngleOf(0.0, 2.0), std::atan2(2.0, 0.0));
+  EXPECT_EQ(AngleOf(0.0, 0.0), 0.0);
+  EXPECT_TRUE(std::isnan(AngleOf(std::nan(""), 1.0)));
+}
+
 TEST(Angle, DegreesAndRadians) {
   EXPECT_DOUBLE_EQ(DegToRad(180.0), kPi);
   EXPECT_DOUBLE_EQ(RadToDeg(-0.5 * kPi), -90.0);

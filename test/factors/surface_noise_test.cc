@@ -20,22 +20,23 @@ TEST(SurfaceNoiseTest, BeamVarianceIsTheBeamsCovarianceAcrossTheSurface) {
     const Eigen::Vector2d variances(0.02 * 0.02, range_m * range_m * 0.004 * 0.004);
     const Eigen::Matrix2d covariance = axes * variances.asDiagonal() * axes.transpose();
     const double expected = normal.dot(covariance * normal);
-    EXPECT_NEAR(noise.BeamVariance(range_m * axis, normal), expected, 1e-12 * variances.sum());
+    EXPECT_NEAR(noise.BeamVariance(range_m, axis, normal), expected, 1e-12 * variances.sum());
     EXPECT_TRUE(
-        noise.BeamCovarianceTimes(range_m * axis, normal).isApprox(covariance * normal, 1e-9));
+        noise.BeamCovarianceTimes(range_m, axis, normal).isApprox(covariance * normal, 1e-9));
     // Neither the side of the surface nor the frame matters.
-    EXPECT_EQ(noise.BeamVariance(range_m * axis, -normal),
-              noise.BeamVariance(range_m * axis, normal));
+    EXPECT_EQ(noise.BeamVariance(range_m, axis, -normal),
+              noise.BeamVariance(range_m, axis, normal));
+    EXPECT_LE(expected + noise.surface_variance, noise.LargestVariance(range_m));
     const Eigen::Rotation2Dd turn(random.Uniform(-kPi, kPi));
-    EXPECT_NEAR(noise.BeamVariance(turn * (range_m * axis), turn * normal), expected,
+    EXPECT_NEAR(noise.BeamVariance(range_m, turn * axis, turn * normal), expected,
                 1e-12 * variances.sum());
   }
 }
 
 TEST(SurfaceNoiseTest, RangeCountsHeadOnAndBearingAtGrazingIncidence) {
   const SurfaceNoise noise{0.0004, 0.000009, 0.0001};
-  EXPECT_DOUBLE_EQ(noise.BeamVariance({5.0, 0.0}, {-1.0, 0.0}), 0.0004);
-  EXPECT_DOUBLE_EQ(noise.BeamVariance({5.0, 0.0}, {0.0, 1.0}), 25.0 * 0.000009);
+  EXPECT_DOUBLE_EQ(noise.BeamVariance(5.0, {1.0, 0.0}, {-1.0, 0.0}), 0.0004);
+  EXPECT_DOUBLE_EQ(noise.BeamVariance(5.0, {1.0, 0.0}, {0.0, 1.0}), 25.0 * 0.000009);
 }
 
 TEST(SurfaceNoiseTest, ComesFromTheFactorsSigmas) {

@@ -106,7 +106,7 @@ double EnergyOf(const Way& way, const NoisyRoom& given, const SlamGraph& graph,
       CutIntoLandmarks(given.graph, given.state.poses,
                        MeasureSurface(given.graph, NormalOptionsFor(factors.beam), &pool),
                        LandmarkOptionsFor(factors, AssociationOptions()), &pool);
-  return LandmarkEnergies(graph, factors, cut, {&poses}, &pool)[0];
+  return LandmarkEnergies(graph, factors, cut, {}, {&poses}, &pool)[0];
 }
 
 class EveryWay : public testing::TestWithParam<Way> {};

@@ -109,7 +109,7 @@ TEST(SlidingWindowTest, AWindowImprovesTheWholeMap) {
   const LineLandmarks cut = CutIntoLandmarks(
       room.graph, before.poses, surface, LandmarkOptionsFor(factors, AssociationOptions()), &pool);
   const std::vector<double> energies =
-      LandmarkEnergies(room.graph, factors, cut, {&before.poses, &room.state.poses}, &pool);
+      LandmarkEnergies(room.graph, factors, cut, {}, {&before.poses, &room.state.poses}, &pool);
   EXPECT_LT(energies[1], 0.7 * energies[0]);
 }
 

@@ -65,7 +65,7 @@ struct CompressedGraph {
     LineLandmarks cut = CutIntoLandmarks(graph, poses, surface, options, &pool);
     landmarks = std::move(cut.landmarks);
     ReturnCompressor compressor(graph, noise, &pool);
-    observations = compressor.LayOut(landmarks.size(), std::move(cut.landmark_of_return));
+    observations = compressor.LayOut(landmarks.size(), cut.landmark_of_return);
     const GemanMcClure loss = GemanMcClure::FromGate(ManifoldOptions().robust_gate_sigmas);
     compressor.Weigh(landmarks, FramesOf(poses), loss, &observations);
     Cost(poses);

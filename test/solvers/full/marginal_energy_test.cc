@@ -64,7 +64,8 @@ TEST(MarginalEnergyTest, IsTheMinimumOverEachPoint) {
     for (int iteration = 0; iteration < 5; ++iteration) {
       Eigen::Vector3d residuals;
       Eigen::Matrix<double, 3, 2, Eigen::RowMajor> jacobian;
-      EvaluateRangeBeam(frame, point.data(), graph.returns().range_m[r], graph.Bearing(r),
+      const Eigen::Vector2d beam(std::cos(graph.Bearing(r)), std::sin(graph.Bearing(r)));
+      EvaluateRangeBeam(frame, point.data(), graph.returns().range_m[r], beam,
                         1.0 / factors.beam.sigma_range_m, 1.0 / factors.beam.sigma_bearing_rad,
                         residuals.data(), nullptr, jacobian.data());
       EvaluateManifold(lines[r], point.data(), 1.0 / factors.manifold.sigma_m, &residuals[2],

@@ -21,7 +21,7 @@ std::vector<double> EnergiesOf(const SlamGraph& graph, const std::vector<double>
       graph, factors,
       CutIntoLandmarks(graph, poses, surface, LandmarkOptionsFor(factors, AssociationOptions()),
                        &pool),
-      states, &pool);
+      {}, states, &pool);
 }
 
 TEST(LandmarkEnergyTest, TheTruthIsBetterThanADisturbedStateUnderTheLandmarksOfEither) {
@@ -59,6 +59,28 @@ TEST(LandmarkEnergyTest, AMapMovedAsAWholeCostsNoMore) {
   }
   const std::vector<double> energies = EnergiesOf(room.graph, poses, {&poses, &moved});
   EXPECT_NEAR(energies[1], energies[0], 1e-6 * energies[0]);
+}
+
+TEST(LandmarkEnergyTest, IsABoundOnWhatTheReturnsCostAtTheLines) {
+  NoisyRoom room = MakeNoisyRoom();
+  DisturbPoses(0.02, room.graph, &room.state);
+  const std::vector<double>& poses = room.state.poses;
+  ThreadPool pool(2);
+  const FactorOptions factors;
+  const LineLandmarks cut = CutIntoLandmarks(room.graph, poses, SurfaceOf(room.graph),
+                                             LandmarkOptionsFor(factors, {}), &pool);
+  std::vector<std::vector<LineLandmark>> lines;
+  const double energy = LandmarkEnergies(room.graph, factors, cut, {}, {&poses}, &pool, &lines)[0];
+  ReturnCompressor compressor(room.graph, NoiseOf(factors), &pool);
+  LineObservations observations = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
+  const double cost =
+      compressor
+          .Weigh(lines[0], FramesOf(poses),
+                 GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas), &observations)
+          .robust +
+      PoseTerms(room.graph, factors).Cost(poses);
+  EXPECT_GE(energy, cost * (1.0 - 1e-6));
+  EXPECT_LE(energy, cost * 1.05);
 }
 
 }  // namespace

@@ -60,8 +60,9 @@ struct CutScene {
   double NoiseOfReturn(std::size_t r) const {
     const LineLandmark& landmark = cut.landmarks[cut.landmark_of_return[r]];
     const Pose2 world_from_laser = graph.WorldFromLaser(graph.ScanOfReturn(r), poses);
+    const Eigen::Vector2d beam = End(r) - world_from_laser.translation();
     return std::sqrt(noise.surface_variance +
-                     noise.BeamVariance(End(r) - world_from_laser.translation(), landmark.normal));
+                     noise.BeamVariance(beam.norm(), beam.normalized(), landmark.normal));
   }
   double RmsDistance() const {
     double sum = 0.0;

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/solvers/association/held_out_returns.h"
+#include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/test/core/synthetic_scene.h"
 #include "plumbline/test/factors/factor_testing.h"
 
@@ -98,8 +100,9 @@ LineObservations LayOutAndWeigh(const Sighted& sighted, const GemanMcClure& loss
                                 double* cost) {
   ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), pool);
   LineObservations observations = compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
-  *cost = compressor.Weigh(sighted.landmarks, FramesOf(sighted.graph.initial_poses()), loss,
-                           &observations);
+  const RobustCost weighed = compressor.Weigh(
+      sighted.landmarks, FramesOf(sighted.graph.initial_poses()), loss, &observations);
+  *cost = weighed.robust;
   return observations;
 }
 
@@ -139,7 +142,6 @@ TEST(LineObservationsTest, ListsEachPairOfPoseAndLandmarkOnce) {
     const int landmark = sighted.landmark_of_return[r];
     if (landmark != LineLandmarks::kNone) expected.insert({landmark, sighted.PoseOf(r)});
   }
-  EXPECT_EQ(compressor.TakeLandmarkOfReturn(), sighted.landmark_of_return);
   ASSERT_EQ(observations.num_landmarks(), static_cast<std::size_t>(kNumLandmarks));
   ASSERT_EQ(static_cast<int>(observations.num_poses()), sighted.graph.num_poses());
   ASSERT_EQ(observations.observations.size(), expected.size());
@@ -194,6 +196,71 @@ TEST(LineObservationsTest, WeighsReturnsByLossAndVariance) {
   }
 }
 
+TEST(LineObservationsTest, TheWeightedCostIsThatOfItsObservations) {
+  const Sighted sighted;
+  ThreadPool pool(2);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
+  LineObservations observations = compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
+  const std::vector<PoseFrame> frames = FramesOf(sighted.graph.initial_poses());
+  const RobustCost cost =
+      compressor.Weigh(sighted.landmarks, frames, GemanMcClure::FromGate(3.0), &observations);
+  EXPECT_NEAR(cost.weighted, LandmarkLineCost(observations, frames, sighted.landmarks, &pool),
+              1e-4 * cost.weighted);
+  EXPECT_LT(cost.weighted, cost.robust);
+}
+
+TEST(LineObservationsTest, EqualWeightsAreCounts) {
+  const Sighted sighted;
+  ThreadPool pool(2);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
+  LineObservations observations = compressor.LayOut(kNumLandmarks, sighted.landmark_of_return);
+  compressor.WeighEqually(&observations);
+  std::vector<int> counts(observations.observations.size(), 0);
+  std::vector<Eigen::Vector2d> sums(counts.size(), Eigen::Vector2d::Zero());
+  for (std::size_t r = 0; r < sighted.graph.num_returns(); ++r) {
+    if (sighted.landmark_of_return[r] == LineLandmarks::kNone) continue;
+    std::size_t i = observations.first_of_landmark[sighted.landmark_of_return[r]];
+    while (observations.observations[i].pose != sighted.PoseOf(r)) ++i;
+    ++counts[i];
+    sums[i] += sighted.graph.PointInRobot(r);
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    EXPECT_EQ(observations.observations[i].weight, counts[i]);
+    EXPECT_LT((observations.observations[i].centroid() - sums[i] / counts[i]).norm(), 1e-5);
+  }
+}
+
+TEST(LineObservationsTest, OnlySelectedReturnsCount) {
+  const Sighted sighted;
+  ThreadPool pool(2);
+  ReturnCompressor compressor(sighted.graph, NoiseOf(sighted.factors), &pool);
+  const auto count = [&](const ReturnSelection& selection) {
+    LineObservations observations =
+        compressor.LayOut(kNumLandmarks, sighted.landmark_of_return, {}, selection);
+    compressor.WeighEqually(&observations);
+    double sum = 0.0;
+    for (const LineObservation& observation : observations.observations) sum += observation.weight;
+    return sum;
+  };
+  const auto expected = [&](bool without_held_out, bool with_normal) {
+    std::vector<char> counts(sighted.graph.num_returns());
+    for (std::size_t r = 0; r < counts.size(); ++r) {
+      counts[r] = sighted.landmark_of_return[r] != LineLandmarks::kNone &&
+                  !(with_normal && sighted.surface.normals[r].IsNone());
+    }
+    if (without_held_out) counts = WithoutHeldOut(sighted.graph, counts, char{0});
+    return std::count(counts.begin(), counts.end(), 1);
+  };
+  ReturnSelection selection;
+  EXPECT_EQ(count(selection), expected(false, false));
+  selection.without_held_out = true;
+  EXPECT_EQ(count(selection), expected(true, false));
+  selection.surface = &sighted.surface;
+  EXPECT_EQ(count(selection), expected(true, true));
+  EXPECT_LT(expected(true, true), expected(true, false));
+  EXPECT_LT(expected(true, false), expected(false, false));
+}
+
 TEST(LineObservationsTest, CostsWhatItsReturnsCostAtAnyPoseAndLine) {
   const Sighted sighted;
   ThreadPool pool(2);
@@ -235,11 +302,11 @@ TEST(LineObservationsTest, WeighingAgainStartsFromNothing) {
   const std::vector<PoseFrame> frames = FramesOf(sighted.graph.initial_poses());
   const GemanMcClure loss = GemanMcClure::FromGate(2.0);
   compressor.Weigh(sighted.landmarks, frames, GemanMcClure::FromGate(50.0), &observations);
-  const double again = compressor.Weigh(sighted.landmarks, frames, loss, &observations);
+  compressor.WeighEqually(&observations);
+  const RobustCost again = compressor.Weigh(sighted.landmarks, frames, loss, &observations);
   double cost = 0.0;
   const LineObservations once = LayOutAndWeigh(sighted, loss, &pool, &cost);
-  EXPECT_EQ(again, cost);
-  EXPECT_EQ(compressor.Cost(sighted.landmarks, frames, loss, observations), cost);
+  EXPECT_EQ(again.robust, cost);
   for (std::size_t i = 0; i < once.observations.size(); ++i) {
     ExpectSameBits(observations.observations[i], once.observations[i]);
   }

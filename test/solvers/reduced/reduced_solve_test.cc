@@ -48,7 +48,7 @@ SolverSummary SolveSoundly(const SolverOptions& options, const SlamGraph& graph,
         graph, options.factors,
         CutIntoLandmarks(graph, seed.poses, surface,
                          LandmarkOptionsFor(options.factors, options.association), &pool),
-        {&seed.poses, &state->poses}, &pool);
+        {}, {&seed.poses, &state->poses}, &pool);
     // The last step, which takes the held-out returns in, goes by other landmarks.
     EXPECT_LT(energies[1], energies[0] * (1.0 + 1e-4));
   }

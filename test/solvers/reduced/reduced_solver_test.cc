@@ -119,11 +119,13 @@ TEST(ReducedSolverTest, TheLimitOfRoundsAndStepsHolds) {
 }
 
 TEST(ReducedSolverTest, TheCallbackStopsAfterTheStepItSaw) {
+  ReducedOptions options;
+  options.steps_per_round = 2;
   for (const int last : {1, 2, 3}) {
     NoisyRoom room = DisturbedRoom();
     int calls = 0;
     const ReducedResult result =
-        Minimize(&room, ReducedOptions(), [&](const IterationSummary&) { return ++calls < last; });
+        Minimize(&room, options, [&](const IterationSummary&) { return ++calls < last; });
     EXPECT_EQ(calls, last);
     EXPECT_TRUE(result.stopped);
     EXPECT_THAT(result.stop_reason, HasSubstr("callback"));
