@@ -3,7 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumbline/core/pose_frame.h"
+
 namespace plumbline {
+namespace {
+
+// The unit vector at half the angle of (x, y), of length `radius`: the direction of a line whose
+// covariance has x = (cxx - cyy) / 2 and y = cxy. By the sum, where the difference would cancel.
+Eigen::Vector2d HalfAngle(double x, double y, double radius) {
+  if (!(radius > 0.0)) return Eigen::Vector2d::UnitX();
+  const double larger = std::sqrt(0.5 * (radius + std::abs(x)) / radius);
+  const double smaller = std::abs(y) / (2.0 * radius * larger);
+  return {x >= 0.0 ? larger : smaller, std::copysign(x >= 0.0 ? smaller : larger, y)};
+}
+
+}  // namespace
 
 PointMoments& PointMoments::operator+=(const PointMoments& other) {
   weight += other.weight;
@@ -35,12 +49,10 @@ LineFit FitLine(const PointMoments& moments) {
   fit.centroid = {mx, my};
   const double half_trace = 0.5 * (cxx + cyy);
   const double half_difference = 0.5 * (cxx - cyy);
-  const double radius = std::hypot(half_difference, cxy);
+  const double radius = std::sqrt(half_difference * half_difference + cxy * cxy);
   fit.larger_eigenvalue = half_trace + radius;
   fit.smaller_eigenvalue = std::max(0.0, half_trace - radius);
-  // Half-angle form: the line's direction is at half the angle of (cxx - cyy, 2 cxy).
-  const double direction = 0.5 * std::atan2(cxy, half_difference);
-  fit.normal = {-std::sin(direction), std::cos(direction)};
+  fit.normal = TurnedLeft(HalfAngle(half_difference, cxy, radius));
   return fit;
 }
 

@@ -97,6 +97,7 @@ TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) 
   const std::size_t num_voters = std::min(pairs.size(), kMaxPairs);
   TurnVotes votes;
   for (std::size_t i = 0; i < num_voters; ++i) {
+    if (votes.WillSayRight(static_cast<int>(num_voters - i))) break;
     const ScanPair& pair = pairs[i * pairs.size() / num_voters];
     const double as_they_are = Mismatch(graph, pair, Mirror::kNone);
     const double mirrored = std::min(Mismatch(graph, pair, Mirror::kFanMiddle),
