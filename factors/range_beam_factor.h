@@ -32,10 +32,9 @@ inline BeamFrame MakeBeamFrame(const double* world_from_robot, const Pose2& robo
 /// One laser return, as a residual between the pose of the robot and the map point m it hit:
 ///   q = laser_from_world m,
 ///   residual = [ (|q| - range) / sigma_range ; wrap(atan2(q_y, q_x) - bearing) / sigma_bearing ].
-/// Pose: x, y [m], yaw [rad] of world_from_robot; point: x, y [m] in the world. beam: (cos, sin) of
-/// the bearing. Residual: 2,
-/// dimensionless. d_pose is 2x3, d_point 2x2, row-major, each may be null. Singular at |q| = 0; the
-/// second residual jumps where the bearing error crosses +-pi.
+/// Pose: x, y [m], yaw [rad] of world_from_robot; point: x, y [m] in the world; beam: unit vector
+/// of the bearing. Residual: 2, dimensionless. d_pose is 2x3, d_point 2x2, row-major, each may be
+/// null. Singular at |q| = 0; the second residual jumps where the bearing error crosses +-pi.
 ///
 /// Returns false if |q| = 0 or anything is not finite; the outputs then carry no meaning.
 inline bool EvaluateRangeBeam(const BeamFrame& frame, const double* point_in_world, double range_m,

@@ -88,8 +88,8 @@ class LandmarkedState {
         edges_(graph.Edges(factors)),
         terms_(graph.Terms(factors)) {
     SettleLines(compressor_, frames_, gate_sigmas, pool, &observations_, &landmarks_);
-    energy_ = compressor_.Weigh(landmarks_, frames_, loss_, &observations_).robust +
-              terms_.Cost(graph.poses());
+    energy_ =
+        compressor_.Weigh(landmarks_, frames_, loss_, &observations_) + terms_.Cost(graph.poses());
   }
   LandmarkedState(const LandmarkedState&) = delete;
   LandmarkedState& operator=(const LandmarkedState&) = delete;

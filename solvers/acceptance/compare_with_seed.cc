@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <utility>
 
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
@@ -146,7 +144,7 @@ class SeedComparison {
   void AddErrorsOfScan(int scan_id, const std::vector<int>& landmark_of_return, const Placed& seed,
                        const Placed& state) {
     const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
-    HeldOutReturn* held_out = &held_out_[first_of_scan_[scan_id]];
+    HeldOutReturn* held_out = held_out_.data() + first_of_scan_[scan_id];
     HeldOutReturns::ForEachOf(graph_, scan_id, [&](std::size_t r) {
       HeldOutReturn& of_return = *held_out++;
       const int landmark = landmark_of_return[r];

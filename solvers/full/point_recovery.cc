@@ -125,7 +125,7 @@ void MeasureScan(const SlamGraph& graph, const MapState& state, const SurfaceNoi
   }
 }
 
-// Calls measure(scan, displacements) for all scans, and puts together what it adds to these.
+// Calls measure(scan, displacements) for all scans, and adds up what it adds to these.
 template <typename Measure>
 PointDisplacements SumOverScans(const SlamGraph& graph, ThreadPool* pool, const Measure& measure) {
   const std::size_t num_scans = graph.num_scans();
@@ -138,10 +138,15 @@ PointDisplacements SumOverScans(const SlamGraph& graph, ThreadPool* pool, const 
                      });
   PointDisplacements total;
   for (const PointDisplacements& part : parts) Add(part, &total);
-  if (graph.peers() != nullptr) AddPartsOfPeers(*graph.peers(), &total);
-  const double num_returns = SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns()));
-  total.mean_m /= std::max(1.0, num_returns);
   return total;
+}
+
+// Of all processes, with the mean in place of the sum.
+PointDisplacements Total(const SlamGraph& graph, PointDisplacements own) {
+  if (graph.peers() != nullptr) AddPartsOfPeers(*graph.peers(), &own);
+  const double num_returns = SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns()));
+  own.mean_m /= std::max(1.0, num_returns);
+  return own;
 }
 
 }  // namespace
@@ -154,16 +159,16 @@ std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<doub
       SumOverScans(graph, pool, [&](int scan, PointDisplacements* of_chunk) {
         RecoverScan(graph, poses, lines, factors, scan, &points, of_chunk);
       });
-  if (displacements != nullptr) *displacements = moved;
+  if (displacements != nullptr) *displacements = Total(graph, moved);
   return points;
 }
 
 PointDisplacements MeasureDisplacements(const SlamGraph& graph, const MapState& state,
                                         const FactorOptions& factors, ThreadPool* pool) {
   const SurfaceNoise noise = NoiseOf(factors);
-  return SumOverScans(graph, pool, [&](int scan, PointDisplacements* of_chunk) {
-    MeasureScan(graph, state, noise, scan, of_chunk);
-  });
+  return Total(graph, SumOverScans(graph, pool, [&](int scan, PointDisplacements* of_chunk) {
+                 MeasureScan(graph, state, noise, scan, of_chunk);
+               }));
 }
 
 }  // namespace plumbline

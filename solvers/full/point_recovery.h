@@ -17,7 +17,7 @@ namespace plumbline {
 /// iteration. A point without a line, or whose line would cost more than leaving it where it is,
 /// stays at h: so none moves by more than the robust gate, counted in sigmas of its beam. lines:
 /// per return, as LinesFromRadius gives them. Shape terms are left out. displacements: if given,
-/// what MeasureDisplacements would say of these points.
+/// what MeasureDisplacements would say of these points; collective then for a shared graph.
 std::vector<double> RecoverPoints(const SlamGraph& graph, const std::vector<double>& poses,
                                   const TangentLines& lines, const FactorOptions& factors,
                                   ThreadPool* pool, PointDisplacements* displacements = nullptr);

@@ -22,7 +22,7 @@ class PoseSystemSolver;
 /// The reduced solver.
 struct ReducedOptions {
   /// A round cuts the surfaces into landmarks anew.
-  int max_rounds = 10;
+  int max_rounds = 20;
   /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
   int steps_per_round = 1;
   /// Factor on the robust gate of the manifold term in the first round.

@@ -44,13 +44,11 @@ std::vector<double> LandmarkEnergies(const SlamGraph& graph, const FactorOptions
   std::vector<double> energies;
   for (std::size_t i = 0; i < states.size(); ++i) {
     const std::vector<PoseFrame>& frames = frames_of_state[i];
-    const RobustCost before = compressor.Weigh(lines_of_state[i], frames, loss, &observations);
-    // The loss is concave in the squares of the distances: it changes by no more than these do
-    // under its weights.
-    const double change = FitLandmarkLines(observations, frames, pool, &lines_of_state[i]) -
-                          SumOverPeers(graph.peers(), before.weighted);
-    energies.push_back(SumOverPeers(graph.peers(), before.robust) + change +
-                       terms.Cost(*states[i]) + OwnPointCost(factors, graph, *states[i]));
+    compressor.Weigh(lines_of_state[i], frames, loss, &observations);
+    FitLandmarkLines(observations, frames, pool, &lines_of_state[i]);
+    const double cost =
+        SumOverPeers(graph.peers(), compressor.Cost(lines_of_state[i], frames, loss));
+    energies.push_back(cost + terms.Cost(*states[i]) + OwnPointCost(factors, graph, *states[i]));
   }
   if (lines != nullptr) *lines = std::move(lines_of_state);
   return energies;

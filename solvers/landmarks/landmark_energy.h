@@ -21,10 +21,9 @@ void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame
 /// Energies of several states of the poses, (x, y, yaw) each, under one and the same association of
 /// returns to landmarks, as CutIntoLandmarks gives it. Every point is at its optimum, and every
 /// line where all its returns and then the robust weights put it. A return on a landmark costs
-/// rho(d^2 / s^2) / 2, see MarginalEnergy, in its last digits an upper bound: by the weights before
-/// the line's last move. Others cost nothing, in no state. Pose terms are added, and own terms as
-/// in MarginalEnergy; shape terms are not. selection: the returns that count. lines: if given, the
-/// landmarks of each state with these lines.
+/// rho(d^2 / s^2) / 2, see MarginalEnergy; others cost nothing, in no state. Pose terms are added,
+/// and own terms as in MarginalEnergy; shape terms are not. selection: the returns that count.
+/// lines: if given, the landmarks of each state with these lines.
 ///
 /// MarginalEnergy gives each state associations of its own: where returns are few, which of them
 /// then count as surface changes the sum by more than the poses do.

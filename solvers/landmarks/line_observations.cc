@@ -21,7 +21,8 @@ void CountsToOffsets(std::vector<std::size_t>* counts) {
   counts->push_back(sum);
 }
 
-// Numbers the landmarks of a pose, from 0 in the order in which they come.
+// Numbers the landmarks of a pose, from 0 in the order in which they come. Most of them come many
+// times: a table is faster than to sort them all.
 class EntryNumbers {
  public:
   // Begins another pose, which calls NumberOf so often.
@@ -56,6 +57,28 @@ class EntryNumbers {
   int num_entries_ = 0;
 };
 
+// Sorts the end of a list, and tells where its elements went.
+class SortedPlaces {
+ public:
+  const std::vector<int>& SortFrom(std::size_t first, std::vector<int>* values) {
+    numbered_.clear();
+    for (std::size_t i = first; i < values->size(); ++i) {
+      numbered_.emplace_back((*values)[i], static_cast<int>(i - first));
+    }
+    std::sort(numbered_.begin(), numbered_.end());
+    places_.resize(numbered_.size());
+    for (std::size_t i = 0; i < numbered_.size(); ++i) {
+      (*values)[first + i] = numbered_[i].first;
+      places_[numbered_[i].second] = static_cast<int>(i);
+    }
+    return places_;
+  }
+
+ private:
+  std::vector<std::pair<int, int>> numbered_;  // value, place before
+  std::vector<int> places_;
+};
+
 }  // namespace
 
 std::vector<PoseFrame> FramesOf(const std::vector<double>& poses) {
@@ -79,16 +102,16 @@ ReturnCompressor::ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& n
                    [&](int a, int b) { return graph.scan(a).pose < graph.scan(b).pose; });
 }
 
-void ReturnCompressor::AddRunsOfScan(int scan_id, const std::vector<int>& landmark_of_return,
-                                     const ReturnSelection& selection,
-                                     std::vector<Run>* runs) const {
+template <typename Body>
+void ReturnCompressor::FindRuns(int scan_id, const std::vector<int>& landmark_of_return,
+                                const ReturnSelection& selection, const Body& body) const {
   const ScanEntry& scan = graph_.scan(scan_id);
   const int num_returns = static_cast<int>(scan.num_returns);
   const int* landmarks = landmark_of_return.data() + scan.first_return;
   int held_out = selection.without_held_out
                      ? static_cast<int>(HeldOutReturns::FirstOf(graph_, scan_id))
                      : num_returns;
-  int landmark_before = LineLandmarks::kNone;
+  Run run{0, 0, LineLandmarks::kNone};
   for (int i = 0; i < num_returns; ++i) {
     int landmark = landmarks[i];
     if (i == held_out) {
@@ -98,84 +121,112 @@ void ReturnCompressor::AddRunsOfScan(int scan_id, const std::vector<int>& landma
                selection.surface->normals[scan.first_return + i].IsNone()) {
       landmark = LineLandmarks::kNone;
     }
-    if (landmark != LineLandmarks::kNone) {
-      if (landmark != landmark_before) runs->push_back({i, i, landmark});
-      runs->back().end = i + 1;
-    }
-    landmark_before = landmark;
+    if (landmark == run.entry) continue;
+    run.end = i;
+    if (run.entry != LineLandmarks::kNone) body(run);
+    run = {i, i, landmark};
   }
+  run.end = num_returns;
+  if (run.entry != LineLandmarks::kNone) body(run);
 }
 
-ReturnCompressor::Chunk ReturnCompressor::ListRuns(std::size_t begin, std::size_t end,
-                                                   const std::vector<int>& landmark_of_return,
-                                                   const ReturnSelection& selection) const {
-  Chunk chunk;
-  EntryNumbers numbers;
-  for (std::size_t pose = begin; pose < end; ++pose) {
-    const std::size_t first_run = chunk.runs.size();
-    for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-      chunk.first_run.push_back(chunk.runs.size());
-      AddRunsOfScan(scans_of_pose_[i], landmark_of_return, selection, &chunk.runs);
-    }
-    chunk.first_entry.push_back(chunk.landmarks.size());
-    numbers.Clear(chunk.runs.size() - first_run);
-    for (std::size_t run = first_run; run < chunk.runs.size(); ++run) {
-      chunk.runs[run].entry = numbers.NumberOf(chunk.runs[run].entry, &chunk.landmarks);
-    }
+void ReturnCompressor::ListRuns(const std::vector<int>& landmark_of_return,
+                                const ReturnSelection& selection) {
+  // Counted first: arrays that grow would leave memory in pieces.
+  first_run_.assign(scans_of_pose_.size(), 0);
+  pool_->ForEachChunk(scans_of_pose_.size(), kPosesPerChunk,
+                      [&](std::size_t, std::size_t begin, std::size_t end) {
+                        for (std::size_t i = begin; i < end; ++i) {
+                          FindRuns(scans_of_pose_[i], landmark_of_return, selection,
+                                   [&](const Run&) { ++first_run_[i]; });
+                        }
+                      });
+  CountsToOffsets(&first_run_);
+  runs_.resize(first_run_.back());
+  pool_->ForEachChunk(scans_of_pose_.size(), kPosesPerChunk,
+                      [&](std::size_t, std::size_t begin, std::size_t end) {
+                        for (std::size_t i = begin; i < end; ++i) {
+                          Run* next = runs_.data() + first_run_[i];
+                          FindRuns(scans_of_pose_[i], landmark_of_return, selection,
+                                   [&](const Run& run) { *next++ = run; });
+                        }
+                      });
+}
+
+void ReturnCompressor::NumberEntries() {
+  const std::size_t num_poses = graph_.num_poses();
+  std::vector<std::vector<int>> landmarks_of_chunk(
+      ThreadPool::NumChunks(num_poses, kPosesPerChunk));
+  first_entry_.assign(num_poses, 0);
+  pool_->ForEachChunk(num_poses, kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        std::vector<int>& landmarks = landmarks_of_chunk[chunk];
+                        EntryNumbers numbers;
+                        SortedPlaces places;
+                        for (std::size_t pose = begin; pose < end; ++pose) {
+                          const std::size_t num_before = landmarks.size();
+                          const std::size_t first = first_run_[first_scan_of_pose_[pose]];
+                          const std::size_t last = first_run_[first_scan_of_pose_[pose + 1]];
+                          numbers.Clear(last - first);
+                          for (std::size_t run = first; run < last; ++run) {
+                            runs_[run].entry = numbers.NumberOf(runs_[run].entry, &landmarks);
+                          }
+                          const std::vector<int>& place = places.SortFrom(num_before, &landmarks);
+                          for (std::size_t run = first; run < last; ++run) {
+                            runs_[run].entry = place[runs_[run].entry];
+                          }
+                          first_entry_[pose] = landmarks.size() - num_before;
+                        }
+                      });
+  CountsToOffsets(&first_entry_);
+  landmark_of_entry_.clear();
+  landmark_of_entry_.reserve(first_entry_.back());
+  for (const std::vector<int>& landmarks : landmarks_of_chunk) {
+    landmark_of_entry_.insert(landmark_of_entry_.end(), landmarks.begin(), landmarks.end());
   }
-  chunk.first_run.push_back(chunk.runs.size());
-  chunk.first_entry.push_back(chunk.landmarks.size());
-  chunk.runs.shrink_to_fit();
-  chunk.landmarks.shrink_to_fit();
-  return chunk;
 }
 
 LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
                                           const std::vector<int>& landmark_of_return,
                                           SharedLandmarks shared,
                                           const ReturnSelection& selection) {
-  chunks_.assign(ThreadPool::NumChunks(graph_.num_poses(), kPosesPerChunk), Chunk());
-  pool_->ForEachChunk(graph_.num_poses(), kPosesPerChunk,
-                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        chunks_[chunk] = ListRuns(begin, end, landmark_of_return, selection);
-                      });
+  ForgetLayout();
+  ListRuns(landmark_of_return, selection);
+  NumberEntries();
   LineObservations result;
+  result.first_of_pose = first_entry_;
   result.first_of_landmark.assign(num_landmarks, 0);
-  for (const Chunk& chunk : chunks_) {
-    for (const int landmark : chunk.landmarks) ++result.first_of_landmark[landmark];
-  }
+  for (const int landmark : landmark_of_entry_) ++result.first_of_landmark[landmark];
   CountsToOffsets(&result.first_of_landmark);
-  result.observations.resize(result.first_of_landmark.back());
-  result.of_pose.reserve(result.observations.size());
-  result.first_of_pose.reserve(graph_.num_poses() + 1);
+  result.observations.resize(landmark_of_entry_.size());
+  result.of_pose.resize(landmark_of_entry_.size());
   std::vector<std::size_t> next = result.first_of_landmark;
-  int pose = 0;
-  for (const Chunk& chunk : chunks_) {
-    for (std::size_t p = 0; p + 1 < chunk.first_entry.size(); ++p, ++pose) {
-      result.first_of_pose.push_back(result.of_pose.size());
-      for (std::size_t entry = chunk.first_entry[p]; entry < chunk.first_entry[p + 1]; ++entry) {
-        const int landmark = chunk.landmarks[entry];
-        result.of_pose.push_back(static_cast<int>(next[landmark]));
-        LineObservation& observation = result.observations[next[landmark]++];
-        observation.pose = pose;
-        observation.landmark = landmark;
-      }
+  for (std::size_t pose = 0; pose + 1 < first_entry_.size(); ++pose) {
+    for (std::size_t k = first_entry_[pose]; k < first_entry_[pose + 1]; ++k) {
+      const int landmark = landmark_of_entry_[k];
+      result.of_pose[k] = static_cast<int>(next[landmark]);
+      LineObservation& observation = result.observations[next[landmark]++];
+      observation.pose = static_cast<int>(pose);
+      observation.landmark = landmark;
     }
   }
-  result.first_of_pose.push_back(result.of_pose.size());
   result.shared = std::move(shared);
   return result;
 }
 
+void ReturnCompressor::ForgetLayout() {
+  runs_ = std::vector<Run>();
+  first_run_ = std::vector<std::size_t>();
+  landmark_of_entry_ = std::vector<int>();
+  first_entry_ = std::vector<std::size_t>();
+}
+
 template <typename Body>
 void ReturnCompressor::ForEachRun(std::size_t pose, const Body& body) const {
-  const Chunk& chunk = chunks_[pose / kPosesPerChunk];
-  const std::size_t first_scan = first_scan_of_pose_[pose / kPosesPerChunk * kPosesPerChunk];
   for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
     const ScanReturns returns = graph_.ReturnsOfScan(scans_of_pose_[i]);
-    const std::size_t end = chunk.first_run[i - first_scan + 1];
-    for (std::size_t run = chunk.first_run[i - first_scan]; run < end; ++run) {
-      body(scans_of_pose_[i], returns, chunk.runs[run]);
+    for (std::size_t run = first_run_[i]; run < first_run_[i + 1]; ++run) {
+      body(scans_of_pose_[i], returns, runs_[run]);
     }
   }
 }
@@ -183,13 +234,10 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const Body& body) const {
 template <typename Body>
 void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<LineLandmark>& landmarks,
                                        const PoseFrame& frame, const Body& body) const {
-  const Chunk& chunk = chunks_[pose / kPosesPerChunk];
   std::vector<LineInRobot> lines;
-  const std::size_t first = chunk.first_entry[pose % kPosesPerChunk];
-  const std::size_t end = chunk.first_entry[pose % kPosesPerChunk + 1];
-  lines.reserve(end - first);
-  for (std::size_t k = first; k < end; ++k) {
-    lines.emplace_back(landmarks[chunk.landmarks[k]], frame);
+  lines.reserve(NumEntries(pose));
+  for (std::size_t k = first_entry_[pose]; k < first_entry_[pose + 1]; ++k) {
+    lines.emplace_back(landmarks[landmark_of_entry_[k]], frame);
   }
   ForEachRun(pose, [&](int scan_id, const ScanReturns& returns, const Run& run) {
     const std::size_t first_return = graph_.scan(scan_id).first_return;
@@ -203,19 +251,16 @@ void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<LineL
 }
 
 template <typename Body>
-RobustCost ReturnCompressor::ForEachPose(const Body& body) const {
-  std::vector<RobustCost> costs(chunks_.size());
-  pool_->ForEachChunk(graph_.num_poses(), kPosesPerChunk,
+double ReturnCompressor::SumOverPoses(const Body& cost_of_pose) const {
+  const std::size_t num_poses = graph_.num_poses();
+  std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
+  pool_->ForEachChunk(num_poses, kPosesPerChunk,
                       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        for (std::size_t pose = begin; pose < end; ++pose)
-                          body(pose, &costs[chunk]);
+                        for (std::size_t pose = begin; pose < end; ++pose) {
+                          costs[chunk] += cost_of_pose(pose);
+                        }
                       });
-  RobustCost total;
-  for (const RobustCost& cost : costs) {
-    total.robust += cost.robust;
-    total.weighted += cost.weighted;
-  }
-  return total;
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
 void ReturnCompressor::SetObservations(std::size_t pose, const std::vector<PointMoments>& moments,
@@ -226,13 +271,8 @@ void ReturnCompressor::SetObservations(std::size_t pose, const std::vector<Point
   }
 }
 
-std::size_t ReturnCompressor::NumEntries(std::size_t pose) const {
-  const std::vector<std::size_t>& first = chunks_[pose / kPosesPerChunk].first_entry;
-  return first[pose % kPosesPerChunk + 1] - first[pose % kPosesPerChunk];
-}
-
 void ReturnCompressor::WeighEqually(LineObservations* observations) const {
-  ForEachPose([&](std::size_t pose, RobustCost* /*cost*/) {
+  SumOverPoses([&](std::size_t pose) {
     std::vector<PointMoments> moments(NumEntries(pose));
     ForEachRun(pose, [&](int scan_id, const ScanReturns& returns, const Run& run) {
       const std::size_t first_return = graph_.scan(scan_id).first_return;
@@ -244,29 +284,41 @@ void ReturnCompressor::WeighEqually(LineObservations* observations) const {
       moments[run.entry] += sum;
     });
     SetObservations(pose, moments, observations);
+    return 0.0;
   });
 }
 
-RobustCost ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
-                                   const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
-                                   LineObservations* observations) const {
-  return ForEachPose([&](std::size_t pose, RobustCost* cost) {
+double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
+                               const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
+                               LineObservations* observations) const {
+  return SumOverPoses([&](std::size_t pose) {
     // At hand, while the observations of a pose lie all over memory.
     std::vector<PointMoments> moments(NumEntries(pose));
-    double robust = 0.0, weighted = 0.0;
+    double cost = 0.0;
     ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
       PointMoments run;
       for_each([&](const ReturnResidual& r) {
         const RobustTerm term = loss.Term(r.distance, r.variance);
-        robust += term.rho;
-        weighted += term.information * r.distance * r.distance;
+        cost += 0.5 * term.rho;
         run.Add(r.z.x(), r.z.y(), term.information);
       });
       moments[entry] += run;
     });
     SetObservations(pose, moments, observations);
-    cost->robust += 0.5 * robust;
-    cost->weighted += 0.5 * weighted;
+    return cost;
+  });
+}
+
+double ReturnCompressor::Cost(const std::vector<LineLandmark>& landmarks,
+                              const std::vector<PoseFrame>& frames,
+                              const GemanMcClure& loss) const {
+  return SumOverPoses([&](std::size_t pose) {
+    double cost = 0.0;
+    ForEachResidual(pose, landmarks, frames[pose], [&](int, const auto& for_each) {
+      for_each(
+          [&](const ReturnResidual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
+    });
+    return cost;
   });
 }
 
@@ -275,7 +327,7 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
                                                       const GemanMcClure& loss,
                                                       const LineObservations& observations) const {
   std::vector<RangeSlope> slopes(observations.observations.size());
-  ForEachPose([&](std::size_t pose, RobustCost* /*cost*/) {
+  SumOverPoses([&](std::size_t pose) {
     const int* of_pose = observations.of_pose.data() + observations.first_of_pose[pose];
     ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
       RangeSlope& slope = slopes[of_pose[entry]];
@@ -287,6 +339,7 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
         slope.gradient += weight * r.cosine * r.distance;
       });
     });
+    return 0.0;
   });
   return slopes;
 }

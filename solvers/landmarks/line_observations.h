@@ -42,7 +42,7 @@ struct LineObservation {
 struct LineObservations {
   std::vector<LineObservation> observations;
   std::vector<std::size_t> first_of_landmark;  ///< per landmark, and the end
-  std::vector<int> of_pose;                    ///< indices of observations, grouped by pose
+  std::vector<int> of_pose;                    ///< indices of observations, by pose, ascending
   std::vector<std::size_t> first_of_pose;      ///< into of_pose: per pose, and the end
   SharedLandmarks shared;                      ///< landmarks that peers have observed as well
 
@@ -57,12 +57,6 @@ struct RangeSlope {
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();  ///< sum of w g z [1/m], frame of the robot
   double curvature = 0.0;                            ///< sum of w g^2 [1/m^2]
   double gradient = 0.0;                             ///< sum of w g d [1/m]
-};
-
-/// What returns cost that have been weighed.
-struct RobustCost {
-  double robust = 0.0;    ///< 1/2 sum rho(d^2 / s^2)
-  double weighted = 0.0;  ///< 1/2 sum w d^2, with the weights that follow from rho
 };
 
 /// Which of the returns on landmarks are compressed.
@@ -85,16 +79,21 @@ class ReturnCompressor {
   LineObservations LayOut(std::size_t num_landmarks, const std::vector<int>& landmark_of_return,
                           SharedLandmarks shared = {}, const ReturnSelection& selection = {});
   /// Frees what the layout takes. Another one has to come before the other functions.
-  void ForgetLayout() { chunks_.clear(); }
+  void ForgetLayout();
 
   /// Sums up all returns, each with weight one.
   void WeighEqually(LineObservations* observations) const;
 
   /// Sums up all returns with weights rho'(d^2 / s^2) / s^2: d the distance from the landmark's
-  /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives what the returns cost at
-  /// the lines and poses given; those of this process, if the graph is shared.
-  RobustCost Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
-                   const GemanMcClure& loss, LineObservations* observations) const;
+  /// line, s^2 = sigma_M^2 + n^T C n, C the covariance of the beam. Gives the robust cost of the
+  /// returns, 1/2 sum rho(d^2 / s^2), at the lines and poses given; those of this process, if the
+  /// graph is shared.
+  double Weigh(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+               const GemanMcClure& loss, LineObservations* observations) const;
+
+  /// The robust cost that Weigh gives, and nothing else.
+  double Cost(const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+              const GemanMcClure& loss) const;
 
   /// One per observation, with the weights that Weigh gives to the same lines and poses.
   std::vector<RangeSlope> RangeSlopes(const std::vector<LineLandmark>& landmarks,
@@ -108,25 +107,19 @@ class ReturnCompressor {
     int first, end;  // counted from the scan's first return
     int entry;       // into of_pose of the observations, from the pose's first one
   };
-  // The layout of some poses.
-  struct Chunk {
-    std::vector<Run> runs;                 // scan by scan, in the order of scans_of_pose_
-    std::vector<std::size_t> first_run;    // per scan, and the end
-    std::vector<int> landmarks;            // of the entries of each pose
-    std::vector<std::size_t> first_entry;  // per pose, and the end
-  };
-
-  // Lists runs and landmarks of the poses begin to end.
-  Chunk ListRuns(std::size_t begin, std::size_t end, const std::vector<int>& landmark_of_return,
-                 const ReturnSelection& selection) const;
-  // With the landmark in place of the entry.
-  void AddRunsOfScan(int scan_id, const std::vector<int>& landmark_of_return,
-                     const ReturnSelection& selection, std::vector<Run>* runs) const;
-  std::size_t NumEntries(std::size_t pose) const;
-  // Calls body(pose, cost) for all poses, and adds up what it adds to the cost: in the same order
-  // for any number of threads.
+  // Calls body(run) for every run of a scan, with its landmark in place of the entry.
   template <typename Body>
-  RobustCost ForEachPose(const Body& body) const;
+  void FindRuns(int scan_id, const std::vector<int>& landmark_of_return,
+                const ReturnSelection& selection, const Body& body) const;
+  void ListRuns(const std::vector<int>& landmark_of_return, const ReturnSelection& selection);
+  // Turns the landmarks of the runs into entries.
+  void NumberEntries();
+  std::size_t NumEntries(std::size_t pose) const {
+    return first_entry_[pose + 1] - first_entry_[pose];
+  }
+  // The sum of cost_of_pose(pose), in the same order for any number of threads.
+  template <typename Body>
+  double SumOverPoses(const Body& cost_of_pose) const;
   // Calls body(scan id, its returns, run) for every run of a pose.
   template <typename Body>
   void ForEachRun(std::size_t pose, const Body& body) const;
@@ -144,7 +137,10 @@ class ReturnCompressor {
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose
   std::vector<std::size_t> first_scan_of_pose_;
-  std::vector<Chunk> chunks_;
+  std::vector<Run> runs_;               // scan by scan, in the order of scans_of_pose_
+  std::vector<std::size_t> first_run_;  // per scan, and the end
+  std::vector<int> landmark_of_entry_;
+  std::vector<std::size_t> first_entry_;  // per pose, and the end
 };
 
 }  // namespace plumbline

@@ -56,7 +56,7 @@ class CalibrationSystemTest : public testing::Test {
     SettleLines(compressor, frames_, kGateSigmas, &pool_, &observations_, &landmarks_);
     const GemanMcClure loss = GemanMcClure::FromGate(kGateSigmas);
     slopes_ = compressor.RangeSlopes(landmarks_, frames_, loss, observations_);
-    return compressor.Weigh(landmarks_, frames_, loss, &observations_).robust +
+    return compressor.Weigh(landmarks_, frames_, loss, &observations_) +
            calibrated_->Terms(factors_).Cost(calibrated_->poses());
   }
 

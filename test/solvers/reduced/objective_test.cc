@@ -40,10 +40,9 @@ struct MappedRoom {
   double Weigh() {
     ReturnCompressor compressor(room.graph, NoiseOf(factors), &pool);
     observations = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
-    return compressor
-        .Weigh(cut.landmarks, frames, GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas),
-               &observations)
-        .robust;
+    return compressor.Weigh(cut.landmarks, frames,
+                            GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas),
+                            &observations);
   }
 
   // Beam and manifold term of one return at its best point: with the beam's error as a Gaussian in
