@@ -168,9 +168,9 @@ TEST(LandmarkShapeTest, AStrongTermTurnsBothLines) {
     const double facing = DegToRad(observation.landmark == 0 ? 90.0 : 98.0);
     const Eigen::Vector2d along(-std::sin(facing), std::cos(facing));
     observation.weight = 100.0;
-    observation.xx = 10.0 * along.x() * along.x();
-    observation.xy = 10.0 * along.x() * along.y();
-    observation.yy = 10.0 * along.y() * along.y();
+    observation.xx = static_cast<float>(10.0 * along.x() * along.x());
+    observation.xy = static_cast<float>(10.0 * along.x() * along.y());
+    observation.yy = static_cast<float>(10.0 * along.y() * along.y());
   }
   ShapeOptions strong;
   strong.sigma_rad = 1e-3;

@@ -56,12 +56,12 @@ class Drive {
       LineObservation s;
       s.pose = pose;
       s.landmark = static_cast<int>(landmarks_.size());
-      s.weight = random_.Uniform(1e4, 1e5);
+      s.weight = static_cast<float>(random_.Uniform(1e4, 1e5));
       const Eigen::Vector2d in_world = landmark.origin + random_.Uniform(-0.3, 0.3) * along;
       s.center = (robot_from_world * in_world).cast<float>();
-      s.xx = 0.03 * s.weight * in_robot.x() * in_robot.x() + 1e-4 * s.weight;
-      s.xy = 0.03 * s.weight * in_robot.x() * in_robot.y();
-      s.yy = 0.03 * s.weight * in_robot.y() * in_robot.y() + 1e-4 * s.weight;
+      s.xx = static_cast<float>(0.03 * s.weight * in_robot.x() * in_robot.x() + 1e-4 * s.weight);
+      s.xy = static_cast<float>(0.03 * s.weight * in_robot.x() * in_robot.y());
+      s.yy = static_cast<float>(0.03 * s.weight * in_robot.y() * in_robot.y() + 1e-4 * s.weight);
       of_pose_[pose].push_back(static_cast<int>(observations_.observations.size()));
       observations_.observations.push_back(s);
     }

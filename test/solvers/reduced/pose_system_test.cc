@@ -67,15 +67,15 @@ struct RandomProblem {
       LineObservation s;
       s.pose = pose;
       s.landmark = p;
-      s.weight = random->Uniform(1.0, 50.0);
+      s.weight = static_cast<float>(random->Uniform(1.0, 50.0));
       const Eigen::Vector2d in_world = landmark.origin + random->Uniform(-1, 1) * tangent +
                                        random->Gaussian(0.05) * random->Direction();
       s.center = (Pose2(&poses[3 * pose]).Inverse() * in_world).cast<float>();
       const Eigen::Vector2d a = random->Uniform(0.5, 3.0) * random->Direction();
       const Eigen::Vector2d b = random->Uniform(0.0, 0.3) * random->Direction();
-      s.xx = a.x() * a.x() + b.x() * b.x();
-      s.xy = a.x() * a.y() + b.x() * b.y();
-      s.yy = a.y() * a.y() + b.y() * b.y();
+      s.xx = static_cast<float>(a.x() * a.x() + b.x() * b.x());
+      s.xy = static_cast<float>(a.x() * a.y() + b.x() * b.y());
+      s.yy = static_cast<float>(a.y() * a.y() + b.y() * b.y());
       observations.observations.push_back(s);
     }
     landmarks.push_back(landmark);
