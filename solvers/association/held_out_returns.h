@@ -28,6 +28,8 @@ struct HeldOutReturns {
     return mixed / (0xffffffffu / kOneIn + 1);
   }
 
+  /// Whether they contain the k-th return of a scan, whose first one is FirstOf it.
+  static bool Contain(std::size_t k, std::size_t first) { return k % kOneIn == first; }
   /// How many a scan has.
   static std::size_t CountOf(const SlamGraph& graph, int scan_id) {
     const std::size_t first = FirstOf(graph, scan_id), end = graph.scan(scan_id).num_returns;

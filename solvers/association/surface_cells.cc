@@ -38,11 +38,10 @@ class ChunkSorter {
     // Neighbouring beams mostly end in the same cell, which saves looking it up.
     SurfaceCellKey last_key;
     int last = SurfaceCells::kNone;
-    std::size_t held_out = hold_out_ ? scan.first_return + HeldOutReturns::FirstOf(graph_, scan_id)
-                                     : graph_.num_returns();
+    const std::size_t first_held_out = HeldOutReturns::FirstOf(graph_, scan_id);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      const bool counts = r != held_out;
-      if (!counts) held_out += HeldOutReturns::kOneIn;
+      const bool counts =
+          !hold_out_ || !HeldOutReturns::Contain(r - scan.first_return, first_held_out);
       const ReturnNormal normal = surface_.normals[r];
       if (normal.IsNone()) {
         cell_of_return_[r] = SurfaceCells::kNone;

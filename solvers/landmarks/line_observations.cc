@@ -1,7 +1,6 @@
 #include "plumbline/solvers/landmarks/line_observations.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <numeric>
 #include <utility>
 
@@ -20,64 +19,6 @@ void CountsToOffsets(std::vector<std::size_t>* counts) {
   for (std::size_t& count : *counts) sum += std::exchange(count, sum);
   counts->push_back(sum);
 }
-
-// Numbers the landmarks of a pose, from 0 in the order in which they come. Most of them come many
-// times: a table is faster than to sort them all.
-class EntryNumbers {
- public:
-  // Begins another pose, which calls NumberOf so often.
-  void Clear(std::size_t num_calls) {
-    log2_size_ = 1;
-    while ((std::size_t{1} << log2_size_) < 2 * num_calls) ++log2_size_;
-    slots_.assign(std::size_t{1} << log2_size_, Slot());
-    num_entries_ = 0;
-  }
-
-  // Appends a landmark that is new.
-  int NumberOf(int landmark, std::vector<int>* landmarks) {
-    std::size_t at = (static_cast<std::uint32_t>(landmark) * 2654435769u) >> (32 - log2_size_);
-    while (slots_[at].landmark != landmark) {
-      if (slots_[at].landmark == LineLandmarks::kNone) {
-        slots_[at] = {landmark, num_entries_++};
-        landmarks->push_back(landmark);
-        break;
-      }
-      at = (at + 1) & (slots_.size() - 1);
-    }
-    return slots_[at].number;
-  }
-
- private:
-  struct Slot {
-    int landmark = LineLandmarks::kNone;
-    int number = 0;
-  };
-  std::vector<Slot> slots_;
-  int log2_size_ = 1;
-  int num_entries_ = 0;
-};
-
-// Sorts the end of a list, and tells where its elements went.
-class SortedPlaces {
- public:
-  const std::vector<int>& SortFrom(std::size_t first, std::vector<int>* values) {
-    numbered_.clear();
-    for (std::size_t i = first; i < values->size(); ++i) {
-      numbered_.emplace_back((*values)[i], static_cast<int>(i - first));
-    }
-    std::sort(numbered_.begin(), numbered_.end());
-    places_.resize(numbered_.size());
-    for (std::size_t i = 0; i < numbered_.size(); ++i) {
-      (*values)[first + i] = numbered_[i].first;
-      places_[numbered_[i].second] = static_cast<int>(i);
-    }
-    return places_;
-  }
-
- private:
-  std::vector<std::pair<int, int>> numbered_;  // value, place before
-  std::vector<int> places_;
-};
 
 }  // namespace
 
@@ -108,19 +49,14 @@ void ReturnCompressor::FindRuns(int scan_id, const std::vector<int>& landmark_of
   const ScanEntry& scan = graph_.scan(scan_id);
   const int num_returns = static_cast<int>(scan.num_returns);
   const int* landmarks = landmark_of_return.data() + scan.first_return;
-  int held_out = selection.without_held_out
-                     ? static_cast<int>(HeldOutReturns::FirstOf(graph_, scan_id))
-                     : num_returns;
+  const std::size_t first_held_out = HeldOutReturns::FirstOf(graph_, scan_id);
   Run run{0, 0, LineLandmarks::kNone};
   for (int i = 0; i < num_returns; ++i) {
-    int landmark = landmarks[i];
-    if (i == held_out) {
-      landmark = LineLandmarks::kNone;
-      held_out += static_cast<int>(HeldOutReturns::kOneIn);
-    } else if (selection.surface != nullptr &&
-               selection.surface->normals[scan.first_return + i].IsNone()) {
-      landmark = LineLandmarks::kNone;
-    }
+    const bool is_left_out =
+        (selection.without_held_out && HeldOutReturns::Contain(i, first_held_out)) ||
+        (selection.surface != nullptr &&
+         selection.surface->normals[scan.first_return + i].IsNone());
+    const int landmark = is_left_out ? LineLandmarks::kNone : landmarks[i];
     if (landmark == run.entry) continue;
     run.end = i;
     if (run.entry != LineLandmarks::kNone) body(run);
@@ -158,28 +94,30 @@ void ReturnCompressor::NumberEntries() {
   std::vector<std::vector<int>> landmarks_of_chunk(
       ThreadPool::NumChunks(num_poses, kPosesPerChunk));
   first_entry_.assign(num_poses, 0);
-  pool_->ForEachChunk(num_poses, kPosesPerChunk,
-                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        std::vector<int>& landmarks = landmarks_of_chunk[chunk];
-                        EntryNumbers numbers;
-                        SortedPlaces places;
-                        for (std::size_t pose = begin; pose < end; ++pose) {
-                          const std::size_t num_before = landmarks.size();
-                          const std::size_t first = first_run_[first_scan_of_pose_[pose]];
-                          const std::size_t last = first_run_[first_scan_of_pose_[pose + 1]];
-                          numbers.Clear(last - first);
-                          for (std::size_t run = first; run < last; ++run) {
-                            runs_[run].entry = numbers.NumberOf(runs_[run].entry, &landmarks);
-                          }
-                          const std::vector<int>& place = places.SortFrom(num_before, &landmarks);
-                          for (std::size_t run = first; run < last; ++run) {
-                            runs_[run].entry = place[runs_[run].entry];
-                          }
-                          first_entry_[pose] = landmarks.size() - num_before;
-                        }
-                      });
+  pool_->ForEachChunk(
+      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<int> landmarks;  // of a pose
+        for (std::size_t pose = begin; pose < end; ++pose) {
+          const auto at = [&](std::size_t p) {
+            return runs_.data() + first_run_[first_scan_of_pose_[p]];
+          };
+          landmarks.clear();
+          for (const Run* run = at(pose); run != at(pose + 1); ++run) {
+            landmarks.push_back(run->entry);
+          }
+          std::sort(landmarks.begin(), landmarks.end());
+          landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
+          for (Run* run = at(pose); run != at(pose + 1); ++run) {
+            run->entry =
+                static_cast<int>(std::lower_bound(landmarks.begin(), landmarks.end(), run->entry) -
+                                 landmarks.begin());
+          }
+          first_entry_[pose] = landmarks.size();
+          landmarks_of_chunk[chunk].insert(landmarks_of_chunk[chunk].end(), landmarks.begin(),
+                                           landmarks.end());
+        }
+      });
   CountsToOffsets(&first_entry_);
-  landmark_of_entry_.clear();
   landmark_of_entry_.reserve(first_entry_.back());
   for (const std::vector<int>& landmarks : landmarks_of_chunk) {
     landmark_of_entry_.insert(landmark_of_entry_.end(), landmarks.begin(), landmarks.end());
