@@ -29,17 +29,23 @@ class CellSortedPoints {
       : radius_m_(radius_m),
         cell_m_(radius_m / kCellsPerRadius),
         cells_per_m_(kCellsPerRadius / radius_m),
-        offset_step_m_(cell_m_ / kOffsetSteps) {
+        offset_step_m_(cell_m_ / kOffsetSteps),
+        steps_per_m_(kOffsetSteps / cell_m_) {
     const std::vector<int> cell_of_point = FindCells(points);
     const std::vector<int> place_of_cell = SortCells();
     offsets_.resize(cell_of_point.size());
-    for (std::size_t i = 0; i < offsets_.size(); ++i) {
-      Cell& cell = cells_[place_of_cell[cell_of_point[i]]];
-      const Eigen::Vector2d point(points[2 * i], points[2 * i + 1]);
-      const Eigen::Vector2d offset = point - Center(cell.key);
-      const auto num_before = static_cast<std::size_t>(cell.moments.weight);
-      cell.moments.Add(offset.x(), offset.y());
-      offsets_[cell.first + num_before] = {Steps(offset.x()), Steps(offset.y())};
+    for (std::size_t i = 0; i < offsets_.size();) {
+      const int found = cell_of_point[i];
+      Cell& cell = cells_[place_of_cell[found]];
+      const Eigen::Vector2d center = Center(cell.key);
+      PointMoments moments = cell.moments;
+      Offset* offset = &offsets_[cell.first + static_cast<std::size_t>(moments.weight)];
+      for (; i < offsets_.size() && cell_of_point[i] == found; ++i) {
+        const double x = points[2 * i] - center.x(), y = points[2 * i + 1] - center.y();
+        moments.Add(x, y);
+        *offset++ = {Steps(x), Steps(y)};
+      }
+      cell.moments = moments;
     }
   }
 
@@ -80,11 +86,16 @@ class CellSortedPoints {
   // Finds the cells, in order of their first points, and counts their points.
   std::vector<int> FindCells(const std::vector<double>& points) {
     std::unordered_map<std::uint64_t, int> cell_of_key;
+    // One scan after the other hits the same walls: the last cell seen per place in a square spares
+    // most look-ups.
+    constexpr std::int64_t kSquareCells = 128;
+    std::vector<int> last_seen(kSquareCells * kSquareCells, -1);
     std::vector<int> cell_of_point(points.size() / 2);
-    int cell = -1;
     for (std::size_t i = 0; i < cell_of_point.size(); ++i) {
-      const std::uint64_t key = Key(Index(points[2 * i]), Index(points[2 * i + 1]));
-      // Neighbouring beams mostly end in the same cell.
+      const std::int64_t column = Index(points[2 * i]), row = Index(points[2 * i + 1]);
+      const std::uint64_t key = Key(column, row);
+      int& cell =
+          last_seen[(row & (kSquareCells - 1)) * kSquareCells + (column & (kSquareCells - 1))];
       if (cell < 0 || key != found_[cell].key) {
         const auto [entry, is_new] = cell_of_key.try_emplace(key, static_cast<int>(found_.size()));
         if (is_new) found_.push_back({key, 0});
@@ -135,8 +146,11 @@ class CellSortedPoints {
     }
   }
 
+  // The nearest number; std::lround is a call per point.
   std::int16_t Steps(double offset_m) const {
-    return static_cast<std::int16_t>(std::lround(offset_m / offset_step_m_));
+    const double steps = offset_m * steps_per_m_;
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings)
+    return static_cast<std::int16_t>(static_cast<int>(steps + std::copysign(0.5, steps)));
   }
 
   // std::floor is a call into the C library unless the build is for newer processors only.
@@ -159,7 +173,7 @@ class CellSortedPoints {
 
   double radius_m_;
   double cell_m_, cells_per_m_;
-  double offset_step_m_;
+  double offset_step_m_, steps_per_m_;
   std::vector<FoundCell> found_;  // until they are sorted
   std::vector<Cell> cells_;       // in order of keys
   std::vector<Offset> offsets_;   // of points from the centres of their cells: to a micrometre
