@@ -112,6 +112,10 @@ class BranchAndBound {
     const int steps = static_cast<int>(std::ceil(std::min(window_.half_angle_rad, kPi) / step_rad));
     const int level =
         std::min(TopLevel(half_cells_), static_cast<int>(matcher_.levels_.size()) - 1);
+    // Two shifts, one of which would bring the point into the map, and on to the next quarter.
+    reach_ = 2 * half_cells_ + (1 << level);
+    columns_ = EdgedOffsets(matcher_.width_, 1);
+    rows_ = EdgedOffsets(matcher_.height_, matcher_.width_);
     std::vector<Candidate> top;
     // From the middle outwards: of equal scores the one nearest to the prediction is taken.
     for (int k = 0; k <= 2 * steps; ++k) {
@@ -124,11 +128,24 @@ class BranchAndBound {
   }
 
  private:
+  // The offsets in the grid of its columns or rows, from reach_ before the first one. The empty
+  // ones at the edges of the grid stand for all beyond it.
+  std::vector<std::ptrdiff_t> EdgedOffsets(int num_lines, int stride) const {
+    std::vector<std::ptrdiff_t> offsets(num_lines + 2 * reach_);
+    for (int i = 0; i < num_lines + 2 * reach_; ++i) {
+      offsets[i] = static_cast<std::ptrdiff_t>(stride) * std::clamp(i - reach_, 0, num_lines - 1);
+    }
+    return offsets;
+  }
+
+  // The scan's points that a shift within the window can bring into the map, unshifted.
   struct Heading {
     double yaw_rad = 0.0;
-    bool excluded = false;               // with the excluded pose's position
-    std::vector<Eigen::Vector2i> cells;  // of the scan, unshifted
-    Eigen::Vector2i low, high;           // of the cells
+    bool excluded = false;                // with the excluded pose's position
+    std::vector<Eigen::Vector2i> cells;   // part by part
+    std::vector<std::ptrdiff_t> offsets;  // of the cells in the grid
+    std::array<std::size_t, kParts> part_end{};
+    Eigen::Vector2i low, high;  // of the cells
   };
 
   void AddHeading(double yaw_rad) {
@@ -139,32 +156,40 @@ class BranchAndBound {
     heading.low.setConstant(std::numeric_limits<int>::max());
     heading.high = -heading.low;
     heading.cells.reserve(points_.size());
-    for (const Eigen::Vector2d& point : points_) {
-      const Eigen::Vector2d at =
-          (rotation * point + window_.center.translation() - matcher_.origin_) / matcher_.cell_m_;
-      heading.cells.emplace_back(static_cast<int>(std::floor(at.x())),
-                                 static_cast<int>(std::floor(at.y())));
-      heading.low = heading.low.cwiseMin(heading.cells.back());
-      heading.high = heading.high.cwiseMax(heading.cells.back());
+    heading.offsets.reserve(points_.size());
+    const Eigen::Array2i lowest = matcher_.map_low_.array() - half_cells_;
+    const Eigen::Array2i highest = matcher_.map_high_.array() + half_cells_;
+    for (std::size_t part = 0; part < kParts; ++part) {
+      for (std::size_t i = part; i < points_.size(); i += kParts) {
+        const Eigen::Vector2d at =
+            (rotation * points_[i] + window_.center.translation() - matcher_.origin_) /
+            matcher_.cell_m_;
+        const Eigen::Vector2i cell(static_cast<int>(std::floor(at.x())),
+                                   static_cast<int>(std::floor(at.y())));
+        if ((cell.array() < lowest).any() || (cell.array() > highest).any()) continue;
+        heading.cells.push_back(cell);
+        heading.offsets.push_back(OffsetOf(cell.x(), cell.y()));
+        heading.low = heading.low.cwiseMin(cell);
+        heading.high = heading.high.cwiseMax(cell);
+      }
+      heading.part_end[part] = heading.cells.size();
     }
     headings_.push_back(std::move(heading));
   }
 
   // The blocks of the last heading, of `level`.
   void AddBlocks(int level, std::vector<Candidate>* top) const {
-    const Eigen::Vector2i &low = headings_.back().low, &high = headings_.back().high;
-    // Shifts that leave the scan outside the grid score nothing, however wide the window.
-    const int x_low = std::max(-half_cells_, -high.x());
-    const int y_low = std::max(-half_cells_, -high.y());
-    const int x_high = std::min(half_cells_, matcher_.width_ - 1 - low.x());
-    const int y_high = std::min(half_cells_, matcher_.height_ - 1 - low.y());
+    const Heading& heading = headings_.back();
+    // Shifts that leave the scan outside the map score nothing, however wide the window.
+    const int x_low = std::max(-half_cells_, matcher_.map_low_.x() - heading.high.x());
+    const int y_low = std::max(-half_cells_, matcher_.map_low_.y() - heading.high.y());
+    const int x_high = std::min(half_cells_, matcher_.map_high_.x() - heading.low.x());
+    const int y_high = std::min(half_cells_, matcher_.map_high_.y() - heading.low.y());
     const int side = 2 << level;
     Candidate whole;  // four blocks, of which nothing is known
     whole.heading = static_cast<int>(headings_.size()) - 1;
-    int num_points = 0;
     for (int part = 0; part < kParts; ++part) {
-      num_points += static_cast<int>((points_.size() + kParts - 1 - part) / kParts);
-      whole.sums[part] = 255 * num_points;
+      whole.sums[part] = 255 * static_cast<int>(heading.part_end[part]);
     }
     for (int y = y_low; y <= y_high; y += side) {
       for (int x = x_low; x <= x_high; x += side) {
@@ -225,29 +250,41 @@ class BranchAndBound {
   void AddPart(const Candidate& block, int level, int part, std::array<int, 4>* sums) const {
     const std::uint8_t* grid = matcher_.levels_[level].data();
     const Heading& heading = headings_[block.heading];
-    const std::ptrdiff_t width = matcher_.width_;
     const int side = 1 << level, last_x = matcher_.width_ - 1, last_y = matcher_.height_ - 1;
+    const std::size_t first = part == 0 ? 0 : heading.part_end[part - 1];
+    const std::size_t end = heading.part_end[part];
     std::array<int, 4> sum = *sums;
-    const auto add = [&](auto in_grid) {
-      for (std::size_t c = part; c < heading.cells.size(); c += kParts) {
-        const int x = heading.cells[c].x() + block.x, y = heading.cells[c].y() + block.y;
-        const int left = in_grid(x, last_x), right = in_grid(x + side, last_x);
-        const std::uint8_t* lower = grid + in_grid(y, last_y) * width;
-        const std::uint8_t* upper = grid + in_grid(y + side, last_y) * width;
-        sum[0] += lower[left];
-        sum[1] += lower[right];
-        sum[2] += upper[left];
-        sum[3] += upper[right];
-      }
-    };
     if (heading.low.x() + block.x >= 0 && heading.high.x() + block.x + side <= last_x &&
         heading.low.y() + block.y >= 0 && heading.high.y() + block.y + side <= last_y) {
-      add([](int at, int) { return at; });
+      const std::ptrdiff_t shift = OffsetOf(block.x, block.y), up = OffsetOf(0, side);
+      for (std::size_t c = first; c < end; ++c) {
+        const std::uint8_t* lower = grid + shift + heading.offsets[c];
+        const std::uint8_t* upper = lower + up;
+        sum[0] += lower[0];
+        sum[1] += lower[side];
+        sum[2] += upper[0];
+        sum[3] += upper[side];
+      }
     } else {
-      // The cells along the edges of the grid are empty, and stand for all beyond them.
-      add([](int at, int last) { return std::clamp(at, 0, last); });
+      const std::ptrdiff_t* columns = columns_.data() + reach_ + block.x;
+      const std::ptrdiff_t* rows = rows_.data() + reach_ + block.y;
+      for (std::size_t c = first; c < end; ++c) {
+        const std::ptrdiff_t* column = columns + heading.cells[c].x();
+        const std::ptrdiff_t* row = rows + heading.cells[c].y();
+        const std::uint8_t* lower = grid + row[0];
+        const std::uint8_t* upper = grid + row[side];
+        sum[0] += lower[column[0]];
+        sum[1] += lower[column[side]];
+        sum[2] += upper[column[0]];
+        sum[3] += upper[column[side]];
+      }
     }
     *sums = sum;
+  }
+
+  // Of a cell in the matcher's grid.
+  std::ptrdiff_t OffsetOf(int x, int y) const {
+    return static_cast<std::ptrdiff_t>(y) * matcher_.width_ + x;
   }
 
   double ScoreOf(int sum) const { return sum / (255.0 * static_cast<double>(points_.size())); }
@@ -312,6 +349,8 @@ class BranchAndBound {
   double bar_;  // what a pose must score to be of interest
   int num_splits_ = 0;
 
+  int reach_ = 0;  // of a block, off the grid, in cells
+  std::vector<std::ptrdiff_t> columns_, rows_;
   std::vector<Heading> headings_;
   std::array<std::vector<Candidate>, kMaxLevel> children_;  // per level those being looked through
   std::vector<CorrelativeMatch> peaks_;  // the best pose of each, the best peak first
@@ -328,9 +367,11 @@ CorrelativeMatcher::CorrelativeMatcher(const SurfacePoints& map, double cell_m, 
   const int top_level = TopLevel(static_cast<int>(std::ceil(half_width_m / cell_m)));
   // Blocks of the top level that begin below the map still reach into it.
   const int margin = (1 << top_level) + kKernelCells;
+  map_low_.setConstant(1 << top_level);
   origin_ = low.array() - margin * cell_m_;
   width_ = static_cast<int>((high.x() - low.x()) / cell_m_) + 1 + 2 * margin;
   height_ = static_cast<int>((high.y() - low.y()) / cell_m_) + 1 + 2 * margin;
+  map_high_ = Eigen::Vector2i(width_ - 1, height_ - 1) - map_low_;
   levels_.assign(top_level + 1, Level(static_cast<std::size_t>(width_) * height_, 0));
   for (const SurfacePoint& point : map) Splat(point.position);
   for (int level = 1; level <= top_level; ++level) Coarsen(level);

@@ -71,6 +71,8 @@ class CorrelativeMatcher {
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int width_ = 0;
   int height_ = 0;
+  // The cells outside these are empty.
+  Eigen::Vector2i map_low_ = Eigen::Vector2i::Zero(), map_high_ = Eigen::Vector2i::Zero();
   std::vector<Level> levels_;
 };
 

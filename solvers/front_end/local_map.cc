@@ -64,10 +64,9 @@ LocalMap::LocalMap(double cell_m)
 
 void LocalMap::Rebuild(const std::vector<const SurfacePoints*>& scans,
                        const std::vector<Pose2>& world_from_robot) {
-  SurfacePoints raw = PointsInReach(scans, world_from_robot);
+  const SurfacePoints raw = PointsInReach(scans, world_from_robot);
   LayGrid(raw);
-  SortIntoBuckets(&raw);
-  AverageCells(raw);
+  AverageCells(raw, SortIntoBuckets(raw));
 }
 
 void LocalMap::LayGrid(const SurfacePoints& raw) {
@@ -84,47 +83,50 @@ void LocalMap::LayGrid(const SurfacePoints& raw) {
   height_ = static_cast<int>((high.y() - origin_.y()) / bucket_m_) + 1;
 }
 
-// By counting; within a bucket the order stays.
-void LocalMap::SortIntoBuckets(SurfacePoints* raw) {
-  const auto bucket_of = [&](const SurfacePoint& point) {
-    const Eigen::Vector2d at = (point.position - origin_) / bucket_m_;
-    return static_cast<int>(at.y()) * width_ + static_cast<int>(at.x());
-  };
+// Counts into start_; within a bucket the order stays.
+std::vector<LocalMap::RawPoint> LocalMap::SortIntoBuckets(const SurfacePoints& raw) {
+  const int side = 1 << bucket_shift_;
   start_.assign(static_cast<std::size_t>(width_) * height_ + 1, 0);
-  for (const SurfacePoint& point : *raw) ++start_[bucket_of(point) + 1];
+  std::vector<int> bucket_of_point(raw.size()), cell_of_point(raw.size());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const Eigen::Vector2d at = (raw[i].position - origin_) / cell_m_;
+    const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
+    bucket_of_point[i] = (y >> bucket_shift_) * width_ + (x >> bucket_shift_);
+    cell_of_point[i] =
+        ((y & (side - 1)) * side + (x & (side - 1))) * kOctants + OctantOf(raw[i].normal);
+    ++start_[bucket_of_point[i] + 1];
+  }
   for (std::size_t b = 1; b < start_.size(); ++b) start_[b] += start_[b - 1];
   std::vector<int> next(start_.begin(), start_.end() - 1);
-  SurfacePoints sorted(raw->size());
-  for (const SurfacePoint& point : *raw) sorted[next[bucket_of(point)]++] = point;
-  raw->swap(sorted);
+  std::vector<RawPoint> sorted(raw.size());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    sorted[next[bucket_of_point[i]]++] = {static_cast<int>(i), cell_of_point[i]};
+  }
+  return sorted;
 }
 
-// raw: sorted by bucket, with the bounds of the buckets in start_, which become those of points_.
-void LocalMap::AverageCells(const SurfacePoints& raw) {
-  const int side = 1 << bucket_shift_;
-  const auto cell_of = [&](const SurfacePoint& point) {
-    const Eigen::Vector2d at = (point.position - origin_) / cell_m_;
-    const int x = static_cast<int>(at.x()) & (side - 1), y = static_cast<int>(at.y()) & (side - 1);
-    return (y * side + x) * kOctants + OctantOf(point.normal);
-  };
+// sorted: by bucket, with the bounds of the buckets in start_, which become those of points_.
+void LocalMap::AverageCells(const SurfacePoints& raw, const std::vector<RawPoint>& sorted) {
   points_.clear();
   std::vector<int> count;  // of raw points in each of points_
   // The index in points_ of each cell of the bucket at hand. What is less than the bucket's first
   // index is left over from another bucket.
-  std::vector<int> index_of_cell(static_cast<std::size_t>(side) * side * kOctants, -1);
+  std::vector<int> index_of_cell(std::size_t{kOctants} << (2 * bucket_shift_), -1);
   int next = 0;
   for (std::size_t b = 0; b + 1 < start_.size(); ++b) {
     const int first_index = static_cast<int>(points_.size());
     start_[b] = first_index;
     for (; next < start_[b + 1]; ++next) {
-      int& index = index_of_cell[cell_of(raw[next])];
+      const SurfacePoint& point = raw[sorted[next].index];
+      int& index = index_of_cell[sorted[next].cell];
       if (index < first_index) {
         index = static_cast<int>(points_.size());
-        points_.push_back({Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()});
-        count.push_back(0);
+        points_.push_back(point);
+        count.push_back(1);
+        continue;
       }
-      points_[index].position += raw[next].position;
-      points_[index].normal += raw[next].normal;
+      points_[index].position += point.position;
+      points_[index].normal += point.normal;
       ++count[index];
     }
   }

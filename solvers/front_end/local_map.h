@@ -36,10 +36,14 @@ class LocalMap {
 
  private:
   struct Search;
+  struct RawPoint {
+    int index;
+    int cell;  // in its bucket, by direction of the normal
+  };
 
   void LayGrid(const SurfacePoints& raw);
-  void SortIntoBuckets(SurfacePoints* raw);
-  void AverageCells(const SurfacePoints& raw);
+  std::vector<RawPoint> SortIntoBuckets(const SurfacePoints& raw);
+  void AverageCells(const SurfacePoints& raw, const std::vector<RawPoint>& sorted);
   void SearchBuckets(double radius_m, Search* search) const;
 
   double cell_m_;
