@@ -88,8 +88,8 @@ DEFINE_string(online_solver, "incremental",
               "poses where a loop closes)");
 DEFINE_int32(batch_scans, plumbline::ReplayOptions().batch_poses,
              "replay: scans that arrive between two solves");
-DEFINE_int32(window_free_poses, plumbline::WindowOptions().num_free_poses,
-             "replay by window: newest poses that a window moves");
+DEFINE_int32(window_free_poses, 0,
+             "replay: newest poses that a solve moves (0: the default of --online_solver)");
 DEFINE_int32(window_fixed_poses, plumbline::WindowOptions().max_fixed_poses,
              "replay by window: older poses that hold the map around them, at most");
 
@@ -282,7 +282,10 @@ Status ReplayOptionsFromFlags(ReplayOptions* options) {
                                    ": want incremental or window");
   }
   options->batch_poses = FLAGS_batch_scans;
-  options->window.num_free_poses = FLAGS_window_free_poses;
+  if (FLAGS_window_free_poses != 0) {
+    options->window.num_free_poses = FLAGS_window_free_poses;
+    options->incremental.num_free_poses = FLAGS_window_free_poses;
+  }
   options->window.max_fixed_poses = FLAGS_window_fixed_poses;
   std::string error;
   if (!options->Check(&error)) return Status::InvalidArgument("the flags set " + error);

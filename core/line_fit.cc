@@ -19,26 +19,6 @@ Eigen::Vector2d HalfAngle(double x, double y, double radius) {
 
 }  // namespace
 
-PointMoments& PointMoments::operator+=(const PointMoments& other) {
-  weight += other.weight;
-  x += other.x;
-  y += other.y;
-  xx += other.xx;
-  xy += other.xy;
-  yy += other.yy;
-  return *this;
-}
-
-PointMoments PointMoments::Shifted(double dx, double dy) const {
-  PointMoments shifted = *this;
-  shifted.x += dx * weight;
-  shifted.y += dy * weight;
-  shifted.xx += 2.0 * dx * x + dx * dx * weight;
-  shifted.xy += dx * y + dy * x + dx * dy * weight;
-  shifted.yy += 2.0 * dy * y + dy * dy * weight;
-  return shifted;
-}
-
 LineFit FitLine(const PointMoments& moments) {
   LineFit fit;
   const double inverse = 1.0 / moments.weight;

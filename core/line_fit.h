@@ -21,10 +21,25 @@ struct PointMoments {
     xy += w * px * py;
     yy += w * py * py;
   }
-  PointMoments& operator+=(const PointMoments& other);
+  PointMoments& operator+=(const PointMoments& other) {
+    weight += other.weight;
+    x += other.x;
+    y += other.y;
+    xx += other.xx;
+    xy += other.xy;
+    yy += other.yy;
+    return *this;
+  }
 
   /// Of the same points about an origin moved by (-dx, -dy) [m].
-  PointMoments Shifted(double dx, double dy) const;
+  PointMoments Shifted(double dx, double dy) const {
+    return {weight,
+            x + dx * weight,
+            y + dy * weight,
+            xx + (2.0 * dx * x + dx * dx * weight),
+            xy + (dx * y + dy * x + dx * dy * weight),
+            yy + (2.0 * dy * y + dy * dy * weight)};
+  }
 };
 
 /// Total-least-squares line through a point set: all points q with normal . (q - centroid) = 0.

@@ -204,13 +204,11 @@ Status SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
   if (pose_id < 0 || pose_id >= num_poses()) return CheckScan(pose_id, 0);
   int laser_id = 0;
   PLUMBLINE_RETURN_IF_ERROR(AddLaser(other.LaserOfScan(scan_id), &laser_id));
-  const ScanEntry entry = other.scans_[scan_id];
-  const ScanReturns of_other = other.ReturnsOfScan(scan_id);
-  std::vector<Return> returns;
-  for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
-    returns.push_back({other.returns_.range_m[r], of_other.Bearing(r), of_other.Beam(r)});
-  }
-  AppendScan(pose_id, laser_id, returns);
+  std::vector<char> bytes;
+  other.PackScan(scan_id, &bytes);
+  AddPackedScan(bytes.data());
+  scans_.back().pose = pose_id;
+  scans_.back().laser = laser_id;
   return Status::Ok();
 }
 

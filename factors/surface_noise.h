@@ -30,9 +30,11 @@ struct SurfaceNoise {
   /// C n [m^2].
   Eigen::Vector2d BeamCovarianceTimes(double range_m, const Eigen::Vector2d& direction,
                                       const Eigen::Vector2d& normal) const {
-    const Eigen::Vector2d side(-direction.y(), direction.x());
-    return (range_variance * direction.dot(normal)) * direction +
-           (bearing_variance * range_m * range_m * side.dot(normal)) * side;
+    const double along = direction.x() * normal.x() + direction.y() * normal.y();
+    const double across = direction.x() * normal.y() - direction.y() * normal.x();
+    const double a = range_variance * along;
+    const double b = bearing_variance * range_m * range_m * across;
+    return {a * direction.x() - b * direction.y(), a * direction.y() + b * direction.x()};
   }
 
   /// Of a return that meets its surface at a right angle and close by [m].

@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "plumbline/core/float_environment.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/own_term.h"
+#include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
 #include "plumbline/solvers/terms/own_terms.h"
@@ -76,6 +79,17 @@ class Window {
     PLUMBLINE_RETURN_IF_ERROR(FixPoses(graph));
     PLUMBLINE_RETURN_IF_ERROR(AddScans(graph, state));
     return AddConstraints(graph);
+  }
+
+  // What is known of the surfaces of the part.
+  MeasuredSurface SurfaceOfPart(const MeasuredSurface& surface, const SlamGraph& graph) const {
+    MeasuredSurface of_part;
+    of_part.normals.reserve(part_.num_returns());
+    for (const int s : scans_) {
+      const auto first = surface.normals.begin() + graph.scan(s).first_return;
+      of_part.normals.insert(of_part.normals.end(), first, first + graph.scan(s).num_returns);
+    }
+    return of_part;
   }
 
   const SlamGraph& part() const { return part_; }
@@ -207,9 +221,10 @@ class Window {
   MapState state_;  // of the part
 };
 
+// surface: null if it has yet to be measured.
 SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& window,
-                           const std::vector<int>& free_poses, const SlamGraph& graph,
-                           MapState* state) {
+                           const std::vector<int>& free_poses, const MeasuredSurface* surface,
+                           const SlamGraph& graph, MapState* state) {
   std::string error;
   if (!window.Check(&error))
     return SolverFailure(options, Status::InvalidArgument("window." + error));
@@ -217,14 +232,29 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   if (status.ok() && !options.Check(&error)) status = Status::InvalidArgument(error);
   if (status.ok()) status = CheckOwnTermIds(options.factors, graph);
   if (status.ok()) status = CheckFreePoses(free_poses, graph, *state);
+  if (status.ok() && surface != nullptr) status = CheckSurfaceSize(graph, *surface);
   if (!status.ok()) return SolverFailure(options, status);
   const std::vector<int> fixed_poses = ChooseFixedPoses(window, graph, *state, free_poses);
   Window part(graph, free_poses, fixed_poses);
   status = part.Extract(graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
-  SolverSummary summary = Solve(part.OptionsOfPart(options, graph), part.part(), part.state());
+  const SolverOptions options_of_part = part.OptionsOfPart(options, graph);
+  SolverSummary summary =
+      surface == nullptr
+          ? Solve(options_of_part, part.part(), part.state())
+          : Solve(options_of_part, part.SurfaceOfPart(*surface, graph), part.part(), part.state());
   if (summary.IsSolutionUsable()) part.WriteBack(graph, state);
   return summary;
+}
+
+SolverSummary SolveNewest(const SolverOptions& options, const WindowOptions& window,
+                          const MeasuredSurface* surface, const SlamGraph& graph, MapState* state) {
+  const DefaultFloatEnvironment float_environment;
+  return CatchFailures(options, [&] {
+    std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph.num_poses()));
+    std::iota(newest.begin(), newest.end(), graph.num_poses() - static_cast<int>(newest.size()));
+    return SolveChecked(options, window, newest, surface, graph, state);
+  });
 }
 
 }  // namespace
@@ -237,20 +267,33 @@ bool WindowOptions::Check(std::string* error) const {
 
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
                           const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  return CatchFailures(options, [&] {
-    std::vector<int> newest(std::clamp(window.num_free_poses, 0, graph.num_poses()));
-    std::iota(newest.begin(), newest.end(), graph.num_poses() - static_cast<int>(newest.size()));
-    return SolveChecked(options, window, newest, graph, state);
-  });
+  return SolveNewest(options, window, nullptr, graph, state);
+}
+
+SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
+                          const MeasuredSurface& surface, const SlamGraph& graph, MapState* state) {
+  return SolveNewest(options, window, &surface, graph, state);
 }
 
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
                          const std::vector<int>& free_poses, const SlamGraph& graph,
                          MapState* state) {
   const DefaultFloatEnvironment float_environment;
-  return CatchFailures(options,
-                       [&] { return SolveChecked(options, window, free_poses, graph, state); });
+  return CatchFailures(
+      options, [&] { return SolveChecked(options, window, free_poses, nullptr, graph, state); });
+}
+
+Status MeasureNewScans(const SolverOptions& options, const SlamGraph& graph,
+                       MeasuredSurface* surface) {
+  const DefaultFloatEnvironment float_environment;
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument(error);
+  const std::size_t num_measured = surface->normals.size();
+  if (num_measured >= graph.num_returns()) return CheckSurfaceSize(graph, *surface);
+  ThreadPool pool(options.num_threads);
+  ExtendSurface(graph, graph.ScanOfReturn(num_measured), NormalOptionsFor(options.factors.beam),
+                &pool, surface);
+  return Status::Ok();
 }
 
 }  // namespace plumbline

@@ -6,10 +6,13 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/core/status.h"
 #include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/interface/solver_summary.h"
 
 namespace plumbline {
+
+struct MeasuredSurface;
 
 /// What of a growing graph is refined at a time. Poses that may move are "free"; "fixed" ones hold
 /// the map around them.
@@ -43,11 +46,23 @@ struct WindowOptions {
 SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
                           const SlamGraph& graph, MapState* state);
 
+/// The same for a caller that measures the surfaces of scans once, when they arrive: an eighth of
+/// the time. surface: of all returns of the graph (MeasureNewScans); of another number of returns:
+/// kFailure.
+SolverSummary SolveWindow(const SolverOptions& options, const WindowOptions& window,
+                          const MeasuredSurface& surface, const SlamGraph& graph, MapState* state);
+
 /// The same for any set of poses: those that are new, or that something has changed for.
 /// num_free_poses does not matter here. Fails on an empty set, unknown and repeated ids.
 SolverSummary SolvePoses(const SolverOptions& options, const WindowOptions& window,
                          const std::vector<int>& free_poses, const SlamGraph& graph,
                          MapState* state);
+
+/// Adds the scans that the graph has gained to the surface of those before them, which is empty at
+/// first. InvalidArgument, with nothing changed, for options out of range and a surface of more
+/// returns than the graph has.
+Status MeasureNewScans(const SolverOptions& options, const SlamGraph& graph,
+                       MeasuredSurface* surface);
 
 }  // namespace plumbline
 

@@ -21,13 +21,6 @@
 namespace plumbline {
 namespace {
 
-Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
-  if (surface.normals.size() == graph.num_returns()) return Status::Ok();
-  return Status::InvalidArgument("the graph has " + std::to_string(graph.num_returns()) +
-                                 " returns, but the surface " +
-                                 std::to_string(surface.normals.size()) + " normals");
-}
-
 // The relative poses that their scans contradict are left out, and may have spoilt the start.
 SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, MapState* state) {
   const auto begin = std::chrono::steady_clock::now();
@@ -102,7 +95,7 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
       return summary;
     }
     if (status.ok() && surface != nullptr && (!poses_only || options.measure_rounds)) {
-      status = CheckSurface(*surface, graph);
+      status = CheckSurfaceSize(graph, *surface);
     }
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {

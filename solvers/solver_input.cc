@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/terms/own_terms.h"
@@ -58,6 +59,13 @@ Status CheckStateSize(const SlamGraph& graph, const MapState& state, bool needs_
       std::to_string(num_pose_coordinates) + " and " + std::to_string(num_point_coordinates) +
       " coordinates, but the state has " + std::to_string(state.poses.size()) + " and " +
       std::to_string(state.points.size()) + "; see SlamGraph::ExtendState");
+}
+
+Status CheckSurfaceSize(const SlamGraph& graph, const MeasuredSurface& surface) {
+  if (surface.normals.size() == graph.num_returns()) return Status::Ok();
+  return Status::InvalidArgument("the graph has " + std::to_string(graph.num_returns()) +
+                                 " returns, but the surface " +
+                                 std::to_string(surface.normals.size()) + " normals");
 }
 
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status) {

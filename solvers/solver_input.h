@@ -11,6 +11,8 @@
 
 namespace plumbline {
 
+struct MeasuredSurface;
+
 /// Whether a coordinate of the state [m or rad] is finite, and near enough for the cells of
 /// surfaces to be numbered.
 inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e8; }
@@ -26,6 +28,9 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, co
 /// InvalidArgument, with both sizes, if the state is not one of the graph as it has grown. Without
 /// needs_points, it may have none.
 Status CheckStateSize(const SlamGraph& graph, const MapState& state, bool needs_points = true);
+
+/// InvalidArgument, with both sizes, if the surface is not one of the graph as it has grown.
+Status CheckSurfaceSize(const SlamGraph& graph, const MeasuredSurface& surface);
 
 /// What a solver returns that has refused its input.
 SolverSummary SolverFailure(const SolverOptions& options, const Status& status);

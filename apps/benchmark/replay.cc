@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -116,14 +117,15 @@ class Host {
 
   Status SolveOnce(ReplayedSolve solve, ReplayStep* step) {
     SolverSummary summary;
+    PLUMBLINE_RETURN_IF_ERROR(MeasureNewScans(solver_, graph_, &surface_));
     if (solve == ReplayedSolve::kWindow) {
-      summary = SolveWindow(solver_, options_.window, graph_, &state_);
+      summary = SolveWindow(solver_, options_.window, surface_, graph_, &state_);
     } else {
       if (solve == ReplayedSolve::kLoops) CloseLoops();
       // The whole drive once it is there: without closures, like the solution of all at once.
       const SlamGraph& graph = HasArrived() ? drive_ : graph_;
       state_.points = graph.MeasuredMap(state_.poses);
-      summary = Solve(solver_, graph, &state_);
+      summary = Solve(solver_, surface_, graph, &state_);
     }
     step->initial_energy = summary.acceptance.seed_energy;
     step->final_energy = summary.acceptance.final_energy;
@@ -149,6 +151,7 @@ class Host {
   const std::vector<RelativePoseConstraint> closures_;  // of the whole drive
   SlamGraph graph_;
   MapState state_;
+  MeasuredSurface surface_;
   IncrementalSolver incremental_;
   std::vector<RelativePoseConstraint> arrived_closures_;
   int next_scan_ = 0;

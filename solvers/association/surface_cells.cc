@@ -75,10 +75,15 @@ class ChunkSorter {
   std::vector<int>& cell_of_return_;
 };
 
-constexpr std::size_t kScansPerBatch = 256;
 // So many are sorted before their tables become one: all tables of a long drive are many times that
 // one.
-constexpr std::size_t kScansAtOnce = 32 * kScansPerBatch;
+constexpr std::size_t kScansAtOnce = 8192;
+
+// In a table of their own: enough to be worth it, and few enough that all threads have their share.
+std::size_t ScansPerBatch(std::size_t num_scans) {
+  constexpr std::size_t kFewest = 32, kMost = 256, kBatches = 16;
+  return std::clamp(num_scans / kBatches, kFewest, kMost);
+}
 
 // Gives each cell of a part its number among all cells.
 std::vector<int> MergeInto(const std::vector<SurfaceCell>& part, SurfaceCells* cells) {
@@ -139,8 +144,9 @@ double DominantDirection(const SlamGraph& graph, const std::vector<double>& pose
   // Some returns of each scan say as much of a direction as all of them.
   constexpr std::size_t kOneIn = 4;
   // The fourth power of a normal, as a complex number, is the same for all four directions.
-  std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), kScansPerBatch));
-  pool->ForEachChunk(graph.num_scans(), kScansPerBatch,
+  const std::size_t scans_per_batch = ScansPerBatch(graph.num_scans());
+  std::vector<std::complex<double>> sums(ThreadPool::NumChunks(graph.num_scans(), scans_per_batch));
+  pool->ForEachChunk(graph.num_scans(), scans_per_batch,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                        std::complex<double> sum = 0.0;
                        for (std::size_t s = begin; s < end; ++s) {
@@ -171,11 +177,12 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
                            ThreadPool* pool, std::vector<int>* cell_of_return, bool hold_out) {
   cell_of_return->resize(graph.num_returns());
   const std::size_t num_scans = graph.num_scans();
+  const std::size_t scans_per_batch = ScansPerBatch(num_scans);
   SurfaceCells cells(grid.cell_m);
   for (std::size_t first = 0; first < num_scans; first += kScansAtOnce) {
     const std::size_t count = std::min(kScansAtOnce, num_scans - first);
-    std::vector<std::vector<SurfaceCell>> parts(ThreadPool::NumChunks(count, kScansPerBatch));
-    pool->ForEachChunk(count, kScansPerBatch,
+    std::vector<std::vector<SurfaceCell>> parts(ThreadPool::NumChunks(count, scans_per_batch));
+    pool->ForEachChunk(count, scans_per_batch,
                        [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                          ChunkSorter sorter(graph, poses, surface, grid, hold_out, cell_of_return);
                          for (std::size_t s = begin; s < end; ++s) {
@@ -189,7 +196,7 @@ SurfaceCells SortIntoCells(const SlamGraph& graph, const std::vector<double>& po
       parts[chunk] = std::vector<SurfaceCell>();
     }
     pool->ForEachChunk(
-        count, kScansPerBatch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        count, scans_per_batch, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
           const ScanEntry& last_scan = graph.scan(static_cast<int>(first + end) - 1);
           const std::size_t last_return = last_scan.first_return + last_scan.num_returns;
           for (std::size_t r = graph.scan(static_cast<int>(first + begin)).first_return;

@@ -66,23 +66,28 @@ void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
   const SurfaceNoise noise = NoiseOf(factors);
   const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+    const double range_m = returns.Range(r);
+    const Eigen::Vector2d direction = returns.DirectionInRobot(r);
+    const Eigen::Vector2d measured =
+        frame.Rotate(range_m * direction + returns.laser_in_robot()) + frame.translation();
     Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
-    point = frame.Rotate(returns.PointInRobot(r)) + frame.translation();
+    const TangentLine& line = lines[r];
+    const Eigen::Vector2d normal(line.normal_x, line.normal_y);
     if (!lines.HasLine(r)) {
+      point = measured;
       AddPoint(0.0, 0.0, displacements);
       continue;
     }
-    const TangentLine& line = lines[r];
-    const Eigen::Vector2d normal(line.normal_x, line.normal_y);
-    const Eigen::Vector2d covariance_normal = noise.BeamCovarianceTimes(
-        returns.Range(r), frame.Rotate(returns.DirectionInRobot(r)), normal);
+    const Eigen::Vector2d covariance_normal =
+        noise.BeamCovarianceTimes(range_m, frame.Rotate(direction), normal);
     const double variance = normal.dot(covariance_normal);
-    const double distance = normal.dot(point) - line.offset;
+    const double distance = normal.dot(measured) - line.offset;
     const double moved =
         distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
-    point -= covariance_normal * (moved / variance);
-    AddPoint(covariance_normal.norm() * std::abs(moved / variance),
-             std::abs(moved) / std::sqrt(variance), displacements);
+    const double per_variance = moved / variance;
+    point = measured - covariance_normal * per_variance;
+    AddPoint(covariance_normal.norm() * std::abs(per_variance),
+             std::sqrt(variance) * std::abs(per_variance), displacements);
   }
 }
 

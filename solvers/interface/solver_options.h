@@ -29,7 +29,7 @@ struct ReducedOptions {
   double first_gate_factor = 2.0;
   /// Rounds end, but never with the first, when the last step of one lowers the cost by less than
   /// this fraction of it and
-  double relative_tolerance = 5e-3;
+  double relative_tolerance = 2e-2;
   /// the round moves returns across their surfaces, relative to those of the pose before, by less
   /// than this: root mean square in standard deviations of a return, up to 1000. One step with all
   /// returns follows.

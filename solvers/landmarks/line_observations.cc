@@ -89,32 +89,36 @@ void ReturnCompressor::ListRuns(const std::vector<int>& landmark_of_return,
                       });
 }
 
-void ReturnCompressor::NumberEntries() {
+void ReturnCompressor::NumberEntries(std::size_t num_landmarks) {
+  // Each chunk has a table of all landmarks: few chunks keep the work in proportion to the map.
+  constexpr std::size_t kNumChunks = 64;
   const std::size_t num_poses = graph_.num_poses();
+  const std::size_t poses_per_chunk = num_poses / kNumChunks + 1;
   std::vector<std::vector<int>> landmarks_of_chunk(
-      ThreadPool::NumChunks(num_poses, kPosesPerChunk));
+      ThreadPool::NumChunks(num_poses, poses_per_chunk));
   first_entry_.assign(num_poses, 0);
   pool_->ForEachChunk(
-      num_poses, kPosesPerChunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        std::vector<int> landmarks;  // of a pose
+      num_poses, poses_per_chunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        struct Seen {
+          int last_pose = -1;
+          int entry = 0;
+        };
+        std::vector<Seen> table(num_landmarks);
+        std::vector<int>& landmarks = landmarks_of_chunk[chunk];
         for (std::size_t pose = begin; pose < end; ++pose) {
-          const auto at = [&](std::size_t p) {
-            return runs_.data() + first_run_[first_scan_of_pose_[p]];
-          };
-          landmarks.clear();
-          for (const Run* run = at(pose); run != at(pose + 1); ++run) {
-            landmarks.push_back(run->entry);
+          Run* const first = runs_.data() + first_run_[first_scan_of_pose_[pose]];
+          Run* const last = runs_.data() + first_run_[first_scan_of_pose_[pose + 1]];
+          const std::size_t num_before = landmarks.size();
+          for (const Run* run = first; run != last; ++run) {
+            const int seen_by = std::exchange(table[run->entry].last_pose, static_cast<int>(pose));
+            if (seen_by != static_cast<int>(pose)) landmarks.push_back(run->entry);
           }
-          std::sort(landmarks.begin(), landmarks.end());
-          landmarks.erase(std::unique(landmarks.begin(), landmarks.end()), landmarks.end());
-          for (Run* run = at(pose); run != at(pose + 1); ++run) {
-            run->entry =
-                static_cast<int>(std::lower_bound(landmarks.begin(), landmarks.end(), run->entry) -
-                                 landmarks.begin());
+          std::sort(landmarks.begin() + num_before, landmarks.end());
+          first_entry_[pose] = landmarks.size() - num_before;
+          for (std::size_t k = num_before; k < landmarks.size(); ++k) {
+            table[landmarks[k]].entry = static_cast<int>(k - num_before);
           }
-          first_entry_[pose] = landmarks.size();
-          landmarks_of_chunk[chunk].insert(landmarks_of_chunk[chunk].end(), landmarks.begin(),
-                                           landmarks.end());
+          for (Run* run = first; run != last; ++run) run->entry = table[run->entry].entry;
         }
       });
   CountsToOffsets(&first_entry_);
@@ -130,7 +134,7 @@ LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
                                           const ReturnSelection& selection) {
   ForgetLayout();
   ListRuns(landmark_of_return, selection);
-  NumberEntries();
+  NumberEntries(num_landmarks);
   LineObservations result;
   result.first_of_pose = first_entry_;
   result.first_of_landmark.assign(num_landmarks, 0);

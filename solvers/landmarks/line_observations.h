@@ -113,7 +113,7 @@ class ReturnCompressor {
                 const ReturnSelection& selection, const Body& body) const;
   void ListRuns(const std::vector<int>& landmark_of_return, const ReturnSelection& selection);
   // Turns the landmarks of the runs into entries.
-  void NumberEntries();
+  void NumberEntries(std::size_t num_landmarks);
   std::size_t NumEntries(std::size_t pose) const {
     return first_entry_[pose + 1] - first_entry_[pose];
   }

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/solve.h"
@@ -142,6 +143,40 @@ TEST(SlidingWindowTest, AWindowAsLongAsTheGraphIsSolve) {
     EXPECT_EQ(summary.message, expected.message);
     EXPECT_EQ(summary.final_marginal_energy, expected.final_marginal_energy);
   }
+}
+
+TEST(SlidingWindowTest, SurfacesMeasuredAsScansArriveGiveTheSameResult) {
+  NoisyRoom room = LongDrive();
+  Displace(Range(16, kNumPoses), 0.02, &room);
+  MeasuredSurface whole, surface;
+  ASSERT_TRUE(MeasureNewScans(Options(), room.graph, &whole).ok());
+  surface.normals.assign(whole.normals.begin(),
+                         whole.normals.begin() + room.graph.scan(10).first_return);
+  ASSERT_TRUE(MeasureNewScans(Options(), room.graph, &surface).ok());
+  ASSERT_TRUE(MeasureNewScans(Options(), room.graph, &surface).ok());  // nothing is new
+  EXPECT_EQ(surface.normals, whole.normals);
+  NoisyRoom unmeasured = room;
+  ASSERT_TRUE(
+      SolveWindow(Options(), Newest(8), unmeasured.graph, &unmeasured.state).IsSolutionUsable());
+  ASSERT_TRUE(
+      SolveWindow(Options(), Newest(8), surface, room.graph, &room.state).IsSolutionUsable());
+  EXPECT_EQ(room.state.poses, unmeasured.state.poses);
+  EXPECT_EQ(room.state.points, unmeasured.state.points);
+}
+
+TEST(SlidingWindowTest, ASurfaceOfAnotherGraphIsAnError) {
+  NoisyRoom room = LongDrive();
+  const MapState before = room.state;
+  MeasuredSurface surface;
+  const SolverSummary summary = SolveWindow(Options(), Newest(8), surface, room.graph, &room.state);
+  EXPECT_EQ(summary.termination, TerminationType::kFailure);
+  EXPECT_THAT(summary.message, HasSubstr("but the surface 0 normals"));
+  EXPECT_EQ(room.state.poses, before.poses);
+  surface.normals.resize(room.graph.num_returns() + 1);
+  EXPECT_THAT(MeasureNewScans(Options(), room.graph, &surface).message(), HasSubstr("normals"));
+  EXPECT_EQ(surface.normals.size(), room.graph.num_returns() + 1);
+  EXPECT_THAT(MeasureNewScans(Options(SolverType::kReduced, 0), room.graph, &surface).message(),
+              HasSubstr("num_threads"));
 }
 
 TEST(SlidingWindowTest, AFixedPoseIsHeldWhereItWasFixedAlsoInAWindow) {
