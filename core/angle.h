@@ -29,9 +29,10 @@ inline double AngleOf(double x, double y) {
   const double tangent = y / x, squared = tangent * tangent;
   if (!(x > 0.0 && squared <= 0.05 * 0.05)) return std::atan2(y, x);
   return tangent *
-         (1.0 - squared * (1.0 / 3 -
-                           squared * (1.0 / 5 -
-                                      squared * (1.0 / 7 - squared * (1.0 / 9 - squared / 11)))));
+         (1.0 -
+          squared * (1.0 / 3 -
+                     squared * (1.0 / 5 -
+                                squared * (1.0 / 7 - squared * (1.0 / 9 - squared * (1.0 / 11))))));
 }
 
 }  // namespace plumbline

@@ -44,7 +44,8 @@ inline Eigen::Vector2d TurnedLeft(const Eigen::Vector2d& v) { return {-v.y(), v.
 inline Eigen::Vector2d Turned(const Eigen::Vector2d& v, double angle_rad) {
   const double squared = angle_rad * angle_rad;
   double c = 1.0 - squared * (1.0 / 2 - squared * (1.0 / 24 - squared * (1.0 / 720)));
-  double s = angle_rad * (1.0 - squared * (1.0 / 6 - squared * (1.0 / 120 - squared / 5040)));
+  double s =
+      angle_rad * (1.0 - squared * (1.0 / 6 - squared * (1.0 / 120 - squared * (1.0 / 5040))));
   if (squared > 0.05 * 0.05) {
     c = std::cos(angle_rad);
     s = std::sin(angle_rad);

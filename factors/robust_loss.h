@@ -5,11 +5,14 @@
 
 namespace plumbline {
 
-/// What a robust loss makes of one residual.
-struct RobustTerm {
-  double rho = 0.0;          ///< twice the cost
-  double information = 0.0;  ///< in iteratively re-weighted least squares: rho' over the variance
+/// What a robust loss makes of one residual. Scalar: double, or an array of them, for as many
+/// residuals.
+template <typename Scalar>
+struct RobustTermOf {
+  Scalar rho;          ///< twice the cost
+  Scalar information;  ///< in iteratively re-weighted least squares: rho' over the variance
 };
+using RobustTerm = RobustTermOf<double>;
 
 /// Geman-McClure loss of the squared whitened residual s (both dimensionless):
 ///   rho(s) = a s / (a + s),   a = gate^2,
@@ -38,9 +41,10 @@ struct GemanMcClure {
     return ratio * ratio;
   }
   /// Of a residual of this variance, s = residual^2 / variance, by one division for both.
-  RobustTerm Term(double residual, double variance) const {
-    const double squared = residual * residual;
-    const double factor = scale_squared / (scale_squared * variance + squared);
+  template <typename Scalar>
+  RobustTermOf<Scalar> Term(const Scalar& residual, const Scalar& variance) const {
+    const Scalar squared = residual * residual;
+    const Scalar factor = scale_squared / (scale_squared * variance + squared);
     return {squared * factor, variance * factor * factor};
   }
   /// rho''(s), negative throughout.

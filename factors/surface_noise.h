@@ -19,8 +19,13 @@ struct SurfaceNoise {
   /// the surface, unit, same frame.
   double BeamVariance(double range_m, const Eigen::Vector2d& direction,
                       const Eigen::Vector2d& normal) const {
-    const double along = direction.dot(normal);
-    const double across = range_m * (direction.x() * normal.y() - direction.y() * normal.x());
+    return BeamVarianceAt(direction.dot(normal),
+                          range_m * (direction.x() * normal.y() - direction.y() * normal.x()));
+  }
+  /// The same by the components of the normal along the beam and, times its length [m], across.
+  /// Scalar: double, or an array of them.
+  template <typename Scalar>
+  Scalar BeamVarianceAt(const Scalar& along, const Scalar& across) const {
     return range_variance * along * along + bearing_variance * across * across;
   }
   /// No less than BeamVariance at this range, and what the surface adds [m^2].

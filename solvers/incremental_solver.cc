@@ -115,7 +115,7 @@ class IncrementalSolver::Impl {
     return CatchExceptions([&] {
       if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(solver_.num_threads);
       TangentLines lines(graph.num_returns());
-      AddLandmarkLines(Landmarks(), &lines);
+      AddLandmarkLines(Landmarks(), pool_.get(), &lines);
       *state = {poses_, RecoverPoints(graph, poses_, lines, solver_.factors, pool_.get())};
       return Status::Ok();
     });

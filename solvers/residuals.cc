@@ -40,7 +40,7 @@ TangentLines LinesOf(const SolverOptions& options, const SlamGraph& graph, const
   LineObservations observations = compressor.LayOut(cut.landmarks.size(), cut.landmark_of_return);
   SettleLines(compressor, FramesOf(state.poses), factors.manifold.robust_gate_sigmas, pool,
               &observations, &cut.landmarks);
-  AddLandmarkLines(cut, &lines);
+  AddLandmarkLines(cut, pool, &lines);
   return lines;
 }
 

@@ -133,7 +133,8 @@ ProgressCallback JointRun::ReportCallback() {
   };
 }
 
-void JointRun::RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost) {
+void JointRun::RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost,
+                           const TermChoice& choice) {
   const TermList& terms = energy.terms();
   if (summary_.terms.empty()) {
     for (const auto& term : terms) {
@@ -145,12 +146,14 @@ void JointRun::RecordTerms(const Energy& energy, const MapState& state, double T
     }
   }
   TermCosts costs;
-  if (!energy.Evaluate(state.poses, state.points, &costs)) return;
+  const bool succeeded = energy.Evaluate(state.poses, state.points, &costs, {}, choice);
   for (std::size_t t = 0; t < terms.size(); ++t) {
-    const auto num_blocks = static_cast<double>(terms[t]->num_blocks());
-    summary_.terms[t].count = static_cast<std::size_t>(
-        terms[t]->GoesByScan() ? SumOverPeers(graph_.peers(), num_blocks) : num_blocks);
-    summary_.terms[t].*cost = costs.cost[t];
+    if (cost == &TermSummary::final_cost) {
+      const auto num_blocks = static_cast<double>(terms[t]->num_blocks());
+      summary_.terms[t].count = static_cast<std::size_t>(
+          terms[t]->GoesByScan() ? SumOverPeers(graph_.peers(), num_blocks) : num_blocks);
+    }
+    if (succeeded) summary_.terms[t].*cost = costs.cost[t];
   }
 }
 

@@ -60,7 +60,9 @@ class JointRun {
   TangentLines CurrentLines();
   double MarginalEnergyUnder(const TangentLines& lines);
   PointDisplacements Displacements();
-  void RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost);
+  /// The initial cost first, and then the final one. Terms that are not chosen cost nothing.
+  void RecordTerms(const Energy& energy, const MapState& state, double TermSummary::*cost,
+                   const TermChoice& choice = nullptr);
   /// Keeps every iteration, numbered through, and hands it on.
   ProgressCallback ReportCallback();
 

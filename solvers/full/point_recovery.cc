@@ -14,29 +14,56 @@
 namespace plumbline {
 namespace {
 
-// Distance [m] from its line that a point keeps whose beam ended at `distance` from it.
-double RemainingDistance(double distance, double beam_variance, double surface_variance,
-                         const GemanMcClure& loss) {
-  constexpr int kMaxIterations = 20;
-  constexpr double kToleranceM = 1e-5;
-  // A point at distance d has the information 1 / v (a v / (a v + d^2))^2, a v = scale.
-  const double scale = loss.scale_squared * surface_variance;
-  const double weight = beam_variance * scale * loss.scale_squared;
-  double remaining = distance * surface_variance / (surface_variance + beam_variance);
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const double sum_squared = std::pow(scale + remaining * remaining, 2);
-    const double next = distance * sum_squared / (sum_squared + weight);
-    const bool settled = std::abs(next - remaining) <= kToleranceM;
-    remaining = next;
-    if (settled) break;
+// How far a point stays from its line that costs rho(d^2 / v) / 2 at distance d, v the surface's
+// variance, while its beam ended at another distance.
+class RemainingDistance {
+ public:
+  RemainingDistance(double distance_m, double beam_variance, double surface_variance,
+                    const GemanMcClure& loss)
+      : distance_(distance_m),
+        scale_(loss.scale_squared * surface_variance),
+        weight_(beam_variance * scale_ * loss.scale_squared),
+        start_(distance_m * surface_variance / (surface_variance + beam_variance)) {}
+
+  double Solve() const {
+    constexpr int kMaxSteps = 20;
+    constexpr double kToleranceM = 1e-5;
+    // Most points want two steps: not to ask after the first one is faster.
+    double remaining = start_ + StepFrom(start_);
+    double step = kToleranceM;
+    for (int i = 1; i < kMaxSteps && std::abs(step) >= kToleranceM; ++i) {
+      step = StepFrom(remaining);
+      remaining += step;
+    }
+    return IsBetter(remaining) ? remaining : distance_;
   }
-  // Up to here the loss is convex in the distance: there is no other minimum.
-  if (3.0 * distance * distance <= scale) return remaining;
-  const double moved = distance - remaining;
-  const double cost_on_line =
-      moved * moved / beam_variance + loss.Term(remaining, surface_variance).rho;
-  return cost_on_line < loss.Term(distance, surface_variance).rho ? remaining : distance;
-}
+
+ private:
+  // A point at distance d has the information 1 / v (scale / (scale + d^2))^2, scale = a v. With
+  // S = (scale + d^2)^2 it stays at d = distance S / (S + weight): Newton's step towards that.
+  // Where the right-hand side rises steeply, only to substitute it for d is sure not to go beyond
+  // the nearest solution.
+  double StepFrom(double d) const {
+    const double sum = scale_ + d * d;
+    const double total = sum * sum + weight_;
+    const double gap = distance_ * sum * sum - d * total;
+    const double slope = 4.0 * distance_ * weight_ * d * sum;  // times total^2
+    const double squared = total * total;
+    return gap * total / (2.0 * slope > squared ? squared : squared - slope);
+  }
+
+  // Than to stay where the beam ended: the cost of having moved against the difference of the
+  // losses, scale a (distance^2 - d^2) / ((scale + distance^2) (scale + d^2)).
+  bool IsBetter(double d) const {
+    const double d2 = d * d, distance2 = distance_ * distance_;
+    // Up to here the loss is convex in the distance: there is no other minimum.
+    if (3.0 * distance2 <= scale_) return true;
+    const double moved = distance_ - d;
+    return moved * moved * (scale_ + d2) * (scale_ + distance2) < weight_ * (distance2 - d2);
+  }
+
+  double distance_, scale_, weight_, start_;
+};
 
 // Takes one point into account; `mean_m` is a sum. Lengths that are not finite go to the last bins.
 void AddPoint(double moved_m, double beam_sigmas, PointDisplacements* displacements) {
@@ -83,7 +110,7 @@ void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
     const double variance = normal.dot(covariance_normal);
     const double distance = normal.dot(measured) - line.offset;
     const double moved =
-        distance - RemainingDistance(distance, variance, noise.surface_variance, loss);
+        distance - RemainingDistance(distance, variance, noise.surface_variance, loss).Solve();
     const double per_variance = moved / variance;
     point = measured - covariance_normal * per_variance;
     AddPoint(covariance_normal.norm() * std::abs(per_variance),

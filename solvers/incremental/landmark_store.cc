@@ -90,7 +90,7 @@ struct Sighting {
   void Add(const ScanReturns& returns, std::size_t return_id, const SurfaceNoise& noise,
            const GemanMcClure& loss) {
     const ReturnResidual residual(returns, return_id, line, noise);
-    moments.Add(residual.z.x(), residual.z.y(),
+    moments.Add(residual.x, residual.y,
                 loss.Term(residual.distance, residual.variance).information);
   }
   void Take(StoredObservation* observation) const {

@@ -17,6 +17,8 @@
 namespace plumbline {
 namespace {
 
+constexpr std::size_t kReturnsPerChunk = 16384;
+
 SharedLandmarks LandmarksIn(const SharedBlocks& blocks,
                             const std::vector<LandmarkQuadtree::CellOfLandmark>& cells,
                             const Peers& peers) {
@@ -108,7 +110,6 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
   if (graph.peers() != nullptr) {
     result.shared = LandmarksIn(shared_blocks, quadtree.cells_of_landmarks(), *graph.peers());
   }
-  constexpr std::size_t kReturnsPerChunk = 65536;
   pool->ForEachChunk(
       graph.num_returns(), kReturnsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r) {
@@ -121,16 +122,20 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
   return result;
 }
 
-void AddLandmarkLines(const LineLandmarks& landmarks, TangentLines* lines) {
+void AddLandmarkLines(const LineLandmarks& landmarks, ThreadPool* pool, TangentLines* lines) {
   const int first = lines->num_lines();
   for (const LineLandmark& landmark : landmarks.landmarks) {
     const double offset = landmark.offset_m + landmark.normal.dot(landmark.origin);
     lines->Add({landmark.normal.x(), landmark.normal.y(), offset});
   }
-  for (std::size_t r = 0; r < lines->size(); ++r) {
-    const int id = landmarks.landmark_of_return[r];
-    if (id != LineLandmarks::kNone && !lines->HasLine(r)) lines->Assign(r, first + id);
-  }
+  pool->ForEachChunk(lines->size(), kReturnsPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t r = begin; r < end; ++r) {
+                         const int id = landmarks.landmark_of_return[r];
+                         if (id != LineLandmarks::kNone && !lines->HasLine(r))
+                           lines->Assign(r, first + id);
+                       }
+                     });
 }
 
 }  // namespace plumbline

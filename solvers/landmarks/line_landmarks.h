@@ -75,7 +75,7 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
 
 /// Gives every return without a line of its own (too far from others, or seen at a grazing angle)
 /// that of its landmark, if it lies on one. lines: per return.
-void AddLandmarkLines(const LineLandmarks& landmarks, TangentLines* lines);
+void AddLandmarkLines(const LineLandmarks& landmarks, ThreadPool* pool, TangentLines* lines);
 
 }  // namespace plumbline
 

@@ -49,21 +49,27 @@ void ReturnCompressor::FindRuns(int scan_id, const std::vector<int>& landmark_of
   const ScanEntry& scan = graph_.scan(scan_id);
   const int num_returns = static_cast<int>(scan.num_returns);
   const int* landmarks = landmark_of_return.data() + scan.first_return;
-  const std::size_t first_held_out = HeldOutReturns::FirstOf(graph_, scan_id);
-  Run run{0, 0, LineLandmarks::kNone};
-  for (int i = 0; i < num_returns; ++i) {
-    const bool is_left_out =
-        (selection.without_held_out && HeldOutReturns::Contain(i, first_held_out)) ||
-        (selection.surface != nullptr &&
-         selection.surface->normals[scan.first_return + i].IsNone());
-    const int landmark = is_left_out ? LineLandmarks::kNone : landmarks[i];
-    if (landmark == run.entry) continue;
-    run.end = i;
+  const ReturnNormal* normals = selection.surface == nullptr
+                                    ? nullptr
+                                    : selection.surface->normals.data() + scan.first_return;
+  // Up to the next one that is held out, or to the end.
+  const int first_held_out = static_cast<int>(HeldOutReturns::FirstOf(graph_, scan_id));
+  const int stride = static_cast<int>(HeldOutReturns::kOneIn);
+  int held_out = selection.without_held_out ? first_held_out : num_returns;
+  for (int begin = 0; begin < num_returns; begin = held_out + 1, held_out += stride) {
+    const int end = std::min(held_out, num_returns);
+    Run run{begin, begin, LineLandmarks::kNone};
+    for (int i = begin; i < end; ++i) {
+      const bool is_left_out = normals != nullptr && normals[i].IsNone();
+      const int landmark = is_left_out ? LineLandmarks::kNone : landmarks[i];
+      if (landmark == run.entry) continue;
+      run.end = i;
+      if (run.entry != LineLandmarks::kNone) body(run);
+      run = {i, i, landmark};
+    }
+    run.end = end;
     if (run.entry != LineLandmarks::kNone) body(run);
-    run = {i, i, landmark};
   }
-  run.end = num_returns;
-  if (run.entry != LineLandmarks::kNone) body(run);
 }
 
 void ReturnCompressor::ListRuns(const std::vector<int>& landmark_of_return,
@@ -185,8 +191,11 @@ void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<LineL
     const std::size_t first_return = graph_.scan(scan_id).first_return;
     const LineInRobot line = lines[run.entry];
     body(run.entry, [&, first_return](const auto& take) {
-      for (std::size_t r = first_return + run.first; r < first_return + run.end; ++r) {
-        take(ReturnResidual(returns, r, line, noise_));
+      const std::size_t end = first_return + run.end;
+      for (std::size_t r = first_return + run.first; r < end; r += 2) {
+        const bool is_alone = r + 1 == end;
+        take(ReturnPairResidual(returns, r, is_alone ? r : r + 1, line, noise_),
+             Eigen::Array2d(1.0, is_alone ? 0.0 : 1.0));
       }
     });
   });
@@ -236,18 +245,25 @@ double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
   return SumOverPoses([&](std::size_t pose) {
     // At hand, while the observations of a pose lie all over memory.
     std::vector<PointMoments> moments(NumEntries(pose));
-    double cost = 0.0;
+    Eigen::Array2d rho = Eigen::Array2d::Zero();
     ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
-      PointMoments run;
-      for_each([&](const ReturnResidual& r) {
-        const RobustTerm term = loss.Term(r.distance, r.variance);
-        cost += 0.5 * term.rho;
-        run.Add(r.z.x(), r.z.y(), term.information);
+      Eigen::Array2d w = Eigen::Array2d::Zero(), x = w, y = w, xx = w, xy = w, yy = w;
+      for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
+        const RobustTermOf<Eigen::Array2d> term = loss.Term(r.distance, r.variance);
+        rho += count * term.rho;
+        const Eigen::Array2d weight = count * term.information;
+        const Eigen::Array2d wx = weight * r.x, wy = weight * r.y;
+        w += weight;
+        x += wx;
+        y += wy;
+        xx += wx * r.x;
+        xy += wx * r.y;
+        yy += wy * r.y;
       });
-      moments[entry] += run;
+      moments[entry] += {w.sum(), x.sum(), y.sum(), xx.sum(), xy.sum(), yy.sum()};
     });
     SetObservations(pose, moments, observations);
-    return cost;
+    return 0.5 * rho.sum();
   });
 }
 
@@ -255,12 +271,13 @@ double ReturnCompressor::Cost(const std::vector<LineLandmark>& landmarks,
                               const std::vector<PoseFrame>& frames,
                               const GemanMcClure& loss) const {
   return SumOverPoses([&](std::size_t pose) {
-    double cost = 0.0;
+    Eigen::Array2d rho = Eigen::Array2d::Zero();
     ForEachResidual(pose, landmarks, frames[pose], [&](int, const auto& for_each) {
-      for_each(
-          [&](const ReturnResidual& r) { cost += 0.5 * loss.Term(r.distance, r.variance).rho; });
+      for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
+        rho += count * loss.Term(r.distance, r.variance).rho;
+      });
     });
-    return cost;
+    return 0.5 * rho.sum();
   });
 }
 
@@ -273,12 +290,13 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
     const int* of_pose = observations.of_pose.data() + observations.first_of_pose[pose];
     ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
       RangeSlope& slope = slopes[of_pose[entry]];
-      for_each([&](const ReturnResidual& r) {
-        const double weight = loss.Term(r.distance, r.variance).information;
-        slope.weight += weight * r.cosine;
-        slope.moment += weight * r.cosine * r.z;
-        slope.curvature += weight * r.cosine * r.cosine;
-        slope.gradient += weight * r.cosine * r.distance;
+      for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
+        const Eigen::Array2d weighted =
+            count * loss.Term(r.distance, r.variance).information * r.cosine;
+        slope.weight += weighted.sum();
+        slope.moment += Eigen::Vector2d((weighted * r.x).sum(), (weighted * r.y).sum());
+        slope.curvature += (weighted * r.cosine).sum();
+        slope.gradient += (weighted * r.distance).sum();
       });
     });
     return 0.0;

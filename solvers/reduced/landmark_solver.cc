@@ -8,6 +8,7 @@
 #include "plumbline/solvers/full/point_recovery.h"
 #include "plumbline/solvers/interface/built_in_solvers.h"
 #include "plumbline/solvers/reduced/reduced_solver.h"
+#include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
 namespace {
@@ -110,7 +111,9 @@ class LandmarkRun final : public JointRun {
 
   void RecordSeed(const Energy& energy, double TermSummary::*cost) {
     if (seed_.points.empty()) {
-      RecordTerms(energy, {seed_.poses, graph_.MeasuredMap(seed_.poses)}, cost);
+      // The beams have nothing against points where they put them.
+      RecordTerms(energy, {seed_.poses, graph_.MeasuredMap(seed_.poses)}, cost,
+                  [](const Term& term) { return term.name() != kRangeBeamTerm; });
     } else {
       RecordTerms(energy, seed_, cost);
     }
@@ -119,7 +122,7 @@ class LandmarkRun final : public JointRun {
   // The final points, and the costs per term before and after, under the final lines. One map at a
   // time: its points are most of what there is at the end.
   void FinishReduced(Associations* associations) {
-    AddLandmarkLines(last_landmarks_, &associations->lines);
+    AddLandmarkLines(last_landmarks_, &pool_, &associations->lines);
     last_landmarks_ = LineLandmarks();
     if (factors_.shape.enabled) {
       associations->shape_pairs = FindShapePairs(graph_, FinalPoints(*associations),

@@ -45,11 +45,6 @@ struct Linearized {
     turn_gradient = tangent.dot(observation.ScatterTimes(normal_in_robot));
   }
 
-  Eigen::Matrix3d PoseBlock() const {
-    Eigen::Matrix3d block = weight * by_pose * by_pose.transpose();
-    block(2, 2) += turn_curvature;
-    return block;
-  }
   Eigen::Matrix2d LineBlock() const {
     Eigen::Matrix2d block = weight * by_line * by_line.transpose();
     block(0, 0) += turn_curvature;
@@ -59,11 +54,32 @@ struct Linearized {
     const Eigen::Vector2d along_normal = weight * by_line;
     return {along_normal, by_pose.z() * along_normal - Eigen::Vector2d(turn_curvature, 0.0), row};
   }
-  Eigen::Vector3d PoseGradient() const {
-    Eigen::Vector3d gradient = weight * distance * by_pose;
-    gradient.z() -= turn_gradient;
-    return gradient;
+};
+
+// What observations say of one pose: the six entries of the lower triangle of its block, and the
+// gradient.
+struct PoseSum {
+  double xx = 0.0, yx = 0.0, yy = 0.0, turn_x = 0.0, turn_y = 0.0, turn_turn = 0.0;
+  double gradient_x = 0.0, gradient_y = 0.0, gradient_turn = 0.0;
+
+  void Add(const Linearized& linear) {
+    const double x = linear.by_pose.x(), y = linear.by_pose.y(), turn = linear.by_pose.z();
+    const double wx = linear.weight * x, wy = linear.weight * y, wturn = linear.weight * turn;
+    xx += wx * x;
+    yx += wx * y;
+    yy += wy * y;
+    turn_x += wx * turn;
+    turn_y += wy * turn;
+    turn_turn += wturn * turn + linear.turn_curvature;
+    gradient_x += wx * linear.distance;
+    gradient_y += wy * linear.distance;
+    gradient_turn += wturn * linear.distance - linear.turn_gradient;
   }
+  Eigen::Matrix3d Block() const {
+    return (Eigen::Matrix3d() << xx, yx, turn_x, yx, yy, turn_y, turn_x, turn_y, turn_turn)
+        .finished();
+  }
+  Eigen::Vector3d Gradient() const { return {gradient_x, gradient_y, gradient_turn}; }
 };
 
 Eigen::Matrix2d Symmetric(const Eigen::Vector3d& upper) {
@@ -210,10 +226,6 @@ Eigen::MatrixXd PoseSystem::ByPose(const Eigen::MatrixXd& by_row) const {
 void PoseSystem::AddObservations(const LineObservations& observations,
                                  const std::vector<LineLandmark>& landmarks,
                                  const std::vector<PoseFrame>& frames, ThreadPool* pool) {
-  struct PoseSum {
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  };
   line_coupling.resize(observations.observations.size());
   line_normal.resize(landmarks.size());
   line_whitening.assign(landmarks.size(), Eigen::Matrix2d::Zero());
@@ -235,9 +247,7 @@ void PoseSystem::AddObservations(const LineObservations& observations,
         const int row = row_of_pose[observation.pose];
         line_coupling[i] = linear.Coupling(row);
         if (row == kConstant) continue;
-        PoseSum& sum = sums[part][row];
-        sum.block += linear.PoseBlock();
-        sum.gradient += linear.PoseGradient();
+        sums[part][row].Add(linear);
       }
       const int slot = observations.shared.SlotOf(p);
       if (slot != SharedLandmarks::kNotShared) line_block = Symmetric(shared_line_blocks[slot]);
@@ -259,8 +269,8 @@ void PoseSystem::AddObservations(const LineObservations& observations,
       diagonal.size(), kPosesPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
           for (const std::vector<PoseSum>& part : sums) {
-            diagonal[row] += part[row].block;
-            gradient.segment<3>(3 * static_cast<Eigen::Index>(row)) += part[row].gradient;
+            diagonal[row] += part[row].Block();
+            gradient.segment<3>(3 * static_cast<Eigen::Index>(row)) += part[row].Gradient();
           }
         }
       });
