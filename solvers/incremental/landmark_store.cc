@@ -54,10 +54,6 @@ struct GridFrame {
   }
 };
 
-Eigen::Vector2d PlaceIn(const PoseFrame& frame, const Eigen::Vector2d& point) {
-  return frame.Rotate(point) + frame.translation();
-}
-
 std::uint64_t Packed(std::int64_t x, std::int64_t y) {
   return static_cast<std::uint64_t>(x) << 32 | (static_cast<std::uint64_t>(y) & 0xffffffffu);
 }
@@ -169,7 +165,7 @@ int LandmarkStore::LandmarkOfCell(const Square& square, const SurfaceCellKey& fi
 
 // As LandmarkQuadtree::LandmarkAt, for squares that are not being cut.
 int LandmarkStore::LandmarkNear(const Square& square, const SurfaceCellKey& finest,
-                                const Eigen::Vector2d& point, const Eigen::Vector2d& laser) const {
+                                const PlacedBeam& beam) const {
   int best = LineLandmarks::kNone;
   double least_squared = kMaxSigmas * kMaxSigmas;
   for (int level = 0; level < LandmarkQuadtree::kNumLevels; ++level) {
@@ -177,8 +173,7 @@ int LandmarkStore::LandmarkNear(const Square& square, const SurfaceCellKey& fine
     const int first = CellWithin({finest.x >> level, finest.y >> level, 0}, level);
     auto entry = FirstFrom(square.cells, first);
     for (; entry != square.cells.end() && entry->cell < first + kNumOctants; ++entry) {
-      const double squared =
-          options_.SquaredSigmasOff(landmarks_[entry->landmark].line, point, laser);
+      const double squared = options_.SquaredSigmasOff(landmarks_[entry->landmark].line, beam);
       if (squared >= least_squared) continue;
       best = entry->landmark;
       least_squared = squared;
@@ -240,8 +235,6 @@ void LandmarkStore::PutIn(int pose, const SlamGraph& graph, const MeasuredSurfac
   std::vector<int>& squares = squares_of_pose_[pose];
   for (const int s : scans_of_pose_[pose]) {
     const ScanEntry& scan = graph.scan(s);
-    const Eigen::Vector2d laser =
-        PlaceIn(placed_at_[pose], graph.laser(scan.laser).robot_from_laser.translation());
     const ScanReturns returns = graph.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const ReturnNormal normal = surface.normals[r];
@@ -260,7 +253,7 @@ void LandmarkStore::PutIn(int pose, const SlamGraph& graph, const MeasuredSurfac
       ++squares_[square].num_changes;
       landmark_of_return_[r] =
           normal.IsNone()
-              ? LandmarkNear(squares_[square], key, PlaceIn(placed_at_[pose], point), laser)
+              ? LandmarkNear(squares_[square], key, PlacedBeam(returns, r, placed_at_[pose]))
               : landmark;
     }
   }
@@ -359,10 +352,9 @@ LandmarkStore::CutPart LandmarkStore::Cut(const int* first_square, const int* en
       landmark_of_return_[r] = quadtree.LandmarkOfCell(*cell);
     } else {
       const PoseFrame& frame = frames[graph.scan(scan).pose];
-      landmark_of_return_[r] = quadtree.LandmarkAt(
-          placed.Place(in_robot), PlaceIn(frame, in_robot),
-          PlaceIn(frame, graph.LaserOfScan(scan).robot_from_laser.translation()), kMaxSigmas,
-          part.lines);
+      landmark_of_return_[r] = quadtree.LandmarkAt(placed.Place(in_robot),
+                                                   PlacedBeam(graph.ReturnsOfScan(scan), r, frame),
+                                                   kMaxSigmas, part.lines);
     }
     ++cell;
   });

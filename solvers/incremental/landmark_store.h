@@ -112,8 +112,8 @@ class LandmarkStore {
   static std::vector<CellEntry>::const_iterator FirstFrom(const std::vector<CellEntry>& cells,
                                                           int cell);
   int LandmarkOfCell(const Square& square, const SurfaceCellKey& finest) const;
-  int LandmarkNear(const Square& square, const SurfaceCellKey& finest, const Eigen::Vector2d& point,
-                   const Eigen::Vector2d& laser) const;
+  int LandmarkNear(const Square& square, const SurfaceCellKey& finest,
+                   const PlacedBeam& beam) const;
   void TakeOut(const std::vector<int>& poses, const SlamGraph& graph);
   void PutIn(int pose, const SlamGraph& graph, const MeasuredSurface& surface);
   std::vector<int> SquaresToCut();

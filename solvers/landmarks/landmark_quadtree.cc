@@ -41,20 +41,21 @@ std::vector<LineLandmark> LandmarkQuadtree::Cut(const SurfaceGrid& grid) {
   return landmarks;
 }
 
-int LandmarkQuadtree::LandmarkAt(const Eigen::Vector2d& in_grid, const Eigen::Vector2d& point,
-                                 const Eigen::Vector2d& laser, double max_sigmas,
+int LandmarkQuadtree::LandmarkAt(const Eigen::Vector2d& in_grid, const PlacedBeam& beam,
+                                 double max_sigmas,
                                  const std::vector<LineLandmark>& landmarks) const {
   int best = LineLandmarks::kNone;
   double least_squared = max_sigmas * max_sigmas;
-  const double largest_variance = options_.noise.LargestVariance((point - laser).norm());
+  const double largest_variance = options_.noise.LargestVariance(beam.range_m);
   for (std::size_t level = 0; best == LineLandmarks::kNone && level < levels_.size(); ++level) {
     const SurfaceCellKey key = levels_[level].KeyOf(in_grid.x(), in_grid.y(), 0);
     for (const int cell : levels_[level].Square(key.x, key.y)) {
       if (cell == SurfaceCells::kNone) continue;
       const int id = landmark_of_cell_[level][cell];
       if (id == LineLandmarks::kNone) continue;
-      if (std::pow(landmarks[id].Distance(point), 2) >= least_squared * largest_variance) continue;
-      const double squared = options_.SquaredSigmasOff(landmarks[id], point, laser);
+      if (std::pow(landmarks[id].Distance(beam.end), 2) >= least_squared * largest_variance)
+        continue;
+      const double squared = options_.SquaredSigmasOff(landmarks[id], beam);
       if (squared >= least_squared) continue;
       best = id;
       least_squared = squared;

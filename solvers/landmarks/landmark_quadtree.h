@@ -39,10 +39,8 @@ class LandmarkQuadtree {
 
   /// The landmark that a return may lie on: its line faces the laser, and the return is at most
   /// max_sigmas off it. Of the smallest cell around the return that has any such landmark, the one
-  /// that it is fewest sigmas off. in_grid: the return in the grid's axes; point, laser: in the
-  /// world.
-  int LandmarkAt(const Eigen::Vector2d& in_grid, const Eigen::Vector2d& point,
-                 const Eigen::Vector2d& laser, double max_sigmas,
+  /// that it is fewest sigmas off. in_grid: the end of the beam in the grid's axes.
+  int LandmarkAt(const Eigen::Vector2d& in_grid, const PlacedBeam& beam, double max_sigmas,
                  const std::vector<LineLandmark>& landmarks) const;
 
  private:

@@ -49,15 +49,12 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& 
         for (std::size_t s = begin; s < end; ++s) {
           const ScanEntry& scan = graph.scan(static_cast<int>(s));
           const PoseFrame frame(&poses[3 * scan.pose]);
-          const Eigen::Vector2d laser =
-              graph.WorldFromLaser(static_cast<int>(s), poses).translation();
           const ScanReturns returns = graph.ReturnsOfScan(static_cast<int>(s));
           for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
             if (!surface.normals[r].IsNone()) continue;
-            const Eigen::Vector2d point =
-                frame.Rotate(returns.PointInRobot(r)) + frame.translation();
+            const PlacedBeam beam(returns, r, frame);
             result->landmark_of_return[r] = quadtree.LandmarkAt(
-                grid_axes.RotateBack(point), point, laser, kMaxSigmas, result->landmarks);
+                grid_axes.RotateBack(beam.end), beam, kMaxSigmas, result->landmarks);
           }
         }
       });
@@ -65,13 +62,12 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& 
 
 }  // namespace
 
-double LineLandmarkOptions::SquaredSigmasOff(const LineLandmark& line, const Eigen::Vector2d& point,
-                                             const Eigen::Vector2d& laser) const {
-  if (line.normal.dot(laser - point) <= 0.0) return std::numeric_limits<double>::infinity();
-  const double range_m = (point - laser).norm();
+double LineLandmarkOptions::SquaredSigmasOff(const LineLandmark& line,
+                                             const PlacedBeam& beam) const {
+  if (line.normal.dot(beam.direction) >= 0.0) return std::numeric_limits<double>::infinity();
   const double variance =
-      noise.surface_variance + noise.BeamVariance(range_m, (point - laser) / range_m, line.normal);
-  return std::pow(line.Distance(point), 2) / variance;
+      noise.surface_variance + noise.BeamVariance(beam.range_m, beam.direction, line.normal);
+  return std::pow(line.Distance(beam.end), 2) / variance;
 }
 
 LineLandmarkOptions LandmarkOptionsFor(const FactorOptions& factors,

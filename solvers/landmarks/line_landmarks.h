@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/core/scan_returns.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
@@ -37,6 +39,19 @@ struct LineLandmarks {
   SharedLandmarks shared;               ///< those that peers of the graph have as well
 };
 
+/// The end of a beam in the world.
+struct PlacedBeam {
+  Eigen::Vector2d end;        ///< [m]
+  Eigen::Vector2d direction;  ///< unit, from the laser
+  double range_m;
+
+  /// Of a return as a robot sees it.
+  PlacedBeam(const ScanReturns& returns, std::size_t return_id, const PoseFrame& frame)
+      : end(frame.Rotate(returns.PointInRobot(return_id)) + frame.translation()),
+        direction(frame.Rotate(returns.DirectionInRobot(return_id))),
+        range_m(returns.Range(return_id)) {}
+};
+
 struct LineLandmarkOptions {
   double largest_m = 0.8;  ///< side of the largest cell; the smallest is an eighth of it
   /// A cell becomes a landmark up to this ratio of its smaller to its larger variance.
@@ -48,8 +63,7 @@ struct LineLandmarkOptions {
 
   /// How far a return without a normal is off a line, in sigmas and squared; infinitely far if the
   /// line does not face the laser.
-  double SquaredSigmasOff(const LineLandmark& line, const Eigen::Vector2d& point,
-                          const Eigen::Vector2d& laser) const;
+  double SquaredSigmasOff(const LineLandmark& line, const PlacedBeam& beam) const;
 };
 
 /// The landmarks that suit the noise, and the limit that the tangent lines of single points have.
