@@ -181,9 +181,10 @@ void ReturnCompressor::ForEachRun(std::size_t pose, const Body& body) const {
 
 template <typename Body>
 void ReturnCompressor::ForEachResidual(std::size_t pose, const std::vector<LineLandmark>& landmarks,
-                                       const PoseFrame& frame, const Body& body) const {
-  std::vector<LineInRobot> lines;
-  lines.reserve(NumEntries(pose));
+                                       const PoseFrame& frame, Scratch* scratch,
+                                       const Body& body) const {
+  std::vector<LineInRobot>& lines = scratch->lines;
+  lines.clear();
   for (std::size_t k = first_entry_[pose]; k < first_entry_[pose + 1]; ++k) {
     lines.emplace_back(landmarks[landmark_of_entry_[k]], frame);
   }
@@ -207,9 +208,12 @@ double ReturnCompressor::SumOverPoses(const Body& cost_of_pose) const {
   std::vector<double> costs(ThreadPool::NumChunks(num_poses, kPosesPerChunk), 0.0);
   pool_->ForEachChunk(num_poses, kPosesPerChunk,
                       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        Scratch scratch;
+                        double cost = 0.0;
                         for (std::size_t pose = begin; pose < end; ++pose) {
-                          costs[chunk] += cost_of_pose(pose);
+                          cost += cost_of_pose(pose, &scratch);
                         }
+                        costs[chunk] = cost;
                       });
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
@@ -223,8 +227,9 @@ void ReturnCompressor::SetObservations(std::size_t pose, const std::vector<Point
 }
 
 void ReturnCompressor::WeighEqually(LineObservations* observations) const {
-  SumOverPoses([&](std::size_t pose) {
-    std::vector<PointMoments> moments(NumEntries(pose));
+  SumOverPoses([&](std::size_t pose, Scratch* scratch) {
+    std::vector<PointMoments>& moments = scratch->moments;
+    moments.assign(NumEntries(pose), PointMoments());
     ForEachRun(pose, [&](int scan_id, const ScanReturns& returns, const Run& run) {
       const std::size_t first_return = graph_.scan(scan_id).first_return;
       PointMoments sum;
@@ -242,11 +247,12 @@ void ReturnCompressor::WeighEqually(LineObservations* observations) const {
 double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
                                const std::vector<PoseFrame>& frames, const GemanMcClure& loss,
                                LineObservations* observations) const {
-  return SumOverPoses([&](std::size_t pose) {
+  return SumOverPoses([&](std::size_t pose, Scratch* scratch) {
     // At hand, while the observations of a pose lie all over memory.
-    std::vector<PointMoments> moments(NumEntries(pose));
+    std::vector<PointMoments>& moments = scratch->moments;
+    moments.assign(NumEntries(pose), PointMoments());
     Eigen::Array2d rho = Eigen::Array2d::Zero();
-    ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
+    ForEachResidual(pose, landmarks, frames[pose], scratch, [&](int entry, const auto& for_each) {
       Eigen::Array2d w = Eigen::Array2d::Zero(), x = w, y = w, xx = w, xy = w, yy = w;
       for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
         const RobustTermOf<Eigen::Array2d> term = loss.Term(r.distance, r.variance);
@@ -270,9 +276,9 @@ double ReturnCompressor::Weigh(const std::vector<LineLandmark>& landmarks,
 double ReturnCompressor::Cost(const std::vector<LineLandmark>& landmarks,
                               const std::vector<PoseFrame>& frames,
                               const GemanMcClure& loss) const {
-  return SumOverPoses([&](std::size_t pose) {
+  return SumOverPoses([&](std::size_t pose, Scratch* scratch) {
     Eigen::Array2d rho = Eigen::Array2d::Zero();
-    ForEachResidual(pose, landmarks, frames[pose], [&](int, const auto& for_each) {
+    ForEachResidual(pose, landmarks, frames[pose], scratch, [&](int, const auto& for_each) {
       for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
         rho += count * loss.Term(r.distance, r.variance).rho;
       });
@@ -286,9 +292,9 @@ std::vector<RangeSlope> ReturnCompressor::RangeSlopes(const std::vector<LineLand
                                                       const GemanMcClure& loss,
                                                       const LineObservations& observations) const {
   std::vector<RangeSlope> slopes(observations.observations.size());
-  SumOverPoses([&](std::size_t pose) {
+  SumOverPoses([&](std::size_t pose, Scratch* scratch) {
     const int* of_pose = observations.of_pose.data() + observations.first_of_pose[pose];
-    ForEachResidual(pose, landmarks, frames[pose], [&](int entry, const auto& for_each) {
+    ForEachResidual(pose, landmarks, frames[pose], scratch, [&](int entry, const auto& for_each) {
       RangeSlope& slope = slopes[of_pose[entry]];
       for_each([&](const ReturnPairResidual& r, const Eigen::Array2d& count) {
         const Eigen::Array2d weighted =

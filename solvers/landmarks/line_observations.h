@@ -66,6 +66,8 @@ struct ReturnSelection {
   const MeasuredSurface* surface = nullptr;
 };
 
+struct LineInRobot;
+
 /// Turns millions of returns into observations, again and again as the weights follow the
 /// residuals.
 class ReturnCompressor {
@@ -117,7 +119,12 @@ class ReturnCompressor {
   std::size_t NumEntries(std::size_t pose) const {
     return first_entry_[pose + 1] - first_entry_[pose];
   }
-  // The sum of cost_of_pose(pose), in the same order for any number of threads.
+  // What the work on one pose takes, by its entries; used again for the next pose.
+  struct Scratch {
+    std::vector<LineInRobot> lines;
+    std::vector<PointMoments> moments;
+  };
+  // The sum of cost_of_pose(pose, scratch), in the same order for any number of threads.
   template <typename Body>
   double SumOverPoses(const Body& cost_of_pose) const;
   // Calls body(scan id, its returns, run) for every run of a pose.
@@ -127,7 +134,7 @@ class ReturnCompressor {
   // ReturnResidual of each return of it.
   template <typename Body>
   void ForEachResidual(std::size_t pose, const std::vector<LineLandmark>& landmarks,
-                       const PoseFrame& frame, const Body& body) const;
+                       const PoseFrame& frame, Scratch* scratch, const Body& body) const;
   // moments: of the entries of a pose, about the origin of the robot.
   void SetObservations(std::size_t pose, const std::vector<PointMoments>& moments,
                        LineObservations* observations) const;
