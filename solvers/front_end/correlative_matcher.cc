@@ -180,6 +180,7 @@ class BranchAndBound {
   // The blocks of the last heading, of `level`.
   void AddBlocks(int level, std::vector<Candidate>* top) const {
     const Heading& heading = headings_.back();
+    if (heading.cells.empty()) return;
     // Shifts that leave the scan outside the map score nothing, however wide the window.
     const int x_low = std::max(-half_cells_, matcher_.map_low_.x() - heading.high.x());
     const int y_low = std::max(-half_cells_, matcher_.map_low_.y() - heading.high.y());
