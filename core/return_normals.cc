@@ -69,7 +69,7 @@ class ScanNormalEstimator {
 template <typename Take>
 void EstimateScansFrom(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                        ThreadPool* pool, const Take& take) {
-  constexpr std::size_t kScansPerChunk = 64;
+  constexpr std::size_t kScansPerChunk = 16;
   pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        ScanNormalEstimator estimator(graph, options);

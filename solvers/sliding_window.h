@@ -23,7 +23,7 @@ struct WindowOptions {
   /// Older poses that count, at most, the nearest ones first: those that saw the same as free ones,
   /// up to 20 m from them, one of all that stood and looked the same way. The other ends of
   /// constraints on free poses come on top.
-  int max_fixed_poses = 300;
+  int max_fixed_poses = 75;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

@@ -30,6 +30,8 @@ constexpr double kTurnRad = 0.35;
 constexpr double kMaxDistanceM = 20.0;
 // Nor do those with less than this share of their returns near returns of free poses. Not tuned.
 constexpr double kMinCommonShare = 0.2;
+// Returns of a scan that are looked at, or less than twice as many, all around.
+constexpr std::size_t kReturnsPerScan = 64;
 
 // The scans of every pose, in one list.
 struct ScansByPose {
@@ -100,11 +102,14 @@ class ContextSearch {
   }
 
  private:
+  // Of some returns of each scan.
   template <typename Body>
   void ForEachPoint(int pose, const Body& body) const {
     for (std::size_t i = scans_.first[pose]; i < scans_.first[pose + 1]; ++i) {
       const ScanEntry& scan = graph_.scan(scans_.scans[i]);
-      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      const std::size_t stride = std::max<std::size_t>(1, scan.num_returns / kReturnsPerScan);
+      const std::size_t end = scan.first_return + scan.num_returns;
+      for (std::size_t r = scan.first_return; r < end; r += stride) {
         body(Eigen::Vector2d(state_.points[2 * r], state_.points[2 * r + 1]));
       }
     }

@@ -123,7 +123,7 @@ class SeedComparison {
   void AddErrors(const std::vector<int>& landmark_of_return,
                  const std::vector<std::vector<LineLandmark>>& lines,
                  const std::vector<double>& seed, const std::vector<double>& state) {
-    constexpr std::size_t kScansPerChunk = 64;
+    constexpr std::size_t kScansPerChunk = 16;
     pool_->ForEachChunk(graph_.num_scans(), kScansPerChunk,
                         [&](std::size_t, std::size_t begin, std::size_t end) {
                           for (std::size_t s = begin; s < end; ++s) {

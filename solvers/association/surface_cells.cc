@@ -35,9 +35,11 @@ class ChunkSorter {
         (poses_[3 * scan.pose + 2] - grid_.octant_yaw_rad) / (2.0 * kPi);
     const double turned = turns_to_octants - std::floor(turns_to_octants);
     const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
-    // Neighbouring beams mostly end in the same cell, which saves looking it up.
+    // Neighbouring beams mostly end in the same cell: it is looked up, and added to, once.
     SurfaceCellKey last_key;
     int last = SurfaceCells::kNone;
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();
+    PointMoments moments;
     const std::size_t first_held_out = HeldOutReturns::FirstOf(graph_, scan_id);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const bool counts =
@@ -52,15 +54,16 @@ class ChunkSorter {
       const double y = s * z.x() + c * z.y() + grid_from_robot.y;
       const SurfaceCellKey key = cells_.KeyOf(x, y, OctantOf(normal.Turns() + turned));
       if (last == SurfaceCells::kNone || !(key == last_key)) {
+        if (last != SurfaceCells::kNone) cells_[last].Merge(moments, scan.pose, false);
         last = cells_.FindOrInsert(key, scan.pose);
         last_key = key;
-        cells_[last].Merge({}, scan.pose, false);
+        center = cells_.Center(key);
+        moments = PointMoments();
       }
       cell_of_return_[r] = last;
-      if (!counts) continue;
-      const Eigen::Vector2d center = cells_.Center(key);
-      cells_[last].moments.Add(x - center.x(), y - center.y());
+      if (counts) moments.Add(x - center.x(), y - center.y());
     }
+    if (last != SurfaceCells::kNone) cells_[last].Merge(moments, scan.pose, false);
   }
 
   std::vector<SurfaceCell> TakeCells() { return std::move(cells_).Take(); }
@@ -119,16 +122,6 @@ int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
     cells_.back().pose = pose;
   }
   return cell;
-}
-
-std::size_t SurfaceCells::SlotOf(std::uint64_t square) const {
-  std::uint64_t hash = square * 0x9e3779b97f4a7c15ULL;
-  hash ^= hash >> 29;
-  std::size_t slot = hash & (slots_.size() - 1);
-  while (slots_[slot].taken && slots_[slot].square != square) {
-    slot = (slot + 1) & (slots_.size() - 1);
-  }
-  return slot;
 }
 
 void SurfaceCells::Grow() {

@@ -87,7 +87,14 @@ class SurfaceCells {
   static std::uint64_t PackedSquare(std::int64_t x, std::int64_t y) {
     return static_cast<std::uint64_t>(x) << 32 | (static_cast<std::uint64_t>(y) & 0xffffffff);
   }
-  std::size_t SlotOf(std::uint64_t square) const;
+  std::size_t SlotOf(std::uint64_t square) const {
+    std::uint64_t hash = square * 0x9e3779b97f4a7c15ULL;
+    hash ^= hash >> 29;
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = hash & mask;
+    while (slots_[slot].taken && slots_[slot].square != square) slot = (slot + 1) & mask;
+    return slot;
+  }
   void Grow();
 
   // std::floor is a call into the C library unless the build is for newer processors only.

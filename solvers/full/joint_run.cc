@@ -98,6 +98,7 @@ void JointRun::RunAcceptanceTest(Candidate* found) {
 LineLandmarks JointRun::CutSurfaces(const std::vector<double>& poses) {
   LineLandmarkOptions cutting = LandmarkOptionsFor(factors_, options_.association);
   cutting.hold_out = true;
+  cutting.joins_without_normal = false;  // CompareWithSeed does not ask for them
   return CutIntoLandmarks(graph_, poses, *surface_, cutting, &pool_);
 }
 

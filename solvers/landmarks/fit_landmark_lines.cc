@@ -11,7 +11,7 @@ namespace plumbline {
 
 namespace {
 
-constexpr std::size_t kLandmarksPerChunk = 256;
+constexpr std::size_t kLandmarksPerChunk = 64;
 
 // Moments of the observations of landmarks in the world, about the landmark's origin; of all who
 // share a landmark.

@@ -114,7 +114,9 @@ LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>
                                                      : quadtree.LandmarkOfCell(landmark);
         }
       });
-  AddReturnsWithoutNormal(graph, poses, surface, quadtree, grid, pool, &result);
+  if (options.joins_without_normal) {
+    AddReturnsWithoutNormal(graph, poses, surface, quadtree, grid, pool, &result);
+  }
   return result;
 }
 

@@ -60,6 +60,8 @@ struct LineLandmarkOptions {
   SurfaceNoise noise;
   /// Held-out returns have no say in the landmarks. They get the one of their cell, if it has one.
   bool hold_out = false;
+  /// Returns without a normal join landmarks. False where only those with one are asked for.
+  bool joins_without_normal = true;
 
   /// How far a return without a normal is off a line, in sigmas and squared; infinitely far if the
   /// line does not face the laser.
@@ -81,8 +83,9 @@ SurfaceGrid LandmarkGrid(double dominant_direction_rad, double largest_m);
 /// its quarters explain its returns better than its own, by more than they owe to their number. So
 /// the size follows the data: sparse and noisy returns share long lines, dense ones resolve a
 /// curve. Returns without a normal have no say in that, and then join the line that faces their
-/// laser and is fewest standard deviations off, at most three. Bitwise the same for any number of
-/// threads. Collective for a shared graph: returns of all processes make the landmarks.
+/// laser and is fewest standard deviations off, at most three, if the options let them. Bitwise the
+/// same for any number of threads. Collective for a shared graph: returns of all processes make the
+/// landmarks.
 LineLandmarks CutIntoLandmarks(const SlamGraph& graph, const std::vector<double>& poses,
                                const MeasuredSurface& surface, const LineLandmarkOptions& options,
                                ThreadPool* pool);

@@ -11,7 +11,8 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kPosesPerChunk = 64;
+// Few enough that a window of some hundred poses keeps all threads busy to the end.
+constexpr std::size_t kPosesPerChunk = 16;
 
 // Turns counts into the index of each group's first element; appends the end.
 void CountsToOffsets(std::vector<std::size_t>* counts) {
@@ -74,25 +75,25 @@ void ReturnCompressor::FindRuns(int scan_id, const std::vector<int>& landmark_of
 
 void ReturnCompressor::ListRuns(const std::vector<int>& landmark_of_return,
                                 const ReturnSelection& selection) {
-  // Counted first: arrays that grow would leave memory in pieces.
-  first_run_.assign(scans_of_pose_.size(), 0);
-  pool_->ForEachChunk(scans_of_pose_.size(), kPosesPerChunk,
-                      [&](std::size_t, std::size_t begin, std::size_t end) {
+  const std::size_t num_scans = scans_of_pose_.size();
+  std::vector<std::vector<Run>> runs_of_chunk(ThreadPool::NumChunks(num_scans, kPosesPerChunk));
+  first_run_.assign(num_scans, 0);
+  pool_->ForEachChunk(num_scans, kPosesPerChunk,
+                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                        std::vector<Run>& runs = runs_of_chunk[chunk];
                         for (std::size_t i = begin; i < end; ++i) {
+                          const std::size_t num_before = runs.size();
                           FindRuns(scans_of_pose_[i], landmark_of_return, selection,
-                                   [&](const Run&) { ++first_run_[i]; });
+                                   [&runs](const Run& run) { runs.push_back(run); });
+                          first_run_[i] = runs.size() - num_before;
                         }
                       });
   CountsToOffsets(&first_run_);
-  runs_.resize(first_run_.back());
-  pool_->ForEachChunk(scans_of_pose_.size(), kPosesPerChunk,
-                      [&](std::size_t, std::size_t begin, std::size_t end) {
-                        for (std::size_t i = begin; i < end; ++i) {
-                          Run* next = runs_.data() + first_run_[i];
-                          FindRuns(scans_of_pose_[i], landmark_of_return, selection,
-                                   [&](const Run& run) { *next++ = run; });
-                        }
-                      });
+  runs_.reserve(first_run_.back());
+  for (std::vector<Run>& runs : runs_of_chunk) {
+    runs_.insert(runs_.end(), runs.begin(), runs.end());
+    runs = std::vector<Run>();
+  }
 }
 
 void ReturnCompressor::NumberEntries(std::size_t num_landmarks) {

@@ -73,9 +73,10 @@ class LandmarkMinimizer {
   bool Ended() const { return result_.stopped || !result_.usable; }
 
   void RunRound(double gate_sigmas, bool first) {
-    // Where returns hardly moved, another cut would be the same one.
-    if (first || result_.rounds.back().moved_sigmas > options_.move_tolerance_sigmas) {
-      CutLandmarks();
+    // Where returns hardly moved, another cut would be the same one. The second takes more in.
+    if (result_.rounds.size() < 2 ||
+        result_.rounds.back().moved_sigmas > options_.move_tolerance_sigmas) {
+      CutLandmarks(first);
       HoldUnanchored();
     }
     const double last_gain = TakeSteps(gate_sigmas, options_.steps_per_round);
@@ -142,12 +143,15 @@ class LandmarkMinimizer {
     system_ = PoseSystem();
   }
 
-  void CutLandmarks() {
+  // Returns without a normal have to guess where they belong, by the map as it is: while a seed may
+  // have surfaces twice, they would hold them apart.
+  void CutLandmarks(bool first) {
     const auto start = Clock::now();
     ForgetObservations();
     landmark_of_return_ = std::vector<int>();
     LineLandmarkOptions options = LandmarkOptionsFor(factors_, association_);
     options.hold_out = true;
+    options.joins_without_normal = !first;
     LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
     if (factors_.shape.enabled) {
       adjacent_ = FindAdjacentLandmarks(graph_, cut, association_.min_segment_length_m, pool_);

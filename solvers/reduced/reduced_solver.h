@@ -35,7 +35,8 @@ struct ReducedResult {
 /// optimum. In rounds: the surfaces, as the poses place them, are cut into landmarks; all that a
 /// pose saw of a landmark becomes a handful of moments, weighted by a robust loss; Gauss-Newton
 /// steps move the poses, with the lines eliminated from the linear system and refitted exactly
-/// after each. A step that does not lower the cost is shortened, or not taken.
+/// after each. A step that does not lower the cost is shortened, or not taken. The first round is
+/// over returns with a normal only.
 ///
 /// The rounds do without the held-out returns, see held_out_returns.h, and end when the last step
 /// of one lowers the cost, and the round moves the returns, by less than the tolerances. A last

@@ -20,15 +20,16 @@ struct CutScene {
   MeasuredSurface surface;
   LineLandmarks cut;
   SurfaceNoise noise;
+  LineLandmarkOptions options;  ///< with that noise
 
   explicit CutScene(const SyntheticScene& scene) : CutScene(scene, scene.poses) {}
   /// Seen from `scene.poses`, and cut as if from `believed_poses`.
   CutScene(const SyntheticScene& scene, const std::vector<Pose2>& believed_poses)
       : graph(MakeGraph(scene)), poses(PoseArray(believed_poses)) {
     ThreadPool pool(2);
-    ReturnNormalOptions options;
-    options.half_window_m = std::max(0.06, 6.0 * scene.range_sigma_m);
-    surface = MeasureSurface(graph, options, &pool);
+    ReturnNormalOptions measuring;
+    measuring.half_window_m = std::max(0.06, 6.0 * scene.range_sigma_m);
+    surface = MeasureSurface(graph, measuring, &pool);
     FactorOptions factors;
     if (scene.range_sigma_m > 0.0) factors.beam.sigma_range_m = scene.range_sigma_m;
     noise = NoiseOf(factors);
@@ -37,7 +38,6 @@ struct CutScene {
 
   void Cut(int num_threads = 2) {
     ThreadPool pool(num_threads);
-    LineLandmarkOptions options;
     options.noise = noise;
     cut = CutIntoLandmarks(graph, poses, surface, options, &pool);
   }
@@ -374,6 +374,20 @@ TEST_F(ReturnsWithoutNormalTest, HaveNoSayInHowTheSurfacesAreCut) {
   ASSERT_EQ(scene_.num_landmarks(), before.landmarks.size());
   for (std::size_t p = 0; p < before.landmarks.size(); ++p) {
     EXPECT_EQ(scene_.cut.landmarks[p].offset_m, before.landmarks[p].offset_m);
+  }
+}
+
+TEST_F(ReturnsWithoutNormalTest, StayAloneIfTheyAreNotAskedFor) {
+  const std::vector<std::size_t> taken = TakeNormals();
+  scene_.Cut();
+  const LineLandmarks joined = scene_.cut;
+  scene_.options.joins_without_normal = false;
+  scene_.Cut();
+  EXPECT_EQ(scene_.num_landmarks(), joined.landmarks.size());
+  for (std::size_t r = 0; r < scene_.graph.num_returns(); ++r) {
+    const bool has_normal = !scene_.surface.normals[r].IsNone();
+    EXPECT_EQ(scene_.cut.landmark_of_return[r],
+              has_normal ? joined.landmark_of_return[r] : LineLandmarks::kNone);
   }
 }
 

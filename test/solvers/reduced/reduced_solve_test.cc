@@ -11,6 +11,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
+#include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/terms/terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
@@ -118,6 +119,32 @@ TEST(ReducedSolveTest, APerfectSeedInAClosedRoomMovesByMicrometres) {
   // see SolveWith.ReturnsAPerfectSeedBitForBit.
   for (std::size_t i = 0; i < state.poses.size(); ++i) {
     EXPECT_NEAR(state.poses[i], graph.initial_poses()[i], 1e-5);
+  }
+}
+
+TEST(ReducedSolveTest, ReturnsWithoutANormalCountFromTheSecondRoundOn) {
+  NoisyRoom room = MakeNoisyRoom();
+  const SolverOptions options = Reduced();
+  MeasuredSurface surface;
+  ASSERT_TRUE(MeasureNewScans(options, room.graph, &surface).ok());
+  const auto count = [&] {
+    MapState state = room.state;
+    std::vector<std::size_t> num_observations;
+    for (const LandmarkRoundSummary& round :
+         Solve(options, surface, room.graph, &state).landmark_rounds) {
+      num_observations.push_back(round.num_observations);
+    }
+    return num_observations;
+  };
+  const std::vector<std::size_t> with_all = count();
+  // Half of the poses see nothing that has a normal.
+  const ScanEntry& half = room.graph.scan(room.graph.num_scans() / 2);
+  std::fill_n(surface.normals.begin(), half.first_return, ReturnNormal());
+  const std::vector<std::size_t> with_half = count();
+  ASSERT_GE(with_half.size(), 3u);
+  EXPECT_LT(with_half[0], with_all[0] * 6 / 10);
+  for (std::size_t round = 1; round < with_half.size(); ++round) {
+    EXPECT_GT(with_half[round], with_all[0] * 8 / 10) << round;
   }
 }
 
