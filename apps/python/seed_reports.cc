@@ -97,6 +97,7 @@ void BindLoops(py::module_* module) {
       .Field("first_pose_after", &SuspectStep::first_pose_after, "pose id")
       .Field("evidence", &SuspectStep::evidence, "from 0.15 to 1.6")
       .Field("broken", &SuspectStep::broken, "the step was wrong, closures put it right")
+      .Field("unmatched", &SuspectStep::unmatched, "a scan matched nothing near by")
       .Field("turned_rad", &SuspectStep::turned_rad, "by the repair [rad]")
       .Field("num_closures_across", &SuspectStep::num_closures_across, "from before to after it")
       .Field("num_alternatives", &SuspectStep::num_alternatives, "other places that fit as well")

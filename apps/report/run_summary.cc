@@ -58,6 +58,7 @@ Json SuspectStepsJson(const LoopClosingReport& loops) {
     json.push_back({{"first_pose_after", step.first_pose_after},
                     {"evidence", step.evidence},
                     {"broken", step.broken},
+                    {"unmatched", step.unmatched},
                     {"turned_rad", step.turned_rad},
                     {"closures_across", step.num_closures_across},
                     {"alternatives", step.num_alternatives},

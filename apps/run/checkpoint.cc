@@ -86,9 +86,10 @@ void Visit(Archive& archive, LoopClosureRecord* record) {
 
 template <typename Archive>
 void Visit(Archive& archive, SuspectStep* step) {
-  auto& [first_pose_after, evidence, broken, turned_rad, num_closures_across, num_alternatives] =
-      *step;
-  archive(first_pose_after, evidence, broken, turned_rad, num_closures_across, num_alternatives);
+  auto& [first_pose_after, evidence, broken, unmatched, turned_rad, num_closures_across,
+         num_alternatives] = *step;
+  archive(first_pose_after, evidence, broken, unmatched, turned_rad, num_closures_across,
+          num_alternatives);
 }
 
 template <typename Archive>
@@ -167,7 +168,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 6\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 7\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {

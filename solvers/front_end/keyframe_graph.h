@@ -17,6 +17,8 @@ struct Keyframe {
   double path_m = 0.0;  ///< driven from the first pose to here
   /// What the match knows of its pose: as ScanMatch::information, but in axes of the robot.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  /// A scan since the keyframe before, or its own, matched nothing: that step is the odometry's.
+  bool after_unmatched = false;
 };
 
 /// The tie of a keyframe to the one before it.

@@ -96,6 +96,7 @@ ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& s
   const bool is_slip = !is_prediction_ && SigmasOff(previous, *step, match) > kSlipSigmas;
   if (match.inlier_ratio < (is_slip ? kMinSlipInlierRatio : kMinInlierRatio)) {
     ++report->num_unmatched;
+    after_unmatched_ = after_unmatched_ || !scan.empty();
     match.world_from_robot = previous * *step;
     match.information.setZero();
   } else if (recovered) {
@@ -108,7 +109,8 @@ void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, double path_m,
                                          const ScanMatch& match) {
   if (IsCovered(match.world_from_robot)) return;
   keyframes_.push_back(
-      {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw)});
+      {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw),
+       std::exchange(after_unmatched_, false)});
   key_poses_.push_back(match.world_from_robot);
   RebuildMap();
 }

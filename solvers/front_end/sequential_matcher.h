@@ -56,6 +56,7 @@ class SequentialMatcher {
   const bool sign_lost_;
   const bool is_prediction_;
   bool reversing_ = false;
+  bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;
   std::vector<Pose2> key_poses_;
   std::vector<int> in_map_;  // indices of the keyframes in the local map

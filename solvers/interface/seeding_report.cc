@@ -44,8 +44,9 @@ const char* ToString(HypothesisKind kind) {
 }
 
 bool SuspectStep::IsUnresolved() const {
+  const bool is_untrusted = broken || unmatched || evidence >= kUntrustedEvidence;
   return num_alternatives > 0 || std::abs(turned_rad) > kMaxCertainTurnRad ||
-         ((broken || evidence >= kUntrustedEvidence) && num_closures_across < kMinClosuresAcross);
+         (is_untrusted && num_closures_across < kMinClosuresAcross);
 }
 
 bool LoopClosingReport::IsUnresolved() const {

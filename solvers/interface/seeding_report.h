@@ -64,6 +64,8 @@ struct SuspectStep {
   int first_pose_after = 0;  ///< pose id: the first one that disagrees with those before
   double evidence = 0.0;     ///< of the disagreement, from 0.15 to 1.6
   bool broken = false;       ///< the step was wrong; closures across it put it right
+  /// A scan here matched nothing near by, which is rare on this drive: a step is the odometry's.
+  bool unmatched = false;
   /// How far the repair has turned what lies beyond it [rad]. Many buildings look alike turned by a
   /// right angle or half a turn, and nothing but the odometry says which it was.
   double turned_rad = 0.0;

@@ -1,6 +1,7 @@
 #include "plumbline/solvers/landmarks/line_observations.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -13,6 +14,7 @@ namespace {
 
 // Few enough that a window of some hundred poses keeps all threads busy to the end.
 constexpr std::size_t kPosesPerChunk = 16;
+constexpr std::size_t kScansPerArray = 16;
 
 // Turns counts into the index of each group's first element; appends the end.
 void CountsToOffsets(std::vector<std::size_t>* counts) {
@@ -73,27 +75,33 @@ void ReturnCompressor::FindRuns(int scan_id, const std::vector<int>& landmark_of
   }
 }
 
+template <typename Body>
+void ReturnCompressor::ForEachScanOf(std::size_t pose, const Body& body) const {
+  for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
+    body(scans_of_pose_[i], runs_of_scan_[i]);
+  }
+}
+
 void ReturnCompressor::ListRuns(const std::vector<int>& landmark_of_return,
                                 const ReturnSelection& selection) {
   const std::size_t num_scans = scans_of_pose_.size();
-  std::vector<std::vector<Run>> runs_of_chunk(ThreadPool::NumChunks(num_scans, kPosesPerChunk));
-  first_run_.assign(num_scans, 0);
-  pool_->ForEachChunk(num_scans, kPosesPerChunk,
-                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                        std::vector<Run>& runs = runs_of_chunk[chunk];
-                        for (std::size_t i = begin; i < end; ++i) {
-                          const std::size_t num_before = runs.size();
-                          FindRuns(scans_of_pose_[i], landmark_of_return, selection,
-                                   [&runs](const Run& run) { runs.push_back(run); });
-                          first_run_[i] = runs.size() - num_before;
-                        }
-                      });
-  CountsToOffsets(&first_run_);
-  runs_.reserve(first_run_.back());
-  for (std::vector<Run>& runs : runs_of_chunk) {
-    runs_.insert(runs_.end(), runs.begin(), runs.end());
-    runs = std::vector<Run>();
-  }
+  runs_of_chunk_.resize(ThreadPool::NumChunks(num_scans, kScansPerArray));
+  runs_of_scan_.resize(num_scans);
+  pool_->ForEachChunk(
+      num_scans, kScansPerArray, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        std::vector<Run> found;
+        std::array<std::size_t, kScansPerArray + 1> first{};
+        for (std::size_t i = begin; i < end; ++i) {
+          FindRuns(scans_of_pose_[i], landmark_of_return, selection,
+                   [&found](const Run& run) { found.push_back(run); });
+          first[i - begin + 1] = found.size();
+        }
+        std::vector<Run>& runs = runs_of_chunk_[chunk];
+        runs.assign(found.begin(), found.end());  // without room for more
+        for (std::size_t i = begin; i < end; ++i) {
+          runs_of_scan_[i] = {runs.data() + first[i - begin], runs.data() + first[i - begin + 1]};
+        }
+      });
 }
 
 void ReturnCompressor::NumberEntries(std::size_t num_landmarks) {
@@ -113,19 +121,21 @@ void ReturnCompressor::NumberEntries(std::size_t num_landmarks) {
         std::vector<Seen> table(num_landmarks);
         std::vector<int>& landmarks = landmarks_of_chunk[chunk];
         for (std::size_t pose = begin; pose < end; ++pose) {
-          Run* const first = runs_.data() + first_run_[first_scan_of_pose_[pose]];
-          Run* const last = runs_.data() + first_run_[first_scan_of_pose_[pose + 1]];
           const std::size_t num_before = landmarks.size();
-          for (const Run* run = first; run != last; ++run) {
-            const int seen_by = std::exchange(table[run->entry].last_pose, static_cast<int>(pose));
-            if (seen_by != static_cast<int>(pose)) landmarks.push_back(run->entry);
-          }
+          ForEachScanOf(pose, [&](int, const RunsOfScan& runs) {
+            for (const Run& run : runs) {
+              const int seen_by = std::exchange(table[run.entry].last_pose, static_cast<int>(pose));
+              if (seen_by != static_cast<int>(pose)) landmarks.push_back(run.entry);
+            }
+          });
           std::sort(landmarks.begin() + num_before, landmarks.end());
           first_entry_[pose] = landmarks.size() - num_before;
           for (std::size_t k = num_before; k < landmarks.size(); ++k) {
             table[landmarks[k]].entry = static_cast<int>(k - num_before);
           }
-          for (Run* run = first; run != last; ++run) run->entry = table[run->entry].entry;
+          ForEachScanOf(pose, [&](int, const RunsOfScan& runs) {
+            for (Run& run : runs) run.entry = table[run.entry].entry;
+          });
         }
       });
   CountsToOffsets(&first_entry_);
@@ -164,20 +174,18 @@ LineObservations ReturnCompressor::LayOut(std::size_t num_landmarks,
 }
 
 void ReturnCompressor::ForgetLayout() {
-  runs_ = std::vector<Run>();
-  first_run_ = std::vector<std::size_t>();
+  runs_of_chunk_ = std::vector<std::vector<Run>>();
+  runs_of_scan_ = std::vector<RunsOfScan>();
   landmark_of_entry_ = std::vector<int>();
   first_entry_ = std::vector<std::size_t>();
 }
 
 template <typename Body>
 void ReturnCompressor::ForEachRun(std::size_t pose, const Body& body) const {
-  for (std::size_t i = first_scan_of_pose_[pose]; i < first_scan_of_pose_[pose + 1]; ++i) {
-    const ScanReturns returns = graph_.ReturnsOfScan(scans_of_pose_[i]);
-    for (std::size_t run = first_run_[i]; run < first_run_[i + 1]; ++run) {
-      body(scans_of_pose_[i], returns, runs_[run]);
-    }
-  }
+  ForEachScanOf(pose, [&](int scan_id, const RunsOfScan& runs) {
+    const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
+    for (const Run& run : runs) body(scan_id, returns, run);
+  });
 }
 
 template <typename Body>

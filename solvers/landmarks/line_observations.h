@@ -74,6 +74,8 @@ class ReturnCompressor {
  public:
   /// Keeps a reference to the graph.
   ReturnCompressor(const SlamGraph& graph, const SurfaceNoise& noise, ThreadPool* pool);
+  ReturnCompressor(const ReturnCompressor&) = delete;
+  ReturnCompressor& operator=(const ReturnCompressor&) = delete;
 
   /// Lays out the observations, all of weight zero. The observations that the other functions want
   /// are those of the last layout. landmark_of_return: as in LineLandmarks. shared: of the
@@ -127,6 +129,17 @@ class ReturnCompressor {
   // The sum of cost_of_pose(pose, scratch), in the same order for any number of threads.
   template <typename Body>
   double SumOverPoses(const Body& cost_of_pose) const;
+  // The runs of one scan, in its chunk's array.
+  struct RunsOfScan {
+    Run* first = nullptr;
+    Run* last = nullptr;  // behind the last one
+
+    Run* begin() const { return first; }
+    Run* end() const { return last; }
+  };
+  // Calls body(scan id, its runs) for every scan of a pose.
+  template <typename Body>
+  void ForEachScanOf(std::size_t pose, const Body& body) const;
   // Calls body(scan id, its returns, run) for every run of a pose.
   template <typename Body>
   void ForEachRun(std::size_t pose, const Body& body) const;
@@ -144,8 +157,10 @@ class ReturnCompressor {
   ThreadPool* pool_;
   std::vector<int> scans_of_pose_;  // grouped by pose
   std::vector<std::size_t> first_scan_of_pose_;
-  std::vector<Run> runs_;               // scan by scan, in the order of scans_of_pose_
-  std::vector<std::size_t> first_run_;  // per scan, and the end
+  // Scan by scan, in the order of scans_of_pose_: one array per chunk of scans, as one of all would
+  // lie beside them while it is put together.
+  std::vector<std::vector<Run>> runs_of_chunk_;
+  std::vector<RunsOfScan> runs_of_scan_;
   std::vector<int> landmark_of_entry_;
   std::vector<std::size_t> first_entry_;  // per pose, and the end
 };

@@ -141,6 +141,16 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
   for (const TestedCandidate& result : refused) keys->tentative.push_back(result.edge);
 }
 
+// Where the laser sees too little again and again, as outdoors, that says nothing of a single step.
+// One keyframe of a hundred may come after a scan that matched nothing. Not tuned.
+bool UnmatchedAreRare(const KeyframeGraph& keys) {
+  constexpr int kOneIn = 100;
+  const auto num_unmatched =
+      std::count_if(keys.keyframes.begin(), keys.keyframes.end(),
+                    [](const Keyframe& keyframe) { return keyframe.after_unmatched; });
+  return num_unmatched <= std::max(1, keys.size() / kOneIn);
+}
+
 void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& refused_local,
                  const std::vector<TestedCandidate>& refused_closures, LoopClosingReport* report) {
   const auto record = [&](const RelativePoseConstraint& edge, ClosureOutcome outcome) {
@@ -156,6 +166,7 @@ void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& 
   }
   report->num_closures = static_cast<int>(keys.closures.size());
   report->num_contradicted = static_cast<int>(keys.contradicted.size() + keys.refused.size());
+  const bool unmatched_are_rare = UnmatchedAreRare(keys);
   for (const SequentialEdge& edge : keys.sequential) {
     if (edge.evidence == 0.0) continue;
     const int from = edge.constraint.from;
@@ -163,6 +174,7 @@ void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& 
     suspect.first_pose_after = edge.first_pose_after;
     suspect.evidence = edge.evidence;
     suspect.broken = edge.broken;
+    suspect.unmatched = unmatched_are_rare && keys.keyframes[from + 1].after_unmatched;
     if (edge.broken) {
       const Pose2 step = Between(keys.world_from_key[from], keys.world_from_key[from + 1]);
       suspect.turned_rad = NormalizeAngle(step.yaw - edge.constraint.from_from_to.yaw);

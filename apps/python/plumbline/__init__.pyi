@@ -529,6 +529,7 @@ class SuspectStep:
     first_pose_after: Final[int]
     evidence: Final[float]
     broken: Final[bool]
+    unmatched: Final[bool]
     turned_rad: Final[float]
     num_closures_across: Final[int]
     num_alternatives: Final[int]

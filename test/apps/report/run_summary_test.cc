@@ -29,6 +29,7 @@ RunSummary MakeSummary() {
   suspect.first_pose_after = 5;
   suspect.evidence = 0.75;
   suspect.broken = true;
+  suspect.unmatched = true;
   suspect.turned_rad = 0.25;
   suspect.num_closures_across = 2;
   summary.mapping.seeding.odometry_noise.clock_offset = {-0.125, 0.002};
@@ -102,6 +103,7 @@ TEST(RunSummaryTest, TellsHowTheSeedingWent) {
   EXPECT_EQ(suspect["first_pose_after"], 5);
   EXPECT_EQ(suspect["evidence"], 0.75);
   EXPECT_EQ(suspect["broken"], true);
+  EXPECT_EQ(suspect["unmatched"], true);
   EXPECT_EQ(suspect["turned_rad"], 0.25);
   EXPECT_EQ(suspect["closures_across"], 2);
   EXPECT_EQ(suspect["unresolved"], false);

@@ -32,7 +32,7 @@ SeedingReport MakeReport(const SlamGraph& graph) {
   report.odometry_noise.motion.rotation_floor_rad = 5e-324;
   report.odometry_noise.clock_offset = {0.125, 1.0 / 3.0};
   report.loops.matches.push_back({1, 5, {0.1, 0.2, 0.3}, ClosureOutcome::kAmbiguous});
-  report.loops.suspect_steps.push_back({5, 0.75, true, 0.25, 2, 3});
+  report.loops.suspect_steps.push_back({5, 0.75, true, true, 0.25, 2, 3});
   WeighedHypothesis joined;
   joined.kind = HypothesisKind::kJoinedParts;
   joined.carried_to = {1.0, -2.0, 1.0 / 3.0};

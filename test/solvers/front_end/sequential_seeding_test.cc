@@ -51,6 +51,29 @@ TEST(SequentialSeeding, CorrectsAnOdometryThatIsAFifthOff) {
   EXPECT_EQ(trajectory.keyframes.front().pose, 0);
 }
 
+TEST(SequentialSeeding, MarksTheKeyframeAfterAScanThatMatchesNothing) {
+  SlamGraph graph = DriveRoundTheRoom(0);
+  AddOdometry([](const Pose2& s) { return s; }, &graph);
+  std::vector<SurfacePoints> surfaces = SurfacesOf(graph);
+  constexpr int kStrange = 15;
+  for (SurfacePoint& point : surfaces[kStrange]) point.position *= 0.3;
+  ThreadPool pool(1);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport report;
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, surfaces,
+                               nullptr, &pool, &trajectory, &report)
+                  .ok());
+  EXPECT_EQ(report.num_unmatched, 1);
+  int before = 0, num_marked = 0;
+  for (const Keyframe& keyframe : trajectory.keyframes) {
+    const bool is_next = before < kStrange && keyframe.pose >= kStrange;
+    EXPECT_EQ(keyframe.after_unmatched, is_next) << keyframe.pose;
+    num_marked += is_next;
+    before = keyframe.pose;
+  }
+  EXPECT_EQ(num_marked, 1);
+}
+
 TEST(SequentialSeeding, FindsTheLostSignOfEachStep) {
   SlamGraph graph = DriveRoundTheRoom(12);
   AddOdometry([](const Pose2& s) { return s.x < 0.0 ? Pose2(-s.x, -s.y, s.yaw) : s; }, &graph);

@@ -202,6 +202,22 @@ TEST(CloseLoops, ASuspectEdgeThatIsRightStays) {
   EXPECT_FALSE(report.suspect_steps[0].IsUnresolved());
 }
 
+TEST(CloseLoops, AnUnmatchedScanIsASignWhereItIsRare) {
+  Lap lap = MakeLap();
+  SequentialEdge& edge = lap.keys.sequential[kWrongEdge];
+  edge.evidence = 0.2;
+  lap.keys.keyframes[kWrongEdge + 1].after_unmatched = true;
+  Lap with_another = lap;
+  with_another.keys.keyframes[3].after_unmatched = true;
+  LoopClosingReport report = lap.Close();
+  ASSERT_EQ(report.suspect_steps.size(), 1u);
+  EXPECT_TRUE(report.suspect_steps[0].unmatched);
+  // Two of 46.
+  report = with_another.Close();
+  ASSERT_EQ(report.suspect_steps.size(), 1u);
+  EXPECT_FALSE(report.suspect_steps[0].unmatched);
+}
+
 TEST(CloseLoops, ReportsTheLocalClosuresThatWereRefused) {
   Lap lap = MakeLapWithAWrongEdge();
   lap.keys.sequential[kWrongEdge].evidence = 0.2;  // ways may lead across it
@@ -283,6 +299,9 @@ TEST(SuspectStep, IsResolvedByTwoClosuresAcrossUnlessItTurnedTheMap) {
   SuspectStep suspect;
   suspect.evidence = 0.4;
   EXPECT_FALSE(suspect.IsUnresolved());  // not much of a suspect
+  suspect.unmatched = true;
+  EXPECT_TRUE(suspect.IsUnresolved());
+  suspect.unmatched = false;
   suspect.evidence = SuspectStep::kUntrustedEvidence;
   EXPECT_TRUE(suspect.IsUnresolved());
   suspect.num_closures_across = 1;
