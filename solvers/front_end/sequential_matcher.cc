@@ -108,9 +108,9 @@ ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& s
 void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, double path_m,
                                          const ScanMatch& match) {
   if (IsCovered(match.world_from_robot)) return;
-  keyframes_.push_back(
-      {pose, scan, path_m, RotateAxes(match.information, -match.world_from_robot.yaw),
-       std::exchange(after_unmatched_, false)});
+  keyframes_.push_back({pose, scan, path_m,
+                        RotateAxes(match.information, -match.world_from_robot.yaw),
+                        std::exchange(after_unmatched_, false)});
   key_poses_.push_back(match.world_from_robot);
   RebuildMap();
 }
