@@ -133,22 +133,21 @@ void AddErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated, std
 }
 
 // first_scan: as SimulateWithFault has it.
-void MeasureErrors(const SimulatedLog& log, const std::vector<Pose2>& estimated,
-                   std::size_t first_scan, SeedingOutcome* outcome) {
-  const bool is_parted = IsAlarmDue(outcome->run.fault.kind);
+ErrorStatistics ErrorsOf(const SimulatedLog& log, const std::vector<Pose2>& estimated,
+                         FaultKind fault, std::size_t first_scan) {
+  const bool is_parted = IsAlarmDue(fault);
   PoseErrors errors(StatisticsConvention::kEvo);
   AddErrors(log, estimated, 0, is_parted ? first_scan : estimated.size(), &errors);
-  if (outcome->run.fault.kind == FaultKind::kTwoBuildings) {
+  if (fault == FaultKind::kTwoBuildings) {
     AddErrors(log, estimated, first_scan, estimated.size(), &errors);
   }
-  const ErrorStatistics translation = errors.Statistics().translation_m;
-  outcome->max_error_m = translation.max;
-  outcome->mean_error_m = translation.mean;
+  return errors.Statistics().translation_m;
 }
 
 // Runs of one class, counted by what became of them.
 struct Tally {
   int runs = 0, right_quiet = 0, right_alarm = 0, wrong_alarm = 0, wrong_silent = 0, repaired = 0;
+  int refined_wrong = 0, refined_silent = 0;
   double time_s = 0.0;
 
   void Add(const SeedingOutcome& outcome) {
@@ -158,6 +157,8 @@ struct Tally {
     int& count = outcome.IsRight() ? (outcome.alarm ? right_alarm : right_quiet)
                                    : (outcome.alarm ? wrong_alarm : wrong_silent);
     ++count;
+    if (outcome.IsRefinedRight()) return;
+    ++(outcome.refined_alarm ? refined_wrong : refined_silent);
   }
 };
 
@@ -175,7 +176,8 @@ void WriteRow(const std::string& name, const std::vector<SeedingOutcome>& outcom
          << std::setw(14) << tally.wrong_alarm << std::setw(15) << tally.wrong_silent
          << std::setw(10) << tally.repaired << std::fixed << std::setprecision(1) << std::setw(8)
          << 100.0 * (tally.right_quiet + tally.right_alarm) / tally.runs << std::setw(11)
-         << tally.time_s << '\n';
+         << tally.time_s << std::setw(23) << tally.refined_wrong << std::setw(15)
+         << tally.refined_silent << '\n';
 }
 
 }  // namespace
@@ -241,7 +243,15 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   result.alarm = report.alarm || !mapping.report.frozen_laser.empty();
   result.repaired = report.Repaired();
   result.time_s = duration.count();
-  MeasureErrors(log, poses, first_scan, &result);
+  const ErrorStatistics errors = ErrorsOf(log, poses, run.fault.kind, first_scan);
+  result.max_error_m = errors.max;
+  result.mean_error_m = errors.mean;
+
+  mapping.state.poses = PoseArray(poses);
+  PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
+  result.max_refined_error_m =
+      ErrorsOf(log, PosesOf(mapping.state.poses), run.fault.kind, first_scan).max;
+  result.refined_alarm = !mapping.report.alarms.empty();
   *outcome = result;
   return Status::Ok();
 }
@@ -261,7 +271,7 @@ std::string SeedingTable(const std::vector<SeedingOutcome>& outcomes) {
   std::ostringstream table;
   table
       << "fault            runs  right, quiet  right, alarm  wrong, alarm  wrong, SILENT  repaired"
-         " right %  seeding, s\n";
+         " right %  seeding, s  refined: wrong, alarm  wrong, SILENT\n";
   for (const FaultKind kind : kFaultKinds) {
     WriteRow(
         ToString(kind), outcomes, [kind](const SeedingCase& run) { return run.fault.kind == kind; },
@@ -283,8 +293,7 @@ Status WriteSeedingCsv(const std::string& path, const std::vector<SeedingOutcome
   std::ostream& out = file.stream();
   out << "building,seed,odometry_factor,fault,fault_at_share,fault_distance_m,fault_time_s,"
          "fault_angle_rad,carried_turn_rad,scans,path_length_m,max_error_m,mean_error_m,right,"
-         "alarm,"
-         "repaired,time_s\n";
+         "alarm,repaired,time_s,max_refined_error_m,refined_right,refined_alarm\n";
   out << std::setprecision(6);
   for (const SeedingOutcome& outcome : outcomes) {
     const SeedingCase& run = outcome.run;
@@ -294,7 +303,8 @@ Status WriteSeedingCsv(const std::string& path, const std::vector<SeedingOutcome
         << fault.time_s << ',' << fault.angle_rad << ',' << outcome.carried_turn_rad << ','
         << outcome.num_scans << ',' << outcome.path_length_m << ',' << outcome.max_error_m << ','
         << outcome.mean_error_m << ',' << outcome.IsRight() << ',' << outcome.alarm << ','
-        << outcome.repaired << ',' << outcome.time_s << '\n';
+        << outcome.repaired << ',' << outcome.time_s << ',' << outcome.max_refined_error_m << ','
+        << outcome.IsRefinedRight() << ',' << outcome.refined_alarm << '\n';
   }
   return file.Commit();
 }

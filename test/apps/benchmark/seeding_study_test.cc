@@ -21,6 +21,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
+// Refined, the map has a tenth of the error and the same alarm.
 SeedingOutcome Outcome(FaultKind fault, double max_error_m, bool alarm, bool repaired = false) {
   SeedingOutcome outcome;
   outcome.run.fault.kind = fault;
@@ -28,6 +29,8 @@ SeedingOutcome Outcome(FaultKind fault, double max_error_m, bool alarm, bool rep
   outcome.alarm = alarm;
   outcome.repaired = repaired;
   outcome.time_s = 1.5;
+  outcome.max_refined_error_m = 0.1 * max_error_m;
+  outcome.refined_alarm = alarm;
   return outcome;
 }
 
@@ -100,12 +103,13 @@ TEST(SeedingStudyTest, TableCountsRightAndWrongWithAndWithoutAlarm) {
        Outcome(FaultKind::kNone, 0.02, true), Outcome(FaultKind::kNone, 0.16, true),
        Outcome(FaultKind::kCarried, 2.0, false), Outcome(FaultKind::kInjected, 0.03, false, true),
        Outcome(FaultKind::kInjected, 3.0, true)});
-  // Runs; right and quiet, right and alarm; wrong and alarm, wrong and silent; repaired; right; s.
-  EXPECT_EQ(RowOf(table, "none "), "4 2 1 1 0 0 75.0 6.0");
-  EXPECT_EQ(RowOf(table, "carried "), "1 0 0 0 1 0 0.0 1.5");
-  EXPECT_EQ(RowOf(table, "injected "), "2 1 0 1 0 1 50.0 3.0");
-  EXPECT_EQ(RowOf(table, "all random "), "7 3 1 2 1 1 57.1 10.5");
-  EXPECT_EQ(RowOf(table, "all   "), "7 3 1 2 1 1 57.1 10.5");
+  // Runs; right and quiet, right and alarm; wrong and alarm, wrong and silent; repaired; right; s;
+  // refined: wrong and alarm, wrong and silent.
+  EXPECT_EQ(RowOf(table, "none "), "4 2 1 1 0 0 75.0 6.0 0 0");
+  EXPECT_EQ(RowOf(table, "carried "), "1 0 0 0 1 0 0.0 1.5 0 1");
+  EXPECT_EQ(RowOf(table, "injected "), "2 1 0 1 0 1 50.0 3.0 1 0");
+  EXPECT_EQ(RowOf(table, "all random "), "7 3 1 2 1 1 57.1 10.5 1 1");
+  EXPECT_EQ(RowOf(table, "all   "), "7 3 1 2 1 1 57.1 10.5 1 1");
   EXPECT_EQ(table.find("repetitive"), std::string::npos);
   EXPECT_EQ(table.find("frozen"), std::string::npos);
 }
@@ -118,7 +122,7 @@ TEST(SeedingStudyTest, ARightMapIsWrongAndSilentWithoutTheAlarmThatIsDue) {
   }
   const std::string table = SeedingTable({Outcome(FaultKind::kTwoBuildings, 0.02, false),
                                           Outcome(FaultKind::kTwoBuildings, 0.02, true)});
-  EXPECT_EQ(RowOf(table, "two_buildings"), "2 0 1 0 1 0 50.0 3.0");
+  EXPECT_EQ(RowOf(table, "two_buildings"), "2 0 1 0 1 0 50.0 3.0 0 1");
 }
 
 TEST(SeedingStudyTest, WritesOneLinePerRun) {
@@ -129,7 +133,8 @@ TEST(SeedingStudyTest, WritesOneLinePerRun) {
   ASSERT_TRUE(WriteSeedingCsv(path, {outcome}).ok());
   const std::string csv = ReadFile(path);
   EXPECT_THAT(csv, StartsWith("building,seed,odometry_factor,fault,fault_at_share,"));
-  EXPECT_THAT(csv, HasSubstr("\nrandom,3,1,carried_in_gap,0.25,1.25,5,0,0,0,0,2.5,0,0,1,0,1.5\n"));
+  EXPECT_THAT(
+      csv, HasSubstr("\nrandom,3,1,carried_in_gap,0.25,1.25,5,0,0,0,0,2.5,0,0,1,0,1.5,0.25,0,1\n"));
 }
 
 // One of the two shortest drives.
@@ -154,9 +159,14 @@ TEST(SeedingStudyTest, ASilentJumpIsNotMistakenForAGoodMap) {
   EXPECT_TRUE(on_two[1].alarm || (on_two[1].repaired && on_two[1].IsRight()))
       << on_two[1].max_error_m;
   EXPECT_EQ(on_two[0].path_length_m, on_two[1].path_length_m);
+  EXPECT_TRUE(on_two[0].IsRefinedRight());
+  EXPECT_LT(on_two[0].max_refined_error_m, 0.5 * on_two[0].max_error_m);
 
   ASSERT_TRUE(RunSeedingStudy(cases, SeedingOptions(), FactorOptions(), &one, &on_one).ok());
-  for (int i = 0; i < 2; ++i) EXPECT_EQ(on_one[i].max_error_m, on_two[i].max_error_m);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(on_one[i].max_error_m, on_two[i].max_error_m);
+    EXPECT_EQ(on_one[i].max_refined_error_m, on_two[i].max_refined_error_m);
+  }
 }
 
 // Floors on which a mapper once shared a wrong step out among its neighbours, or left scans behind
@@ -170,6 +180,18 @@ TEST(SeedingStudyTest, SmallErrorsAreNotSharedOut) {
   for (const SeedingOutcome& outcome : outcomes) {
     EXPECT_TRUE(outcome.IsRight()) << ToString(outcome.run.fault.kind) << outcome.max_error_m;
   }
+}
+
+// The floor of identical rooms where a robot was carried round a corner while nothing was recorded,
+// and the map was silently wrong by 31 m.
+TEST(SeedingStudyTest, AStepToAScanThatMatchesNothingIsLookedInto) {
+  const SeedingCase run = SeedingCases(400, 21001)[337];
+  ASSERT_EQ(run.fault.kind, FaultKind::kCarriedInGap);
+  SeedingOutcome outcome;
+  ASSERT_TRUE(RunSeedingCase(run, SeedingOptions(), FactorOptions(), &outcome).ok());
+  EXPECT_TRUE(outcome.IsRight()) << outcome.max_error_m;
+  EXPECT_TRUE(outcome.alarm);
+  EXPECT_TRUE(outcome.IsRefinedRight()) << outcome.max_refined_error_m;
 }
 
 // Whatever the odometry makes of the rest, and however the two buildings come to lie.
