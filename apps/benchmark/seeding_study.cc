@@ -225,6 +225,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   MapLogOptions options;
   options.seeding = seeding;
   options.solver.factors = factors;
+  options.solver.num_threads = 1;
   LogMapping mapping;
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));
   std::vector<Pose2> poses;

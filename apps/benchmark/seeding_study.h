@@ -78,8 +78,9 @@ Status RunSeedingStudy(const std::vector<SeedingCase>& cases, const SeedingOptio
                        std::vector<SeedingOutcome>* outcomes);
 
 /// A table for people: how many runs with each fault, and in each kind of building, are right or
-/// wrong, with and without an alarm; how many were repaired; the share of the right ones; the time
-/// of their seeding, in sum [s]; and how many maps are wrong once they are refined, and silent.
+/// wrong, each with and without an alarm; how many were repaired; the share of the right ones; the
+/// time of their seeding, in sum [s]; and how many maps are wrong once they are refined, and
+/// silent.
 std::string SeedingTable(const std::vector<SeedingOutcome>& outcomes);
 
 /// One line per run below a header line. Unavailable if the file cannot be written.

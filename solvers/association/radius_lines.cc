@@ -7,6 +7,7 @@
 // the disc holds too few points, or one scan only, the same is tried with twice the radius, and
 // twice again.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -25,21 +26,8 @@ constexpr int kNumLevels = 3;
 
 enum class CellFit : char { kLine, kNotALine, kTooSparse };
 
-// The cells around a square in one octant, its own included.
-struct OctantAround {
-  PointMoments moments;  // about the centre of the square
-  int pose = kNoPose;    // one of those that saw them
-  bool several_poses = false;
-
-  static constexpr int kNoPose = -1;
-
-  void Add(const PointMoments& other, int other_pose, bool other_several) {
-    if (pose == kNoPose) pose = other_pose;
-    moments += other;
-    several_poses = several_poses || other_several || pose != other_pose;
-  }
-};
-using Surroundings = std::array<OctantAround, 8>;
+// What lies in the disc around a square, its own cells included: by octant, about its centre.
+using Surroundings = std::array<SummedReturns, 8>;
 
 // octants: which ones to look at.
 Surroundings DiscAround(const SurfaceCells& cells, const SurfaceCellKey& key,
@@ -52,8 +40,7 @@ Surroundings DiscAround(const SurfaceCells& cells, const SurfaceCellKey& key,
       for (int octant = 0; octant < 8; ++octant) {
         if (!octants[octant] || square[octant] == SurfaceCells::kNone) continue;
         const SurfaceCell& cell = cells[square[octant]];
-        around[octant].Add(cell.moments.Shifted(dx * cells.cell_m(), dy * cells.cell_m()),
-                           cell.pose, cell.several_poses);
+        around[octant].Merge(cell.Shifted(dx * cells.cell_m(), dy * cells.cell_m()));
       }
     }
   }
@@ -63,13 +50,8 @@ Surroundings DiscAround(const SurfaceCells& cells, const SurfaceCellKey& key,
 // Fits the line of one octant of a square.
 CellFit FitOctant(const Surroundings& around, int octant, const Eigen::Vector2d& center,
                   const AssociationOptions& options, TangentLine* line) {
-  OctantAround sum = around[octant];
-  for (const int turn : {-1, 1}) {
-    const OctantAround& beside = around[(octant + turn) & 7];
-    if (beside.pose != OctantAround::kNoPose) {
-      sum.Add(beside.moments, beside.pose, beside.several_poses);
-    }
-  }
+  SummedReturns sum = around[octant];
+  for (const int turn : {-1, 1}) sum.Merge(around[(octant + turn) & 7]);
   if (sum.moments.weight < options.min_points) return CellFit::kTooSparse;
   if (options.several_poses && !sum.several_poses) return CellFit::kTooSparse;
   const LineFit fit = FitLine(sum.moments);
@@ -78,60 +60,58 @@ CellFit FitOctant(const Surroundings& around, int octant, const Eigen::Vector2d&
   return CellFit::kLine;
 }
 
-// The cells of one size and their lines.
+// A cell of the finest table that has no line yet.
+struct OpenCell {
+  int id = 0;
+  int within = 0;  // the cell that holds it in the table looked at
+};
+
+// Lines of those cells of a table that hold an open one.
 class CellLines {
  public:
-  explicit CellLines(SurfaceCells cells) : cells_(std::move(cells)), is_wanted_(cells_.size()) {}
-
-  SurfaceCells* cells() { return &cells_; }
-  void WantAll() { is_wanted_.assign(cells_.size(), true); }
-  // Those of which the cells of the next smaller size say too little.
-  void WantParentsOfSparse(const CellLines& smaller) {
-    for (std::size_t id = 0; id < smaller.cells_.size(); ++id) {
-      if (smaller.IsTooSparse(id)) is_wanted_[smaller.Parent(id)] = true;
-    }
-  }
-
-  // Fits those that are wanted.
-  void Fit(const AssociationOptions& options, ThreadPool* pool) {
+  CellLines(const SurfaceCells& cells, const std::vector<OpenCell>& open,
+            const AssociationOptions& options, ThreadPool* pool)
+      : cells_(cells),
+        options_(options),
+        is_asked_(cells.size()),
+        fits_(cells.size(), CellFit::kNotALine),
+        lines_(cells.size(), {0.0, 0.0, 0.0}) {
+    for (const OpenCell& cell : open) is_asked_[cell.within] = true;
     constexpr std::size_t kCellsPerChunk = 256;
-    fits_.assign(cells_.size(), CellFit::kNotALine);
-    lines_.assign(cells_.size(), {0.0, 0.0, 0.0});
-    pool->ForEachChunk(cells_.size(), kCellsPerChunk,
-                       [&](std::size_t, std::size_t begin, std::size_t end) {
-                         for (std::size_t id = begin; id < end; ++id) {
-                           if (is_wanted_[id]) FitSquareOf(id, options);
-                         }
+    pool->ForEachChunk(cells.size(), kCellsPerChunk,
+                       [this](std::size_t, std::size_t begin, std::size_t end) {
+                         for (std::size_t id = begin; id < end; ++id) FitSquareOf(id);
                        });
   }
 
   bool IsTooSparse(std::size_t id) const { return fits_[id] == CellFit::kTooSparse; }
-  std::size_t Parent(std::size_t id) const { return cells_[id].parent; }
   const TangentLine& Line(std::size_t id) const { return lines_[id]; }
 
  private:
   // All cells of a square lie in the same disc: the first one fits them all.
-  void FitSquareOf(std::size_t first, const AssociationOptions& options) {
+  void FitSquareOf(std::size_t first) {
     const SurfaceCellKey& key = cells_[first].key;
     const std::array<int, 8>& square = cells_.Square(key.x, key.y);
-    const auto is_asked = [this](int id) { return id != SurfaceCells::kNone && is_wanted_[id]; };
-    std::array<bool, 8> octants{};
+    std::array<bool, 8> is_needed{};
     for (int octant = 0; octant < 8; ++octant) {
       const int id = square[octant];
-      if (!is_asked(id)) continue;
+      if (!IsAsked(id)) continue;
       if (static_cast<std::size_t>(id) < first) return;
-      for (const int turn : {-1, 0, 1}) octants[(octant + turn) & 7] = true;
+      for (const int turn : {-1, 0, 1}) is_needed[(octant + turn) & 7] = true;
     }
-    const Surroundings around = DiscAround(cells_, key, octants);
+    const Surroundings around = DiscAround(cells_, key, is_needed);
     for (int octant = 0; octant < 8; ++octant) {
       const int id = square[octant];
-      if (!is_asked(id)) continue;
-      fits_[id] = FitOctant(around, octant, cells_.Center(key), options, &lines_[id]);
+      if (!IsAsked(id)) continue;
+      fits_[id] = FitOctant(around, octant, cells_.Center(key), options_, &lines_[id]);
     }
   }
 
-  SurfaceCells cells_;
-  std::vector<char> is_wanted_;  // per cell, as all below
+  bool IsAsked(int id) const { return id != SurfaceCells::kNone && is_asked_[id]; }
+
+  const SurfaceCells& cells_;
+  const AssociationOptions& options_;
+  std::vector<char> is_asked_;  // per cell, as all below
   std::vector<CellFit> fits_;
   std::vector<TangentLine> lines_;  // zero: none
 };
@@ -146,24 +126,21 @@ TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& 
   std::vector<int> cell_of_return;
   SurfaceCells finest = SortIntoCells(graph, poses, surface, grid, pool, &cell_of_return);
   AddCellsOfPeers(graph, poses, surface, grid, CellReach::kAround, &finest, &cell_of_return);
-  std::vector<CellLines> levels;
-  levels.emplace_back(std::move(finest)).WantAll();
-  levels.back().Fit(options, pool);
-  while (static_cast<int>(levels.size()) < kNumLevels) {
-    CellLines larger(Coarsened(levels.back().cells()));
-    larger.WantParentsOfSparse(levels.back());
-    larger.Fit(options, pool);
-    levels.push_back(std::move(larger));
-  }
-  std::vector<TangentLine> line_of_cell;
-  line_of_cell.reserve(levels.front().cells()->size());
-  for (std::size_t id = 0; id < levels.front().cells()->size(); ++id) {
-    std::size_t at = id;
-    std::size_t level = 0;
-    for (; level + 1 < levels.size() && levels[level].IsTooSparse(at); ++level) {
-      at = levels[level].Parent(at);
+  std::vector<TangentLine> line_of_cell(finest.size(), {0.0, 0.0, 0.0});
+  std::vector<OpenCell> open;
+  open.reserve(finest.size());
+  for (int id = 0; id < static_cast<int>(finest.size()); ++id) open.push_back({id, id});
+  SurfaceCells cells = std::move(finest);
+  for (int level = 0; level < kNumLevels && !open.empty(); ++level) {
+    if (level > 0) {
+      SurfaceCells larger = Coarsened(&cells);
+      for (OpenCell& cell : open) cell.within = cells[cell.within].parent;
+      cells = std::move(larger);
     }
-    line_of_cell.push_back(levels[level].Line(at));
+    const CellLines lines(cells, open, options, pool);
+    for (const OpenCell& cell : open) line_of_cell[cell.id] = lines.Line(cell.within);
+    const auto is_settled = [&](const OpenCell& cell) { return !lines.IsTooSparse(cell.within); };
+    open.erase(std::remove_if(open.begin(), open.end(), is_settled), open.end());
   }
   return {std::move(line_of_cell), std::move(cell_of_return)};
 }

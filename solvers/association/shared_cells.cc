@@ -135,8 +135,8 @@ void MergeCells(const Peers& peers, const SharedBlocks& shared, SurfaceCells* ce
   }
   std::sort(contributions.begin(), contributions.end(), ComesBefore);
   for (const Contribution& from : contributions) {
-    const int id = cells->FindOrInsert(from.cell.key, from.cell.pose);
-    (*cells)[id].Merge(from.cell.moments, from.cell.pose, from.cell.several_poses);
+    const int id = cells->FindOrInsert(from.cell.key);
+    (*cells)[id].Merge(from.cell);
     if (from.own_id != SurfaceCells::kNone) (*new_id)[from.own_id] = id;
   }
 }

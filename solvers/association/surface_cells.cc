@@ -40,6 +40,9 @@ class ChunkSorter {
     int last = SurfaceCells::kNone;
     Eigen::Vector2d center = Eigen::Vector2d::Zero();
     PointMoments moments;
+    const auto add_to_last = [&] {
+      if (last != SurfaceCells::kNone) cells_[last].Merge({moments, scan.pose, false});
+    };
     const std::size_t first_held_out = HeldOutReturns::FirstOf(graph_, scan_id);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       const bool counts =
@@ -54,8 +57,8 @@ class ChunkSorter {
       const double y = s * z.x() + c * z.y() + grid_from_robot.y;
       const SurfaceCellKey key = cells_.KeyOf(x, y, OctantOf(normal.Turns() + turned));
       if (last == SurfaceCells::kNone || !(key == last_key)) {
-        if (last != SurfaceCells::kNone) cells_[last].Merge(moments, scan.pose, false);
-        last = cells_.FindOrInsert(key, scan.pose);
+        add_to_last();
+        last = cells_.FindOrInsert(key);
         last_key = key;
         center = cells_.Center(key);
         moments = PointMoments();
@@ -63,7 +66,7 @@ class ChunkSorter {
       cell_of_return_[r] = last;
       if (counts) moments.Add(x - center.x(), y - center.y());
     }
-    if (last != SurfaceCells::kNone) cells_[last].Merge(moments, scan.pose, false);
+    add_to_last();
   }
 
   std::vector<SurfaceCell> TakeCells() { return std::move(cells_).Take(); }
@@ -93,8 +96,8 @@ std::vector<int> MergeInto(const std::vector<SurfaceCell>& part, SurfaceCells* c
   std::vector<int> renamed;
   renamed.reserve(part.size());
   for (const SurfaceCell& cell : part) {
-    const int id = cells->FindOrInsert(cell.key, cell.pose);
-    (*cells)[id].Merge(cell.moments, cell.pose, cell.several_poses);
+    const int id = cells->FindOrInsert(cell.key);
+    (*cells)[id].Merge(cell);
     renamed.push_back(id);
   }
   return renamed;
@@ -102,7 +105,7 @@ std::vector<int> MergeInto(const std::vector<SurfaceCell>& part, SurfaceCells* c
 
 }  // namespace
 
-int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
+int SurfaceCells::FindOrInsert(const SurfaceCellKey& key) {
   const std::uint64_t square = PackedSquare(key.x, key.y);
   std::size_t slot = SlotOf(square);
   if (!slots_[slot].taken) {
@@ -119,7 +122,6 @@ int SurfaceCells::FindOrInsert(const SurfaceCellKey& key, int pose) {
     cell = static_cast<int>(cells_.size());
     cells_.emplace_back();
     cells_.back().key = key;
-    cells_.back().pose = pose;
   }
   return cell;
 }
@@ -208,10 +210,9 @@ SurfaceCells Coarsened(SurfaceCells* fine) {
     SurfaceCell& cell = (*fine)[i];
     // Arithmetic shift rounds towards minus infinity, like the floor that made the keys.
     const SurfaceCellKey key{cell.key.x >> 1, cell.key.y >> 1, cell.key.octant};
-    cell.parent = coarse.FindOrInsert(key, cell.pose);
+    cell.parent = coarse.FindOrInsert(key);
     const Eigen::Vector2d shift = fine->Center(cell.key) - coarse.Center(key);
-    coarse[cell.parent].Merge(cell.moments.Shifted(shift.x(), shift.y()), cell.pose,
-                              cell.several_poses);
+    coarse[cell.parent].Merge(cell.Shifted(shift.x(), shift.y()));
   }
   return coarse;
 }

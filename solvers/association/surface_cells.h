@@ -31,18 +31,31 @@ struct SurfaceCellKey {
 /// centred on that axis.
 inline int OctantOf(double turns) { return static_cast<int>(8.0 * (turns + 1.0 / 16.0)) & 7; }
 
-/// The returns that ended in one cell.
-struct SurfaceCell {
-  SurfaceCellKey key;
-  PointMoments moments;  ///< about the centre of the cell, in the frame of the grid
-  int pose = 0;          ///< one of the poses that saw it
-  bool several_poses = false;
-  int parent = -1;  ///< in the table of twice the cell size, once Coarsened has made it
+/// Returns in sum: where they end, and whether more than one pose saw them.
+struct SummedReturns {
+  static constexpr int kNoPose = -1;
 
-  void Merge(const PointMoments& other, int other_pose, bool other_several) {
-    moments += other;
-    several_poses = several_poses || other_several || pose != other_pose;
+  PointMoments moments;  ///< about the centre of a cell, in the frame of the grid
+  int pose = kNoPose;    ///< one of the poses that saw them
+  bool several_poses = false;
+
+  /// other: about the same centre; nothing where it has no pose.
+  void Merge(const SummedReturns& other) {
+    if (other.pose == kNoPose) return;
+    if (pose == kNoPose) pose = other.pose;
+    moments += other.moments;
+    several_poses = several_poses || other.several_poses || pose != other.pose;
   }
+  /// The same returns about a centre moved by (-dx, -dy) [m].
+  SummedReturns Shifted(double dx, double dy) const {
+    return {moments.Shifted(dx, dy), pose, several_poses};
+  }
+};
+
+/// The returns that ended in one cell.
+struct SurfaceCell : SummedReturns {
+  SurfaceCellKey key;
+  int parent = -1;  ///< in the table of twice the cell size, once Coarsened has made it
 };
 
 /// Cells by key, in an open-addressing hash table of squares that hold eight cells each. Cells are
@@ -72,7 +85,7 @@ class SurfaceCells {
   const std::array<int, 8>& Square(std::int64_t x, std::int64_t y) const {
     return slots_[SlotOf(PackedSquare(x, y))].cell_of_octant;
   }
-  int FindOrInsert(const SurfaceCellKey& key, int pose);
+  int FindOrInsert(const SurfaceCellKey& key);
 
   /// The cells without their table, which is as large.
   std::vector<SurfaceCell> Take() && { return std::move(cells_); }

@@ -335,9 +335,11 @@ LandmarkStore::CutPart LandmarkStore::Cut(const int* first_square, const int* en
     }
     const Eigen::Vector2d at = placed.Place(in_robot);
     const SurfaceCellKey key = cells.KeyOf(at.x(), at.y(), placed.Octant(normal));
-    const int cell = cells.FindOrInsert(key, graph.scan(scan).pose);
+    const int cell = cells.FindOrInsert(key);
     const Eigen::Vector2d point = now.Place(in_robot) - cells.Center(key);
-    cells[cell].moments.Add(point.x(), point.y());
+    PointMoments moments;
+    moments.Add(point.x(), point.y());
+    cells[cell].Merge({moments, graph.scan(scan).pose, false});
     cell_of_return.push_back(cell);
   });
 

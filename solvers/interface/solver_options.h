@@ -21,7 +21,8 @@ class PoseSystemSolver;
 
 /// The reduced solver.
 struct ReducedOptions {
-  /// A round cuts the surfaces into landmarks anew.
+  /// A round cuts the surfaces into landmarks anew. The first of several leaves out returns without
+  /// a normal.
   int max_rounds = 20;
   /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
   int steps_per_round = 1;

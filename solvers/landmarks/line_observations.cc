@@ -14,6 +14,7 @@ namespace {
 
 // Few enough that a window of some hundred poses keeps all threads busy to the end.
 constexpr std::size_t kPosesPerChunk = 16;
+// The same goes for scans. More would save allocations of runs, and hardly any time.
 constexpr std::size_t kScansPerArray = 16;
 
 // Turns counts into the index of each group's first element; appends the end.

@@ -144,14 +144,15 @@ class LandmarkMinimizer {
   }
 
   // Returns without a normal have to guess where they belong, by the map as it is: while a seed may
-  // have surfaces twice, they would hold them apart.
+  // have surfaces twice, they would hold them apart. They wait for the second round, if there is
+  // one.
   void CutLandmarks(bool first) {
     const auto start = Clock::now();
     ForgetObservations();
     landmark_of_return_ = std::vector<int>();
     LineLandmarkOptions options = LandmarkOptionsFor(factors_, association_);
     options.hold_out = true;
-    options.joins_without_normal = !first;
+    options.joins_without_normal = !first || options_.max_rounds == 1;
     LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
     if (factors_.shape.enabled) {
       adjacent_ = FindAdjacentLandmarks(graph_, cut, association_.min_segment_length_m, pool_);

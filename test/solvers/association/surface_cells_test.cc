@@ -109,7 +109,7 @@ void ExpectCellsOf(const std::vector<Placed>& placed, SurfaceCells cells) {
     ExpectNear(cells[i].moments, moments[key], 1e-10);
     EXPECT_EQ(cells[i].several_poses, poses[key].size() > 1);
     EXPECT_EQ(poses[key].count(cells[i].pose), 1u);
-    EXPECT_EQ(cells.FindOrInsert(cells[i].key, 0), static_cast<int>(i));
+    EXPECT_EQ(cells.FindOrInsert(cells[i].key), static_cast<int>(i));
   }
 }
 
@@ -236,17 +236,16 @@ TEST(SurfaceCellsTest, TheTableGrowsAndFindsAll) {
     for (int y = -40; y < 40; ++y) keys.push_back({x, y, (x + 2 * y) & 7});
   }
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    EXPECT_EQ(cells.FindOrInsert(keys[i], 4), static_cast<int>(i));
+    EXPECT_EQ(cells.FindOrInsert(keys[i]), static_cast<int>(i));
   }
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    EXPECT_EQ(cells.FindOrInsert(keys[i], 5), static_cast<int>(i));
-    EXPECT_EQ(cells[i].pose, 4);
+    EXPECT_EQ(cells.FindOrInsert(keys[i]), static_cast<int>(i));
   }
   EXPECT_EQ(cells.size(), keys.size());
   // Another octant of a square is another cell.
   for (std::size_t i = 0; i < keys.size(); ++i) {
     keys[i].octant ^= 1;
-    EXPECT_EQ(cells.FindOrInsert(keys[i], 6), static_cast<int>(keys.size() + i));
+    EXPECT_EQ(cells.FindOrInsert(keys[i]), static_cast<int>(keys.size() + i));
   }
 }
 

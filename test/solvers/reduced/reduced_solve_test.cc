@@ -124,7 +124,7 @@ TEST(ReducedSolveTest, APerfectSeedInAClosedRoomMovesByMicrometres) {
 
 TEST(ReducedSolveTest, ReturnsWithoutANormalCountFromTheSecondRoundOn) {
   NoisyRoom room = MakeNoisyRoom();
-  const SolverOptions options = Reduced();
+  SolverOptions options = Reduced();
   MeasuredSurface surface;
   ASSERT_TRUE(MeasureNewScans(options, room.graph, &surface).ok());
   const auto count = [&] {
@@ -146,6 +146,11 @@ TEST(ReducedSolveTest, ReturnsWithoutANormalCountFromTheSecondRoundOn) {
   for (std::size_t round = 1; round < with_half.size(); ++round) {
     EXPECT_GT(with_half[round], with_all[0] * 8 / 10) << round;
   }
+  // A single round has them all.
+  options.reduced.max_rounds = 1;
+  const std::vector<std::size_t> at_once = count();
+  ASSERT_EQ(at_once.size(), 2u);
+  EXPECT_GT(at_once[0], with_all[0] * 8 / 10);
 }
 
 TEST(ReducedSolveTest, LinesThatStayHoldThePosesBack) {
