@@ -25,7 +25,7 @@ void CandidateEvaluator::Reevaluate(Candidate* candidate) const {
 bool CandidateEvaluator::IsPreferable(const Candidate& plain,
                                       const Candidate& downweighting) const {
   if (!downweighting.acceptance.IsBetterAsAWhole()) return false;
-  if (!plain.acceptance.IsBetterAsAWhole()) return true;
+  if (plain.is_refuted || !plain.acceptance.IsBetterAsAWhole()) return true;
   return CompareWithSeed(graph_, surface_, factors_, {plain.poses, plain.cut},
                          {downweighting.poses, downweighting.cut}, pool_)
       .LowersEnergy();

@@ -20,6 +20,7 @@ struct Candidate {
   LineLandmarks cut;          ///< the surfaces as these place them, as ComparedState wants them
   AcceptanceTest acceptance;  ///< against the seed
   std::vector<WorseStretch> worse;  ///< where the seed is clearly better; see FindWorseStretches
+  bool is_refuted = false;          ///< drawn by broken steps; see StepsAgainstState
 
   /// For a seed that is no yardstick for parts of the drive.
   void ForgetWorseStretches() {
@@ -41,8 +42,9 @@ class CandidateEvaluator {
   Candidate Evaluate(std::vector<double> poses, LineLandmarks cut) const;
 
   /// Whether to take the second candidate, found with some steps downweighted, for the first, found
-  /// with all of them. By the factors of the evaluator, in which these are downweighted: by the
-  /// others their error would outweigh the map.
+  /// with all of them. If these refute the first one, it is enough that the second is better than
+  /// the seed. By the factors of the evaluator, in which these are downweighted: by the others
+  /// their error would outweigh the map.
   bool IsPreferable(const Candidate& plain, const Candidate& downweighting) const;
 
   /// Puts back what is clearly worse than the seed, with more around it each time that this does

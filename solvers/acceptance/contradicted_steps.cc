@@ -14,6 +14,9 @@ namespace plumbline {
 namespace {
 
 constexpr double kContradictedSigmas = 6.0;
+// On fr079, a step of 15 moves the pose beside it by 3 mm only. A robot that was carried
+// contradicts its step by hundreds.
+constexpr double kBrokenSigmas = 30.0;
 constexpr double kLeapM = 0.2;
 constexpr double kLeapRad = 0.2;
 constexpr double kKeptSigmas = 3.0;
@@ -26,7 +29,8 @@ double SigmasOf(const PoseEdge& edge, const std::vector<double>& poses) {
   return error.norm();
 }
 
-bool IsLeap(const PoseEdge& edge, const std::vector<double>& poses) {
+bool IsContradicted(const PoseEdge& edge, const std::vector<double>& poses, double least_sigmas) {
+  if (!(SigmasOf(edge, poses) > least_sigmas)) return false;
   const Pose2 step = Between(Pose2(&poses[3 * edge.from]), Pose2(&poses[3 * edge.to]));
   const Pose2& odometry = edge.residual.a_from_b;
   return std::hypot(step.x - odometry.x, step.y - odometry.y) > kLeapM ||
@@ -39,30 +43,31 @@ bool IsNear(const WorseStretch& stretch, int pose) {
 
 }  // namespace
 
-std::vector<DownweightedStep> StepsToDownweight(const SlamGraph& graph,
-                                                const FactorOptions& factors,
-                                                const std::vector<double>& seed,
-                                                const std::vector<double>& state,
-                                                const std::vector<WorseStretch>& worse) {
+StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& factors,
+                                   const std::vector<double>& seed,
+                                   const std::vector<double>& state,
+                                   const std::vector<WorseStretch>& worse) {
   const std::vector<PoseEdge> motions = PoseEdges(graph, factors).motions;
-  std::vector<DownweightedStep> contradicted;
+  std::vector<std::size_t> contradicted;
   std::vector<WorseStretch> spoilt = worse;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    const double sigmas = SigmasOf(motions[i], seed);
-    if (sigmas > kContradictedSigmas && IsLeap(motions[i], seed)) {
-      contradicted.push_back({i, sigmas});
-    } else if (sigmas <= kKeptSigmas && SigmasOf(motions[i], state) > kContradictedSigmas) {
+    if (IsContradicted(motions[i], seed, kContradictedSigmas)) {
+      contradicted.push_back(i);
+    } else if (SigmasOf(motions[i], seed) <= kKeptSigmas &&
+               SigmasOf(motions[i], state) > kContradictedSigmas) {
       spoilt.push_back({motions[i].from, motions[i].to});
     }
   }
-  std::vector<DownweightedStep> downweighted;
-  for (const DownweightedStep& step : contradicted) {
+  StepsAgainstState against;
+  for (const std::size_t i : contradicted) {
+    const bool is_broken = IsContradicted(motions[i], state, kBrokenSigmas);
     const bool spoils = std::any_of(spoilt.begin(), spoilt.end(), [&](const WorseStretch& stretch) {
-      return IsNear(stretch, motions[step.step].to);
+      return IsNear(stretch, motions[i].to);
     });
-    if (spoils) downweighted.push_back(step);
+    if (is_broken) against.refute_state = true;
+    if (is_broken || spoils) against.steps.push_back({i, SigmasOf(motions[i], seed)});
   }
-  return downweighted;
+  return against;
 }
 
 }  // namespace plumbline

@@ -9,25 +9,33 @@
 
 namespace plumbline {
 
+/// Steps of the odometry that speak against a state.
+struct StepsAgainstState {
+  std::vector<DownweightedStep> steps;  ///< in order of the graph
+  /// One of them at least is broken, and drew the state all the same: what that looks like says
+  /// nothing for it.
+  bool refute_state = false;
+};
+
 /// Steps of the odometry that the seed flatly contradicts, by more than six standard deviations and
-/// 0.2 m or 0.2 rad, and that drew a state away from the seed: within 16 poses of such a step lies
-/// one of the `worse` stretches, or a step that the seed keeps to within three standard deviations
-/// and the state contradicts by more than six.
+/// 0.2 m or 0.2 rad, and that are broken or drew a state away from the seed. Broken is one that the
+/// state contradicts as well, by more than 30 standard deviations and 0.2 m or 0.2 rad. The others
+/// drew it away if within 16 poses lies one of the `worse` stretches, or a step that the seed keeps
+/// to within three standard deviations and the state contradicts by more than six.
 ///
 /// The motion terms are quadratic, the returns' robust. What a pose's returns say against a wrong
 /// place is bounded, what a step says that is off by hundreds of standard deviations is not: it
-/// tears the poses beside it from the map and shares its error out among the steps there. Each of
-/// these steps gets the factor that makes its error at the seed one standard deviation. Where the
-/// state is no worse than the seed, the seed was wrong and the step is right: it is not
-/// downweighted.
+/// tears the poses beside it from the map and shares its error out among the steps there. It may
+/// even draw a stretch of the drive onto walls that look alike. Each of these steps gets the factor
+/// that makes its error at the seed one standard deviation. Where the state obeys the step and is
+/// no worse than the seed, the seed was wrong and the step is right: it is not downweighted.
 ///
-/// seed, state: (x, y, yaw) each. In order of the steps. One that `factors` downweights already is
-/// found again only if it is contradicted even so.
-std::vector<DownweightedStep> StepsToDownweight(const SlamGraph& graph,
-                                                const FactorOptions& factors,
-                                                const std::vector<double>& seed,
-                                                const std::vector<double>& state,
-                                                const std::vector<WorseStretch>& worse);
+/// seed, state: (x, y, yaw) each. A step that `factors` downweights already is found again only if
+/// it is contradicted even so.
+StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& factors,
+                                   const std::vector<double>& seed,
+                                   const std::vector<double>& state,
+                                   const std::vector<WorseStretch>& worse);
 
 }  // namespace plumbline
 

@@ -71,9 +71,13 @@ void JointRun::FindStart() {
   if (summary_.started_from_constraints) state_.poses = *suggested_;
 }
 
-std::vector<DownweightedStep> JointRun::StepsAgainst(const Candidate& found) const {
+std::vector<DownweightedStep> JointRun::StepsAgainst(Candidate* found) const {
   if (Ended()) return {};
-  return StepsToDownweight(graph_, factors_, seed_.poses, found.poses, found.worse);
+  StepsAgainstState against =
+      FindStepsAgainst(graph_, factors_, seed_.poses, found->poses, found->worse);
+  // A seed that is no start is no yardstick either.
+  found->is_refuted = against.refute_state && !summary_.started_from_constraints;
+  return std::move(against.steps);
 }
 
 void JointRun::DownweightSteps(const std::vector<DownweightedStep>& steps) {

@@ -45,8 +45,9 @@ class JointRun {
   }
   /// The last minimisation was stopped or failed.
   bool Ended() const { return last_inner_.stopped || !last_inner_.usable; }
-  /// Steps of the odometry to begin again without; none if the run has ended.
-  std::vector<DownweightedStep> StepsAgainst(const Candidate& found) const;
+  /// Steps of the odometry to begin again without; none if the run has ended. Notes whether they
+  /// refute what was found.
+  std::vector<DownweightedStep> StepsAgainst(Candidate* found) const;
   void DownweightSteps(const std::vector<DownweightedStep>& steps);
   void RestoreSteps();
   /// The parts that are clearly worse than the seed's are put back, and then the whole has to be

@@ -53,7 +53,7 @@ class RoundsRun final : public JointRun {
     associated_ = &fitted;
     RunFittedRounds();
     Candidate found = Evaluator().Evaluate(state_.poses, CutSurfaces(state_.poses));
-    const std::vector<DownweightedStep> downweighted = StepsAgainst(found);
+    const std::vector<DownweightedStep> downweighted = StepsAgainst(&found);
     if (!downweighted.empty()) RunRoundsDownweighting(downweighted, &found);
     associated_ = surface_;
 

@@ -28,7 +28,7 @@ class LandmarkRun final : public JointRun {
     ReducedResult result = Minimize();
     if (!summary_.started_from_constraints) seed_landmarks_ = std::move(result.first_cut);
     Candidate found = Evaluator().Evaluate(result.fitted_poses, std::move(result.fitted_cut));
-    const std::vector<DownweightedStep> downweighted = StepsAgainst(found);
+    const std::vector<DownweightedStep> downweighted = StepsAgainst(&found);
     if (!downweighted.empty()) MinimizeDownweighting(downweighted, &result, &found);
     RunAcceptanceTest(&found);
     KeepForPolish(found.cut);

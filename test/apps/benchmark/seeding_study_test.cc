@@ -194,6 +194,20 @@ TEST(SeedingStudyTest, AStepToAScanThatMatchesNothingIsLookedInto) {
   EXPECT_TRUE(outcome.IsRefinedRight()) << outcome.max_refined_error_m;
 }
 
+// Right seeds whose broken step drew poses away in the estimation, by up to 1.8 m: onto a room that
+// looks alike, or along a corridor that tells nothing of where one is.
+TEST(SeedingStudyTest, ABrokenStepOfTheOdometryDrawsNoPoseAway) {
+  const std::vector<SeedingCase> first = SeedingCases(180, 1), other = SeedingCases(400, 21001);
+  const std::vector<SeedingCase> cases = {first[157], other[246], other[247], other[393]};
+  std::vector<SeedingOutcome> outcomes;
+  ThreadPool pool(2);
+  ASSERT_TRUE(RunSeedingStudy(cases, SeedingOptions(), FactorOptions(), &pool, &outcomes).ok());
+  for (const SeedingOutcome& outcome : outcomes) {
+    EXPECT_TRUE(outcome.IsRight()) << outcome.max_error_m;
+    EXPECT_LT(outcome.max_refined_error_m, 0.02) << outcome.run.seed;
+  }
+}
+
 // Whatever the odometry makes of the rest, and however the two buildings come to lie.
 TEST(SeedingStudyTest, JudgesWhatCanBeRightOfAFrozenLaserAndOfTwoBuildings) {
   std::vector<SeedingOutcome> outcomes;

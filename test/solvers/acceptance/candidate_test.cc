@@ -79,5 +79,20 @@ TEST_F(CandidateTest, TheMapOfTornPosesIsNotPreferred) {
   EXPECT_FALSE(Evaluator().IsPreferable(good, bad));
 }
 
+TEST_F(CandidateTest, OfARefutedCandidateNothingButTheSeedIsToBeBeaten) {
+  Candidate refuted = Evaluator().Evaluate(truth_, Cut(truth_));
+  const Candidate no_better = Evaluator().Evaluate(seed_, Cut(seed_));
+  Candidate nearer = Evaluator().Evaluate(truth_, Cut(truth_));
+  for (std::size_t i = 0; i < nearer.poses.size(); ++i) {
+    nearer.poses[i] += 0.5 * (seed_[i] - truth_[i]);
+  }
+  nearer = Evaluator().Evaluate(nearer.poses, Cut(nearer.poses));
+  ASSERT_TRUE(nearer.acceptance.IsBetterAsAWhole());
+  EXPECT_FALSE(Evaluator().IsPreferable(refuted, nearer));
+  refuted.is_refuted = true;
+  EXPECT_TRUE(Evaluator().IsPreferable(refuted, nearer));
+  EXPECT_FALSE(Evaluator().IsPreferable(refuted, no_better));
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -34,9 +34,13 @@ Drive CarriedDrive(double carried_m) {
   return drive;
 }
 
+StepsAgainstState Against(const Drive& drive, const std::vector<double>& state,
+                          const std::vector<WorseStretch>& worse = {}) {
+  return FindStepsAgainst(drive.graph, drive.factors, drive.seed, state, worse);
+}
 std::vector<DownweightedStep> Downweighted(const Drive& drive, const std::vector<double>& state,
                                            const std::vector<WorseStretch>& worse = {}) {
-  return StepsToDownweight(drive.graph, drive.factors, drive.seed, state, worse);
+  return Against(drive, state, worse).steps;
 }
 
 // What the step is off at the seed is shared out among the ones beside it.
@@ -67,19 +71,38 @@ TEST(ContradictedStepsTest, DownweightedItIsOneStandardDeviationOff) {
   EXPECT_TRUE(Downweighted(drive, TornState(drive)).empty());
 }
 
-TEST(ContradictedStepsTest, AStepIsTrustedWhereTheStateIsNoWorse) {
+// All that comes after the step is as far off the seed as this.
+std::vector<double> MovedAfterTheStep(const Drive& drive, double by_m) {
+  std::vector<double> state = drive.seed;
+  for (int i = kCarriedTo; i < kNumPoses; ++i) state[3 * i] += by_m;
+  return state;
+}
+
+TEST(ContradictedStepsTest, AStepIsTrustedWhereTheStateObeysItAndIsNoWorse) {
+  // The step was right, and what the seed had wrong has been put right, or nearly.
   const Drive drive = CarriedDrive(2.0);
-  EXPECT_TRUE(Downweighted(drive, drive.seed).empty());
-  // The step was right, and what the seed had wrong has been put right.
-  std::vector<double> mended = drive.seed;
-  for (int i = kCarriedTo; i < kNumPoses; ++i) mended[3 * i] -= 2.0;
-  EXPECT_TRUE(Downweighted(drive, mended).empty());
+  for (const double by_m : {-1.85, -2.0, -2.15}) {
+    EXPECT_TRUE(Downweighted(drive, MovedAfterTheStep(drive, by_m)).empty()) << by_m;
+  }
+}
+
+TEST(ContradictedStepsTest, AStepThatTheStateContradictsTooIsBroken) {
+  const Drive drive = CarriedDrive(2.0);
+  for (const double by_m : {0.5, 0.0, -1.0, -1.75}) {
+    const StepsAgainstState against = Against(drive, MovedAfterTheStep(drive, by_m));
+    ASSERT_EQ(against.steps.size(), 1u) << by_m;
+    EXPECT_EQ(against.steps[0].step, kCarriedTo - 1u);
+    EXPECT_TRUE(against.refute_state);
+  }
 }
 
 TEST(ContradictedStepsTest, WorseStretchesSpeakAgainstAStepBesideThemOnly) {
   const Drive drive = CarriedDrive(2.0);
-  EXPECT_EQ(Downweighted(drive, drive.seed, {{20, 22}}).size(), 1u);
-  EXPECT_TRUE(Downweighted(drive, drive.seed, {{2, 5}}).empty());
+  const std::vector<double> obeys = MovedAfterTheStep(drive, -2.0);
+  const StepsAgainstState against = Against(drive, obeys, {{20, 22}});
+  EXPECT_EQ(against.steps.size(), 1u);
+  EXPECT_FALSE(against.refute_state);
+  EXPECT_TRUE(Downweighted(drive, obeys, {{2, 5}}).empty());
 }
 
 TEST(ContradictedStepsTest, LessThanALeapIsNoise) {
