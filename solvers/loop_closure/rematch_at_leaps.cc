@@ -24,9 +24,12 @@ constexpr int kPosesBeforeInMap = 2;
 constexpr double kMinGain = 0.05;
 // ... and all but all of it, ...
 constexpr double kMinLeapInlierRatio = 0.8;
-// ... or just more and at least half of it, if it makes the steps of the robot more even: then scan
+// ... or so many times as much as the old one and at least half of it: where a scan fits that
+// badly, its pose is the odometry's, and never was matched, ...
+constexpr double kMinFactor = 2.0;
+constexpr double kMinPartInlierRatio = 0.5;
+// ... or at least half of it and just more, if it makes the steps of the robot more even: then scan
 // and odometry say the same.
-constexpr double kMinInlierRatioEven = 0.5;
 // Starts along a leap, at most.
 constexpr int kMaxStarts = 8;
 // Evenness is told by this many steps to either side.
@@ -157,10 +160,10 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
     const ScanMatch match =
         BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
-    fits_well[p] = match.inlier_ratio >= kMinLeapInlierRatio && gain >= kMinGain;
-    if (fits_well[p] != 0 || (match.inlier_ratio >= kMinInlierRatioEven && gain > 0.0)) {
-      after[p] = match.world_from_robot;
-    }
+    if (match.inlier_ratio < kMinPartInlierRatio || gain <= 0.0) return;
+    after[p] = match.world_from_robot;
+    fits_well[p] = gain >= kMinGain && (match.inlier_ratio >= kMinLeapInlierRatio ||
+                                        match.inlier_ratio >= kMinFactor * old.inlier_ratio);
   });
   for (std::size_t p = 0; p < before.size(); ++p) {
     const int pose = static_cast<int>(p);

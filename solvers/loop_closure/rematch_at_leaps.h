@@ -14,8 +14,9 @@ namespace plumbline {
 
 /// Matches the scans next to each leap anew, without the odometry: where wheels slip, the
 /// sequential matching is held back by them for a scan or two before it lets go, and these poses
-/// hang behind. A pose is replaced only where its scan fits clearly better, and all but completely
-/// or so that the robot moved more evenly: that many things fit a little somewhere is no reason.
+/// hang behind. A pose is replaced only where its scan fits clearly better, and all but completely,
+/// or twice as well, or so that the robot moved more evenly: that many things fit a little
+/// somewhere is no reason.
 ///
 /// surfaces: per scan. odometry: from the pose before, per pose. motion: its noise.
 /// world_from_robot: per pose, following the keyframes. The result does not depend on the number of

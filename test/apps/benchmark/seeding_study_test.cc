@@ -170,10 +170,10 @@ TEST(SeedingStudyTest, ASilentJumpIsNotMistakenForAGoodMap) {
 }
 
 // Floors on which a mapper once shared a wrong step out among its neighbours, or left scans behind
-// where wheels had slipped, and did not say so.
+// where wheels had slipped or nothing was recorded, and did not say so.
 TEST(SeedingStudyTest, SmallErrorsAreNotSharedOut) {
-  const std::vector<SeedingCase> all = SeedingCases(400, 9001);
-  const std::vector<SeedingCase> cases = {all[5], all[161], all[311], all[337]};
+  const std::vector<SeedingCase> all = SeedingCases(400, 9001), other = SeedingCases(400, 31001);
+  const std::vector<SeedingCase> cases = {all[5], all[161], all[311], all[337], other[217]};
   std::vector<SeedingOutcome> outcomes;
   ThreadPool pool(2);
   ASSERT_TRUE(RunSeedingStudy(cases, SeedingOptions(), FactorOptions(), &pool, &outcomes).ok());
