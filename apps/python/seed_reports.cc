@@ -117,6 +117,8 @@ void BindHypotheses(py::module_* module) {
       .value("MATCHING", HypothesisKind::kMatching, "the scan matching is right")
       .value("ODOMETRY", HypothesisKind::kOdometry, "likewise, from the odometry's poses")
       .value("ODOMETRY_ALONE", HypothesisKind::kOdometryAlone, "no loop is closed")
+      .value("ODOMETRY_HEADINGS", HypothesisKind::kOdometryHeadings,
+             "the odometry has the headings")
       .value("WITHOUT_CLUSTER", HypothesisKind::kWithoutCluster, "a cluster of closures is wrong")
       .value("WITH_MATCH", HypothesisKind::kWithMatch, "a match that was no closure holds")
       .value("BROKEN_STEPS", HypothesisKind::kBrokenSteps, "some steps are wrong")

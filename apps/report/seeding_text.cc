@@ -198,6 +198,8 @@ std::string HypothesisText(const WeighedHypothesis& hypothesis) {
       return "the poses of the odometry as given and all closures that agree";
     case HypothesisKind::kOdometryAlone:
       return "the poses of the odometry as given, and no closures";
+    case HypothesisKind::kOdometryHeadings:
+      return "sequential matching with the headings of the odometry, and all closures that agree";
     case HypothesisKind::kWithoutCluster:
       return "without " + closures;
     case HypothesisKind::kWithMatch:

@@ -31,6 +31,8 @@ const char* ToString(HypothesisKind kind) {
       return "odometry";
     case HypothesisKind::kOdometryAlone:
       return "odometry_alone";
+    case HypothesisKind::kOdometryHeadings:
+      return "odometry_headings";
     case HypothesisKind::kWithoutCluster:
       return "without_cluster";
     case HypothesisKind::kWithMatch:

@@ -101,13 +101,14 @@ struct LoopClosingReport {
 
 /// What a hypothesis about a drive assumes.
 enum class HypothesisKind {
-  kMatching,        ///< the sequential matching is right, and so are the loop closures
-  kOdometry,        ///< likewise, from the poses that the odometry gave
-  kOdometryAlone,   ///< the odometry is right as it is; no loop is closed
-  kWithoutCluster,  ///< one cluster of closures is a mistake: places look alike, or changed
-  kWithMatch,       ///< a match that is no closure by itself holds: the map is better with it
-  kBrokenSteps,     ///< some steps are wrong: a slip, or the robot was carried
-  kJoinedParts,     ///< the robot was carried: what lies beyond a step fits at another place
+  kMatching,          ///< the sequential matching is right, and so are the loop closures
+  kOdometry,          ///< likewise, from the poses that the odometry gave
+  kOdometryAlone,     ///< the odometry is right as it is; no loop is closed
+  kOdometryHeadings,  ///< as kMatching, but over long stretches the odometry has the headings
+  kWithoutCluster,    ///< one cluster of closures is a mistake: places look alike, or changed
+  kWithMatch,         ///< a match that is no closure by itself holds: the map is better with it
+  kBrokenSteps,       ///< some steps are wrong: a slip, or the robot was carried
+  kJoinedParts,       ///< the robot was carried: what lies beyond a step fits at another place
 };
 
 const char* ToString(HypothesisKind kind);

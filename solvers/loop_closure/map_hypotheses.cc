@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <map>
 #include <numeric>
 #include <utility>
 
 #include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/front_end/odometry_headings.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
@@ -84,6 +86,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(DropBentPlaces(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
     PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
+    PLUMBLINE_RETURN_IF_ERROR(TryOdometryHeadings(best));
     for (const std::size_t record : best->records) weighed_[record].adopted = true;
     return Status::Ok();
   }
@@ -108,6 +111,26 @@ class HypothesisSearch {
         IsBetter(given.consistency, best->consistency)) {
       *best = std::move(given);
     }
+    return Status::Ok();
+  }
+
+  // A matching that turned off leads to where nothing was seen before, and nothing conflicts. That
+  // more passes meet speaks for the odometry's headings, unless they conflict.
+  Status TryOdometryHeadings(MapHypothesis* best) {
+    if (LacksOdometry(graph_) || ties_ != nullptr || best->kind != HypothesisKind::kMatching ||
+        !IsSuspicious(best->consistency)) {
+      return Status::Ok();
+    }
+    MapHypothesis turned;
+    PLUMBLINE_RETURN_IF_ERROR(
+        Begin(HypothesisKind::kOdometryHeadings,
+              WithOdometryHeadings(matched_, PosesOf(graph_.initial_poses()), motion_), &turned));
+    PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(&turned));
+    const double met = static_cast<double>(best->consistency.between_passes.num_compared);
+    const bool meets_more =
+        turned.keys.closures.size() > best->keys.closures.size() &&
+        turned.consistency.between_passes.num_compared > (1.0 + LoopAcceptance::kMinMapGain) * met;
+    if (meets_more && !IsBetter(best->consistency, turned.consistency)) *best = std::move(turned);
     return Status::Ok();
   }
 
@@ -394,6 +417,9 @@ class HypothesisSearch {
     best->kind = kind;
     best->start = start;
     best->keys = kind == HypothesisKind::kMatching ? suspected_ : MakeKeyframeGraph(start, motion_);
+    if (kind == HypothesisKind::kOdometryHeadings) {
+      MarkSuspectEdges(graph_, surfaces_, start.world_from_robot, pool_, &best->keys);
+    }
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
     if (kind == HypothesisKind::kMatching) {
       explicable_share_ = best->consistency.ExplicableShare();

@@ -547,6 +547,7 @@ class HypothesisKind(_Choice):
     MATCHING: ClassVar[HypothesisKind]
     ODOMETRY: ClassVar[HypothesisKind]
     ODOMETRY_ALONE: ClassVar[HypothesisKind]
+    ODOMETRY_HEADINGS: ClassVar[HypothesisKind]
     WITHOUT_CLUSTER: ClassVar[HypothesisKind]
     WITH_MATCH: ClassVar[HypothesisKind]
     BROKEN_STEPS: ClassVar[HypothesisKind]

@@ -119,6 +119,28 @@ TEST(MapHypotheses, AnOdometryThatIsRightBeatsAMatchingThatIsTorn) {
   }
 }
 
+// Outdoors, few and rough surfaces turn the matching off by and by, until no closure is in reach.
+TEST(MapHypotheses, HeadingsOfTheOdometryBringBackAMatchingThatTurnedOff) {
+  SimulatedDrive drive = MakeDrive(2);
+  // The wheels know the headings, but not how far.
+  std::vector<Pose2> odometry = drive.truth, turned = drive.matched.world_from_robot;
+  const int num_poses = drive.graph.num_poses();
+  for (int p = 1; p < num_poses; ++p) {
+    Pose2 step = Between(drive.truth[p - 1], drive.truth[p]);
+    step.x *= p % 90 < 45 ? 1.3 : 0.8;
+    odometry[p] = odometry[p - 1] * step;
+    Pose2 match = Between(drive.matched.world_from_robot[p - 1], drive.matched.world_from_robot[p]);
+    if (p > num_poses / 4) match.yaw += 0.005;
+    turned[p] = turned[p - 1] * match;
+  }
+  SetOdometry(odometry, &drive);
+  drive.matched.world_from_robot = turned;
+  EXPECT_GT(WorstM(drive, turned), 5.0);
+  const Found found = Search(drive);
+  EXPECT_EQ(found.best.kind, HypothesisKind::kOdometryHeadings);
+  EXPECT_LT(WorstM(drive, found.best.world_from_robot), 0.5);
+}
+
 TEST(MapHypotheses, AWrongStepIsPutRight) {
   SimulatedDrive drive = MakeDrive(3);
   Tear(Pose2(1.5, 0.0, 0.0), &drive.matched);

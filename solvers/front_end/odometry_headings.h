@@ -1,0 +1,25 @@
+#ifndef PLUMBLINE_SOLVERS_FRONT_END_ODOMETRY_HEADINGS_H_
+#define PLUMBLINE_SOLVERS_FRONT_END_ODOMETRY_HEADINGS_H_
+
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/sequential_seeding.h"
+
+namespace plumbline {
+
+/// The trajectory with the headings of the odometry over long stretches: the turns of its steps
+/// stay those of the matching, but for their mean over 20 m of path to either side, which becomes
+/// that of the odometry. Outdoors, where a scan sees few and rough surfaces, the matching turns off
+/// by a degree every 10 m, and good wheels do not.
+///
+/// given: poses by odometry, one per pose. motion: its noise; steps that matching and odometry put
+/// more than noise apart (IsLeap) say nothing of the headings.
+SequentialTrajectory WithOdometryHeadings(const SequentialTrajectory& matched,
+                                          const std::vector<Pose2>& given,
+                                          const MotionOptions& motion);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_FRONT_END_ODOMETRY_HEADINGS_H_
