@@ -2,11 +2,9 @@
 
 #include <unistd.h>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include <fstream>
+
+#include "plumbline/apps/program/heap.h"
 
 namespace plumbline {
 
@@ -17,9 +15,7 @@ std::size_t ResidentMemoryBytes() {
 }
 
 void RestartPeakMemory() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
+  GiveFreedMemoryBack();
   // Linux: sets the peak of the resident set to its present size (man 5 proc).
   std::ofstream("/proc/self/clear_refs") << "5";
 }

@@ -16,12 +16,9 @@
 #include <string_view>
 #include <utility>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/stop_signal.h"
 
 DECLARE_bool(help);
@@ -70,19 +67,6 @@ Status CheckStackLimit() {
 
 bool EndsWith(std::string_view text, std::string_view ending) {
   return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
-}
-
-// Arrays with an entry per return come and go all the time. Were each thread to keep those that it
-// has freed to itself, a run would take a fifth more memory; were they given back to the system, a
-// tenth more time. To be called while there is one thread.
-void KeepOneHeap() {
-#ifdef __GLIBC__
-  // NOLINTBEGIN(concurrency-mt-unsafe)
-  mallopt(M_ARENA_MAX, 1);
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, -1);
-  // NOLINTEND(concurrency-mt-unsafe)
-#endif
 }
 
 // The default as one would type it: gflags prints 17 digits of a number.

@@ -9,6 +9,7 @@
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/run_summary.h"
@@ -149,6 +150,7 @@ class LogRun {
       return true;
     };
     PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_.mapping, progress, &pool_, &mapping_));
+    GiveFreedMemoryBack();
     summary_.seed_time_s += SecondsSince(start);
     bars.Finish();
     std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << summary_.seed_time_s

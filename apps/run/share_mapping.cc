@@ -4,10 +4,7 @@
 #include <utility>
 #include <vector>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/run/checkpoint.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
@@ -28,13 +25,6 @@ void ShareSeed(const Peers* peers, LogMapping* mapping) {
              &mapping->report.seeding);
 }
 
-// The heap of a program keeps what was freed, see RunProgram: here that is most of a log.
-void GiveFreedMemoryBack() {
-#ifdef __GLIBC__
-  malloc_trim(0);
-#endif
-}
-
 }  // namespace
 
 Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool* pool,
@@ -44,7 +34,7 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
   mapping->state = MapState();
   ShareSeed(peers, mapping);
   PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, mapping->start_poses, &mapping->graph));
-  GiveFreedMemoryBack();
+  GiveFreedMemoryBack();  // most of a log
   mapping->surface =
       MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
   mapping->state.poses = mapping->start_poses;
