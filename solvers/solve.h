@@ -30,16 +30,17 @@ struct MeasuredSurface;
 /// On return *state is the best one seen over the rounds (of associations: judged by
 /// MarginalEnergy). It was found without the held-out returns and is compared with the given state
 /// by energy and by these returns (see AcceptanceTest); then one last round takes them in. Where
-/// single steps of the odometry that the state flatly contradicts have torn poses from the map, it
-/// is all done once more with these downweighted (SolverSummary::downweighted_steps); stretches
-/// that fit clearly worse than in the given state are put back to its shape
-/// (SolverSummary::put_back). Relative poses that their own scans contradict do not count
-/// (SolverSummary::ignored_edges, SolverOptions::test_edges). *state is the given one, bit for bit,
-/// if nothing was better; the message says by which yardstick. Bad options, no returns, scans that
-/// match as mirror images only around the turns of the poses (beams counted from the wrong side, or
-/// a laser that hangs upside down), or a state that is not finite, beyond 1e8 m or of another size
-/// than the graph: termination kFailure, the message names the culprit, and *state is unchanged. So
-/// it is if memory runs out or the callback throws; nothing is thrown from here.
+/// single steps of the odometry that the given state flatly contradicts have torn poses from the
+/// map, or are flatly contradicted by the result, too, it is all done once more with these
+/// downweighted (SolverSummary::downweighted_steps); stretches that fit clearly worse than in the
+/// given state are put back to its shape (SolverSummary::put_back). Relative poses that their own
+/// scans contradict do not count (SolverSummary::ignored_edges, SolverOptions::test_edges). *state
+/// is the given one, bit for bit, if nothing was better; the message says by which yardstick. Bad
+/// options, no returns, scans that match as mirror images only around the turns of the poses (beams
+/// counted from the wrong side, or a laser that hangs upside down), or a state that is not finite,
+/// beyond 1e8 m or of another size than the graph: termination kFailure, the message names the
+/// culprit, and *state is unchanged. So it is if memory runs out or the callback throws; nothing is
+/// thrown from here.
 ///
 /// Nothing is shared between calls: several threads may solve at a time, also the same graph.
 ///

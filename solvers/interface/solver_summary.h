@@ -167,8 +167,9 @@ struct SolverSummary {
   /// between their neighbours; with the errors before that. See local_acceptance.h.
   std::vector<WorseStretch> put_back;
 
-  /// Steps of the odometry that the seed flatly contradicts and that tore poses from the map: the
-  /// solver began again with these downweighted, see contradicted_steps.h.
+  /// Steps of the odometry that the seed flatly contradicts and that tore poses from the map, or
+  /// that what the solver found contradicted, too: it began again with these downweighted, see
+  /// contradicted_steps.h.
   std::vector<DownweightedStep> downweighted_steps;
 
   /// Relative poses that their own scans contradict: they did not count, see contradicted_edges.h.
