@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numeric>
 #include <unordered_map>
+#include <vector>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/line_fit.h"
@@ -25,7 +26,7 @@ constexpr double kSmallestVariance = 1e-8;
 // whole; points are looked at one by one only where the edge of the neighbourhood passes.
 class CellSortedPoints {
  public:
-  CellSortedPoints(const std::vector<double>& points, double radius_m)
+  CellSortedPoints(const MapPoints& points, double radius_m)
       : radius_m_(radius_m),
         cell_m_(radius_m / kCellsPerRadius),
         cells_per_m_(kCellsPerRadius / radius_m),
@@ -34,19 +35,25 @@ class CellSortedPoints {
     const std::vector<int> cell_of_point = FindCells(points);
     const std::vector<int> place_of_cell = SortCells();
     offsets_.resize(cell_of_point.size());
-    for (std::size_t i = 0; i < offsets_.size();) {
-      const int found = cell_of_point[i];
-      Cell& cell = cells_[place_of_cell[found]];
-      const Eigen::Vector2d center = Center(cell.key);
-      PointMoments moments = cell.moments;
-      Offset* offset = &offsets_[cell.first + static_cast<std::size_t>(moments.weight)];
-      for (; i < offsets_.size() && cell_of_point[i] == found; ++i) {
-        const double x = points[2 * i] - center.x(), y = points[2 * i + 1] - center.y();
-        moments.Add(x, y);
-        *offset++ = {Steps(x), Steps(y)};
+    int found = -1;
+    Cell* cell = nullptr;
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();
+    PointMoments moments;  // of the cell, while one point after the other lies in it
+    Offset* offset = nullptr;
+    points.ForEach([&](std::size_t i, double world_x, double world_y) {
+      if (cell_of_point[i] != found) {
+        if (cell != nullptr) cell->moments = moments;
+        found = cell_of_point[i];
+        cell = &cells_[place_of_cell[found]];
+        center = Center(cell->key);
+        moments = cell->moments;
+        offset = &offsets_[cell->first + static_cast<std::size_t>(moments.weight)];
       }
-      cell.moments = moments;
-    }
+      const double x = world_x - center.x(), y = world_y - center.y();
+      moments.Add(x, y);
+      *offset++ = {Steps(x), Steps(y)};
+    });
+    if (cell != nullptr) cell->moments = moments;
   }
 
   // Moments about `center` of all points within the radius of it.
@@ -84,15 +91,15 @@ class CellSortedPoints {
   };
 
   // Finds the cells, in order of their first points, and counts their points.
-  std::vector<int> FindCells(const std::vector<double>& points) {
+  std::vector<int> FindCells(const MapPoints& points) {
     std::unordered_map<std::uint64_t, int> cell_of_key;
     // One scan after the other hits the same walls: the last cell seen per place in a square spares
     // most look-ups.
     constexpr std::int64_t kSquareCells = 128;
     std::vector<int> last_seen(kSquareCells * kSquareCells, -1);
-    std::vector<int> cell_of_point(points.size() / 2);
-    for (std::size_t i = 0; i < cell_of_point.size(); ++i) {
-      const std::int64_t column = Index(points[2 * i]), row = Index(points[2 * i + 1]);
+    std::vector<int> cell_of_point(points.size());
+    points.ForEach([&](std::size_t i, double x, double y) {
+      const std::int64_t column = Index(x), row = Index(y);
       const std::uint64_t key = Key(column, row);
       int& cell =
           last_seen[(row & (kSquareCells - 1)) * kSquareCells + (column & (kSquareCells - 1))];
@@ -103,7 +110,7 @@ class CellSortedPoints {
       }
       cell_of_point[i] = cell;
       ++found_[cell].num_points;
-    }
+    });
     return cell_of_point;
   }
 
@@ -223,17 +230,18 @@ MapQuality QualityOf(const std::vector<Sample>& samples) {
 
 // Where to measure the points of a graph and its peers: at the same ones as without peers, each of
 // which one process has.
-std::vector<double> CentersAmongAll(const SlamGraph& graph, const std::vector<double>& points) {
+std::vector<double> CentersAmongAll(const SlamGraph& graph, const MapPoints& points) {
   const std::size_t num_points = graph.num_returns_of_all();
   const std::size_t num_samples = std::min(num_points, kMaxSamples);
   std::vector<double> centers(2 * num_samples);
   std::size_t k = 0;
-  for (std::size_t i = 0; i < points.size() / 2; ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t among_all = graph.ReturnIdAmongAll(i);
     while (k < num_samples && k * num_points / num_samples < among_all) ++k;
     if (k == num_samples || k * num_points / num_samples != among_all) continue;
-    centers[2 * k] = points[2 * i];
-    centers[2 * k + 1] = points[2 * i + 1];
+    const Eigen::Vector2d center = points.At(i);
+    centers[2 * k] = center.x();
+    centers[2 * k + 1] = center.y();
   }
   SumOverPeers(graph.peers(), &centers);
   return centers;
@@ -246,20 +254,20 @@ bool MapQualityOptions::Check(std::string* error) const {
   return true;
 }
 
-MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
+MapQuality MeasureMapQuality(const MapPoints& points, const MapQualityOptions& options,
                              ThreadPool* pool) {
-  const std::size_t num_points = points.size() / 2;
+  const std::size_t num_points = points.size();
   const std::size_t num_samples = std::min(num_points, kMaxSamples);
   const CellSortedPoints sorted(points, options.radius_m);
   std::vector<Sample> samples(num_samples);
   ForEachSample(num_samples, pool, [&](std::size_t k) {
     const std::size_t i = k * num_points / num_samples;
-    samples[k] = MeasureAt(sorted.MomentsAround(Eigen::Vector2d(points[2 * i], points[2 * i + 1])));
+    samples[k] = MeasureAt(sorted.MomentsAround(points.At(i)));
   });
   return QualityOf(samples);
 }
 
-MapQuality MeasureMapQuality(const SlamGraph& graph, const std::vector<double>& points,
+MapQuality MeasureMapQuality(const SlamGraph& graph, const MapPoints& points,
                              const MapQualityOptions& options, ThreadPool* pool) {
   const Peers* peers = graph.peers();
   if (peers == nullptr) return MeasureMapQuality(points, options, pool);

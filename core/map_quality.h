@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
+#include "plumbline/core/map_points.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 
@@ -31,13 +31,13 @@ struct MapQuality {
   std::size_t num_samples = 0;
 };
 
-/// points: x, y [m] of each point in turn, finite. The result does not depend on the number of
-/// threads. Zero everywhere if no neighbourhood has enough points.
-MapQuality MeasureMapQuality(const std::vector<double>& points, const MapQualityOptions& options,
+/// points: finite. The result does not depend on the number of threads. Zero everywhere if no
+/// neighbourhood has enough points.
+MapQuality MeasureMapQuality(const MapPoints& points, const MapQualityOptions& options,
                              ThreadPool* pool);
 
 /// The same for the points of a graph's returns, together with those of its peers (collective).
-MapQuality MeasureMapQuality(const SlamGraph& graph, const std::vector<double>& points,
+MapQuality MeasureMapQuality(const SlamGraph& graph, const MapPoints& points,
                              const MapQualityOptions& options, ThreadPool* pool);
 
 }  // namespace plumbline

@@ -92,7 +92,8 @@ Status Convert(const ConvertOptions& options, ConversionReport* report) {
                                      target.path + "'");
     }
     if (target.format == ConversionFormat::kRosMap) {
-      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options.input, state, options.map_resolution_m));
+      PLUMBLINE_RETURN_IF_ERROR(
+          CheckRobotMap(options.input, file.graph, state, options.map_resolution_m));
     }
     result.left_out.push_back(LeftOut(target.format, file.graph));
   }

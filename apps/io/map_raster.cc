@@ -29,24 +29,25 @@ double RoundUpToNice(double value) {
 std::size_t SampleStride(std::size_t num_points) { return 1 + num_points / 200000; }
 
 /// One coordinate (0 = x, 1 = y) of every so many points, those that are not finite left out.
-std::vector<double> SampleCoordinates(const std::vector<double>& points, int coordinate) {
-  const std::size_t stride = SampleStride(points.size() / 2);
+std::vector<double> SampleCoordinates(const MapPoints& points, int coordinate) {
+  const std::size_t stride = SampleStride(points.size());
   std::vector<double> samples;
-  for (std::size_t i = coordinate; i < points.size(); i += 2 * stride) {
-    if (std::isfinite(points[i])) samples.push_back(points[i]);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const double value = points.At(i)[coordinate];
+    if (std::isfinite(value)) samples.push_back(value);
   }
   return samples;
 }
 
 /// The same samples of points that a graph and its peers have, in another order.
-std::vector<double> SampleCoordinates(const SlamGraph& graph, const std::vector<double>& points,
+std::vector<double> SampleCoordinates(const SlamGraph& graph, const MapPoints& points,
                                       int coordinate) {
   if (graph.peers() == nullptr) return SampleCoordinates(points, coordinate);
   const std::size_t stride = SampleStride(graph.num_returns_of_all());
   std::vector<double> samples;
-  for (std::size_t i = 0; i < points.size() / 2; ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     if (graph.ReturnIdAmongAll(i) % stride != 0) continue;
-    const double value = points[2 * i + coordinate];
+    const double value = points.At(i)[coordinate];
     if (std::isfinite(value)) samples.push_back(value);
   }
   return JoinOverPeers(graph.peers(), std::move(samples));
@@ -114,14 +115,14 @@ double RoundDownToNice(double value) {
   return decade;
 }
 
-Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
-                  double crop_share, MapExtent* extent) {
+Status FindExtent(const MapPoints& points, const std::vector<Pose2>& trajectory, double crop_share,
+                  MapExtent* extent) {
   *extent = {VisibleInterval(SampleCoordinates(points, 0), trajectory, 0, crop_share),
              VisibleInterval(SampleCoordinates(points, 1), trajectory, 1, crop_share)};
   return CheckExtent(*extent);
 }
 
-Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+Status ChooseRaster(const MapPoints& points, const std::vector<Pose2>& trajectory,
                     double crop_share, int max_side_px, MapRaster* raster, double min_pixel_m) {
   MapExtent extent;
   PLUMBLINE_RETURN_IF_ERROR(FindExtent(points, trajectory, crop_share, &extent));
@@ -132,8 +133,9 @@ Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>&
 Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
                   MapExtent* extent) {
   const std::vector<Pose2> trajectory = PosesOf(state.poses);
-  *extent = {VisibleInterval(SampleCoordinates(graph, state.points, 0), trajectory, 0, crop_share),
-             VisibleInterval(SampleCoordinates(graph, state.points, 1), trajectory, 1, crop_share)};
+  const MapPoints points(graph, state);
+  *extent = {VisibleInterval(SampleCoordinates(graph, points, 0), trajectory, 0, crop_share),
+             VisibleInterval(SampleCoordinates(graph, points, 1), trajectory, 1, crop_share)};
   return CheckExtent(*extent);
 }
 
@@ -145,15 +147,14 @@ Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_s
   return Status::Ok();
 }
 
-std::vector<std::uint32_t> CountHits(const std::vector<double>& points, const MapRaster& raster) {
+std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster) {
   std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
-  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
-    const double column = raster.Column(points[i]);
-    const double row = raster.Row(points[i + 1]);
+  points.ForEach([&](std::size_t, double x, double y) {
+    const double column = raster.Column(x), row = raster.Row(y);
     // Written so that a coordinate that is not a number fails.
-    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) continue;
+    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) return;
     ++hits[static_cast<std::size_t>(row) * raster.width + static_cast<std::size_t>(column)];
-  }
+  });
   return hits;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "plumbline/core/map_points.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
@@ -37,26 +38,26 @@ struct MapExtent {
 };
 
 /// The extent of the whole trajectory and all points but a share of crop_share at each side, with a
-/// margin. points: x, y [m] in turn; those that are not finite do not count. InvalidArgument if the
-/// map reaches farther than 1e9 m. Needs a pose or a finite point; the poses are finite.
-Status FindExtent(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
-                  double crop_share, MapExtent* extent);
+/// margin. Points that are not finite do not count. InvalidArgument if the map reaches farther than
+/// 1e9 m. Needs a pose or a finite point; the poses are finite.
+Status FindExtent(const MapPoints& points, const std::vector<Pose2>& trajectory, double crop_share,
+                  MapExtent* extent);
 
 /// A raster over that extent, with pixels of a nice size, at least min_pixel_m, on a grid through
 /// the world's origin. Fails like FindExtent.
-Status ChooseRaster(const std::vector<double>& points, const std::vector<Pose2>& trajectory,
+Status ChooseRaster(const MapPoints& points, const std::vector<Pose2>& trajectory,
                     double crop_share, int max_side_px, MapRaster* raster,
                     double min_pixel_m = 0.01);
 
-/// These two for the points of a graph's returns, together with those of its peers (collective).
+/// These two for the points of a graph's returns, as MapPoints has them of a state, together with
+/// those of its peers (collective).
 Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
                   MapExtent* extent);
 Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,
                     int max_side_px, MapRaster* raster, double min_pixel_m = 0.01);
 
-/// Number of points (x, y [m] in turn) per pixel, row by row. Points that are not finite fall
-/// outside.
-std::vector<std::uint32_t> CountHits(const std::vector<double>& points, const MapRaster& raster);
+/// Number of points per pixel, row by row. Points that are not finite fall outside.
+std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster);
 
 /// Number of hits to be drawn black: what the fullest tenth of the pixels that were hit has. Maps
 /// that are to be compared share the level of all their hits together.

@@ -201,9 +201,10 @@ bool OccupancyGridOptions::Check(std::string* error) const {
   return true;
 }
 
-Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options) {
+Status CheckGridSize(const SlamGraph& graph, const MapState& state,
+                     const OccupancyGridOptions& options) {
   MapExtent extent;
-  PLUMBLINE_RETURN_IF_ERROR(FindExtent(state.points, PosesOf(state.poses), kCropShare, &extent));
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, kCropShare, &extent));
   OccupancyGrid ignored;
   return LayGrid(extent, options, &ignored);
 }

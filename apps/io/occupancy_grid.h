@@ -38,7 +38,8 @@ struct OccupancyGridOptions {
 
 /// InvalidArgument if a map of this extent needs more than max_cells: an early word on what
 /// BuildOccupancyGrid would say. Needs poses, all of them finite.
-Status CheckGridSize(const MapState& state, const OccupancyGridOptions& options);
+Status CheckGridSize(const SlamGraph& graph, const MapState& state,
+                     const OccupancyGridOptions& options);
 
 /// Finds out where a robot could drive, from all scans of a graph and the map points of a state.
 ///

@@ -132,8 +132,8 @@ Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
   PLUMBLINE_RETURN_IF_ERROR(
       ChooseRaster(graph, state, kCropShare, options.max_side_px, &raster, kPixelM));
   Panel panels[2] = {{options.before_title, {}}, {options.after_title, {}}};
-  panels[0].hits = CountHits(graph.MeasuredMap(poses_before), raster);
-  panels[1].hits = CountHits(state.points, raster);
+  panels[0].hits = CountHits(MapPoints(graph, poses_before), raster);
+  panels[1].hits = CountHits(MapPoints(graph, state), raster);
   for (Panel& panel : panels) SumOverPeers(graph.peers(), &panel.hits);
   if (!SpeaksForAll(graph.peers())) return Status::Ok();
   AtomicFile file;

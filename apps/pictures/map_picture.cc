@@ -139,7 +139,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   MapRaster raster;
   PLUMBLINE_RETURN_IF_ERROR(
       ChooseRaster(graph, state, options.crop_share, options.max_side_px, &raster));
-  std::vector<std::uint32_t> hits = CountHits(state.points, raster);
+  std::vector<std::uint32_t> hits = CountHits(MapPoints(graph, state), raster);
   SumOverPeers(graph.peers(), &hits);
   if (!SpeaksForAll(graph.peers())) return Status::Ok();
   AtomicFile file;

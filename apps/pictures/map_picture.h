@@ -29,7 +29,8 @@ struct MapArea {
   int left_px = 0, top_px = 0;
 };
 
-/// Draws the map points of a state as a PNG picture: x to the right, y up, equal scale.
+/// Draws the map points of a state as a PNG picture: x to the right, y up, equal scale. Those of a
+/// state without points are where the measurements put them.
 ///
 /// Points are a density image, the darker the more returns fall into a pixel, on an exposure taken
 /// from the picture itself. The trajectory of the robot is a red line that starts at a green dot.

@@ -20,10 +20,13 @@ Stage MeasureStage(const std::string& name, const MapState& state, const Truth* 
 
 Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
                    const Truth* truth, ThreadPool* pool) {
-  if (graph.peers() == nullptr) return MeasureStage(name, state, truth, pool);
   Stage stage;
   stage.name = name;
-  stage.quality = MeasureMapQuality(graph, state.points, MapQualityOptions(), pool);
+  stage.quality = MeasureMapQuality(graph, MapPoints(graph, state), MapQualityOptions(), pool);
+  if (truth == nullptr) return stage;
+  const bool lacks_points = state.points.empty();
+  stage.error = CompareWithTruth(
+      lacks_points ? MapState{state.poses, graph.MeasuredMap(state.poses)} : state, *truth);
   return stage;
 }
 

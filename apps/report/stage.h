@@ -24,8 +24,8 @@ struct Stage {
 Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
                    ThreadPool* pool);
 
-/// The same for the points of a graph's returns, together with those of its peers (collective).
-/// truth: null if there are peers.
+/// The same for the points of a graph's returns, together with those of its peers (collective). A
+/// state without points has them where the measurements put them. truth: null if there are peers.
 Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
                    const Truth* truth, ThreadPool* pool);
 

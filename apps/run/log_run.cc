@@ -9,7 +9,6 @@
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
-#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/run_summary.h"
@@ -41,6 +40,7 @@ class LogRun {
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Start());
+    DropPointsOfSeed();
     MapRun map(options_.mapping, outputs_, output_, TruthOrNull(), std::move(summary_), &pool_,
                &mapping_);
     PLUMBLINE_RETURN_IF_ERROR(RecordStart(&map));
@@ -89,8 +89,9 @@ class LogRun {
 
   // What would end the run at its end is found before the work. May make pictures smaller.
   Status CheckLimits(const SlamGraph& graph) {
-    const MapState odometry = graph.InitialState();
-    PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(options_.log, odometry, outputs_.map_resolution_m));
+    const MapState odometry{graph.initial_poses(), {}};
+    PLUMBLINE_RETURN_IF_ERROR(
+        CheckRobotMap(options_.log, graph, odometry, outputs_.map_resolution_m));
     const SolverOptions& solver = options_.mapping.solver;
     MemoryEstimate memory = EstimateMemory(
         graph, odometry, solver, options_.mapping.calibration.IsOn(), outputs_.picture_side_px);
@@ -142,15 +143,14 @@ class LogRun {
   Status Seed() {
     const auto start = std::chrono::steady_clock::now();
     // The seeding does without the state. Several processes measure it together, later.
-    if (options_.peers == nullptr) StartMeasuring(std::move(mapping_.state));
     mapping_.state = MapState();
+    if (options_.peers == nullptr) StartMeasuring();
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
       bars.Update(phase, num_done, num_total);
       return true;
     };
     PLUMBLINE_RETURN_IF_ERROR(SeedLog(options_.mapping, progress, &pool_, &mapping_));
-    GiveFreedMemoryBack();
     summary_.seed_time_s += SecondsSince(start);
     bars.Finish();
     std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << summary_.seed_time_s
@@ -170,21 +170,32 @@ class LogRun {
 
   Stage OdometryStage() {
     if (options_.peers != nullptr) {
-      return MeasureStage("odometry", mapping_.graph, mapping_.graph.InitialState(), nullptr,
+      return MeasureStage("odometry", mapping_.graph, {mapping_.graph.initial_poses(), {}}, nullptr,
                           &pool_);
     }
     if (!odometry_stage_.valid()) {  // resumed: nothing was seeded
-      StartMeasuring(mapping_.graph.InitialState());
+      StartMeasuring();
     }
     return odometry_stage_.get();
   }
 
-  void StartMeasuring(MapState odometry) {
+  // They are where the measurements put them, which is known without an array. Only some solvers
+  // start from one.
+  void DropPointsOfSeed() {
+    const MapLogOptions& mapping = options_.mapping;
+    if (mapping.calibration.IsOn() || !mapping.solver.IsOverLandmarks()) return;
+    mapping_.state.points = std::vector<double>();
+  }
+
+  // Of a graph of its own, which takes less memory than an array of its points: the seeding changes
+  // that of the mapping.
+  void StartMeasuring() {
     const auto when = pool_.num_threads() > 1 ? std::launch::async : std::launch::deferred;
-    odometry_stage_ = std::async(when, [this, given = std::move(odometry)]() mutable {
-      const MapState measured = std::move(given);  // freed once it is
+    odometry_stage_ = std::async(when, [this, given = mapping_.graph]() mutable {
+      const SlamGraph graph = std::move(given);  // freed once it is measured
       ThreadPool one_thread(1);
-      return MeasureStage("odometry", measured, TruthOrNull(), &one_thread);
+      return MeasureStage("odometry", graph, {graph.initial_poses(), {}}, TruthOrNull(),
+                          &one_thread);
     });
   }
 

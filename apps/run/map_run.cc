@@ -9,6 +9,7 @@
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/calibration_report.h"
 #include "plumbline/apps/report/run_report.h"
@@ -58,7 +59,7 @@ Status MapRun::RecordStart(const Stage* odometry) {
   if (odometry != nullptr) {
     summary_.stages.push_back(*odometry);
     maps_.push_back({"Odometry", output_.File("map_odometry.png"), MapArea()});
-    tasks.push_back([this] { return Draw(mapping_->graph.InitialState(), &maps_.front()); });
+    tasks.push_back([this] { return Draw({mapping_->graph.initial_poses(), {}}, &maps_.front()); });
   }
   const std::string title = StartTitle(options_.start, by_pose_graph);
   maps_.push_back({title, output_.File("map_seed.png"), MapArea()});
@@ -72,6 +73,7 @@ Status MapRun::RecordStart(const Stage* odometry) {
 }
 
 Status MapRun::Refine() {
+  GiveFreedMemoryBack();  // much of what the seeding left is too small for what comes now
   std::cout << ProgressHeader() << '\n';
   options_.solver.callback = [](const IterationSummary& iteration) {
     std::cout << ProgressRow(iteration) << '\n' << std::flush;
@@ -99,9 +101,7 @@ Status MapRun::WriteMap(ExtraResults extras) {
   Stage measured, optimised;
   tasks.push_back([&] {
     const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
-    const std::vector<double>& poses = mapping_->state.poses;
-    return Measure("refined, " + ranges + " ranges", {poses, mapping_->graph.MeasuredMap(poses)},
-                   &measured);
+    return Measure("refined, " + ranges + " ranges", {mapping_->state.poses, {}}, &measured);
   });
   tasks.push_back(
       [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
@@ -209,7 +209,6 @@ Status MapRun::DrawRefusedMaps() {
                  std::size(kFiles))) {
     MapState state;
     state.poses = PoseArray(other->world_from_robot);
-    state.points = mapping_->graph.MeasuredMap(state.poses);
     const std::string title = num_refused_maps_ == 0 ? "Runner-up" : "Refused";
     maps_.push_back({title, output_.File(kFiles[num_refused_maps_++]), MapArea()});
     PLUMBLINE_RETURN_IF_ERROR(Draw(state, &maps_.back()));

@@ -88,10 +88,10 @@ double PhysicalMemory() {
 }
 
 // Of a picture of the map, as far as one can tell by the odometry; empty for a map of absurd size.
-MapRaster RasterOfPicture(const MapState& state, int picture_side_px) {
+MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int picture_side_px) {
   MapRaster raster;
-  const Status status = ChooseRaster(state.points, PosesOf(state.poses),
-                                     MapPictureOptions().crop_share, picture_side_px, &raster);
+  const Status status =
+      ChooseRaster(graph, state, MapPictureOptions().crop_share, picture_side_px, &raster);
   return status.ok() ? raster : MapRaster();
 }
 
@@ -131,7 +131,7 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
-  const MapRaster raster = RasterOfPicture(state, picture_side_px);
+  const MapRaster raster = RasterOfPicture(graph, state, picture_side_px);
   estimate.results = estimate.seeding + kBytesPerPixel * raster.width * raster.height;
   estimate.picture_side_px = std::max(raster.width, raster.height);
   return estimate;

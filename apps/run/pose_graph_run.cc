@@ -260,7 +260,7 @@ class PoseGraphRun {
                          &map_warning_};
     PLUMBLINE_RETURN_IF_ERROR(
         RunAll(MapWriteTasks(map, outputs_, output_), &pool_, options_.peers));
-    AddStage("refined, raw ranges", {state_.poses, file_.graph.MeasuredMap(state_.poses)});
+    AddStage("refined, raw ranges", {state_.poses, {}});
     AddStage("refined, optimised points", state_);
     return Status::Ok();
   }

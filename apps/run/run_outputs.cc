@@ -94,10 +94,11 @@ OccupancyGridOptions RunOutputOptions::GridOptions() const {
   return grid;
 }
 
-Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m) {
+Status CheckRobotMap(const std::string& input, const SlamGraph& graph, const MapState& state,
+                     double resolution_m) {
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
-  const Status status = CheckGridSize(state, options);
+  const Status status = CheckGridSize(graph, state, options);
   return status.ok() ? status : Status::InvalidArgument(input + ": " + status.message());
 }
 

@@ -69,7 +69,8 @@ Status WriteSavedMap(const std::string& path, const SlamGraph& graph,
                      const std::vector<double>& poses, const MotionOptions& motion);
 
 /// InvalidArgument, with `input` in front, if this map is too large for WriteRobotMap.
-Status CheckRobotMap(const std::string& input, const MapState& state, double resolution_m);
+Status CheckRobotMap(const std::string& input, const SlamGraph& graph, const MapState& state,
+                     double resolution_m);
 
 /// Lines for people: what the files of MapWriteTasks are.
 std::string MapFilesText(bool with_conflicts);

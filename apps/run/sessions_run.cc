@@ -105,8 +105,9 @@ class SessionsRun {
       } else {
         PLUMBLINE_RETURN_IF_ERROR(ReadFixedMap(paths_[i], options_.max_memory, &read, &graph));
       }
-      const MapState odometry = graph.InitialState();
-      PLUMBLINE_RETURN_IF_ERROR(CheckRobotMap(paths_[i], odometry, outputs_.map_resolution_m));
+      const MapState odometry{graph.initial_poses(), {}};
+      PLUMBLINE_RETURN_IF_ERROR(
+          CheckRobotMap(paths_[i], graph, odometry, outputs_.map_resolution_m));
       const MemoryEstimate own =
           EstimateMemory(graph, odometry, options_.mapping.solver, false, outputs_.picture_side_px);
       memory.seeding += own.seeding;

@@ -71,5 +71,26 @@ TEST(MeasureStageTest, MeasuresTheMapAsItStands) {
   EXPECT_FALSE(MeasureStage("no truth", state, nullptr, &pool).error.has_value());
 }
 
+TEST(MeasureStageTest, AStateWithoutPointsHasThemWhereTheMeasurementsPutThem) {
+  SyntheticScene scene;
+  scene.faces = {{{-3, -2}, {3, -2}}, {{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}};
+  scene.poses = {{0, 0, 0}, {0.5, 0, 0.1}, {0.5, 0.4, 0.2}};
+  const SlamGraph graph = MakeGraph(scene);
+  Truth truth;
+  for (const Pose2& pose : scene.poses) truth.trajectory.push_back({0.0, pose});
+  truth.points = graph.InitialState().points;
+  MapState state;
+  state.poses = graph.initial_poses();
+  state.poses[4] += 0.02;
+  const MapState with_points{state.poses, graph.MeasuredMap(state.poses)};
+  ThreadPool pool(1);
+  const Stage lacking = MeasureStage("", graph, state, &truth, &pool),
+              having = MeasureStage("", graph, with_points, &truth, &pool);
+  EXPECT_EQ(lacking.quality.wall_thickness_m, having.quality.wall_thickness_m);
+  EXPECT_EQ(lacking.quality.mean_map_entropy, having.quality.mean_map_entropy);
+  EXPECT_EQ(lacking.error->mean_point_error_m, having.error->mean_point_error_m);
+  EXPECT_GT(lacking.error->mean_point_error_m, 1e-3);
+}
+
 }  // namespace
 }  // namespace plumbline

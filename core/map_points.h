@@ -1,0 +1,75 @@
+#ifndef PLUMBLINE_CORE_MAP_POINTS_H_
+#define PLUMBLINE_CORE_MAP_POINTS_H_
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/pose_frame.h"
+#include "plumbline/core/slam_graph.h"
+
+namespace plumbline {
+
+/// The points of a map, to be read: those of an array, or those that the measurements put there,
+/// each placed when it is read. An array of the latter is the largest there is of a long log.
+/// Refers to what it is given.
+class MapPoints {
+ public:
+  /// x, y [m] of each point in turn.
+  MapPoints(const std::vector<double>& points)  // NOLINT(google-explicit-constructor)
+      : points_(&points) {}
+  /// The points of SlamGraph::MeasuredMap, without that array. poses: three numbers per pose of the
+  /// graph.
+  MapPoints(const SlamGraph& graph, const std::vector<double>& poses)
+      : graph_(&graph), poses_(&poses) {}
+  /// Those of a state; where it has none, those of MeasuredMap.
+  MapPoints(const SlamGraph& graph, const MapState& state) {
+    *this = state.points.empty() ? MapPoints(graph, state.poses) : MapPoints(state.points);
+  }
+
+  std::size_t size() const {
+    return points_ != nullptr ? points_->size() / 2 : graph_->num_returns();
+  }
+
+  /// A point [m]. ForEach is faster for all of them.
+  Eigen::Vector2d At(std::size_t i) const {
+    if (points_ != nullptr) return {(*points_)[2 * i], (*points_)[2 * i + 1]};
+    const int scan = graph_->ScanOfReturn(i);
+    return Placed(LaserFrame(scan), graph_->ReturnsOfScan(scan), i);
+  }
+
+  /// Calls take(index, x, y) for each point in turn.
+  template <typename Take>
+  void ForEach(const Take& take) const {
+    if (points_ != nullptr) {
+      const double* point = points_->data();
+      for (std::size_t i = 0; i < size(); ++i, point += 2) take(i, point[0], point[1]);
+      return;
+    }
+    for (int s = 0; s < graph_->num_scans(); ++s) {
+      const ScanEntry& scan = graph_->scan(s);
+      const ScanReturns returns = graph_->ReturnsOfScan(s);
+      const PoseFrame laser = LaserFrame(s);
+      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+        const Eigen::Vector2d point = Placed(laser, returns, r);
+        take(r, point.x(), point.y());
+      }
+    }
+  }
+
+ private:
+  PoseFrame LaserFrame(int scan) const { return PoseFrame(graph_->WorldFromLaser(scan, *poses_)); }
+  static Eigen::Vector2d Placed(const PoseFrame& laser, const ScanReturns& returns,
+                                std::size_t return_id) {
+    return laser.Rotate(returns.PointInLaser(return_id)) + laser.translation();
+  }
+
+  const std::vector<double>* points_ = nullptr;  // null: the measured ones
+  const SlamGraph* graph_ = nullptr;
+  const std::vector<double>* poses_ = nullptr;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_CORE_MAP_POINTS_H_
