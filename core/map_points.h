@@ -36,7 +36,7 @@ class MapPoints {
   Eigen::Vector2d At(std::size_t i) const {
     if (points_ != nullptr) return {(*points_)[2 * i], (*points_)[2 * i + 1]};
     const int scan = graph_->ScanOfReturn(i);
-    return Placed(LaserFrame(scan), graph_->ReturnsOfScan(scan), i);
+    return LaserFrame(scan) * graph_->ReturnsOfScan(scan).PointInLaser(i);
   }
 
   /// Calls take(index, x, y) for each point in turn.
@@ -52,7 +52,7 @@ class MapPoints {
       const ScanReturns returns = graph_->ReturnsOfScan(s);
       const PoseFrame laser = LaserFrame(s);
       for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        const Eigen::Vector2d point = Placed(laser, returns, r);
+        const Eigen::Vector2d point = laser * returns.PointInLaser(r);
         take(r, point.x(), point.y());
       }
     }
@@ -60,10 +60,6 @@ class MapPoints {
 
  private:
   PoseFrame LaserFrame(int scan) const { return PoseFrame(graph_->WorldFromLaser(scan, *poses_)); }
-  static Eigen::Vector2d Placed(const PoseFrame& laser, const ScanReturns& returns,
-                                std::size_t return_id) {
-    return laser.Rotate(returns.PointInLaser(return_id)) + laser.translation();
-  }
 
   const std::vector<double>* points_ = nullptr;  // null: the measured ones
   const SlamGraph* graph_ = nullptr;

@@ -34,6 +34,10 @@ struct PoseFrame {
   }
   /// Where the robot is [m].
   Eigen::Vector2d translation() const { return {x, y}; }
+  /// A point of the robot's frame in the world [m].
+  Eigen::Vector2d operator*(const Eigen::Vector2d& point) const {
+    return Rotate(point) + translation();
+  }
 };
 
 /// A vector turned by a right angle, counter-clockwise.

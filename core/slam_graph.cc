@@ -339,10 +339,9 @@ void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
     const std::size_t end_of_scan = scan.first_return + scan.num_returns;
     if (end_of_scan <= first) continue;
     const ScanReturns returns = ReturnsOfScan(s);
-    const PoseFrame laser{Pose2(&poses[3 * scan.pose]) *
-                          lasers_[scan.laser].model.robot_from_laser};
+    const PoseFrame laser(WorldFromLaser(s, poses));
     for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
-      const Eigen::Vector2d end = laser.Rotate(returns.PointInLaser(r)) + laser.translation();
+      const Eigen::Vector2d end = laser * returns.PointInLaser(r);
       (*points)[2 * r] = end.x();
       (*points)[2 * r + 1] = end.y();
     }

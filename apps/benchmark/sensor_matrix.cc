@@ -84,7 +84,7 @@ Status MeasureFloor(const SolverOptions& solver, const MeasuredSurface& surface,
   state.points = graph.MeasuredMap(state.poses);
   const SolverSummary summary = Solve(solver, surface, graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-  *floor_m = MeasureStage("floor", state, &truth, pool).error->mean_pose_error_m;
+  *floor_m = MeasureStage("floor", graph, state, &truth, pool).error->mean_pose_error_m;
   return Status::Ok();
 }
 
@@ -114,12 +114,12 @@ Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const Seed
   LogMapping mapping;
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));
-  outcome->seeded = MeasureStage("seed", mapping.state, &truth, &pool);
+  outcome->seeded = MeasureStage("seed", mapping.graph, mapping.state, &truth, &pool);
   PLUMBLINE_RETURN_IF_ERROR(MeasureFloor(RefinementOptions(options, mapping.report.seeding),
                                          mapping.surface, mapping.graph, truth, &pool,
                                          &outcome->floor_m));
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
-  outcome->refined = MeasureStage("refined", mapping.state, &truth, &pool);
+  outcome->refined = MeasureStage("refined", mapping.graph, mapping.state, &truth, &pool);
   outcome->alarm = !mapping.report.alarms.empty();
   return Status::Ok();
 }

@@ -142,7 +142,7 @@ Status ProfileLog(const std::string& path, const MapLogOptions& options, const O
   clock.End("closing loops", n * (kReading + kNormals + kPoint));
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, pool, &mapping));
   clock.End("joint estimation", JointBytes(mapping.report.solver, n));
-  MeasureStage("", mapping.state, nullptr, pool);
+  MeasureStage("", mapping.graph, mapping.state, nullptr, pool);
   clock.End("sharpness of a map", n * (2.0 * kPoint + kNumber));
   PLUMBLINE_RETURN_IF_ERROR(
       RunAll(MapWriteTasks(RefinedMapOf(mapping), RunOutputOptions(), output), pool));

@@ -9,15 +9,6 @@
 
 namespace plumbline {
 
-Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
-                   ThreadPool* pool) {
-  Stage stage;
-  stage.name = name;
-  stage.quality = MeasureMapQuality(state.points, MapQualityOptions(), pool);
-  if (truth != nullptr) stage.error = CompareWithTruth(state, *truth);
-  return stage;
-}
-
 Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
                    const Truth* truth, ThreadPool* pool) {
   Stage stage;

@@ -20,12 +20,9 @@ struct Stage {
   std::optional<TruthError> error;  ///< where the truth is known
 };
 
-/// Measures a map as it stands. truth: of the graph that the state belongs to; may be null.
-Stage MeasureStage(const std::string& name, const MapState& state, const Truth* truth,
-                   ThreadPool* pool);
-
-/// The same for the points of a graph's returns, together with those of its peers (collective). A
-/// state without points has them where the measurements put them. truth: null if there are peers.
+/// Measures the map of a graph as it stands, together with the points of its peers (collective). A
+/// state without points has them where the measurements put them. truth: of the graph; may be null,
+/// and is if there are peers.
 Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
                    const Truth* truth, ThreadPool* pool);
 

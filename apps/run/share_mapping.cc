@@ -38,7 +38,6 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
   mapping->surface =
       MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
   mapping->state.poses = mapping->start_poses;
-  mapping->state.points = mapping->graph.MeasuredMap(mapping->start_poses);
   return Status::Ok();
 }
 

@@ -95,8 +95,7 @@ void RecoverScan(const SlamGraph& graph, const std::vector<double>& poses,
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const double range_m = returns.Range(r);
     const Eigen::Vector2d direction = returns.DirectionInRobot(r);
-    const Eigen::Vector2d measured =
-        frame.Rotate(range_m * direction + returns.laser_in_robot()) + frame.translation();
+    const Eigen::Vector2d measured = frame * (range_m * direction + returns.laser_in_robot());
     Eigen::Map<Eigen::Vector2d> point(&(*points)[2 * r]);
     const TangentLine& line = lines[r];
     const Eigen::Vector2d normal(line.normal_x, line.normal_y);
@@ -144,7 +143,7 @@ void MeasureScan(const SlamGraph& graph, const MapState& state, const SurfaceNoi
   const ScanReturns returns = graph.ReturnsOfScan(scan_id);
   for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
     const Eigen::Vector2d in_robot = returns.PointInRobot(r);
-    const Eigen::Vector2d measured = frame.Rotate(in_robot) + frame.translation();
+    const Eigen::Vector2d measured = frame * in_robot;
     const Eigen::Vector2d beam = frame.Rotate(in_robot - laser);
     const Eigen::Vector2d moved =
         Eigen::Vector2d(state.points[2 * r], state.points[2 * r + 1]) - measured;

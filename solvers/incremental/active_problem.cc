@@ -172,8 +172,7 @@ std::vector<int> ActiveProblem::MovedPoses(const LandmarkStore& store, double to
     const LineLandmark& line = landmarks[observation.landmark];
     const LineLandmark& stored_line = store.landmarks()[landmark_ids[observation.landmark]].line;
     const double side = line.normal.dot(stored_line.normal) < 0.0 ? -1.0 : 1.0;
-    const double distance_m =
-        side * line.Distance(frame.Rotate(observation.centroid()) + frame.translation());
+    const double distance_m = side * line.Distance(frame * observation.centroid());
     const double moved_m = distance_m - Stored(store, i).weighed_distance_m;
     sums[observation.pose].weight += observation.weight;
     sums[observation.pose].weighted_squares += observation.weight * moved_m * moved_m;

@@ -32,9 +32,7 @@ struct GridFrame {
     turned_to_octants = std::atan2(in_octants.s, in_octants.c) / (2.0 * kPi) + 1.0;
   }
 
-  Eigen::Vector2d Place(const Eigen::Vector2d& point) const {
-    return in_cells.Rotate(point) + in_cells.translation();
-  }
+  Eigen::Vector2d Place(const Eigen::Vector2d& point) const { return in_cells * point; }
   // 0 for a return without a normal.
   int Octant(const ReturnNormal& normal) const {
     return normal.IsNone() ? 0 : OctantOf(normal.Turns() + turned_to_octants);

@@ -47,7 +47,7 @@ struct PlacedBeam {
 
   /// Of a return as a robot sees it.
   PlacedBeam(const ScanReturns& returns, std::size_t return_id, const PoseFrame& frame)
-      : end(frame.Rotate(returns.PointInRobot(return_id)) + frame.translation()),
+      : end(frame * returns.PointInRobot(return_id)),
         direction(frame.Rotate(returns.DirectionInRobot(return_id))),
         range_m(returns.Range(return_id)) {}
 };

@@ -13,7 +13,7 @@ namespace plumbline {
 /// [m], the pose being `frame`.
 inline void AddWorldMoments(const LineObservation& s, const PoseFrame& frame,
                             const Eigen::Vector2d& origin, PointMoments* moments) {
-  const Eigen::Vector2d point = frame.Rotate(s.centroid()) + frame.translation() - origin;
+  const Eigen::Vector2d point = frame * s.centroid() - origin;
   moments->Add(point.x(), point.y(), s.weight);
   const double cc = frame.c * frame.c, ss = frame.s * frame.s, cs = frame.c * frame.s;
   moments->xx += cc * s.xx - 2.0 * cs * s.xy + ss * s.yy;

@@ -142,8 +142,8 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
 }
 
 // Where the laser sees too little again and again, as outdoors, that says nothing of a single step.
-// One keyframe of a hundred may come after a scan that matched nothing: outdoors it is more than 1
-// % (fr-clinic), in the buildings of the other real logs 0.1 to 0.5 %.
+// One keyframe of a hundred may come after a scan that matched nothing: outdoors, in fr-clinic,
+// more do; in the buildings of the other real logs it is one of 200 to 1000.
 bool UnmatchedAreRare(const KeyframeGraph& keys) {
   constexpr int kOneIn = 100;
   const auto num_unmatched =

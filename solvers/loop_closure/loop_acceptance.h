@@ -83,7 +83,8 @@ struct LoopAcceptance {
   // Asked only of a map that contradicts itself: MapConsistency says from where on it does.
 
   /// A cluster of closures goes if the map is better without it, that is if fewer returns conflict
-  /// by this share of those that do between passes, ...
+  /// by this share of those that do between passes, ... As many more returns of passes that meet
+  /// speak for the headings of the odometry.
   static constexpr double kMinMapGain = 0.1;
   /// ... and by this many more: what people and chairs that moved bring about. The three
   /// logs have the same closures at 0.05 and 0.2, and at 30 and 300.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -80,7 +79,7 @@ class HypothesisSearch {
   Status Run(MapHypothesis* best) {
     suspected_ = ties_ != nullptr ? *ties_ : MakeKeyframeGraph(matched_, motion_);
     MarkSuspectEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &suspected_);
-    PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, best));
+    PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, suspected_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
     PLUMBLINE_RETURN_IF_ERROR(DropBentPlaces(best));
@@ -104,7 +103,8 @@ class HypothesisSearch {
     Weigh(&given);
     if (IsWorthASearch(given.consistency, *best)) {
       MapHypothesis closed;
-      PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kOdometry, odometry, &closed));
+      PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kOdometry, odometry,
+                                      MakeKeyframeGraph(odometry, motion_), &closed));
       if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
     }
     if (IsComparable(given.consistency, best->consistency) &&
@@ -121,10 +121,13 @@ class HypothesisSearch {
         !IsSuspicious(best->consistency)) {
       return Status::Ok();
     }
+    const SequentialTrajectory start =
+        WithOdometryHeadings(matched_, PosesOf(graph_.initial_poses()), motion_);
+    KeyframeGraph keys = MakeKeyframeGraph(start, motion_);
+    MarkSuspectEdges(graph_, surfaces_, start.world_from_robot, pool_, &keys);
     MapHypothesis turned;
     PLUMBLINE_RETURN_IF_ERROR(
-        Begin(HypothesisKind::kOdometryHeadings,
-              WithOdometryHeadings(matched_, PosesOf(graph_.initial_poses()), motion_), &turned));
+        Begin(HypothesisKind::kOdometryHeadings, start, std::move(keys), &turned));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(&turned));
     const double met = static_cast<double>(best->consistency.between_passes.num_compared);
     const bool meets_more =
@@ -413,13 +416,11 @@ class HypothesisSearch {
   }
 
   // Closes the loops of a start.
-  Status Begin(HypothesisKind kind, const SequentialTrajectory& start, MapHypothesis* best) {
+  Status Begin(HypothesisKind kind, const SequentialTrajectory& start, KeyframeGraph keys,
+               MapHypothesis* best) {
     best->kind = kind;
     best->start = start;
-    best->keys = kind == HypothesisKind::kMatching ? suspected_ : MakeKeyframeGraph(start, motion_);
-    if (kind == HypothesisKind::kOdometryHeadings) {
-      MarkSuspectEdges(graph_, surfaces_, start.world_from_robot, pool_, &best->keys);
-    }
+    best->keys = std::move(keys);
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
     if (kind == HypothesisKind::kMatching) {
       explicable_share_ = best->consistency.ExplicableShare();

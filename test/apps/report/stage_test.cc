@@ -52,23 +52,24 @@ TEST(MeasureStageTest, MeasuresTheMapAsItStands) {
   SyntheticScene scene;
   scene.faces = {{{-3, -2}, {3, -2}}, {{3, -2}, {3, 2}}, {{3, 2}, {-3, 2}}, {{-3, 2}, {-3, -2}}};
   scene.poses = {{0, 0, 0}, {0.5, 0, 0.1}, {0.5, 0.4, 0.2}};
-  MapState state = MakeGraph(scene).InitialState();
+  const SlamGraph graph = MakeGraph(scene);
+  MapState state = graph.InitialState();
   Truth truth;
   for (const Pose2& pose : scene.poses) truth.trajectory.push_back({0.0, pose});
   truth.points = state.points;
   ThreadPool pool(1);
 
-  const Stage exact = MeasureStage("exact", state, &truth, &pool);
+  const Stage exact = MeasureStage("exact", graph, state, &truth, &pool);
   EXPECT_EQ(exact.name, "exact");
   EXPECT_LT(exact.quality.wall_thickness_m, 1e-6);
   ASSERT_TRUE(exact.error.has_value());
   EXPECT_LT(exact.error->mean_point_error_m, 1e-9);
 
   state.points[1] += 0.3;
-  const Stage moved = MeasureStage("moved", state, &truth, &pool);
+  const Stage moved = MeasureStage("moved", graph, state, &truth, &pool);
   EXPECT_NEAR(moved.error->mean_point_error_m,
               0.3 / (0.5 * static_cast<double>(state.points.size())), 1e-9);
-  EXPECT_FALSE(MeasureStage("no truth", state, nullptr, &pool).error.has_value());
+  EXPECT_FALSE(MeasureStage("no truth", graph, state, nullptr, &pool).error.has_value());
 }
 
 TEST(MeasureStageTest, AStateWithoutPointsHasThemWhereTheMeasurementsPutThem) {

@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
-#include "plumbline/core/angle.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
