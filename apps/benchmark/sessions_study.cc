@@ -11,6 +11,7 @@
 #include "plumbline/apps/evaluation/pose_errors.h"
 #include "plumbline/apps/io/atomic_file.h"
 #include "plumbline/apps/report/units.h"
+#include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/seconds_since.h"
