@@ -11,9 +11,8 @@
 
 namespace plumbline {
 
-/// The points of a map, to be read: those of an array, or those that the measurements put there,
-/// each placed when it is read. An array of the latter is the largest there is of a long log.
-/// Refers to what it is given.
+/// The points of a map, to be read: those of an array, or the measured ones, each placed when it is
+/// read. That spares a long log its largest array. Refers to what it is given.
 class MapPoints {
  public:
   /// x, y [m] of each point in turn.

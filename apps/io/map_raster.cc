@@ -74,8 +74,12 @@ Interval VisibleInterval(std::vector<double> samples, const std::vector<Pose2>& 
   return {interval.low - margin, interval.high + margin};
 }
 
-Status CheckExtent(const MapExtent& extent) {
-  for (double edge_m : {extent.x.low, extent.x.high, extent.y.low, extent.y.high}) {
+// Of samples of the points' coordinates.
+Status FindExtentOf(std::vector<double> x, std::vector<double> y,
+                    const std::vector<Pose2>& trajectory, double crop_share, MapExtent* extent) {
+  *extent = {VisibleInterval(std::move(x), trajectory, 0, crop_share),
+             VisibleInterval(std::move(y), trajectory, 1, crop_share)};
+  for (double edge_m : {extent->x.low, extent->x.high, extent->y.low, extent->y.high}) {
     if (std::abs(edge_m) < kMaxExtentM) continue;
     return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
                                    " m from the origin");
@@ -117,26 +121,16 @@ double RoundDownToNice(double value) {
 
 Status FindExtent(const MapPoints& points, const std::vector<Pose2>& trajectory, double crop_share,
                   MapExtent* extent) {
-  *extent = {VisibleInterval(SampleCoordinates(points, 0), trajectory, 0, crop_share),
-             VisibleInterval(SampleCoordinates(points, 1), trajectory, 1, crop_share)};
-  return CheckExtent(*extent);
-}
-
-Status ChooseRaster(const MapPoints& points, const std::vector<Pose2>& trajectory,
-                    double crop_share, int max_side_px, MapRaster* raster, double min_pixel_m) {
-  MapExtent extent;
-  PLUMBLINE_RETURN_IF_ERROR(FindExtent(points, trajectory, crop_share, &extent));
-  *raster = RasterOver(extent, max_side_px, min_pixel_m);
-  return Status::Ok();
+  return FindExtentOf(SampleCoordinates(points, 0), SampleCoordinates(points, 1), trajectory,
+                      crop_share, extent);
 }
 
 Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
                   MapExtent* extent) {
-  const std::vector<Pose2> trajectory = PosesOf(state.poses);
   const MapPoints points(graph, state);
-  *extent = {VisibleInterval(SampleCoordinates(graph, points, 0), trajectory, 0, crop_share),
-             VisibleInterval(SampleCoordinates(graph, points, 1), trajectory, 1, crop_share)};
-  return CheckExtent(*extent);
+  std::vector<double> x = SampleCoordinates(graph, points, 0);
+  std::vector<double> y = SampleCoordinates(graph, points, 1);
+  return FindExtentOf(std::move(x), std::move(y), PosesOf(state.poses), crop_share, extent);
 }
 
 Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,

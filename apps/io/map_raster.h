@@ -43,16 +43,13 @@ struct MapExtent {
 Status FindExtent(const MapPoints& points, const std::vector<Pose2>& trajectory, double crop_share,
                   MapExtent* extent);
 
-/// A raster over that extent, with pixels of a nice size, at least min_pixel_m, on a grid through
-/// the world's origin. Fails like FindExtent.
-Status ChooseRaster(const MapPoints& points, const std::vector<Pose2>& trajectory,
-                    double crop_share, int max_side_px, MapRaster* raster,
-                    double min_pixel_m = 0.01);
-
-/// These two for the points of a graph's returns, as MapPoints has them of a state, together with
+/// The same for the points of a graph's returns, as MapPoints has them of a state, together with
 /// those of its peers (collective).
 Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
                   MapExtent* extent);
+
+/// A raster over that extent, with pixels of a nice size, at least min_pixel_m, on a grid through
+/// the world's origin. Fails like FindExtent.
 Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,
                     int max_side_px, MapRaster* raster, double min_pixel_m = 0.01);
 

@@ -15,9 +15,11 @@ Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapSta
   stage.name = name;
   stage.quality = MeasureMapQuality(graph, MapPoints(graph, state), MapQualityOptions(), pool);
   if (truth == nullptr) return stage;
-  const bool lacks_points = state.points.empty();
-  stage.error = CompareWithTruth(
-      lacks_points ? MapState{state.poses, graph.MeasuredMap(state.poses)} : state, *truth);
+  if (!state.points.empty()) {
+    stage.error = CompareWithTruth(state, *truth);
+  } else {
+    stage.error = CompareWithTruth({state.poses, graph.MeasuredMap(state.poses)}, *truth);
+  }
   return stage;
 }
 

@@ -179,8 +179,8 @@ class LogRun {
     return odometry_stage_.get();
   }
 
-  // They are where the measurements put them, which is known without an array. Only some solvers
-  // start from one.
+  // They are the measured ones, which MapPoints places without an array. RefineLog drops them for
+  // the same solvers; here it happens before the pictures of the start.
   void DropPointsOfSeed() {
     const MapLogOptions& mapping = options_.mapping;
     if (mapping.calibration.IsOn() || !mapping.solver.IsOverLandmarks()) return;

@@ -76,11 +76,13 @@ class CellLines {
         is_asked_(cells.size()),
         fits_(cells.size(), CellFit::kNotALine),
         lines_(cells.size(), {0.0, 0.0, 0.0}) {
-    for (const OpenCell& cell : open) is_asked_[cell.within] = true;
+    for (const OpenCell& cell : open) is_asked_[cell.within] = 1;
     constexpr std::size_t kCellsPerChunk = 256;
     pool->ForEachChunk(cells.size(), kCellsPerChunk,
                        [this](std::size_t, std::size_t begin, std::size_t end) {
-                         for (std::size_t id = begin; id < end; ++id) FitSquareOf(id);
+                         for (std::size_t id = begin; id < end; ++id) {
+                           if (is_asked_[id] != 0) FitSquareOf(id);
+                         }
                        });
   }
 
@@ -88,7 +90,7 @@ class CellLines {
   const TangentLine& Line(std::size_t id) const { return lines_[id]; }
 
  private:
-  // All cells of a square lie in the same disc: the first one fits them all.
+  // All cells of a square lie in the same disc: the first that is asked fits them all.
   void FitSquareOf(std::size_t first) {
     const SurfaceCellKey& key = cells_[first].key;
     const std::array<int, 8>& square = cells_.Square(key.x, key.y);
@@ -107,7 +109,7 @@ class CellLines {
     }
   }
 
-  bool IsAsked(int id) const { return id != SurfaceCells::kNone && is_asked_[id]; }
+  bool IsAsked(int id) const { return id != SurfaceCells::kNone && is_asked_[id] != 0; }
 
   const SurfaceCells& cells_;
   const AssociationOptions& options_;

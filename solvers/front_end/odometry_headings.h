@@ -9,10 +9,10 @@
 
 namespace plumbline {
 
-/// The trajectory with the headings of the odometry over long stretches: the turns of its steps
-/// stay those of the matching, but for their mean over 20 m of path to either side, which becomes
-/// that of the odometry. Outdoors, where a scan sees few and rough surfaces, the matching turns off
-/// by a degree every 10 m, and good wheels do not.
+/// The trajectory with the headings of the odometry over long stretches. Its steps keep the turns of
+/// the matching, but the heading by which the odometry differs, as a mean over 12 m of path to
+/// either side, is added. Outdoors, where a scan sees few and rough surfaces, the heading of the
+/// matching drifts by a degree every 10 m, and that of good wheels does not.
 ///
 /// given: poses by odometry, one per pose. motion: its noise; steps that matching and odometry put
 /// more than noise apart (IsLeap) say nothing of the headings.

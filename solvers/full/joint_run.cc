@@ -20,7 +20,7 @@ std::string LocalText(const SolverSummary& summary) {
   std::string text;
   if (!summary.downweighted_steps.empty()) {
     text += ", with " + std::to_string(summary.downweighted_steps.size()) +
-            " odometry steps downweighted that the seed contradicts";
+            " odometry steps downweighted that the map contradicts";
   }
   if (!summary.put_back.empty()) {
     text += ", with " + std::to_string(summary.put_back.size()) +

@@ -83,12 +83,14 @@ struct LoopAcceptance {
   // Asked only of a map that contradicts itself: MapConsistency says from where on it does.
 
   /// A cluster of closures goes if the map is better without it, that is if fewer returns conflict
-  /// by this share of those that do between passes, ... As many more returns of passes that meet
-  /// speak for the headings of the odometry.
+  /// by this share of those that do between passes, ...
   static constexpr double kMinMapGain = 0.1;
   /// ... and by this many more: what people and chairs that moved bring about. The three
   /// logs have the same closures at 0.05 and 0.2, and at 30 and 300.
   static constexpr double kMinMapGainReturns = 100.0;
+  /// The matching with the headings of the odometry is taken only if this share more returns are
+  /// compared between passes.
+  static constexpr double kMinMeetingGain = 0.05;
   /// A match that fails 3 or 5 but shows this share of the scan, and passes 4, is kept: it becomes
   /// a closure if it makes the map better by as much. The three logs have the same closures at
   /// 0.4 and 0.54.

@@ -86,6 +86,10 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
     PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometryHeadings(best));
+    for (SuspectStep& suspect : best->loops.suspect_steps) {
+      const auto found = num_alternatives_.find(suspect.first_pose_after);
+      if (found != num_alternatives_.end()) suspect.num_alternatives = found->second;
+    }
     for (const std::size_t record : best->records) weighed_[record].adopted = true;
     return Status::Ok();
   }
@@ -114,8 +118,9 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  // A matching that turned off leads to where nothing was seen before, and nothing conflicts. That
-  // more passes meet speaks for the odometry's headings, unless they conflict.
+  // A matching whose heading drifts leads to where nothing was seen before, and nothing conflicts.
+  // That more passes meet speaks for the odometry's headings, unless they conflict. The odometry is
+  // the one as given: its errors were told from this matching, and would be its drift.
   Status TryOdometryHeadings(MapHypothesis* best) {
     if (LacksOdometry(graph_) || ties_ != nullptr || best->kind != HypothesisKind::kMatching ||
         !IsSuspicious(best->consistency)) {
@@ -130,9 +135,9 @@ class HypothesisSearch {
         Begin(HypothesisKind::kOdometryHeadings, start, std::move(keys), &turned));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(&turned));
     const double met = static_cast<double>(best->consistency.between_passes.num_compared);
-    const bool meets_more =
-        turned.keys.closures.size() > best->keys.closures.size() &&
-        turned.consistency.between_passes.num_compared > (1.0 + LoopAcceptance::kMinMapGain) * met;
+    const bool meets_more = turned.keys.closures.size() > best->keys.closures.size() &&
+                            turned.consistency.between_passes.num_compared >
+                                (1.0 + LoopAcceptance::kMinMeetingGain) * met;
     if (meets_more && !IsBetter(best->consistency, turned.consistency)) *best = std::move(turned);
     return Status::Ok();
   }
@@ -235,11 +240,6 @@ class HypothesisSearch {
       if (!is_suspect && !IsOpen(step, *best)) continue;
       if (++num_tried > kMostCarried) break;
       PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
-    }
-    for (const auto& [first_pose_after, num] : num_alternatives_) {
-      for (SuspectStep& suspect : best->loops.suspect_steps) {
-        if (suspect.first_pose_after == first_pose_after) suspect.num_alternatives = num;
-      }
     }
     return Status::Ok();
   }

@@ -20,16 +20,15 @@ constexpr double kLeapMapPathM = 6.0;
 constexpr int kPosesBefore = 8, kPosesAfter = 1;
 // ... and those of them that hang behind so often that they are no good as a map.
 constexpr int kPosesBeforeInMap = 2;
-// A new pose must fit this much more of the scan than the old one, ...
-constexpr double kMinGain = 0.05;
-// ... and all but all of it, ...
-constexpr double kMinLeapInlierRatio = 0.8;
-// ... or so many times as much as the old one and at least half of it: where a scan fits that
-// badly, its pose is the odometry's, and never was matched, ...
-constexpr double kMinFactor = 2.0;
+// A new pose must fit at least half of the scan, and more than the old one. It is taken if it makes
+// the steps of the robot more even, for then scan and odometry say the same; or if it fits so much
+// more of the scan, and all but all of it or so many times as much as the old pose, as where the
+// odometry took a scan that was not matched.
 constexpr double kMinPartInlierRatio = 0.5;
-// ... or at least half of it and just more, if it makes the steps of the robot more even: then scan
-// and odometry say the same.
+constexpr double kMinGain = 0.05;
+constexpr double kMinLeapInlierRatio = 0.8;
+constexpr double kMinFactor = 2.0;
+
 // Starts along a leap, at most.
 constexpr int kMaxStarts = 8;
 // Evenness is told by this many steps to either side.

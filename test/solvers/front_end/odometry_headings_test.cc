@@ -38,16 +38,40 @@ SequentialTrajectory Matched(const std::vector<Pose2>& steps) {
   return matched;
 }
 
-TEST(OdometryHeadings, TakeTheDriftOutOfAMatchingThatTurnsOff) {
+TEST(OdometryHeadings, TakeTheDriftOutOfAMatching) {
   const std::vector<Pose2> truth = Chain(TrueSteps());
   std::vector<Pose2> steps = TrueSteps();
   for (int p = 200; p < 500; ++p) steps[p].yaw += 0.001;  // 17 deg in all
   const SequentialTrajectory matched = Matched(steps);
   EXPECT_GT(WorstM(matched.world_from_robot, truth), 10.0);
   const SequentialTrajectory turned = WithOdometryHeadings(matched, truth, MotionOptions());
-  // The mean is late at both ends of the drift, by the same.
+  // The mean is early at both ends of the drift, by the same.
   EXPECT_LT(WorstM(turned.world_from_robot, truth), 0.6);
   EXPECT_NEAR(turned.world_from_robot.back().yaw, truth.back().yaw, 0.005);
+}
+
+TEST(OdometryHeadings, KeepTheHeadingAtBothEndsOfTheDrive) {
+  const std::vector<Pose2> truth = Chain(TrueSteps());
+  std::vector<Pose2> steps = TrueSteps();
+  for (int p = 0; p < 40; ++p) steps[p].yaw += 0.005;
+  for (int p = 560; p < kNumPoses - 1; ++p) steps[p].yaw -= 0.005;
+  const SequentialTrajectory turned = WithOdometryHeadings(Matched(steps), truth, MotionOptions());
+  EXPECT_NEAR(turned.world_from_robot[300].yaw, truth[300].yaw, 1e-9);
+  EXPECT_NEAR(turned.world_from_robot.back().yaw, truth.back().yaw, 1e-9);
+}
+
+TEST(OdometryHeadings, DoNotTurnARobotThatStands) {
+  std::vector<Pose2> odometry = TrueSteps();
+  std::vector<Pose2> steps = odometry;
+  for (int p = 350; p < 400; ++p) steps[p].yaw += 0.005;  // after the stop, by 14 deg
+  const std::vector<Pose2> stop(500, Pose2(0.0, 0.0, 0.0));
+  odometry.insert(odometry.begin() + 300, stop.begin(), stop.end());
+  steps.insert(steps.begin() + 300, stop.begin(), stop.end());
+  const std::vector<Pose2> truth = Chain(odometry);
+  const SequentialTrajectory turned = WithOdometryHeadings(Matched(steps), truth, MotionOptions());
+  const std::vector<Pose2>& poses = turned.world_from_robot;
+  EXPECT_NEAR(poses[300].yaw, poses[800].yaw, 1e-12);
+  EXPECT_NEAR(poses.back().yaw, truth.back().yaw, 1e-9);
 }
 
 TEST(OdometryHeadings, LeaveSingleStepsAndLengthsToTheMatching) {
