@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_CORE_MEASURED_SURFACE_H_
 #define PLUMBLINE_CORE_MEASURED_SURFACE_H_
 
-#include <Eigen/Core>
 #include <vector>
 
 #include "plumbline/core/return_normal.h"
@@ -16,15 +15,12 @@ struct ReturnNormalOptions;
 /// move. Where the beams ended the graph knows, ScanReturns::PointInRobot; a copy would be twice
 /// what every pass over the returns has to read.
 struct MeasuredSurface {
-  std::vector<ReturnNormal> normals;  ///< as EstimateReturnNormals gives them, in 16 bits
+  std::vector<ReturnNormal> normals;  ///< see ExtendReturnNormals
 };
 
 /// Estimates the normals.
 MeasuredSurface MeasureSurface(const SlamGraph& graph, const ReturnNormalOptions& options,
                                ThreadPool* pool);
-
-/// The same of normals that EstimateReturnNormals has given.
-MeasuredSurface SurfaceOfNormals(const std::vector<Eigen::Vector2f>& normals, ThreadPool* pool);
 
 /// Adds the scans from first_scan on to the surface of the scans before it.
 void ExtendSurface(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,

@@ -18,19 +18,18 @@ class ScanNormalEstimator {
   ScanNormalEstimator(const SlamGraph& graph, const ReturnNormalOptions& options)
       : graph_(graph), options_(options) {}
 
-  // Calls take(return id, normal) for each return.
-  template <typename Take>
-  void EstimateScan(int scan_id, const Take& take) {
+  void EstimateScan(int scan_id, std::vector<ReturnNormal>* normals) {
     const ScanEntry& scan = graph_.scan(scan_id);
     laser_in_robot_ = graph_.laser(scan.laser).robot_from_laser.translation();
-    first_ = scan.first_return;
     MeasuredPoints(graph_, scan_id, &points_);
     FindJoinedReturns(graph_, scan_id, points_, options_.half_window_m, &joined_);
-    for (std::size_t k = 0; k < scan.num_returns; ++k) take(first_ + k, NormalOf(k));
+    for (std::size_t k = 0; k < scan.num_returns; ++k) {
+      (*normals)[scan.first_return + k] = NormalOf(k);
+    }
   }
 
  private:
-  Eigen::Vector2f NormalOf(std::size_t k) const {
+  ReturnNormal NormalOf(std::size_t k) const {
     const Eigen::Vector2d center = points_[k];
     const double window_squared = options_.half_window_m * options_.half_window_m;
     PointMoments moments;
@@ -50,34 +49,19 @@ class ScanNormalEstimator {
     for (std::size_t j = k + 1; j < points_.size() && joined_[j]; ++j) {
       if (!add(j, j == k + 1)) break;
     }
-    if (count < 3) return Eigen::Vector2f::Zero();
+    if (count < 3) return ReturnNormal();
     const LineFit fit = FitLine(moments);
-    if (fit.EigenvalueRatio() > kMaxEigenvalueRatio) return Eigen::Vector2f::Zero();
+    if (fit.EigenvalueRatio() > kMaxEigenvalueRatio) return ReturnNormal();
     const bool faces_laser = fit.normal.dot(laser_in_robot_ - center) >= 0.0;
-    return (faces_laser ? fit.normal : Eigen::Vector2d(-fit.normal)).cast<float>();
+    return ReturnNormal(faces_laser ? fit.normal : Eigen::Vector2d(-fit.normal));
   }
 
   const SlamGraph& graph_;
   const ReturnNormalOptions& options_;
   Eigen::Vector2d laser_in_robot_;
-  std::size_t first_ = 0;
   std::vector<Eigen::Vector2d> points_;  // of one scan, in the frame of the robot
   std::vector<bool> joined_;             // to the return before it, by one surface
 };
-
-// Calls take(return id, normal) for each return of the scans from first_scan on.
-template <typename Take>
-void EstimateScansFrom(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
-                       ThreadPool* pool, const Take& take) {
-  constexpr std::size_t kScansPerChunk = 16;
-  pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       ScanNormalEstimator estimator(graph, options);
-                       for (std::size_t s = begin; s < end; ++s) {
-                         estimator.EstimateScan(first_scan + static_cast<int>(s), take);
-                       }
-                     });
-}
 
 }  // namespace
 
@@ -86,22 +70,17 @@ bool ReturnNormalOptions::Check(std::string* error) const {
   return true;
 }
 
-std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
-                                                   const ReturnNormalOptions& options,
-                                                   ThreadPool* pool) {
-  std::vector<Eigen::Vector2f> normals(graph.num_returns(), Eigen::Vector2f::Zero());
-  EstimateScansFrom(graph, 0, options, pool,
-                    [&](std::size_t r, const Eigen::Vector2f& normal) { normals[r] = normal; });
-  return normals;
-}
-
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                          ThreadPool* pool, std::vector<ReturnNormal>* normals) {
   normals->resize(graph.num_returns());
-  EstimateScansFrom(graph, first_scan, options, pool,
-                    [&](std::size_t r, const Eigen::Vector2f& normal) {
-                      (*normals)[r] = ReturnNormal(normal.cast<double>());
-                    });
+  constexpr std::size_t kScansPerChunk = 16;
+  pool->ForEachChunk(graph.num_scans() - first_scan, kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       ScanNormalEstimator estimator(graph, options);
+                       for (std::size_t s = begin; s < end; ++s) {
+                         estimator.EstimateScan(first_scan + static_cast<int>(s), normals);
+                       }
+                     });
 }
 
 }  // namespace plumbline

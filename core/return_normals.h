@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_CORE_RETURN_NORMALS_H_
 #define PLUMBLINE_CORE_RETURN_NORMALS_H_
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -21,17 +20,12 @@ struct ReturnNormalOptions {
   bool Check(std::string* error) const;
 };
 
-/// Estimates one unit surface normal per return of the graph, in the frame of its robot, turned
-/// towards the laser. The zero vector marks a return without a surface around it: isolated, at a
-/// range jump, or round.
+/// Estimates one surface normal per return of the scans from first_scan on, in the frame of its
+/// robot, turned towards the laser, and adds them to those of the scans before. None where a return
+/// has no surface around it: isolated, at a range jump, or round.
 ///
 /// Total least squares over the neighbours along the scan that lie within the window and are
 /// joined to the return without a range jump.
-std::vector<Eigen::Vector2f> EstimateReturnNormals(const SlamGraph& graph,
-                                                   const ReturnNormalOptions& options,
-                                                   ThreadPool* pool);
-
-/// Adds the normals of the scans from first_scan on to those of the scans before it, in 16 bits.
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                          ThreadPool* pool, std::vector<ReturnNormal>* normals);
 

@@ -6,7 +6,6 @@
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
-#include "plumbline/core/return_normals.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -74,7 +73,7 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
   MapState chain;
   PairwiseIcpReport report;
   PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(options.solver.factors.beam, metric),
-                                       mapping.normals, pool, graph, &chain, &report));
+                                       mapping.surface, pool, graph, &chain, &report));
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }
@@ -131,9 +130,9 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
           FindSweepOrder(options.seeding, options.solver, prepared.graph, pool);
       FollowSweeps(prepared.graph.initial_poses(), &prepared);
     }
-    prepared.normals =
-        EstimateReturnNormals(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
-    prepared.state = prepared.graph.InitialState();
+    prepared.surface =
+        MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
+    prepared.state.poses = prepared.graph.initial_poses();
     *mapping = std::move(prepared);
     return Status::Ok();
   });
@@ -149,7 +148,7 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
     if (options.start == StartType::kSeed || needs_pose_graph) {
       SeededDrive drive;
       PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
-                                          mapping->normals, progress, pool, mapping->graph, &drive,
+                                          mapping->surface, progress, pool, mapping->graph, &drive,
                                           &seeding));
       // A solver of pose graphs has the work still to do that the seeding did by its own.
       start_poses = PoseArray(needs_pose_graph ? seeding.sequential_poses : drive.world_from_robot);
@@ -184,17 +183,13 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
     if (LacksOdometry(mapping->graph)) {
       PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
     }
-    ThreadPool pool(options.solver.num_threads);
     if (mapping->as_swept) {
+      ThreadPool pool(options.solver.num_threads);
       FollowSweeps(start_poses, mapping);
       mapping->surface =
           MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), &pool);
-    } else {
-      mapping->surface = SurfaceOfNormals(mapping->normals, &pool);
     }
-    mapping->normals = std::vector<Eigen::Vector2f>();
-    mapping->state.points = mapping->graph.MeasuredMap(start_poses);
-    mapping->state.poses = start_poses;
+    mapping->state = {start_poses, {}};
     mapping->start_poses = std::move(start_poses);
     mapping->report.seeding = std::move(seeding);
     return Status::Ok();
@@ -217,12 +212,6 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     if (options.calibration.IsOn()) {
       Calibrate(options, solver, mapping);
     } else {
-      // As large as the readings, and not needed over landmarks, see Solve.
-      if (solver.IsOverLandmarks()) mapping->state.points = std::vector<double>();
-      if (mapping->surface.normals.empty()) {
-        mapping->surface = SurfaceOfNormals(mapping->normals, pool);
-      }
-      mapping->normals = std::vector<Eigen::Vector2f>();
       mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next

@@ -62,12 +62,11 @@ struct LogMapping {
   SlamGraph graph;
   /// The measurements with that motion in them; empty where lasers measure all beams at once.
   std::optional<SlamGraph> as_swept;
-  /// What its scans saw, to find a seed by (EstimateReturnNormals); empty once there is one.
-  std::vector<Eigen::Vector2f> normals;
-  /// The same for the joint estimation; empty before there is a seed, and after RefineLog.
+  /// What its scans saw, in the graph; empty after RefineLog.
   MeasuredSurface surface;
   /// The estimate: first the initial guesses of the log; then where the solver starts
-  /// (MapLogOptions::start); then the map.
+  /// (MapLogOptions::start); then the map. Before that it has no points: they are where the
+  /// measurements put them (SlamGraph::MeasuredMap).
   MapState state;
   /// The start, (x, y, yaw) each. After a calibration of the mounting they are the poses of the
   /// calibrated robot that leave the lasers where they were.

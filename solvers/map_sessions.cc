@@ -42,7 +42,7 @@ Status SeedSession(const MapLogOptions& options, SlamGraph session, const Seedin
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(session), pool, mapping));
   SeedingReport seeding;
   PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
-                                      mapping->normals, progress, pool, mapping->graph, drive,
+                                      mapping->surface, progress, pool, mapping->graph, drive,
                                       &seeding));
   return StartFromSeed(options, PoseArray(drive->world_from_robot), std::move(seeding), mapping);
 }
@@ -250,8 +250,11 @@ class SessionsRun {
     map->mapping.report = joined.Take();
     SeedingReport& seeding = map->mapping.report.seeding;
     KeyframeGraph keys;
-    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, drive.graph, drive.surfaces, progress_,
-                                            &drive.ties, pool_, &drive.matched, &keys, &seeding));
+    const MeasuredSurface surface =
+        MeasureSurface(drive.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
+    const ScanSurfaces surfaces(drive.graph, surface, std::move(drive.surfaces));
+    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, drive.graph, surfaces, progress_, &drive.ties,
+                                            pool_, &drive.matched, &keys, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
     }
@@ -285,8 +288,7 @@ class SessionsRun {
     LogMapping& mapping = map->mapping;
     mapping.graph = std::move(graph);
     mapping.start_poses = PoseArray(poses);
-    mapping.state.poses = mapping.start_poses;
-    mapping.state.points = mapping.graph.MeasuredMap(mapping.start_poses);
+    mapping.state = {mapping.start_poses, {}};
     mapping.surface =
         MeasureSurface(mapping.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
     return Status::Ok();

@@ -5,7 +5,6 @@
 
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
-#include "plumbline/core/return_normals.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"
@@ -13,13 +12,13 @@
 namespace plumbline {
 
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
-                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, const SlamGraph& graph, MapState* state, SeedingReport* report) {
+                 const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
+                 const SlamGraph& graph, MapState* state, SeedingReport* report) {
   return CatchExceptions([&] {
     const DefaultFloatEnvironment float_environment;
     SeededDrive drive;
     PLUMBLINE_RETURN_IF_ERROR(
-        SeedDrive(options, motion, normals, progress, pool, graph, &drive, report));
+        SeedDrive(options, motion, surface, progress, pool, graph, &drive, report));
     MapState seed;
     seed.poses = PoseArray(drive.world_from_robot);
     seed.points = graph.MeasuredMap(seed.poses);
@@ -36,8 +35,8 @@ Status SeedGraph(const SeedingOptions& options, const SolverOptions& solver_opti
     const FactorOptions& factors = solver_options.factors;
     ThreadPool pool(solver_options.num_threads);
     return SeedGraph(options, factors.motion,
-                     EstimateReturnNormals(graph, NormalOptionsFor(factors.beam), &pool), nullptr,
-                     &pool, graph, state, report);
+                     MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool), nullptr, &pool,
+                     graph, state, report);
   });
 }
 

@@ -61,7 +61,7 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
   SlamGraph graph =
       measured.Corrected(TakeOutSweepMotion(measured, order, measured.initial_poses()));
   const ReturnNormalOptions normals = NormalOptionsFor(solver.factors.beam);
-  const std::vector<Eigen::Vector2f> before = EstimateReturnNormals(graph, normals, pool);
+  const MeasuredSurface before = MeasureSurface(graph, normals, pool);
   MapState state;
   SeedingReport report;
   if (!SeedGraph(seeding, solver.factors.motion, before, {}, pool, graph, &state, &report).ok()) {

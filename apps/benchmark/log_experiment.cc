@@ -10,7 +10,7 @@
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/map_state.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
@@ -127,10 +127,10 @@ class Experiment {
     options.metric = metric;
     PairwiseIcpReport report;
     const auto start = Clock::now();
-    const std::vector<Eigen::Vector2f> normals = EstimateReturnNormals(
-        mapping_.graph, NormalOptionsFor(options_.solver.factors.beam), &pool_);
+    const MeasuredSurface surface =
+        MeasureSurface(mapping_.graph, NormalOptionsFor(options_.solver.factors.beam), &pool_);
     PLUMBLINE_RETURN_IF_ERROR(
-        plumbline::ChainPairs(options, normals, &pool_, mapping_.graph, chain, &report));
+        plumbline::ChainPairs(options, surface, &pool_, mapping_.graph, chain, &report));
     AddStage(name, *chain, SecondsSince(start));
     return Status::Ok();
   }

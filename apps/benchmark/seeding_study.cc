@@ -14,7 +14,7 @@
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
@@ -106,14 +106,12 @@ void InjectJump(const SeedingCase& run, SequentialTrajectory* trajectory) {
 }
 
 Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seeding,
-                            const MotionOptions& motion,
-                            const std::vector<Eigen::Vector2f>& normals, ThreadPool* pool,
-                            const SlamGraph& graph, std::vector<Pose2>* poses,
+                            const MotionOptions& motion, const MeasuredSurface& surface,
+                            ThreadPool* pool, const SlamGraph& graph, std::vector<Pose2>* poses,
                             SeedingReport* report) {
-  const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+  ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, graph, surfaces, {}, pool,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, graph, {}, pool, &surfaces,
                                              &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
@@ -231,7 +229,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   std::vector<Pose2> poses;
   SeedingReport& report = mapping.report.seeding;
   if (run.fault.kind == FaultKind::kInjected) {
-    PLUMBLINE_RETURN_IF_ERROR(SeedWithInjectedJump(run, seeding, factors.motion, mapping.normals,
+    PLUMBLINE_RETURN_IF_ERROR(SeedWithInjectedJump(run, seeding, factors.motion, mapping.surface,
                                                    &pool, mapping.graph, &poses, &report));
   } else {
     PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));

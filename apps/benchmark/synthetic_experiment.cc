@@ -9,7 +9,7 @@
 #include "plumbline/apps/benchmark/known_walls.h"
 #include "plumbline/apps/benchmark/match_graph.h"
 #include "plumbline/core/map_state.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -52,7 +52,7 @@ class MapMaker {
         maps_(*maps) {}
 
   Status Run() {
-    normals_ = EstimateReturnNormals(drive_.graph, NormalOptionsFor(factors_.beam), &pool_);
+    surface_ = MeasureSurface(drive_.graph, NormalOptionsFor(factors_.beam), &pool_);
     PutRaw(Mapper::kOdometry, PosesOf(drive_.graph.initial_poses()));
     PutRaw(Mapper::kTruePoses, drive_.truth.poses);
     const FactorOptions exact = ExactFactorsFor(noise_, factors_);
@@ -77,7 +77,7 @@ class MapMaker {
   Status Chain(IcpMetric metric, Mapper mapper) {
     MapState state;
     PairwiseIcpReport report;
-    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(factors_.beam, metric), normals_, &pool_,
+    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(factors_.beam, metric), surface_, &pool_,
                                          drive_.graph, &state, &report));
     PutRaw(mapper, PosesOf(state.poses));
     return Status::Ok();
@@ -88,7 +88,7 @@ class MapMaker {
     MatchGraphOptions options;
     options.icp = IcpOptionsFor(factors_.beam, IcpMetric::kPointToLine);
     const std::vector<SurfacePoints> surfaces =
-        ThinnedSurfacePoints(drive_.graph, normals_, kPointSpacingM, &pool_);
+        ThinnedSurfacePoints(drive_.graph, surface_, kPointSpacingM, &pool_);
     const MatchGraph matches = BuildMatchGraph(drive_.graph, surfaces, factors_.motion, options);
     std::vector<Pose2> poses = matches.chain;
     DescendStochastically(matches.edges, StochasticDescentOptions(), &poses);
@@ -124,7 +124,7 @@ class MapMaker {
   const FactorOptions factors_;
   std::array<MapEstimate, kNumMappers>& maps_;
   ThreadPool pool_{1};
-  std::vector<Eigen::Vector2f> normals_;
+  MeasuredSurface surface_;
 };
 
 // Means over stretches of beams, so that beams without a return do not move their neighbours.

@@ -14,7 +14,7 @@
 #include "plumbline/apps/python/fields.h"
 #include "plumbline/apps/python/objects.h"
 #include "plumbline/apps/python/progress.h"
-#include "plumbline/core/return_normals.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/calibration.h"
@@ -89,7 +89,7 @@ std::pair<StateObject, SeedingReport> Seed(const GraphObject& graph, const Seedi
     ThreadPool pool(options.num_threads);
     const FactorOptions& factors = options.factors;
     return SeedGraph(seeding, factors.motion,
-                     EstimateReturnNormals(unlocked, NormalOptionsFor(factors.beam), &pool),
+                     MeasureSurface(unlocked, NormalOptionsFor(factors.beam), &pool),
                      progress.OfSeeding(), &pool, unlocked, &state, &report);
   });
   progress.RaisePending();

@@ -40,7 +40,6 @@ class LogRun {
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(Start());
-    DropPointsOfSeed();
     MapRun map(options_.mapping, outputs_, output_, TruthOrNull(), std::move(summary_), &pool_,
                &mapping_);
     PLUMBLINE_RETURN_IF_ERROR(RecordStart(&map));
@@ -142,8 +141,7 @@ class LogRun {
   // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
   Status Seed() {
     const auto start = std::chrono::steady_clock::now();
-    // The seeding does without the state. Several processes measure it together, later.
-    mapping_.state = MapState();
+    // Several processes measure it together, later.
     if (options_.peers == nullptr) StartMeasuring();
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
@@ -177,14 +175,6 @@ class LogRun {
       StartMeasuring();
     }
     return odometry_stage_.get();
-  }
-
-  // They are the measured ones, which MapPoints places without an array. RefineLog drops them for
-  // the same solvers; here it happens before the pictures of the start.
-  void DropPointsOfSeed() {
-    const MapLogOptions& mapping = options_.mapping;
-    if (mapping.calibration.IsOn() || !mapping.solver.IsOverLandmarks()) return;
-    mapping_.state.points = std::vector<double>();
   }
 
   // Of a graph of its own, which takes less memory than an array of its points: the seeding changes

@@ -26,9 +26,11 @@ constexpr double kMinContradictingShare = 0.002;
 enum class StepSign { kUndecided, kAgrees, kContradicts };
 
 // Matches scan `to` against scan `from` with no prior on the translation, from standstill.
-StepSign SignOfStep(const Pose2& odometry, const SurfacePoints& from, const SurfacePoints& to) {
+StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
+                    const ScanSurfaces& surfaces) {
   const double length = std::abs(odometry.x);
   if (length < kShortestStepM || length > kLongestStepM) return StepSign::kUndecided;
+  const SurfacePoints from = surfaces.Of(from_scan), to = surfaces.Of(to_scan);
   LocalMap map(0.01);
   map.Rebuild({&from}, {Pose2()});
   PosePrediction prediction;
@@ -56,8 +58,8 @@ bool IsSignLost(const OdometrySignReport& report, std::size_t num_left) {
 
 }  // namespace
 
-OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
-                                     const std::vector<SurfacePoints>& surfaces, ThreadPool* pool) {
+OdometrySignReport CheckOdometrySign(const SlamGraph& graph, const ScanSurfaces& surfaces,
+                                     ThreadPool* pool) {
   OdometrySignReport report;
   for (const OdometryConstraint& step : graph.odometry()) {
     if (step.from_from_to.x < -kBackwardM) ++report.num_backward_steps;
@@ -70,7 +72,7 @@ OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
   const auto decide = [&](std::size_t i) {
     const int from = scan_of_pose[steps[i].from], to = scan_of_pose[steps[i].to];
     if (from < 0 || to < 0) return;
-    signs[i] = SignOfStep(steps[i].from_from_to, surfaces[from], surfaces[to]);
+    signs[i] = SignOfStep(steps[i].from_from_to, from, to, surfaces);
   };
   // Batch by batch: a drive that backs up early tells soon.
   constexpr std::size_t kStepsPerBatch = 512, kStepsPerChunk = 32;

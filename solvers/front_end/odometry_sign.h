@@ -5,7 +5,7 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/interface/odometry_report.h"
 
 namespace plumbline {
@@ -13,8 +13,8 @@ namespace plumbline {
 /// Recognises an odometry that lost the sign of its translation: it never goes backwards, and a
 /// consistent share of consecutive scans says that the robot did.
 /// surfaces: per scan, in the frame of the robot.
-OdometrySignReport CheckOdometrySign(const SlamGraph& graph,
-                                     const std::vector<SurfacePoints>& surfaces, ThreadPool* pool);
+OdometrySignReport CheckOdometrySign(const SlamGraph& graph, const ScanSurfaces& surfaces,
+                                     ThreadPool* pool);
 
 }  // namespace plumbline
 

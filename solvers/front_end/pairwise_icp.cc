@@ -200,20 +200,20 @@ PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Po
           match.converged};
 }
 
-Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Vector2f>& normals,
+Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surface,
                   ThreadPool* pool, const SlamGraph& graph, MapState* state,
                   PairwiseIcpReport* report) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
-  if (normals.size() != graph.num_returns()) {
+  if (surface.normals.size() != graph.num_returns()) {
     return Status::InvalidArgument("pairwise ICP needs one normal per return, " +
                                    std::to_string(graph.num_returns()) + ", but got " +
-                                   std::to_string(normals.size()));
+                                   std::to_string(surface.normals.size()));
   }
   std::vector<int> step_to_pose;
   PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
   const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+      ThinnedSurfacePoints(graph, surface, kPointSpacingM, pool);
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   std::vector<ScanPair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
   MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);

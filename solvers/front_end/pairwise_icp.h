@@ -77,10 +77,10 @@ struct PairwiseIcpReport {
 /// shows a surface. Expects poses in order of time, joined by odometry from each to the next. An
 /// odometry that has lost the sign of its translation is not recognised: a step backwards starts
 /// off by twice its length, and keeps the wrong sign where the scans cannot tell, as in a corridor.
-/// The result does not depend on the number of threads. normals: as EstimateReturnNormals gives
-/// them. InvalidArgument on bad options, missing odometry or a wrong number of normals; *state
-/// is then as it was.
-Status ChainPairs(const PairwiseIcpOptions& options, const std::vector<Eigen::Vector2f>& normals,
+/// The result does not depend on the number of threads. surface: as
+/// MeasureSurface gives it. InvalidArgument on bad options, missing odometry or a wrong number of
+/// normals; *state is then as it was.
+Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surface,
                   ThreadPool* pool, const SlamGraph& graph, MapState* state,
                   PairwiseIcpReport* report);
 

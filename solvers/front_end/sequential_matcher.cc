@@ -105,12 +105,13 @@ ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& s
   return match;
 }
 
-void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, double path_m,
+void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, SurfacePoints surface, double path_m,
                                          const ScanMatch& match) {
   if (IsCovered(match.world_from_robot)) return;
   keyframes_.push_back({pose, scan, path_m,
                         RotateAxes(match.information, -match.world_from_robot.yaw),
                         std::exchange(after_unmatched_, false)});
+  key_surfaces_.push_back(std::move(surface));
   key_poses_.push_back(match.world_from_robot);
   RebuildMap();
 }
@@ -210,7 +211,7 @@ void SequentialMatcher::RebuildMap() {
   in_map_.clear();
   for (const auto& [distance, age] : by_distance) {
     in_map_.push_back(last - age);
-    scans.push_back(&surfaces_[keyframes_[last - age].scan]);
+    scans.push_back(&key_surfaces_[last - age]);
     poses.push_back(key_poses_[last - age]);
   }
   map_.Rebuild(scans, poses);

@@ -19,15 +19,11 @@ namespace plumbline {
 /// before it. What it is made of has to outlive it.
 class SequentialMatcher {
  public:
-  /// surfaces: per scan, in the frame of the robot. sign_lost: of the odometry's translation.
-  /// is_prediction: the steps are predicted from those before, not measured.
+  /// sign_lost: of the odometry's translation. is_prediction: the steps are predicted from those
+  /// before, not measured.
   SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    const std::vector<SurfacePoints>& surfaces, bool sign_lost, bool is_prediction)
-      : options_(options),
-        motion_(motion),
-        surfaces_(surfaces),
-        sign_lost_(sign_lost),
-        is_prediction_(is_prediction) {}
+                    bool sign_lost, bool is_prediction)
+      : options_(options), motion_(motion), sign_lost_(sign_lost), is_prediction_(is_prediction) {}
 
   /// Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven
   /// and counts in *report what it did.
@@ -35,9 +31,11 @@ class SequentialMatcher {
                   SequentialSeedingReport* report);
 
   /// Makes the scan a keyframe if the local map has none near its pose. path_m: driven so far.
-  void MaybeAddKeyframe(int pose, int scan, double path_m, const ScanMatch& match);
+  void MaybeAddKeyframe(int pose, int scan, SurfacePoints surface, double path_m,
+                        const ScanMatch& match);
 
   std::vector<Keyframe> TakeKeyframes() { return std::move(keyframes_); }
+  std::vector<SurfacePoints> TakeKeySurfaces() { return std::move(key_surfaces_); }
 
  private:
   PosePrediction Predict(const Pose2& previous, const Pose2& step) const;
@@ -52,14 +50,14 @@ class SequentialMatcher {
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
-  const std::vector<SurfacePoints>& surfaces_;
   const bool sign_lost_;
   const bool is_prediction_;
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;
-  std::vector<Pose2> key_poses_;
-  std::vector<int> in_map_;  // indices of the keyframes in the local map
+  std::vector<SurfacePoints> key_surfaces_;  // per keyframe
+  std::vector<Pose2> key_poses_;             // likewise
+  std::vector<int> in_map_;                  // indices of the keyframes in the local map
   LocalMap map_;
 };
 

@@ -104,6 +104,7 @@ struct MatchedStretch {
   std::vector<Pose2> poses;
   std::vector<Pose2> odometry;
   std::vector<Keyframe> keyframes;
+  std::vector<SurfacePoints> key_surfaces;
   SequentialSeedingReport report;  // counts only
 };
 
@@ -111,7 +112,7 @@ class DriveMatcher {
  public:
   // odometry: of each pose from the one before; empty if steps are to be predicted.
   DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-               const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+               const SlamGraph& graph, const ScanSurfaces& surfaces,
                const std::vector<int>& scan_of_pose, const std::vector<Pose2>& odometry,
                bool sign_lost)
       : options_(options),
@@ -124,30 +125,32 @@ class DriveMatcher {
         prediction_(graph) {}
 
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
-    static const SurfacePoints kNoSurface;
     MatchedStretch matched;
     SequentialSeedingReport run_up_report;
-    SequentialMatcher matcher(options_, motion_, surfaces_, sign_lost_, is_prediction());
+    SequentialMatcher matcher(options_, motion_, sign_lost_, is_prediction());
     double path_m = 0.0;
     for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
       const int scan = scan_of_pose_[pose];
+      SurfacePoints surface;
+      if (scan >= 0) surface = surfaces_.Of(scan);
       Pose2 step;
       ScanMatch match;
       match.world_from_robot = graph_.InitialPose(stretch.run_up);
       if (pose > stretch.run_up) {
         const Pose2& previous = matched.poses.back();
         step = is_prediction() ? prediction_.Step(matched.poses, pose) : odometry_[pose];
-        match = matcher.Match(previous, scan >= 0 ? surfaces_[scan] : kNoSurface, &step,
+        match = matcher.Match(previous, surface, &step,
                               pose < stretch.begin ? &run_up_report : &matched.report);
         path_m += Between(previous, match.world_from_robot).translation().norm();
       }
       matched.poses.push_back(match.world_from_robot);
       matched.odometry.push_back(step);
-      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, path_m, match);
+      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, std::move(surface), path_m, match);
       if (pose >= stretch.begin) progress->Count();
       if (progress->stopped()) break;
     }
     matched.keyframes = matcher.TakeKeyframes();
+    matched.key_surfaces = matcher.TakeKeySurfaces();
     return matched;
   }
 
@@ -157,7 +160,7 @@ class DriveMatcher {
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
   const SlamGraph& graph_;
-  const std::vector<SurfacePoints>& surfaces_;
+  const ScanSurfaces& surfaces_;
   const std::vector<int>& scan_of_pose_;
   const std::vector<Pose2>& odometry_;
   const bool sign_lost_;
@@ -165,7 +168,7 @@ class DriveMatcher {
 };
 
 // Joins a stretch to those before it by its own match of the last pose that they have in common.
-void Append(const Stretch& stretch, const MatchedStretch& matched,
+void Append(const Stretch& stretch, MatchedStretch matched, ScanSurfaces* surfaces,
             SequentialTrajectory* trajectory) {
   std::vector<Pose2>& poses = trajectory->world_from_robot;
   const int num_in_run_up = stretch.begin - stretch.run_up;
@@ -179,8 +182,11 @@ void Append(const Stretch& stretch, const MatchedStretch& matched,
   }
   trajectory->odometry.insert(trajectory->odometry.end(), matched.odometry.begin() + num_in_run_up,
                               matched.odometry.end());
-  for (const Keyframe& keyframe : matched.keyframes) {
-    if (keyframe.pose >= stretch.begin) trajectory->keyframes.push_back(keyframe);
+  for (std::size_t k = 0; k < matched.keyframes.size(); ++k) {
+    const Keyframe& keyframe = matched.keyframes[k];
+    if (keyframe.pose < stretch.begin) continue;
+    surfaces->Keep(keyframe.scan, std::move(matched.key_surfaces[k]));
+    trajectory->keyframes.push_back(keyframe);
   }
 }
 
@@ -205,10 +211,10 @@ void AddCounts(const SequentialSeedingReport& more, SequentialSeedingReport* rep
 }  // namespace
 
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                        const SeedingProgress& progress, ThreadPool* pool,
-                        SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+                        const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
+                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        SequentialSeedingReport* report) {
+  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, *surfaces);
   std::vector<Pose2> odometry;
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
   if (!LacksOdometry(graph)) {
@@ -221,9 +227,9 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     stretches = CutIntoStretches(odometry, scan_of_pose);
   }
   SequentialSeedingReport counts;
-  counts.odometry_sign = CheckOdometrySign(graph, surfaces, pool);
+  counts.odometry_sign = CheckOdometrySign(graph, *surfaces, pool);
 
-  const DriveMatcher matcher(options, motion, graph, surfaces, scan_of_pose, odometry,
+  const DriveMatcher matcher(options, motion, graph, *surfaces, scan_of_pose, odometry,
                              counts.odometry_sign.sign_lost);
   ProgressMeter meter(progress, graph.num_poses());
   meter.Begin();
@@ -235,8 +241,8 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
 
   SequentialTrajectory joined;
   for (std::size_t i = 0; i < stretches.size(); ++i) {
-    Append(stretches[i], matched[i], &joined);
     AddCounts(matched[i].report, &counts);
+    Append(stretches[i], std::move(matched[i]), surfaces, &joined);
   }
   MeasurePathToKeyframes(&joined);
   counts.num_keyframes = static_cast<int>(joined.keyframes.size());

@@ -9,7 +9,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
@@ -27,13 +27,14 @@ struct SequentialTrajectory {
 /// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
 /// one. Expects poses in order of time, joined by odometry from each pose to the next. If there is
 /// none at all, each step is predicted from those before (MotionPrediction), and takes the place of
-/// the odometry; `motion` is then the noise of that. surfaces: per scan, in the frame of the robot.
-/// Stretches of a long drive with odometry are matched side by side; what comes out does not depend
-/// on the number of threads. progress: called on the thread of the caller.
+/// the odometry; `motion` is then the noise of that. surfaces: of the graph; those of the
+/// keyframes are kept. /// Stretches of a long drive with odometry are matched side by side; what
+/// comes out does not depend on the number of threads. progress: called on the thread of the
+/// caller.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                        const SeedingProgress& progress, ThreadPool* pool,
-                        SequentialTrajectory* trajectory, SequentialSeedingReport* report);
+                        const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
+                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        SequentialSeedingReport* report);
 
 }  // namespace plumbline
 

@@ -46,12 +46,15 @@ constexpr double kPointSpacingM = 0.03;
 
 /// The surface points of every scan, each in the frame of its robot, thinned to one per
 /// `spacing_m` of surface: scan matching gains nothing from two beams a millimetre apart.
-/// normals: as EstimateReturnNormals gives them.
 std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
-                                                const std::vector<Eigen::Vector2f>& normals,
-                                                double spacing_m, ThreadPool* pool);
+                                                const MeasuredSurface& measured, double spacing_m,
+                                                ThreadPool* pool);
 
-/// Adds those of the scans that the graph has gained, by normals in 16 bits.
+/// Those of one scan.
+SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredSurface& measured,
+                               double spacing_m);
+
+/// Adds those of the scans that the graph has gained.
 void ExtendThinnedSurfacePoints(const SlamGraph& graph, const MeasuredSurface& measured,
                                 double spacing_m, ThreadPool* pool,
                                 std::vector<SurfacePoints>* surfaces);

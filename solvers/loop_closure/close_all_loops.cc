@@ -18,7 +18,7 @@ bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistenc
 }
 
 Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
-                     const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                     const ScanSurfaces& surfaces, const SeedingProgress& progress,
                      const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
                      KeyframeGraph* keys, SeedingReport* report) {
   MapHypothesis best;

@@ -8,8 +8,8 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
-#include "plumbline/solvers/front_end/surface_points.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
@@ -21,7 +21,7 @@ namespace plumbline {
 /// frame of the robot. ties: see SearchMapHypotheses. keys: becomes the pose graph that its poses
 /// follow.
 Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
-                     const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
+                     const ScanSurfaces& surfaces, const SeedingProgress& progress,
                      const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
                      KeyframeGraph* keys, SeedingReport* report);
 

@@ -93,7 +93,7 @@ void OptimizeAndPrune(KeyframeGraph* keys) {
 }
 
 // Tests the candidates that the memory does not know. One result per candidate, in their order.
-Status TestInBatches(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+Status TestInBatches(const SlamGraph& graph, const ScanSurfaces& surfaces,
                      const KeyframeGraph& keys, const std::vector<LoopCandidate>& candidates,
                      const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
                      std::vector<TestedCandidate>* tested) {
@@ -215,7 +215,7 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
   return graph;
 }
 
-Status CloseLoops(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+Status CloseLoops(const SlamGraph& graph, const ScanSurfaces& surfaces,
                   const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
                   KeyframeGraph* keys, LoopClosingReport* report) {
   *report = LoopClosingReport();

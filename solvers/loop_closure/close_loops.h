@@ -8,6 +8,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
@@ -25,7 +26,7 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
 /// contradict are dropped again. Closures that the graph has already are kept, as long as nothing
 /// contradicts them; what it has refused is not found again. memory: of all that was tested for
 /// these keyframes so far; grows. Unavailable if progress stopped it.
-Status CloseLoops(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+Status CloseLoops(const SlamGraph& graph, const ScanSurfaces& surfaces,
                   const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
                   KeyframeGraph* keys, LoopClosingReport* report);
 

@@ -40,7 +40,7 @@ constexpr PeakSize kPeak{LoopAcceptance::kPeakRadiusM, LoopAcceptance::kPeakAngl
 
 class CandidateTester {
  public:
-  CandidateTester(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+  CandidateTester(const SlamGraph& graph, const ScanSurfaces& surfaces,
                   const KeyframeGraph& keyframe_graph)
       : graph_(graph), surfaces_(surfaces), keys_(keyframe_graph) {}
 
@@ -165,11 +165,11 @@ class CandidateTester {
 
   // Points of the keyframes within path_m of the center, in the frame of the center.
   LocalMap SubmapAround(int center, double path_m, double cell_m) const {
-    std::vector<const SurfacePoints*> scans{&surfaces_[keys_.keyframes[center].scan]};
+    std::vector<const SurfacePoints*> scans{&surfaces_.Kept(keys_.keyframes[center].scan)};
     std::vector<Pose2> poses{Pose2()};
     for (const int k : Neighbours(center, path_m)) {
       if (k == center) continue;
-      scans.push_back(&surfaces_[keys_.keyframes[k].scan]);
+      scans.push_back(&surfaces_.Kept(keys_.keyframes[k].scan));
       poses.push_back(KeyFromKey(center, k));
     }
     LocalMap map(cell_m);
@@ -196,7 +196,7 @@ class CandidateTester {
     SurfacePoints points;
     for (const int k : keys) {
       const FrameChange frame_from_key(KeyFromKey(frame, k));
-      for (const SurfacePoint& point : surfaces_[keys_.keyframes[k].scan]) {
+      for (const SurfacePoint& point : surfaces_.Kept(keys_.keyframes[k].scan)) {
         const SurfacePoint in_frame = frame_from_key * point;
         if (in_frame.position.cwiseAbs().maxCoeff() <= kSearchReachM) points.push_back(in_frame);
       }
@@ -281,7 +281,7 @@ class CandidateTester {
   }
 
   const SlamGraph& graph_;
-  const std::vector<SurfacePoints>& surfaces_;
+  const ScanSurfaces& surfaces_;
   const KeyframeGraph& keys_;
 };
 
@@ -318,7 +318,7 @@ std::vector<std::vector<std::size_t>> GroupBySurroundings(
 }  // namespace
 
 std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
-                                                const std::vector<SurfacePoints>& surfaces,
+                                                const ScanSurfaces& surfaces,
                                                 const KeyframeGraph& keyframe_graph,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool) {
@@ -331,8 +331,7 @@ std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
   return tested;
 }
 
-std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
-                                        const std::vector<SurfacePoints>& surfaces,
+std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph, const ScanSurfaces& surfaces,
                                         const KeyframeGraph& keyframe_graph,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool) {

@@ -6,7 +6,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 #include "plumbline/solvers/loop_closure/loop_candidates.h"
 
@@ -25,7 +25,7 @@ struct TestedCandidate {
 /// Tests candidates of the keyframe graph; loop_acceptance.h says what makes one a closure. One
 /// result per candidate, in their order. surfaces: per scan of `graph`, in the frame of the robot.
 std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
-                                                const std::vector<SurfacePoints>& surfaces,
+                                                const ScanSurfaces& surfaces,
                                                 const KeyframeGraph& keyframe_graph,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool);
@@ -33,8 +33,7 @@ std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
 /// All places where a wide candidate fits, however alike they are: those that show enough of the
 /// scan to be worth a hypothesis, max_places per candidate at most, in order of the candidates and
 /// from the best fit.
-std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph,
-                                        const std::vector<SurfacePoints>& surfaces,
+std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph, const ScanSurfaces& surfaces,
                                         const KeyframeGraph& keyframe_graph,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool);

@@ -63,8 +63,8 @@ FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
 class HypothesisSearch {
  public:
   HypothesisSearch(const MotionOptions& motion, const SlamGraph& graph,
-                   const std::vector<SurfacePoints>& surfaces, const SeedingProgress& progress,
-                   ThreadPool* pool, const SequentialTrajectory& matched, const KeyframeGraph* ties,
+                   const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
+                   const SequentialTrajectory& matched, const KeyframeGraph* ties,
                    std::vector<WeighedHypothesis>* weighed)
       : motion_(motion),
         graph_(graph),
@@ -568,7 +568,7 @@ class HypothesisSearch {
 
   const MotionOptions& motion_;
   const SlamGraph& graph_;
-  const std::vector<SurfacePoints>& surfaces_;
+  const ScanSurfaces& surfaces_;
   const SeedingProgress& progress_;
   ThreadPool* pool_;
   const SequentialTrajectory& matched_;
@@ -587,10 +587,10 @@ class HypothesisSearch {
 }  // namespace
 
 Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
-                           const std::vector<SurfacePoints>& surfaces,
-                           const SeedingProgress& progress, ThreadPool* pool,
-                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
-                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed) {
+                           const ScanSurfaces& surfaces, const SeedingProgress& progress,
+                           ThreadPool* pool, const SequentialTrajectory& matched,
+                           const KeyframeGraph* ties, MapHypothesis* best,
+                           std::vector<WeighedHypothesis>* weighed) {
   weighed->clear();
   HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, ties, weighed);
   return search.Run(best);

@@ -9,8 +9,8 @@
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
-#include "plumbline/solvers/front_end/surface_points.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
@@ -46,10 +46,10 @@ struct MapHypothesis {
 /// several sessions, with closures between them to begin with. Unavailable if progress stopped it.
 /// The result does not depend on the number of threads.
 Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
-                           const std::vector<SurfacePoints>& surfaces,
-                           const SeedingProgress& progress, ThreadPool* pool,
-                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
-                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed);
+                           const ScanSurfaces& surfaces, const SeedingProgress& progress,
+                           ThreadPool* pool, const SequentialTrajectory& matched,
+                           const KeyframeGraph* ties, MapHypothesis* best,
+                           std::vector<WeighedHypothesis>* weighed);
 
 }  // namespace plumbline
 

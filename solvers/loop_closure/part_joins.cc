@@ -57,8 +57,7 @@ KeyframeGraph Join(int edge, const RelativePoseConstraint& match, const Keyframe
 
 }  // namespace
 
-std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph,
-                                     const std::vector<SurfacePoints>& surfaces,
+std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph, const ScanSurfaces& surfaces,
                                      const KeyframeGraph& keys, int edge, ThreadPool* pool) {
   const KeyframeGraph apart = TakeApart(edge, keys);
   std::vector<TestedCandidate> places =

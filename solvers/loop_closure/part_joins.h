@@ -6,7 +6,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -17,8 +17,7 @@ namespace plumbline {
 /// surfaces: per scan. edge: from keyframe `edge` to the next one. Returns a graph per way, those
 /// with the better matches first: the edge is broken, what was across it is taken out, the match is
 /// its only closure across the edge, and the keyframes beyond are moved rigidly.
-std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph,
-                                     const std::vector<SurfacePoints>& surfaces,
+std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph, const ScanSurfaces& surfaces,
                                      const KeyframeGraph& keys, int edge, ThreadPool* pool);
 
 /// How the keyframe after an edge lies to the one before it.

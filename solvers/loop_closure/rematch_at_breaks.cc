@@ -67,9 +67,9 @@ std::vector<Break> FindBreaks(const KeyframeGraph& keys) {
 
 class Rematcher {
  public:
-  Rematcher(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-            const KeyframeGraph& keys, const std::vector<Break>& breaks,
-            const std::vector<Pose2>& odometry, std::vector<Pose2>* world_from_robot)
+  Rematcher(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+            const std::vector<Break>& breaks, const std::vector<Pose2>& odometry,
+            std::vector<Pose2>* world_from_robot)
       : graph_(graph),
         surfaces_(surfaces),
         keys_(keys),
@@ -129,7 +129,7 @@ class Rematcher {
       const int anchor = k <= edge ? edge : sound;
       const double path_m = std::abs(keys_.keyframes[k].path_m - keys_.keyframes[anchor].path_m);
       if (is_spoilt_[k] || path_m > kBreakMapPathM) continue;
-      points.push_back(&surfaces_[keys_.keyframes[k].scan]);
+      points.push_back(&surfaces_.Kept(keys_.keyframes[k].scan));
       poses.push_back(keys_.world_from_key[k]);
     }
     map_.Rebuild(points, poses);
@@ -140,7 +140,7 @@ class Rematcher {
     if (scan < 0) return {predicted, 0.0};
     PosePrediction start;
     start.world_from_robot = predicted;
-    const ScanMatch match = MatchScan(map_, surfaces_[scan], start, ScanMatchOptions());
+    const ScanMatch match = MatchScan(map_, surfaces_.Of(scan), start, ScanMatchOptions());
     Placed placed{predicted, match.inlier_ratio};
     if (match.inlier_ratio >= kMinBreakInlierRatio) placed.pose = match.world_from_robot;
     const FreeSpaceScan free_space(graph_, scan);
@@ -174,7 +174,7 @@ class Rematcher {
   }
 
   const SlamGraph& graph_;
-  const std::vector<SurfacePoints>& surfaces_;
+  const ScanSurfaces& surfaces_;
   const KeyframeGraph& keys_;
   const std::vector<Pose2>& odometry_;
   std::vector<Pose2>& poses_;
@@ -186,7 +186,7 @@ class Rematcher {
 
 }  // namespace
 
-void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+void RematchAtBreaks(const SlamGraph& graph, const ScanSurfaces& surfaces,
                      const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
                      std::vector<Pose2>* world_from_robot) {
   const std::vector<Break> breaks = FindBreaks(keys);

@@ -5,7 +5,7 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -13,7 +13,7 @@ namespace plumbline {
 /// again: the sequential matching had only the map of the wrong place for the first of them.
 /// surfaces: per scan. odometry: from the pose before, per pose. world_from_robot: per pose,
 /// following the keyframes.
-void RematchAtBreaks(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+void RematchAtBreaks(const SlamGraph& graph, const ScanSurfaces& surfaces,
                      const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
                      std::vector<Pose2>* world_from_robot);
 

@@ -78,7 +78,7 @@ class Leaps {
 };
 
 // Of the other keyframes around a pose, but those that may well hang behind.
-LocalMap MapAround(int pose, const KeyframeGraph& keys, const std::vector<SurfacePoints>& surfaces,
+LocalMap MapAround(int pose, const KeyframeGraph& keys, const ScanSurfaces& surfaces,
                    const Leaps& leaps, const std::vector<Pose2>& poses) {
   const auto after = std::partition_point(keys.keyframes.begin(), keys.keyframes.end(),
                                           [&](const Keyframe& key) { return key.pose <= pose; });
@@ -91,7 +91,7 @@ LocalMap MapAround(int pose, const KeyframeGraph& keys, const std::vector<Surfac
   for (auto key = first; key != keys.keyframes.end() && key->path_m <= path_m + kLeapMapPathM;
        ++key) {
     if (key->pose == pose || leaps.IsNear(key->pose, kPosesBeforeInMap)) continue;
-    scans.push_back(&surfaces[key->scan]);
+    scans.push_back(&surfaces.Kept(key->scan));
     places.push_back(poses[key->pose]);
   }
   LocalMap map;
@@ -142,10 +142,9 @@ double Unevenness(int pose, const Leaps& leaps, const std::vector<Pose2>& odomet
 
 }  // namespace
 
-void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                    const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
-                    const MotionOptions& motion, ThreadPool* pool,
-                    std::vector<Pose2>* world_from_robot) {
+void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                    const std::vector<Pose2>& odometry, const MotionOptions& motion,
+                    ThreadPool* pool, std::vector<Pose2>* world_from_robot) {
   const std::vector<Pose2> before = *world_from_robot;
   const Leaps leaps(keys, odometry, motion, before);
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
@@ -155,9 +154,10 @@ void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& su
     const int pose = static_cast<int>(p), scan = scan_of_pose[pose];
     if (!leaps.IsNear(pose, kPosesBefore) || scan < 0) return;
     const LocalMap map = MapAround(pose, keys, surfaces, leaps, before);
-    const ScanMatch old = MeasureFit(map, surfaces[scan], before[pose], ScanMatchOptions());
+    const SurfacePoints surface = surfaces.Of(scan);
+    const ScanMatch old = MeasureFit(map, surface, before[pose], ScanMatchOptions());
     const ScanMatch match =
-        BestMatch(map, surfaces[scan], before[pose], LeapAfter(pose, leaps, odometry, before));
+        BestMatch(map, surface, before[pose], LeapAfter(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
     if (match.inlier_ratio < kMinPartInlierRatio || gain <= 0.0) return;
     after[p] = match.world_from_robot;

@@ -8,7 +8,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -21,10 +21,9 @@ namespace plumbline {
 /// surfaces: per scan. odometry: from the pose before, per pose. motion: its noise.
 /// world_from_robot: per pose, following the keyframes. The result does not depend on the number of
 /// threads.
-void RematchAtLeaps(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                    const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
-                    const MotionOptions& motion, ThreadPool* pool,
-                    std::vector<Pose2>* world_from_robot);
+void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                    const std::vector<Pose2>& odometry, const MotionOptions& motion,
+                    ThreadPool* pool, std::vector<Pose2>* world_from_robot);
 
 }  // namespace plumbline
 

@@ -57,33 +57,32 @@ OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions&
 }  // namespace
 
 Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
-                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, const SlamGraph& graph, SeededDrive* drive,
-                 SeedingReport* report) {
+                 const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
+                 const SlamGraph& graph, SeededDrive* drive, SeedingReport* report) {
   std::string error;
   if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
-  if (normals.size() != graph.num_returns()) {
+  if (surface.normals.size() != graph.num_returns()) {
     return Status::InvalidArgument("seeding needs one normal per return, " +
                                    std::to_string(graph.num_returns()) + ", but got " +
-                                   std::to_string(normals.size()));
+                                   std::to_string(surface.normals.size()));
   }
   SeededDrive seeded;
-  seeded.surfaces = ThinnedSurfacePoints(graph, normals, kPointSpacingM, pool);
+  ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
   const bool is_prediction = LacksOdometry(graph);
   PLUMBLINE_RETURN_IF_ERROR(
       SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, graph,
-                       seeded.surfaces, progress, pool, &trajectory, &report->sequential));
+                       progress, pool, &surfaces, &trajectory, &report->sequential));
   if (is_prediction) {
     report->odometry_noise = MeasurePredictionNoise(graph, trajectory.world_from_robot, motion);
   } else {
     report->odometry_noise = MeasureOdometry(graph, motion, &trajectory);
   }
-  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, seeded.surfaces,
-                                          progress, nullptr, pool, &trajectory, &seeded.keys,
-                                          report));
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
+                                          nullptr, pool, &trajectory, &seeded.keys, report));
   report->corrections.odometry = OdometryOf(trajectory, graph);
   seeded.world_from_robot = std::move(trajectory.world_from_robot);
+  seeded.surfaces = std::move(surfaces).TakeKept();
   seeded.matched = std::move(trajectory);
   seeded.matched.world_from_robot = report->sequential_poses;
   *drive = std::move(seeded);

@@ -1,9 +1,9 @@
 #ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_SEED_DRIVE_H_
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_SEED_DRIVE_H_
 
-#include <Eigen/Core>
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -19,7 +19,7 @@ namespace plumbline {
 
 /// A drive whose scans are matched and whose loops are closed.
 struct SeededDrive {
-  std::vector<SurfacePoints> surfaces;  ///< per scan, in the frame of the robot
+  std::vector<SurfacePoints> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
   SequentialTrajectory matched;         ///< where the loops were closed from
   KeyframeGraph keys;                   ///< with the closures in force
   std::vector<Pose2> world_from_robot;  ///< per pose
@@ -27,9 +27,8 @@ struct SeededDrive {
 
 /// The work of SeedGraph (seed.h), with what it takes to go on closing loops.
 Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
-                 const std::vector<Eigen::Vector2f>& normals, const SeedingProgress& progress,
-                 ThreadPool* pool, const SlamGraph& graph, SeededDrive* drive,
-                 SeedingReport* report);
+                 const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
+                 const SlamGraph& graph, SeededDrive* drive, SeedingReport* report);
 
 }  // namespace plumbline
 

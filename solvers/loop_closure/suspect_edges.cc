@@ -29,23 +29,23 @@ constexpr double kUsualEvidence = 0.05;
 
 // A scan and where it was taken from.
 struct PlacedScan {
-  int scan;
+  const SurfacePoints* surface;
   Pose2 world_from_robot;
   const FreeSpaceScan* free_space;
 };
 using Side = std::vector<PlacedScan>;  // the nearest one first
 
 // Share of the first scan's points on surfaces that the other side shows.
-double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, const Side& others) {
+double Overlap(const Side& side, const Side& others) {
   std::vector<const SurfacePoints*> points;
   std::vector<Pose2> poses;
   for (const PlacedScan& other : others) {
-    points.push_back(&surfaces[other.scan]);
+    points.push_back(other.surface);
     poses.push_back(other.world_from_robot);
   }
   LocalMap map;
   map.Rebuild(points, poses);
-  const SurfacePoints& surface = surfaces[side.front().scan];
+  const SurfacePoints& surface = *side.front().surface;
   const auto num_seen = std::count_if(surface.begin(), surface.end(), [&](const SurfacePoint& p) {
     return map.Nearest(side.front().world_from_robot * p, kSeenM) != nullptr;
   });
@@ -53,8 +53,7 @@ double Overlap(const std::vector<SurfacePoints>& surfaces, const Side& side, con
 }
 
 // How badly two sides agree, from 0 (they do) to 1.6.
-double Disagreement(const std::vector<SurfacePoints>& surfaces, const Side& before,
-                    const Side& after) {
+double Disagreement(const Side& before, const Side& after) {
   FreeSpaceConflict conflict;
   for (const PlacedScan& a : before) {
     for (const PlacedScan& b : after) {
@@ -62,15 +61,14 @@ double Disagreement(const std::vector<SurfacePoints>& surfaces, const Side& befo
                                   Between(a.world_from_robot, b.world_from_robot));
     }
   }
-  const double overlap =
-      std::min(Overlap(surfaces, before, after), Overlap(surfaces, after, before));
+  const double overlap = std::min(Overlap(before, after), Overlap(after, before));
   return std::min(1.0, conflict.Penalty()) + std::max(0.0, kExpectedOverlap - overlap);
 }
 
 class EdgeEvidence {
  public:
   // Knows the edges from keyframe `first` to keyframe `last`.
-  EdgeEvidence(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+  EdgeEvidence(const SlamGraph& graph, const ScanSurfaces& surfaces,
                const std::vector<Pose2>& world_from_robot, const KeyframeGraph& keyframe_graph,
                int first, int last)
       : graph_(graph),
@@ -97,7 +95,7 @@ class EdgeEvidence {
       after.push_back(PlacedKey(k));
       if (k + 1 < keys_.size() && EndsSide(keys_.sequential[k])) break;
     }
-    return Disagreement(surfaces_, before, after);
+    return Disagreement(before, after);
   }
 
   // The pose on the edge that agrees worst with the pose before it.
@@ -106,16 +104,19 @@ class EdgeEvidence {
     double worst = 0.0;
     Side before{PlacedKey(edge)};
     FreeSpaceScan free_space_before = of_key_[edge - first_known_];
+    SurfacePoints surface_before = *before.front().surface;
     before.front().free_space = &free_space_before;
     for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
          ++pose) {
       const int scan = scan_of_pose[pose];
       if (scan < 0) continue;
       FreeSpaceScan free_space(graph_, scan);
-      Side after{{scan, poses_[pose], &free_space}};
-      const double disagreement = Disagreement(surfaces_, before, after);
+      SurfacePoints surface = surfaces_.Of(scan);
+      Side after{{&surface, poses_[pose], &free_space}};
+      const double disagreement = Disagreement(before, after);
       free_space_before = std::move(free_space);
-      before = {{scan, poses_[pose], &free_space_before}};
+      surface_before = std::move(surface);
+      before = {{&surface_before, poses_[pose], &free_space_before}};
       if (disagreement <= worst) continue;
       worst = disagreement;
       worst_pose = pose;
@@ -130,11 +131,11 @@ class EdgeEvidence {
 
   PlacedScan PlacedKey(int key) const {
     const Keyframe& keyframe = keys_.keyframes[key];
-    return {keyframe.scan, poses_[keyframe.pose], &of_key_[key - first_known_]};
+    return {&surfaces_.Kept(keyframe.scan), poses_[keyframe.pose], &of_key_[key - first_known_]};
   }
 
   const SlamGraph& graph_;
-  const std::vector<SurfacePoints>& surfaces_;
+  const ScanSurfaces& surfaces_;
   const std::vector<Pose2>& poses_;
   const KeyframeGraph& keys_;
   int first_known_;
@@ -148,7 +149,7 @@ double UsualEvidence(const std::vector<std::pair<double, int>>& suspects) {
 
 }  // namespace
 
-void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
                       KeyframeGraph* keyframe_graph) {
   std::vector<SequentialEdge>& edges = keyframe_graph->sequential;
@@ -171,7 +172,7 @@ void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& 
   }
 }
 
-int MarkWorstEdge(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+int MarkWorstEdge(const SlamGraph& graph, const ScanSurfaces& surfaces,
                   const std::vector<Pose2>& world_from_robot, int first, int last,
                   KeyframeGraph* keyframe_graph) {
   const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph, first, last);

@@ -6,7 +6,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -14,13 +14,13 @@ namespace plumbline {
 /// too little in common for scans so near to each other. There the robot may have been carried, its
 /// wheels may have slipped, or a scan was matched to the wrong place.
 /// surfaces: per scan. world_from_robot: per pose, as the sequential matching left it.
-void MarkSuspectEdges(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
                       KeyframeGraph* keyframe_graph);
 
 /// Marks the edge whose two sides agree worst of those from keyframe `first` to keyframe `last`,
 /// however little that is. Returns it.
-int MarkWorstEdge(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
+int MarkWorstEdge(const SlamGraph& graph, const ScanSurfaces& surfaces,
                   const std::vector<Pose2>& world_from_robot, int first, int last,
                   KeyframeGraph* keyframe_graph);
 

@@ -48,8 +48,10 @@ Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   const int first_pose = set->graph.num_poses(), first_scan = set->graph.num_scans();
   PLUMBLINE_RETURN_IF_ERROR(
       AppendPart(graph, 0, graph.num_poses(), drive.world_from_robot, &set->graph));
-  set->surfaces.insert(set->surfaces.end(), std::make_move_iterator(drive.surfaces.begin()),
-                       std::make_move_iterator(drive.surfaces.end()));
+  std::vector<SurfacePoints> surfaces = std::move(set->surfaces).TakeKept();
+  surfaces.insert(surfaces.end(), std::make_move_iterator(drive.surfaces.begin()),
+                  std::make_move_iterator(drive.surfaces.end()));
+  set->surfaces = ScanSurfaces(std::move(surfaces));
   for (Keyframe& key : drive.keys.keyframes) {
     key.pose += first_pose;
     key.scan += first_scan;
@@ -134,8 +136,9 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
       key.path_m += path_m;
       keyframes.push_back(key);
     }
-    joined->surfaces.insert(joined->surfaces.end(), set.surfaces.begin() + set.first_scan[session],
-                            set.surfaces.begin() + set.first_scan[session + 1]);
+    const std::vector<SurfacePoints>& kept = set.surfaces.kept();
+    joined->surfaces.insert(joined->surfaces.end(), kept.begin() + set.first_scan[session],
+                            kept.begin() + set.first_scan[session + 1]);
     joined->first_pose.push_back(joined->graph.num_poses());
     joined->first_scan.push_back(joined->graph.num_scans());
   }

@@ -7,7 +7,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"
 
 namespace plumbline {
@@ -15,9 +15,9 @@ namespace plumbline {
 /// Sessions, side by side: drives that were seeded each by itself, one after the other in one
 /// graph. No edge joins two of them.
 struct SessionSet {
-  SlamGraph graph;                      ///< of all sessions; its initial poses are the seeds
-  std::vector<SurfacePoints> surfaces;  ///< per scan of the graph, in the frame of the robot
-  std::vector<KeyframeGraph> keys;      ///< per session, by poses and scans of the graph
+  SlamGraph graph;                  ///< of all sessions; its initial poses are the seeds
+  ScanSurfaces surfaces;            ///< of the keyframes, by scans of the graph
+  std::vector<KeyframeGraph> keys;  ///< per session, by poses and scans of the graph
   /// Per session, by its own poses and scans.
   std::vector<SequentialTrajectory> matched;
   std::vector<int> first_pose{0};  ///< per session; then the number of poses
@@ -50,7 +50,7 @@ SessionGroup Concatenated(const SessionGroup& a, const SessionGroup& b, const Po
 /// A group of sessions as if it were one drive, to close its loops.
 struct JoinedDrive {
   SlamGraph graph;                      ///< of the sessions, in the order of the group
-  std::vector<SurfacePoints> surfaces;  ///< per scan of the graph, in the frame of the robot
+  std::vector<SurfacePoints> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
   SequentialTrajectory matched;    ///< each session as rigid as it was before loops were closed
   KeyframeGraph ties;              ///< with the group's closures between sessions alone
   std::vector<int> first_pose{0};  ///< per session of the group; then the number of poses

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/test/core/initial_guesses.h"
@@ -26,24 +28,18 @@ SlamGraph MountedLaserRoom() {
   return MakeGraph(scene);
 }
 
-TEST(MeasuredSurfaceTest, HasTheNormalsOfTheReturnsOnAnyNumberOfThreads) {
+TEST(MeasuredSurfaceTest, IsTheSameOnAnyNumberOfThreads) {
   const SlamGraph graph = MountedLaserRoom();
   const ReturnNormalOptions options;
   ThreadPool one(1);
-  const std::vector<Eigen::Vector2f> exact = EstimateReturnNormals(graph, options, &one);
   const MeasuredSurface expected = MeasureSurface(graph, options, &one);
   ASSERT_EQ(expected.normals.size(), graph.num_returns());
-  int num_normals = 0;
-  for (std::size_t r = 0; r < graph.num_returns(); ++r) {
-    ASSERT_EQ(expected.normals[r].IsNone(), exact[r].isZero());
-    EXPECT_LT((expected.normals[r].Direction() - exact[r].cast<double>()).norm(), 5e-5);
-    num_normals += !exact[r].isZero();
-  }
-  EXPECT_GT(num_normals, 1000);
-  for (const int num_threads : {1, 2, 5}) {
+  const auto is_none = [](const ReturnNormal& normal) { return normal.IsNone(); };
+  EXPECT_LT(std::count_if(expected.normals.begin(), expected.normals.end(), is_none),
+            static_cast<std::ptrdiff_t>(graph.num_returns()) - 1000);
+  for (const int num_threads : {2, 5}) {
     ThreadPool pool(num_threads);
     EXPECT_EQ(MeasureSurface(graph, options, &pool).normals, expected.normals);
-    EXPECT_EQ(SurfaceOfNormals(exact, &pool).normals, expected.normals);
   }
 }
 

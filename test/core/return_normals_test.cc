@@ -41,12 +41,12 @@ std::vector<Normal> NormalsOf(const std::function<double(int beam, double bearin
   EXPECT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
 
   ThreadPool pool(1);
-  const std::vector<Eigen::Vector2f> in_robot =
-      EstimateReturnNormals(graph, ReturnNormalOptions(), &pool);
+  std::vector<ReturnNormal> in_robot;
+  ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &pool, &in_robot);
   EXPECT_EQ(in_robot.size(), graph.num_returns());
   std::vector<Normal> normals;
   for (std::size_t r = 0; r < in_robot.size(); ++r) {
-    const Eigen::Vector2d n = in_robot[r].cast<double>();
+    const Eigen::Vector2d n = in_robot[r].Direction();
     normals.push_back({graph.Beam(r), {n.y(), -n.x()}});
   }
   return normals;
@@ -165,8 +165,10 @@ TEST(ReturnNormals, TheSameForAnyNumberOfThreads) {
     ASSERT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
   }
   ThreadPool one(1), three(3);
-  EXPECT_EQ(EstimateReturnNormals(graph, ReturnNormalOptions(), &one),
-            EstimateReturnNormals(graph, ReturnNormalOptions(), &three));
+  std::vector<ReturnNormal> by_one, by_three;
+  ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &one, &by_one);
+  ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &three, &by_three);
+  EXPECT_EQ(by_one, by_three);
 }
 
 TEST(ReturnNormals, OptionsAreChecked) {

@@ -60,11 +60,6 @@ inline SlamGraph MakeGraph(const SyntheticScene& scene, unsigned seed = 1) {
   return graph;
 }
 
-inline std::vector<Eigen::Vector2f> NormalsOf(const SlamGraph& graph) {
-  ThreadPool pool(1);
-  return EstimateReturnNormals(graph, ReturnNormalOptions(), &pool);
-}
-
 inline MeasuredSurface SurfaceOf(const SlamGraph& graph) {
   ThreadPool pool(1);
   return MeasureSurface(graph, ReturnNormalOptions(), &pool);

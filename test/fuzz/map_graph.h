@@ -36,8 +36,8 @@ inline void MapGraph(bool seed, SlamGraph graph) {
   if (seed) {
     SeedingReport report;
     Require(SeedGraph(SeedingOptions(), options.factors.motion,
-                      EstimateReturnNormals(graph, NormalOptionsFor(options.factors.beam), &pool),
-                      {}, &pool, graph, &state, &report)
+                      MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool), {},
+                      &pool, graph, &state, &report)
                 .ok());
     graph = std::move(graph).Corrected(report.corrections);
   } else {

@@ -198,7 +198,7 @@ TEST(ApiGuarantees, ASeedingWhoseProgressThrowsChangesNothing) {
   ThreadPool pool(2);
   SeedingReport report;
   const Status status = SeedGraph(
-      SeedingOptions(), MotionOptions(), NormalsOf(room.graph),
+      SeedingOptions(), MotionOptions(), SurfaceOf(room.graph),
       [](SeedingPhase, int, int) -> bool { throw std::runtime_error("no more paper"); }, &pool,
       room.graph, &room.state, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
@@ -228,7 +228,7 @@ TEST(ApiGuarantees, SeedingForAHostMeasuresTheSurfacesItself) {
   SeedingReport report_a, report_b;
   ASSERT_TRUE(SeedGraph({}, options, graph, &a, &report_a).ok());
   ASSERT_TRUE(SeedGraph({}, options.factors.motion,
-                        EstimateReturnNormals(graph, NormalOptionsFor(options.factors.beam), &pool),
+                        MeasureSurface(graph, NormalOptionsFor(options.factors.beam), &pool),
                         nullptr, &pool, graph, &b, &report_b)
                   .ok());
   EXPECT_EQ(a, b);

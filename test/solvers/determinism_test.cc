@@ -69,10 +69,9 @@ SeededGraph Seeded(int num_threads) {
   SeededGraph seeded;
   ThreadPool pool(num_threads);
   const FactorOptions factors;
-  const std::vector<Eigen::Vector2f> normals =
-      EstimateReturnNormals(ShortLog(), NormalOptionsFor(factors.beam), &pool);
+  const MeasuredSurface surface = MeasureSurface(ShortLog(), NormalOptionsFor(factors.beam), &pool);
   SeedingReport report;
-  EXPECT_TRUE(SeedGraph(SeedingOptions(), factors.motion, normals, {}, &pool, ShortLog(),
+  EXPECT_TRUE(SeedGraph(SeedingOptions(), factors.motion, surface, {}, &pool, ShortLog(),
                         &seeded.state, &report)
                   .ok());
   seeded.graph = ShortLog().Corrected(report.corrections);

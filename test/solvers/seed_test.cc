@@ -57,7 +57,7 @@ MapState Seeded(const SlamGraph& graph, int num_threads, SeedingReport* report) 
   SeedingOptions options;
   MapState state;
   EXPECT_TRUE(
-      SeedGraph(options, MotionOptions(), NormalsOf(graph), nullptr, &pool, graph, &state, report)
+      SeedGraph(options, MotionOptions(), SurfaceOf(graph), nullptr, &pool, graph, &state, report)
           .ok());
   return state;
 }
@@ -143,7 +143,7 @@ TEST(Seed, FailsOnGapsInTheOdometryAndLeavesTheStateAsItWas) {
   MapState state = graph.InitialState();
   ThreadPool pool(1);
   SeedingReport report;
-  EXPECT_EQ(SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(graph), nullptr, &pool, graph,
+  EXPECT_EQ(SeedGraph(SeedingOptions(), MotionOptions(), SurfaceOf(graph), nullptr, &pool, graph,
                       &state, &report)
                 .code(),
             StatusCode::kInvalidArgument);
@@ -160,14 +160,14 @@ TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
   SeedingReport report;
   SeedingOptions options;
   MotionOptions motion;
-  std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
+  MeasuredSurface surface = SurfaceOf(graph);
   const auto expect_failure = [&](const std::string& culprit) {
     const Status status =
-        SeedGraph(options, motion, normals, nullptr, &pool, graph, &state, &report);
+        SeedGraph(options, motion, surface, nullptr, &pool, graph, &state, &report);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_NE(status.message().find(culprit), std::string::npos) << status.message();
   };
-  normals.pop_back();
+  surface.normals.pop_back();
   expect_failure("one normal per return");
   motion.rotation_floor_rad = 0.0;
   expect_failure("rotation_floor_rad");

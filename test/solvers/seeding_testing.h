@@ -39,7 +39,7 @@ inline void AddOdometry(const std::function<Pose2(const Pose2&)>& distort, SlamG
 
 inline std::vector<SurfacePoints> SurfacesOf(const SlamGraph& graph) {
   ThreadPool pool(1);
-  return ThinnedSurfacePoints(graph, NormalsOf(graph), kPointSpacingM, &pool);
+  return ThinnedSurfacePoints(graph, SurfaceOf(graph), kPointSpacingM, &pool);
 }
 
 inline double DistanceM(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }

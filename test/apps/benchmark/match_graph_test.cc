@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "plumbline/apps/benchmark/synthetic_drive.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/return_normals.h"
 
 namespace plumbline {
@@ -14,8 +15,7 @@ class MatchGraphTest : public testing::Test {
     EXPECT_TRUE(MakeSyntheticDrive(2, {"", 0.01, 0.002, 1.0}, &drive_).ok());
     ThreadPool pool(1);
     surfaces_ = ThinnedSurfacePoints(
-        drive_.graph, EstimateReturnNormals(drive_.graph, ReturnNormalOptions(), &pool), 0.03,
-        &pool);
+        drive_.graph, MeasureSurface(drive_.graph, ReturnNormalOptions(), &pool), 0.03, &pool);
   }
 
   SyntheticDrive drive_;

@@ -45,7 +45,7 @@ const SeededDrive& Drive() {
     EXPECT_TRUE(MakeGraph(log, &result->graph).ok());
     for (const SimulatedScan& scan : log.scans) result->truth.push_back(scan.world_from_robot);
     ThreadPool pool(1);
-    const Status status = SeedGraph(SeedingOptions(), MotionOptions(), NormalsOf(result->graph), {},
+    const Status status = SeedGraph(SeedingOptions(), MotionOptions(), SurfaceOf(result->graph), {},
                                     &pool, result->graph, &result->seed, &result->report);
     EXPECT_TRUE(status.ok()) << status.message();
     result->graph = std::move(result->graph).Corrected(result->report.corrections);

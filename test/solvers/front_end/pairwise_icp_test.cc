@@ -115,8 +115,8 @@ TEST_P(PairwiseIcpTest, ChainsPairsFromTheOdometry) {
   MapState state, same;
   PairwiseIcpReport report;
   const PairwiseIcpOptions options = OptionsFor(GetParam());
-  const std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
-  ASSERT_TRUE(ChainPairs(options, normals, &pool, graph, &state, &report).ok());
+  const MeasuredSurface surface = SurfaceOf(graph);
+  ASSERT_TRUE(ChainPairs(options, surface, &pool, graph, &state, &report).ok());
   EXPECT_EQ(report.num_pairs, 4);
   EXPECT_EQ(report.num_failed, 0);
   EXPECT_EQ(report.num_unconverged, 0);
@@ -127,7 +127,7 @@ TEST_P(PairwiseIcpTest, ChainsPairsFromTheOdometry) {
   const std::size_t last = graph.num_returns() - 1;
   EXPECT_LT((MapPoint(state, last) - state.WorldFromRobot(4) * graph.PointInRobot(last)).norm(),
             1e-9);
-  ASSERT_TRUE(ChainPairs(options, normals, &one, graph, &same, &report).ok());
+  ASSERT_TRUE(ChainPairs(options, surface, &one, graph, &same, &report).ok());
   EXPECT_EQ(same, state);
 }
 
@@ -156,7 +156,7 @@ TEST_P(PairwiseIcpTest, TheOdometryStandsWhereScansDoNotMatch) {
   MapState state;
   PairwiseIcpReport report;
   ASSERT_TRUE(
-      ChainPairs(OptionsFor(GetParam()), NormalsOf(graph), &pool, graph, &state, &report).ok());
+      ChainPairs(OptionsFor(GetParam()), SurfaceOf(graph), &pool, graph, &state, &report).ok());
   EXPECT_EQ(report.num_without_scan, 2);
   EXPECT_EQ(report.num_pairs, 2);
   EXPECT_EQ(report.num_failed, 1);
@@ -172,18 +172,18 @@ TEST(PairwiseIcp, NamesWhatIsWrongAndLeavesTheStateAsItWas) {
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
   const SlamGraph graph = MakeGraph(scene);
   MapState state = graph.InitialState();
-  std::vector<Eigen::Vector2f> normals = NormalsOf(graph);
+  MeasuredSurface surface = SurfaceOf(graph);
   ThreadPool pool(1);
   PairwiseIcpReport report;
   PairwiseIcpOptions options;
   const auto expect_failure = [&](const std::string& culprit) {
-    const Status status = ChainPairs(options, normals, &pool, graph, &state, &report);
+    const Status status = ChainPairs(options, surface, &pool, graph, &state, &report);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr(culprit));
     EXPECT_EQ(state, graph.InitialState());
   };
   expect_failure("odometry from pose 0 to pose 1");
-  normals.pop_back();
+  surface.normals.pop_back();
   expect_failure("one normal per return");
   options.gate_m = 0.01;
   expect_failure("gate_m = 0.01");

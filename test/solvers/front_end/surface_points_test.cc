@@ -20,21 +20,21 @@ SlamGraph RowOfReturns() {
 
 TEST(SurfacePoints, AreThinnedToTheSpacingInTheFrameOfTheRobot) {
   ThreadPool pool(1);
-  const std::vector<Eigen::Vector2f> normals(5, Eigen::Vector2f(-1.0f, 0.0f));
-  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), normals, 0.15, &pool);
+  const MeasuredSurface surface{std::vector<ReturnNormal>(5, ReturnNormal({-1.0, 0.0}))};
+  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.15, &pool);
   ASSERT_EQ(surfaces.size(), 1u);
   ASSERT_EQ(surfaces[0].size(), 3u);
   EXPECT_NEAR(surfaces[0][0].position.x(), 1.0, 1e-6);
   EXPECT_NEAR(surfaces[0][1].position.x(), 1.2, 1e-6);
   EXPECT_NEAR(surfaces[0][2].position.x(), 1.4, 1e-6);
-  EXPECT_EQ(surfaces[0][2].normal, Eigen::Vector2d(-1.0, 0.0));
+  EXPECT_NEAR(surfaces[0][2].normal.x(), -1.0, 1e-9);
 }
 
 TEST(SurfacePoints, LeaveOutReturnsWithoutSurface) {
   ThreadPool pool(1);
-  std::vector<Eigen::Vector2f> normals(5, Eigen::Vector2f::Zero());
-  normals[3] = {-1.0f, 0.0f};
-  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), normals, 0.01, &pool);
+  MeasuredSurface surface{std::vector<ReturnNormal>(5)};
+  surface.normals[3] = ReturnNormal({-1.0, 0.0});
+  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.01, &pool);
   ASSERT_EQ(surfaces[0].size(), 1u);
   EXPECT_NEAR(surfaces[0][0].position.x(), 1.3, 1e-6);
 }
