@@ -277,7 +277,7 @@ class Calibrator {
 
 Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibration,
                   const SlamGraph& graph, const MapState& state) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
+  PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state, false));
   if (options.MovesPosesOnly()) {
     return Status::InvalidArgument("the solver " + std::string(SolverOf(options).name()) +
                                    " does not look at the returns, and calibration needs them");

@@ -48,7 +48,8 @@ struct Calibration {
   MeasurementCorrections corrections;
 };
 
-/// Solve, with parameters of the sensors as further unknowns. On return *state has the poses and
+/// Solve, with parameters of the sensors as further unknowns; as there, the given state needs no
+/// points. On return *state has the poses and
 /// points that go with the corrected mountings, ranges and odometry; *calibration says what these
 /// are. With nothing to estimate it is Solve, and *calibration is empty.
 ///

@@ -77,6 +77,7 @@ Status SeedInput(ThreadPool* pool, AblationInput* input) {
   input->full = RefinementOptions(options, mapping.report.seeding);
   input->graph = std::move(mapping.graph);
   input->seed = std::move(mapping.state);
+  input->seed.points = input->graph.MeasuredMap(input->seed.poses);
   return Status::Ok();
 }
 

@@ -183,6 +183,11 @@ class Experiment {
     Report();
   }
 
+  // A start has none of its own.
+  std::vector<double> PointsOf(const MapState& state) const {
+    return state.points.empty() ? mapping_.graph.MeasuredMap(state.poses) : state.points;
+  }
+
   LogStage* Measure(const std::string& name, const MapState& state, double time_s) {
     LogStage stage;
     stage.name = name;
@@ -191,7 +196,7 @@ class Experiment {
       stage.relations =
           MeasureRelations(relations_, TrajectoryOf(mapping_.graph, state), RelationsOptions());
     }
-    stage.raw_ranges = MeasureSharpness(state.points, &pool_);
+    stage.raw_ranges = MeasureSharpness(PointsOf(state), &pool_);
     std::vector<LogStage>* stages = &result_.starts.back().stages;
     stages->push_back(std::move(stage));
     return &stages->back();
@@ -207,7 +212,7 @@ class Experiment {
   }
 
   void AddPanel(const std::string& title, const MapState& state) {
-    result_.maps.panels.push_back({title, state.points, PosesOf(state.poses), {}});
+    result_.maps.panels.push_back({title, PointsOf(state), PosesOf(state.poses), {}});
   }
 
   // The last panel is what the others are compared with.

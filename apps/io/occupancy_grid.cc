@@ -202,11 +202,13 @@ bool OccupancyGridOptions::Check(std::string* error) const {
 }
 
 Status CheckGridSize(const SlamGraph& graph, const MapState& state,
-                     const OccupancyGridOptions& options) {
+                     const OccupancyGridOptions& options, double* num_cells) {
   MapExtent extent;
   PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, kCropShare, &extent));
-  OccupancyGrid ignored;
-  return LayGrid(extent, options, &ignored);
+  OccupancyGrid grid;
+  PLUMBLINE_RETURN_IF_ERROR(LayGrid(extent, options, &grid));
+  if (num_cells != nullptr) *num_cells = static_cast<double>(grid.width) * grid.height;
+  return Status::Ok();
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,

@@ -37,9 +37,10 @@ struct OccupancyGridOptions {
 };
 
 /// InvalidArgument if a map of this extent needs more than max_cells: an early word on what
-/// BuildOccupancyGrid would say. Needs poses, all of them finite.
+/// BuildOccupancyGrid would say. Needs poses, all of them finite. *num_cells, if not null: that the
+/// grid has.
 Status CheckGridSize(const SlamGraph& graph, const MapState& state,
-                     const OccupancyGridOptions& options);
+                     const OccupancyGridOptions& options, double* num_cells = nullptr);
 
 /// Finds out where a robot could drive, from all scans of a graph and the map points of a state.
 ///

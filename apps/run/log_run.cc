@@ -92,8 +92,9 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(
         CheckRobotMap(options_.log, graph, odometry, outputs_.map_resolution_m));
     const SolverOptions& solver = options_.mapping.solver;
-    MemoryEstimate memory = EstimateMemory(
-        graph, odometry, solver, options_.mapping.calibration.IsOn(), outputs_.picture_side_px);
+    MemoryEstimate memory =
+        EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
+                       {outputs_.picture_side_px, outputs_.map_resolution_m});
     std::cout << memory.Text()
               << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     return CheckMemory(memory, options_.max_memory, graph, solver);

@@ -9,6 +9,7 @@
 
 #include "plumbline/apps/io/map_raster.h"
 #include "plumbline/apps/io/number_text.h"
+#include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/solvers/interface/ceres_options.h"
@@ -17,14 +18,16 @@ namespace plumbline {
 namespace {
 
 constexpr double kBytesPerMb = 1e6, kBytesPerGb = 1e9;
-constexpr double kBytesOfProgram = 20e6;
+constexpr double kBytesOfProgram = 25e6;
 constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
+constexpr double kBytesPerCell = 5.0;    // see OccupancyGridOptions
 
 // What a stage takes beside the program.
 struct Rates {
   double bytes_per_return, bytes_per_scan;
 };
-constexpr Rates kSeeding{40.0, 9e3};
+constexpr Rates kSeeding{24.0, 5e3};
+constexpr Rates kResults{40.0, 2e3};
 constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;
 // Of LogMapping::as_swept.
@@ -32,7 +35,7 @@ constexpr Rates kAsSwept{10.0, 0.0};
 
 Rates JointRates(const SolverOptions& solver) {
   if (solver.MovesPosesOnly()) return kSeeding;
-  double bytes_per_return = solver.IsOverLandmarks() ? 70.0 : 300.0;
+  double bytes_per_return = solver.IsOverLandmarks() ? 40.0 : 300.0;
   if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 500.0;
   if (solver.type == SolverType::kCeres) {
     const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
@@ -95,6 +98,15 @@ MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int pic
   return status.ok() ? raster : MapRaster();
 }
 
+// Likewise of the occupancy grid.
+double NumCells(const SlamGraph& graph, const MapState& state, double resolution_m) {
+  OccupancyGridOptions options;
+  options.resolution_m = resolution_m;
+  double num_cells = 0.0;
+  const bool fits = resolution_m > 0.0 && CheckGridSize(graph, state, options, &num_cells).ok();
+  return fits ? num_cells : 0.0;
+}
+
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
 
 // What would fit; empty if nothing does.
@@ -121,7 +133,8 @@ std::string MemoryEstimate::Text() const {
 }
 
 MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
-                              const SolverOptions& solver, bool calibrates, int picture_side_px) {
+                              const SolverOptions& solver, bool calibrates,
+                              const ResultSizes& sizes) {
   const auto bytes = [&graph](const Rates& rates) {
     return rates.bytes_per_return * static_cast<double>(graph.num_returns()) +
            rates.bytes_per_scan * graph.num_scans();
@@ -131,8 +144,10 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
-  const MapRaster raster = RasterOfPicture(graph, state, picture_side_px);
-  estimate.results = estimate.seeding + kBytesPerPixel * raster.width * raster.height;
+  const MapRaster raster = RasterOfPicture(graph, state, sizes.picture_side_px);
+  estimate.pictures = kBytesPerPixel * raster.width * raster.height;
+  estimate.results = base + bytes(kResults) + estimate.pictures +
+                     kBytesPerCell * NumCells(graph, state, sizes.map_resolution_m);
   estimate.picture_side_px = std::max(raster.width, raster.height);
   return estimate;
 }
@@ -153,13 +168,14 @@ Status ParseMemorySize(const std::string& text, double* bytes) {
 std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px) {
   constexpr int kSmallestSidePx = 300;
   // Pictures take memory by the square of their sides.
-  const double pictures = estimate->results - estimate->seeding;
-  if (limit == 0.0 || estimate->results <= limit || pictures <= 0.0) return "";
-  const double share = std::sqrt(std::max(limit - estimate->seeding, 0.0) / pictures);
+  const double others = estimate->results - estimate->pictures;
+  if (limit == 0.0 || estimate->results <= limit || estimate->pictures <= 0.0) return "";
+  const double share = std::sqrt(std::max(limit - others, 0.0) / estimate->pictures);
   const int side_px = static_cast<int>(share * estimate->picture_side_px);
   if (side_px < kSmallestSidePx) return "";
   const double kept = static_cast<double>(side_px) / estimate->picture_side_px;
-  estimate->results = estimate->seeding + kept * kept * pictures;
+  estimate->pictures *= kept * kept;
+  estimate->results = others + estimate->pictures;
   estimate->picture_side_px = *picture_side_px = side_px;
   return "To stay within --max_memory, pictures have sides of " + std::to_string(side_px) +
          " pixels at most\n";

@@ -11,28 +11,29 @@
 
 namespace plumbline {
 
-/// What the stages of a run are expected to take at their peak [bytes], everything included: 20 MB
+/// What the stages of a run are expected to take at their peak [bytes], everything included: 25 MB
 /// for the program, and
 ///
 ///                       bytes per return   kB per scan
-///   seeding                    40               9
-///   results                    40               9      and 20 bytes per pixel of a picture
-///   pose_graph, sgd            40               9
-///   reduced                    70               2
+///   seeding                    24               5
+///   results                    40               2      and 20 bytes per pixel of a picture,
+///                                                      5 per cell of the occupancy grid
+///   pose_graph, sgd            24               5
+///   reduced                    40               2
 ///   alternating_cg            500               2
 ///   published                 300               2
 ///   ceres                    1600               2
 ///   ceres, reduced           1300               2      or 280 bytes with iterative_schur
 ///   calibration              + 50
 ///
-/// Measured with fr079, parts of it, intel and simulated logs. Most are right to a quarter, all to
-/// a factor of two; where few places are revisited, the reduced problem takes ceres less than this.
-/// With Ceres' dense linear solvers the matrices come on top, by their size. An occupancy grid of
-/// more than 10 million cells may take more, see OccupancyGridOptions.
+/// Measured with the real logs and with simulated ones of up to 100,000 scans. Most are right to a
+/// quarter, all to a factor of two; where few places are revisited, the reduced problem takes ceres
+/// less than this. With Ceres' dense linear solvers the matrices come on top, by their size.
 struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;
   double results = 0.0;
+  double pictures = 0.0;    ///< part of the results
   int picture_side_px = 0;  ///< longer side of the largest picture: a small map has a small one
 
   double Peak() const;
@@ -40,10 +41,17 @@ struct MemoryEstimate {
   std::string Text() const;
 };
 
+/// How large the results of a run are to be.
+struct ResultSizes {
+  int picture_side_px = 0;        ///< of the longer side of a picture, at most
+  double map_resolution_m = 0.0;  ///< of the occupancy grid; 0: there is none
+};
+
 /// For a graph as it was read, and its initial state. calibrates: whether sensor parameters are
 /// estimated too.
 MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
-                              const SolverOptions& solver, bool calibrates, int picture_side_px);
+                              const SolverOptions& solver, bool calibrates,
+                              const ResultSizes& sizes);
 
 /// Takes "4GB", "500MB" or "0", for no limit [bytes]; 1 GB is 1000 MB. InvalidArgument on anything
 /// else.

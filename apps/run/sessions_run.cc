@@ -109,7 +109,8 @@ class SessionsRun {
       PLUMBLINE_RETURN_IF_ERROR(
           CheckRobotMap(paths_[i], graph, odometry, outputs_.map_resolution_m));
       const MemoryEstimate own =
-          EstimateMemory(graph, odometry, options_.mapping.solver, false, outputs_.picture_side_px);
+          EstimateMemory(graph, odometry, options_.mapping.solver, false,
+                         {outputs_.picture_side_px, outputs_.map_resolution_m});
       memory.seeding += own.seeding;
       memory.joint += own.joint;
       pictures = std::max(pictures, own.results - own.seeding);

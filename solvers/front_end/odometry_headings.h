@@ -9,8 +9,8 @@
 
 namespace plumbline {
 
-/// The trajectory with the headings of the odometry over long stretches. Its steps keep the turns of
-/// the matching, but the heading by which the odometry differs, as a mean over 12 m of path to
+/// The trajectory with the headings of the odometry over long stretches. Its steps keep the turns
+/// of the matching, but the heading by which the odometry differs, as a mean over 12 m of path to
 /// either side, is added. Outdoors, where a scan sees few and rough surfaces, the heading of the
 /// matching drifts by a degree every 10 m, and that of good wheels does not.
 ///

@@ -252,7 +252,7 @@ TEST_F(FaultsTest, RefusesARunThatNeedsTooMuchMemory) {
   run = Slam("a.clf", "--max_memory=1GB --picture_side_px=200");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, Not(HasSubstr("To stay within")));
-  run = Slam("a.clf", "--max_memory=25MB --picture_side_px=4000");
+  run = Slam("a.clf", "--max_memory=30MB --picture_side_px=4000");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("To stay within --max_memory, pictures have sides of "));
 }

@@ -72,8 +72,9 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport sequential;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), odometry,
-                               SurfacesOf(odometry), nullptr, &pool, &trajectory, &sequential)
+  ScanSurfaces surfaces(SurfacesOf(odometry));
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), odometry, nullptr,
+                               &pool, &surfaces, &trajectory, &sequential)
                   .ok());
   EXPECT_GT(DistanceM(truth.InitialPose(back), trajectory.world_from_robot[back]), 0.2);
 

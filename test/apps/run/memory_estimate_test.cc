@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -19,8 +20,8 @@ using testing::Not;
 class MemoryEstimateTest : public testing::Test {
  protected:
   std::string ErrorAt(double limit, int picture_side_px = 50) const {
-    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, picture_side_px), limit,
-                       graph_, solver_)
+    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, {picture_side_px, 0.0}),
+                       limit, graph_, solver_)
         .message();
   }
 
@@ -31,24 +32,24 @@ class MemoryEstimateTest : public testing::Test {
 
 TEST_F(MemoryEstimateTest, SolversDiffer) {
   const auto joint = [&](bool calibrates) {
-    return EstimateMemory(graph_, state_, solver_, calibrates, 50).joint;
+    return EstimateMemory(graph_, state_, solver_, calibrates, {50, 0.0}).joint;
   };
   const double reduced = joint(false);
   EXPECT_GT(joint(true), reduced);
   solver_.type = SolverType::kCeres;
   const double explicit_points = joint(false);
-  EXPECT_GT(explicit_points - 20e6, 9.0 * (reduced - 20e6));
+  EXPECT_GT(explicit_points - 25e6, 9.0 * (reduced - 25e6));
   solver_.ceres->reduced = true;
   EXPECT_LT(joint(false), explicit_points);
   solver_.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
-  EXPECT_LT(joint(false) - 20e6, 0.5 * (explicit_points - 20e6));
+  EXPECT_LT(joint(false) - 25e6, 0.5 * (explicit_points - 25e6));
 }
 
 TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   solver_.type = SolverType::kCeres;
   const auto joint = [&](ceres::LinearSolverType type, const SlamGraph& graph) {
     solver_.ceres->linear_solver = type;
-    return EstimateMemory(graph, graph.InitialState(), solver_, false, 50).joint;
+    return EstimateMemory(graph, graph.InitialState(), solver_, false, {50, 0.0}).joint;
   };
   const double sparse = joint(ceres::SPARSE_SCHUR, graph_);
   const double columns = 3.0 * graph_.num_poses() + 2.0 * static_cast<double>(graph_.num_returns());
@@ -61,9 +62,23 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   many.num_beams = 360;
   const SlamGraph large = MakeNoisyRoom(many).graph;
   solver_.ceres->linear_solver = ceres::DENSE_QR;
-  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
+  const MemoryEstimate estimate =
+      EstimateMemory(large, large.InitialState(), solver_, false, {50, 0.0});
   EXPECT_THAT(CheckMemory(estimate, 0.0, large, solver_).message(),
               AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
+}
+
+TEST_F(MemoryEstimateTest, CountsTheCellsOfTheOccupancyGrid) {
+  const auto results_at = [&](double resolution_m) {
+    return EstimateMemory(graph_, state_, solver_, false, {50, resolution_m}).results;
+  };
+  OccupancyGridOptions options;
+  options.resolution_m = 0.01;
+  double num_cells = 0.0;
+  ASSERT_TRUE(CheckGridSize(graph_, state_, options, &num_cells).ok());
+  EXPECT_GT(num_cells, 1e5);
+  EXPECT_NEAR(results_at(0.01) - results_at(0.0), 5.0 * num_cells, 1.0);
+  EXPECT_LT(results_at(0.1), results_at(0.01));
 }
 
 TEST_F(MemoryEstimateTest, ReadsSizes) {
@@ -83,7 +98,7 @@ TEST_F(MemoryEstimateTest, ReadsSizes) {
 TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
   constexpr int kAskedPx = 4000;  // more than a picture of a room has
   const auto estimate_at = [&](int side_px) {
-    return EstimateMemory(graph_, state_, solver_, false, side_px);
+    return EstimateMemory(graph_, state_, solver_, false, {side_px, 0.0});
   };
   const MemoryEstimate asked = estimate_at(kAskedPx);
   ASSERT_GT(asked.picture_side_px, 700);
@@ -101,9 +116,9 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(estimate.results, asked.results);
   }
   // Smaller ones take as much as is left, and no more.
-  const double pictures = asked.results - asked.seeding;
+  const double pictures = asked.pictures, others = asked.results - pictures;
   for (const double share : {0.9, 0.5, 0.2}) {
-    const double limit = asked.seeding + share * pictures;
+    const double limit = others + share * pictures;
     const std::string text = fit(limit, &estimate, &side_px);
     EXPECT_THAT(text, HasSubstr("sides of " + std::to_string(side_px) + " pixels at most"));
     EXPECT_NEAR(side_px, std::sqrt(share) * asked.picture_side_px, 1.0);
@@ -113,7 +128,7 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_TRUE(CheckMemory(estimate, limit, graph_, solver_).ok());
   }
   // What a picture of no use would not save is left for CheckMemory to refuse.
-  for (const double limit : {asked.seeding + 0.1 * pictures, 0.9 * asked.seeding}) {
+  for (const double limit : {others + 0.1 * pictures, 0.9 * others}) {
     EXPECT_EQ(fit(limit, &estimate, &side_px), "");
     EXPECT_EQ(side_px, kAskedPx);
     EXPECT_FALSE(CheckMemory(estimate, limit, graph_, solver_).ok());
@@ -124,11 +139,11 @@ TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
   solver_.type = SolverType::kCeres;
   EXPECT_EQ(ErrorAt(0.0), "");
   EXPECT_EQ(ErrorAt(1e9), "");
-  EXPECT_THAT(ErrorAt(22e6), AllOf(HasSubstr("needs about 23 MB"), HasSubstr("allows 22 MB"),
+  EXPECT_THAT(ErrorAt(27e6), AllOf(HasSubstr("needs about 28 MB"), HasSubstr("allows 27 MB"),
                                    HasSubstr("--solver=reduced or --max_scans=6 would")));
   EXPECT_THAT(ErrorAt(5e6), AllOf(HasSubstr("allows 5 MB"), Not(HasSubstr("--max_scans"))));
   solver_.type = SolverType::kReduced;
-  EXPECT_THAT(ErrorAt(20.1e6), Not(HasSubstr("--solver")));
+  EXPECT_THAT(ErrorAt(25.05e6), Not(HasSubstr("--solver")));
 }
 
 }  // namespace

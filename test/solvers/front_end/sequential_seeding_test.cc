@@ -21,12 +21,17 @@ SlamGraph DriveRoundTheRoom(int num_back) {
   return MakeGraph(scene);
 }
 
+Status SeedWith(const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
+                SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
+  ScanSurfaces surfaces(SurfacesOf(graph));
+  return SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, progress, pool,
+                          &surfaces, trajectory, report);
+}
+
 SequentialTrajectory Seed(const SlamGraph& graph, SequentialSeedingReport* report) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
-  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
-                               SurfacesOf(graph), nullptr, &pool, &trajectory, report)
-                  .ok());
+  EXPECT_TRUE(SeedWith(graph, nullptr, &pool, &trajectory, report).ok());
   return trajectory;
 }
 
@@ -54,14 +59,15 @@ TEST(SequentialSeeding, CorrectsAnOdometryThatIsAFifthOff) {
 TEST(SequentialSeeding, MarksTheKeyframeAfterAScanThatMatchesNothing) {
   SlamGraph graph = DriveRoundTheRoom(0);
   AddOdometry([](const Pose2& s) { return s; }, &graph);
-  std::vector<SurfacePoints> surfaces = SurfacesOf(graph);
+  std::vector<SurfacePoints> all = SurfacesOf(graph);
   constexpr int kStrange = 15;
-  for (SurfacePoint& point : surfaces[kStrange]) point.position *= 0.3;
+  for (SurfacePoint& point : all[kStrange]) point.position *= 0.3;
+  ScanSurfaces surfaces(std::move(all));
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, surfaces,
-                               nullptr, &pool, &trajectory, &report)
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, nullptr, &pool,
+                               &surfaces, &trajectory, &report)
                   .ok());
   EXPECT_EQ(report.num_unmatched, 1);
   int before = 0, num_marked = 0;
@@ -115,8 +121,7 @@ TEST(SequentialSeeding, NamesTheStepThatLacksOdometry) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
-  const Status status = SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
-                                         SurfacesOf(graph), nullptr, &pool, &trajectory, &report);
+  const Status status = SeedWith(graph, nullptr, &pool, &trajectory, &report);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_NE(status.message().find("from pose 0 to pose 1"), std::string::npos);
 }
@@ -127,9 +132,8 @@ TEST(SequentialSeeding, StopsWhenItsCallerSaysSo) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
-  const Status status = SeedSequentially(
-      SequentialSeedingOptions(), MotionOptions(), graph, SurfacesOf(graph),
-      [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
+  const Status status = SeedWith(
+      graph, [](SeedingPhase, int, int) { return false; }, &pool, &trajectory, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
   EXPECT_TRUE(trajectory.world_from_robot.empty());
 }
@@ -171,17 +175,36 @@ TEST(SequentialSeeding, StretchesOfALongDriveFitTogether) {
 
 TEST(SequentialSeeding, StretchesDoNotDependOnTheNumberOfThreads) {
   const SlamGraph graph = DriveManyLaps();
-  const std::vector<SurfacePoints> surfaces = SurfacesOf(graph);
   std::vector<SequentialTrajectory> trajectories;
   for (const int num_threads : {1, 3}) {
     ThreadPool pool(num_threads);
     SequentialSeedingReport report;
-    ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, surfaces,
-                                 nullptr, &pool, &trajectories.emplace_back(), &report)
-                    .ok());
+    ASSERT_TRUE(SeedWith(graph, nullptr, &pool, &trajectories.emplace_back(), &report).ok());
   }
   EXPECT_EQ(PoseArray(trajectories[0].world_from_robot),
             PoseArray(trajectories[1].world_from_robot));
+}
+
+TEST(SequentialSeeding, KeepsTheSurfacesOfTheKeyframesOfAllStretches) {
+  const SlamGraph graph = DriveManyLaps();
+  const MeasuredSurface measured = SurfaceOf(graph);
+  ThreadPool pool(2);
+  ScanSurfaces surfaces(graph, measured);
+  SequentialTrajectory made, kept;
+  SequentialSeedingReport report;
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, nullptr, &pool,
+                               &surfaces, &made, &report)
+                  .ok());
+  ASSERT_TRUE(SeedWith(graph, nullptr, &pool, &kept, &report).ok());
+  EXPECT_EQ(PoseArray(made.world_from_robot), PoseArray(kept.world_from_robot));
+  const std::vector<SurfacePoints> all = SurfacesOf(graph);
+  std::vector<int> num_points(graph.num_scans(), 0);
+  for (const Keyframe& key : made.keyframes) {
+    num_points[key.scan] = static_cast<int>(all[key.scan].size());
+  }
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    EXPECT_EQ(static_cast<int>(surfaces.Kept(scan).size()), num_points[scan]) << scan;
+  }
 }
 
 TEST(SequentialSeeding, TellsItsCallerOnItsOwnThreadAboutScansOfAllStretches) {
@@ -200,9 +223,7 @@ TEST(SequentialSeeding, TellsItsCallerOnItsOwnThreadAboutScansOfAllStretches) {
     ++num_calls;
     return true;
   };
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph,
-                               SurfacesOf(graph), progress, &pool, &trajectory, &report)
-                  .ok());
+  ASSERT_TRUE(SeedWith(graph, progress, &pool, &trajectory, &report).ok());
   EXPECT_GT(num_calls, 0);
 }
 

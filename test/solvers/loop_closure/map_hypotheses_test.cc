@@ -21,7 +21,7 @@ namespace {
 struct SimulatedDrive {
   SlamGraph graph;
   std::vector<Pose2> truth;
-  std::vector<SurfacePoints> surfaces;
+  ScanSurfaces surfaces;
   SequentialTrajectory matched;
 };
 
@@ -33,11 +33,11 @@ SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building = BuildingKin
   EXPECT_TRUE(Simulate(World(GenerateBuilding(building, seed)), options, &log).ok());
   SimulatedDrive drive;
   EXPECT_TRUE(MakeGraph(log, &drive.graph).ok());
-  drive.surfaces = SurfacesOf(drive.graph);
+  drive.surfaces = ScanSurfaces(SurfacesOf(drive.graph));
   ThreadPool pool(1);
   SequentialSeedingReport report;
-  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), drive.graph,
-                               drive.surfaces, nullptr, &pool, &drive.matched, &report)
+  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), drive.graph, nullptr,
+                               &pool, &drive.surfaces, &drive.matched, &report)
                   .ok());
   for (const SimulatedScan& scan : log.scans) drive.truth.push_back(scan.world_from_robot);
   return drive;
@@ -119,7 +119,8 @@ TEST(MapHypotheses, AnOdometryThatIsRightBeatsAMatchingThatIsTorn) {
   }
 }
 
-// Outdoors, few and rough surfaces turn the matching off by and by, until no closure is in reach.
+// Outdoors, among few and rough surfaces, the heading of the matching drifts until no closure is in
+// reach.
 TEST(MapHypotheses, HeadingsOfTheOdometryBringBackAMatchingThatTurnedOff) {
   SimulatedDrive drive = MakeDrive(2);
   // The wheels know the headings, but not how far.
@@ -154,9 +155,9 @@ TEST(MapHypotheses, AWrongStepIsPutRight) {
 TEST(MapHypotheses, AStepThatSharesItsErrorOutIsPutRight) {
   // The error is small, and the stretch between two closures long: no edge is far off, and the map
   // contradicts itself too little to look for a reason. On the second drive the scans hardly see
-  // it: the map is no better without the step, but no worse either.
+  // it: the map is not clearly better without the step.
   for (const auto& [seed, building] :
-       {std::pair(5, BuildingKind::kRepetitive), std::pair(2, BuildingKind::kRandom)}) {
+       {std::pair(5, BuildingKind::kRepetitive), std::pair(7, BuildingKind::kRandom)}) {
     SimulatedDrive drive = MakeDrive(seed, building);
     Tear(Pose2(0.45, 0.0, 0.0), &drive.matched);
     const Found found = Search(drive);

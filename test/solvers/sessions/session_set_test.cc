@@ -82,7 +82,7 @@ TEST(SessionSetTest, SessionsLieSideBySide) {
   EXPECT_EQ(set.graph.num_poses(), 6);
   EXPECT_THAT(set.graph.odometry(), SizeIs(4));
   EXPECT_EQ(set.graph.odometry()[2].from, 3);
-  EXPECT_THAT(set.surfaces, SizeIs(6));
+  EXPECT_THAT(set.surfaces.kept(), SizeIs(6));
   EXPECT_EQ(set.keys[1].keyframes[0].pose, 3);
   EXPECT_EQ(set.keys[1].keyframes[0].scan, 3);
 }
