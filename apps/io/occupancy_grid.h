@@ -27,8 +27,10 @@ struct OccupancyGrid {
 };
 
 struct OccupancyGridOptions {
+  static constexpr double kBytesPerCell = 5.0;  ///< what a cell takes while the grid is built
+
   double resolution_m = 0.05;  ///< from a millimetre to 100 m, a cell of which holds a building
-  /// Most cells of a grid; a cell takes five bytes while the grid is built.
+  /// Most cells of a grid.
   double max_cells = 4e8;
   /// Doubles the side of a cell until a larger grid fits, instead of refusing it.
   bool coarsen_to_fit = false;

@@ -92,12 +92,12 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(
         CheckRobotMap(options_.log, graph, odometry, outputs_.map_resolution_m));
     const SolverOptions& solver = options_.mapping.solver;
-    MemoryEstimate memory =
-        EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
-                       {outputs_.picture_side_px, outputs_.map_resolution_m});
-    std::cout << memory.Text()
-              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
-    return CheckMemory(memory, options_.max_memory, graph, solver);
+    memory_ = EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
+                             outputs_.picture_side_px);
+    std::cout << memory_.Text()
+              << FitPictures(options_.max_memory, &memory_, &outputs_.picture_side_px)
+              << std::flush;
+    return CheckMemory(memory_, options_.max_memory, graph, solver);
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint.
@@ -115,7 +115,9 @@ class LogRun {
     }
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
-              << ConsistencyText("The seed", seeding.consistency) << std::flush;
+              << ConsistencyText("The seed", seeding.consistency)
+              << FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_)
+              << std::flush;
     if (options_.checkpoint.empty()) return Status::Ok();
     checkpoint_written_ =
         WriteCheckpoint(options_.checkpoint, fingerprint_, mapping_.start_poses, seeding);
@@ -194,6 +196,7 @@ class LogRun {
 
   const LogRunOptions& options_;
   RunOutputOptions outputs_;  // as the memory allows them
+  MemoryEstimate memory_;     // of a map whose extent nobody knows yet
   ThreadPool pool_;
   OutputFolder output_;
   LogMapping mapping_;

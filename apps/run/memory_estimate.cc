@@ -20,7 +20,6 @@ namespace {
 constexpr double kBytesPerMb = 1e6, kBytesPerGb = 1e9;
 constexpr double kBytesOfProgram = 25e6;
 constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
-constexpr double kBytesPerCell = 5.0;    // see OccupancyGridOptions
 
 // What a stage takes beside the program.
 struct Rates {
@@ -98,15 +97,6 @@ MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int pic
   return status.ok() ? raster : MapRaster();
 }
 
-// Likewise of the occupancy grid.
-double NumCells(const SlamGraph& graph, const MapState& state, double resolution_m) {
-  OccupancyGridOptions options;
-  options.resolution_m = resolution_m;
-  double num_cells = 0.0;
-  const bool fits = resolution_m > 0.0 && CheckGridSize(graph, state, options, &num_cells).ok();
-  return fits ? num_cells : 0.0;
-}
-
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
 
 // What would fit; empty if nothing does.
@@ -133,8 +123,7 @@ std::string MemoryEstimate::Text() const {
 }
 
 MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
-                              const SolverOptions& solver, bool calibrates,
-                              const ResultSizes& sizes) {
+                              const SolverOptions& solver, bool calibrates, int picture_side_px) {
   const auto bytes = [&graph](const Rates& rates) {
     return rates.bytes_per_return * static_cast<double>(graph.num_returns()) +
            rates.bytes_per_scan * graph.num_scans();
@@ -144,10 +133,9 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
-  const MapRaster raster = RasterOfPicture(graph, state, sizes.picture_side_px);
+  const MapRaster raster = RasterOfPicture(graph, state, picture_side_px);
   estimate.pictures = kBytesPerPixel * raster.width * raster.height;
-  estimate.results = base + bytes(kResults) + estimate.pictures +
-                     kBytesPerCell * NumCells(graph, state, sizes.map_resolution_m);
+  estimate.results = base + bytes(kResults) + estimate.pictures;
   estimate.picture_side_px = std::max(raster.width, raster.height);
   return estimate;
 }
@@ -179,6 +167,19 @@ std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_sid
   estimate->picture_side_px = *picture_side_px = side_px;
   return "To stay within --max_memory, pictures have sides of " + std::to_string(side_px) +
          " pixels at most\n";
+}
+
+std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, const MapState& seed,
+                    double limit, RunOutputOptions* outputs) {
+  if (limit > 0.0) outputs->LimitGrid(std::max(limit - expected.results, 0.1 * limit));
+  double num_cells = 0.0;
+  if (!CheckGridSize(graph, seed, outputs->GridOptions(), &num_cells).ok()) return "";
+  const double grid = OccupancyGridOptions::kBytesPerCell * num_cells;
+  const double results = expected.results + grid;
+  constexpr double kMuchMore = 1.25;
+  if (results <= kMuchMore * expected.Peak()) return "";
+  return "The results need more memory than that, about " + MbText(results) +
+         ": the occupancy grid takes " + MbText(grid) + '\n';
 }
 
 Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,

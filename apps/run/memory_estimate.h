@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -17,7 +18,7 @@ namespace plumbline {
 ///                       bytes per return   kB per scan
 ///   seeding                    24               5
 ///   results                    40               2      and 20 bytes per pixel of a picture,
-///                                                      5 per cell of the occupancy grid
+///                                                      5 per cell of the occupancy grid (FitGrid)
 ///   pose_graph, sgd            24               5
 ///   reduced                    40               2
 ///   alternating_cg            500               2
@@ -41,17 +42,17 @@ struct MemoryEstimate {
   std::string Text() const;
 };
 
-/// How large the results of a run are to be.
-struct ResultSizes {
-  int picture_side_px = 0;        ///< of the longer side of a picture, at most
-  double map_resolution_m = 0.0;  ///< of the occupancy grid; 0: there is none
-};
-
-/// For a graph as it was read, and its initial state. calibrates: whether sensor parameters are
-/// estimated too.
+/// For a graph as it was read, and its initial state. calibrates: whether sensor
+/// parameters are estimated too.
 MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
-                              const SolverOptions& solver, bool calibrates,
-                              const ResultSizes& sizes);
+                              const SolverOptions& solver, bool calibrates, int picture_side_px);
+
+/// What the results take with an occupancy grid, of the seed's map: by drifting odometry it would
+/// be many times too large. Limits the grid so that they stay within the limit [bytes, 0: no
+/// limit], but to no less than a tenth of that. Gives a line for people if they take much more than
+/// `expected`, where the grid is left out; else nothing.
+std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, const MapState& seed,
+                    double limit, RunOutputOptions* outputs);
 
 /// Takes "4GB", "500MB" or "0", for no limit [bytes]; 1 GB is 1000 MB. InvalidArgument on anything
 /// else.

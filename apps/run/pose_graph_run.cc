@@ -111,8 +111,8 @@ class PoseGraphRun {
 
   Status CheckMemoryOfScans() {
     if (!has_scans()) return Status::Ok();
-    MemoryEstimate memory = EstimateMemory(file_.graph, state_, options_.solver, false,
-                                           {outputs_.picture_side_px, outputs_.map_resolution_m});
+    MemoryEstimate memory =
+        EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
     std::cout << memory.Text()
               << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);

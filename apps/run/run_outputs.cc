@@ -81,9 +81,8 @@ bool RunOutputOptions::Check(std::string* error) const {
   return picture.Check(error) && GridOptions().Check(error);
 }
 
-void RunOutputOptions::LimitMemory(double bytes) {
-  constexpr double kBytesPerCell = 5.0;  // see OccupancyGridOptions
-  if (bytes > 0.0) map_max_cells = std::min(map_max_cells, 0.5 * bytes / kBytesPerCell);
+void RunOutputOptions::LimitGrid(double bytes) {
+  map_max_cells = std::min(map_max_cells, bytes / OccupancyGridOptions::kBytesPerCell);
 }
 
 OccupancyGridOptions RunOutputOptions::GridOptions() const {

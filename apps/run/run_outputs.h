@@ -27,8 +27,8 @@ struct RunOutputOptions {
   bool save_map = false;  ///< also write map.g2o, the poses with all scans
 
   bool Check(std::string* error) const;
-  /// Keeps the memory that map.pgm takes while it is made below half of this [bytes]; 0: as it is.
-  void LimitMemory(double bytes);
+  /// Keeps the memory that map.pgm takes while it is made below this [bytes].
+  void LimitGrid(double bytes);
   /// Those of map.pgm.
   OccupancyGridOptions GridOptions() const;
 };

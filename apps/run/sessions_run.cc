@@ -93,7 +93,6 @@ class SessionsRun {
  private:
   Status Read(std::vector<SlamGraph>* graphs) {
     MemoryEstimate memory;
-    double pictures = 0.0;
     std::size_t largest = 0;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       EndIfStoppedWhile("reading " + paths_[i]);
@@ -109,16 +108,16 @@ class SessionsRun {
       PLUMBLINE_RETURN_IF_ERROR(
           CheckRobotMap(paths_[i], graph, odometry, outputs_.map_resolution_m));
       const MemoryEstimate own =
-          EstimateMemory(graph, odometry, options_.mapping.solver, false,
-                         {outputs_.picture_side_px, outputs_.map_resolution_m});
+          EstimateMemory(graph, odometry, options_.mapping.solver, false, outputs_.picture_side_px);
       memory.seeding += own.seeding;
       memory.joint += own.joint;
-      pictures = std::max(pictures, own.results - own.seeding);
+      memory.results += own.results - own.pictures;
+      memory.pictures = std::max(memory.pictures, own.pictures);
       memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
       graphs->push_back(std::move(graph));
     }
-    memory.results = memory.seeding + pictures;
+    memory.results += memory.pictures;
     std::cout << memory.Text()
               << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
     return CheckMemory(memory, options_.max_memory, (*graphs)[largest], options_.mapping.solver);

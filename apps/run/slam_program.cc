@@ -144,7 +144,7 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
   outputs.picture_side_px = FLAGS_picture_side_px;
   outputs.map_resolution_m = FLAGS_map_resolution_m;
   outputs.save_map = FLAGS_save_map;
-  outputs.LimitMemory(options->max_memory);
+  if (options->max_memory > 0.0) outputs.LimitGrid(0.5 * options->max_memory);
   std::string error;
   if (!outputs.Check(&error)) return Status::InvalidArgument("results: " + error);
   options->log = FLAGS_log;

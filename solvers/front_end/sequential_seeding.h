@@ -27,10 +27,10 @@ struct SequentialTrajectory {
 /// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
 /// one. Expects poses in order of time, joined by odometry from each pose to the next. If there is
 /// none at all, each step is predicted from those before (MotionPrediction), and takes the place of
-/// the odometry; `motion` is then the noise of that. surfaces: of the graph; those of the
-/// keyframes are kept. /// Stretches of a long drive with odometry are matched side by side; what
-/// comes out does not depend on the number of threads. progress: called on the thread of the
-/// caller.
+/// the odometry; `motion` is then the noise of that. Stretches of a long drive with odometry are
+/// matched side by side; what comes out does not depend on the number of threads. progress: called
+/// on the thread of the caller. surfaces: of the graph; from now on it keeps those of the
+/// keyframes.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
                         ScanSurfaces* surfaces, SequentialTrajectory* trajectory,

@@ -104,7 +104,7 @@ class EdgeEvidence {
     double worst = 0.0;
     Side before{PlacedKey(edge)};
     FreeSpaceScan free_space_before = of_key_[edge - first_known_];
-    SurfacePoints surface_before = *before.front().surface;
+    SurfacePoints surface_before;
     before.front().free_space = &free_space_before;
     for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
          ++pose) {

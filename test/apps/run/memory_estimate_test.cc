@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <string>
 
 #include "plumbline/apps/io/occupancy_grid.h"
@@ -20,8 +22,8 @@ using testing::Not;
 class MemoryEstimateTest : public testing::Test {
  protected:
   std::string ErrorAt(double limit, int picture_side_px = 50) const {
-    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, {picture_side_px, 0.0}),
-                       limit, graph_, solver_)
+    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, picture_side_px), limit,
+                       graph_, solver_)
         .message();
   }
 
@@ -32,7 +34,7 @@ class MemoryEstimateTest : public testing::Test {
 
 TEST_F(MemoryEstimateTest, SolversDiffer) {
   const auto joint = [&](bool calibrates) {
-    return EstimateMemory(graph_, state_, solver_, calibrates, {50, 0.0}).joint;
+    return EstimateMemory(graph_, state_, solver_, calibrates, 50).joint;
   };
   const double reduced = joint(false);
   EXPECT_GT(joint(true), reduced);
@@ -49,7 +51,7 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   solver_.type = SolverType::kCeres;
   const auto joint = [&](ceres::LinearSolverType type, const SlamGraph& graph) {
     solver_.ceres->linear_solver = type;
-    return EstimateMemory(graph, graph.InitialState(), solver_, false, {50, 0.0}).joint;
+    return EstimateMemory(graph, graph.InitialState(), solver_, false, 50).joint;
   };
   const double sparse = joint(ceres::SPARSE_SCHUR, graph_);
   const double columns = 3.0 * graph_.num_poses() + 2.0 * static_cast<double>(graph_.num_returns());
@@ -62,23 +64,39 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   many.num_beams = 360;
   const SlamGraph large = MakeNoisyRoom(many).graph;
   solver_.ceres->linear_solver = ceres::DENSE_QR;
-  const MemoryEstimate estimate =
-      EstimateMemory(large, large.InitialState(), solver_, false, {50, 0.0});
+  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
   EXPECT_THAT(CheckMemory(estimate, 0.0, large, solver_).message(),
               AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
 }
 
-TEST_F(MemoryEstimateTest, CountsTheCellsOfTheOccupancyGrid) {
-  const auto results_at = [&](double resolution_m) {
-    return EstimateMemory(graph_, state_, solver_, false, {50, resolution_m}).results;
-  };
-  OccupancyGridOptions options;
-  options.resolution_m = 0.01;
+TEST_F(MemoryEstimateTest, TheGridIsMadeToFitAndToldOf) {
+  MemoryEstimate expected;
+  expected.results = 10e6;
+  RunOutputOptions outputs;
+  outputs.map_resolution_m = 0.2;
+  EXPECT_EQ(FitGrid(expected, graph_, state_, 0.0, &outputs), "");
+  EXPECT_EQ(outputs.map_max_cells, RunOutputOptions().map_max_cells);
+
+  outputs.map_resolution_m = 0.002;
   double num_cells = 0.0;
-  ASSERT_TRUE(CheckGridSize(graph_, state_, options, &num_cells).ok());
-  EXPECT_GT(num_cells, 1e5);
-  EXPECT_NEAR(results_at(0.01) - results_at(0.0), 5.0 * num_cells, 1.0);
-  EXPECT_LT(results_at(0.1), results_at(0.01));
+  ASSERT_TRUE(CheckGridSize(graph_, state_, outputs.GridOptions(), &num_cells).ok());
+  ASSERT_GT(num_cells, 2e6);
+  const auto text_of = [](double cells) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(0) << "The results need more memory than that, about "
+         << 10.0 + 5e-6 * cells << " MB: the occupancy grid takes " << 5e-6 * cells << " MB\n";
+    return text.str();
+  };
+  EXPECT_EQ(FitGrid(expected, graph_, state_, 0.0, &outputs), text_of(num_cells));
+  EXPECT_EQ(FitGrid(expected, graph_, state_, 10e6 + 5.0 * num_cells, &outputs),
+            text_of(num_cells));
+  // Cells of twice the side.
+  const std::string coarser = FitGrid(expected, graph_, state_, 10e6 + 4.0 * num_cells, &outputs);
+  EXPECT_NEAR(outputs.map_max_cells, 0.8 * num_cells, 1.0);
+  double num_coarser = 0.0;
+  ASSERT_TRUE(CheckGridSize(graph_, state_, outputs.GridOptions(), &num_coarser).ok());
+  EXPECT_LT(num_coarser, 0.3 * num_cells);
+  EXPECT_EQ(coarser, text_of(num_coarser));
 }
 
 TEST_F(MemoryEstimateTest, ReadsSizes) {
@@ -98,7 +116,7 @@ TEST_F(MemoryEstimateTest, ReadsSizes) {
 TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
   constexpr int kAskedPx = 4000;  // more than a picture of a room has
   const auto estimate_at = [&](int side_px) {
-    return EstimateMemory(graph_, state_, solver_, false, {side_px, 0.0});
+    return EstimateMemory(graph_, state_, solver_, false, side_px);
   };
   const MemoryEstimate asked = estimate_at(kAskedPx);
   ASSERT_GT(asked.picture_side_px, 700);

@@ -130,9 +130,9 @@ TEST_F(RunOutputsTest, AMapThatIsTooLargeGetsCoarserCells) {
 }
 
 TEST_F(RunOutputsTest, ALimitOfMemoryBoundsTheMap) {
-  options_.LimitMemory(0.0);
-  EXPECT_EQ(options_.map_max_cells, RunOutputOptions().map_max_cells);
-  options_.LimitMemory(1e9);
+  options_.LimitGrid(5e8);
+  EXPECT_EQ(options_.map_max_cells, 1e8);
+  options_.LimitGrid(1e9);
   EXPECT_EQ(options_.map_max_cells, 1e8);
 }
 
