@@ -90,6 +90,7 @@ Status MapRun::Refine() {
 }
 
 Status MapRun::WriteMap(ExtraResults extras) {
+  GiveFreedMemoryBack();  // so is what the estimation left
   extras_ = std::move(extras);
   maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
   std::string map_warning;
