@@ -90,7 +90,7 @@ Status MapRun::Refine() {
 }
 
 Status MapRun::WriteMap(ExtraResults extras) {
-  GiveFreedMemoryBack();  // so is what the estimation left
+  GiveFreedMemoryBack();  // much of what the estimation left is too small for an array of points
   extras_ = std::move(extras);
   maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
   std::string map_warning;

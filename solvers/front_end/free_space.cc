@@ -46,12 +46,14 @@ FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
   const ScanEntry& entry = graph.scan(scan);
   const ScanReturns returns = graph.ReturnsOfScan(scan);
   const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
+  points_in_robot_.reserve((entry.num_returns + kReturnStride - 1) / kReturnStride);
   for (std::size_t k = 0; k < entry.num_returns; k += kReturnStride) {
     points_in_robot_.push_back(returns.PointInRobot(entry.first_return + k));
   }
+  shortest_range_.reserve(std::max(0, laser_.num_beams + 1 - kNumNeighbours));
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;
-    shortest_range_.push_back(*std::min_element(begin, begin + kNumNeighbours));
+    shortest_range_.push_back(static_cast<float>(*std::min_element(begin, begin + kNumNeighbours)));
   }
 }
 

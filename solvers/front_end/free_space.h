@@ -30,8 +30,9 @@ class FreeSpaceScan {
   double first_bearing_rad_;  // in [-pi, pi)
   double turn_direction_;     // of the sweep: 1 counter-clockwise, -1 clockwise
   double beams_per_rad_;
-  // Per beam: the shortest range [m] of it and the three beams after it, 0 if one has no return.
-  std::vector<double> shortest_range_;
+  // Per beam: the shortest range [m] of it and the three beams after it, 0 if one has no return. In
+  // single precision, as the graph has them.
+  std::vector<float> shortest_range_;
   std::vector<Eigen::Vector2d> points_in_robot_;  // of every second return
 };
 

@@ -153,18 +153,26 @@ void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
                       const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
                       KeyframeGraph* keyframe_graph) {
   std::vector<SequentialEdge>& edges = keyframe_graph->sequential;
-  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph, 0,
-                                   keyframe_graph->size());
+  const auto evidence_between = [&](int first, int last) {
+    return EdgeEvidence(graph, surfaces, world_from_robot, *keyframe_graph, first, last);
+  };
   std::vector<std::pair<double, int>> suspects(edges.size());
-  pool->ForEachChunk(edges.size(), 1, [&](std::size_t e, std::size_t, std::size_t) {
-    suspects[e] = {-edge_evidence.Evidence(static_cast<int>(e)), static_cast<int>(e)};
-  });
+  // Free space takes more memory than the scan has. It is made for some edges at a time.
+  constexpr std::size_t kEdgesPerChunk = 64;
+  pool->ForEachChunk(edges.size(), kEdgesPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       const int first = static_cast<int>(begin), last = static_cast<int>(end);
+                       const EdgeEvidence edge_evidence = evidence_between(first, last);
+                       for (int e = first; e < last; ++e)
+                         suspects[e] = {-edge_evidence.Evidence(e), e};
+                     });
   // The worst first: it spoils what is seen across its neighbours, which are then judged again.
   std::sort(suspects.begin(), suspects.end());
   const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
   const double in_proportion = std::max(1.0, UsualEvidence(suspects) / kUsualEvidence);
   for (const auto& [negative_evidence, edge] : suspects) {
     if (-negative_evidence / in_proportion < kSuspectEvidence) break;
+    const EdgeEvidence edge_evidence = evidence_between(edge, edge + 1);
     const double evidence = edge_evidence.Evidence(edge) / in_proportion;
     if (evidence < kSuspectEvidence) continue;
     edges[edge].evidence = evidence;
