@@ -6,6 +6,7 @@
 #include <iostream>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
@@ -55,7 +56,18 @@ class LogRun {
   Status Start() {
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return ReadAndSeed(); }));
     if (options_.peers == nullptr) return Status::Ok();
+    ShareLimits();
     return ShareMapping(options_.peers, options_.mapping, &pool_, &mapping_);
+  }
+
+  // All make the same pictures and the same grid together.
+  void ShareLimits() {
+    std::vector<double> limits;
+    if (SpeaksForAll(options_.peers))
+      limits = {1.0 * outputs_.picture_side_px, outputs_.map_max_cells};
+    limits = JoinOverPeers(options_.peers, std::move(limits));
+    outputs_.picture_side_px = static_cast<int>(limits[0]);
+    outputs_.map_max_cells = limits[1];
   }
 
   Status ReadAndSeed() {

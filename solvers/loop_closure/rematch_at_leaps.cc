@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
@@ -29,8 +30,9 @@ constexpr double kMinGain = 0.05;
 constexpr double kMinLeapInlierRatio = 0.8;
 constexpr double kMinFactor = 2.0;
 
-// Starts along a leap, at most.
+// Starts along a leap, at most, and how far they are turned from one to the next [rad], at least.
 constexpr int kMaxStarts = 8;
+constexpr double kStartTurnRad = 0.25;
 // Evenness is told by this many steps to either side.
 constexpr int kStepsAround = 3;
 
@@ -99,26 +101,31 @@ LocalMap MapAround(int pose, const KeyframeGraph& keys, const ScanSurfaces& surf
   return map;
 }
 
-// What the next leap adds to the odometry, in the world [m]; nothing if there is none, or if the
-// robot was carried over it: then no pose lies on the way.
-Eigen::Vector2d LeapAfter(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
-                          const std::vector<Pose2>& poses) {
+// The pose as the odometry has it from beyond the next leap. The pose itself if there is none, or
+// if the robot was carried over it: then no pose lies on the way.
+Pose2 BeyondLeap(int pose, const Leaps& leaps, const std::vector<Pose2>& odometry,
+                 const std::vector<Pose2>& poses) {
   const int next = leaps.Next(pose, kPosesBefore);
-  if (next == 0 || leaps.IsCarried(next)) return Eigen::Vector2d::Zero();
-  return poses[next].translation() - (poses[next - 1] * odometry[next]).translation();
+  if (next == 0 || leaps.IsCarried(next)) return poses[pose];
+  const Pose2 leap = poses[next] * (poses[next - 1] * odometry[next]).Inverse();
+  return leap * poses[pose];
 }
 
 // From the pose itself and from places on the way of the leap, which it may have made already.
 ScanMatch BestMatch(const LocalMap& map, const SurfacePoints& scan, const Pose2& pose,
-                    const Eigen::Vector2d& leap) {
+                    const Pose2& beyond) {
   const ScanMatchOptions matching;
-  const int num_starts =
-      std::min(1 + static_cast<int>(std::ceil(leap.norm() / matching.coarse_gate_m)), kMaxStarts);
+  const Eigen::Vector2d leap = beyond.translation() - pose.translation();
+  const double turn_rad = NormalizeAngle(beyond.yaw - pose.yaw);
+  const double num_gates =
+      std::max(leap.norm() / matching.coarse_gate_m, std::abs(turn_rad) / kStartTurnRad);
+  const int num_starts = std::min(1 + static_cast<int>(std::ceil(num_gates)), kMaxStarts);
   ScanMatch best;
   for (int i = 0; i < num_starts; ++i) {
-    const Eigen::Vector2d shift = leap * i / std::max(1, num_starts - 1);
+    const double share = static_cast<double>(i) / std::max(1, num_starts - 1);
     PosePrediction start;
-    start.world_from_robot = Pose2(pose.x + shift.x(), pose.y + shift.y(), pose.yaw);
+    start.world_from_robot = Pose2(pose.x + share * leap.x(), pose.y + share * leap.y(),
+                                   NormalizeAngle(pose.yaw + share * turn_rad));
     const ScanMatch match = MatchScan(map, scan, start, matching);
     if (i == 0 || match.inlier_ratio > best.inlier_ratio) best = match;
   }
@@ -157,7 +164,7 @@ void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const 
     const SurfacePoints surface = surfaces.Of(scan);
     const ScanMatch old = MeasureFit(map, surface, before[pose], ScanMatchOptions());
     const ScanMatch match =
-        BestMatch(map, surface, before[pose], LeapAfter(pose, leaps, odometry, before));
+        BestMatch(map, surface, before[pose], BeyondLeap(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
     if (match.inlier_ratio < kMinPartInlierRatio || gain <= 0.0) return;
     after[p] = match.world_from_robot;

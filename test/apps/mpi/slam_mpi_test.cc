@@ -180,6 +180,21 @@ std::vector<int> ChildrenOf(int process) {
   return children;
 }
 
+TEST_F(SlamMpiTest, ALimitOfMemoryHoldsForTheResultsOfAll) {
+  SimulateLog(60);
+  const std::string flags = "--max_memory=32MB --picture_side_px=4000 --map_resolution_m=0.003";
+  const Outcome one = Slam("a.clf", flags, "one");
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("pictures have sides of "));
+  EXPECT_THAT(one.err, HasSubstr("those of map.pgm are "));
+  const Outcome two = SlamMpi(2, "a.clf", flags, "two");
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  const auto size_of_map = [&](const std::string& folder) {
+    return Result(folder, "map.pgm").substr(0, 12);
+  };
+  EXPECT_EQ(size_of_map("two"), size_of_map("one"));
+}
+
 TEST_F(SlamMpiTest, AProcessThatIsKilledEndsTheOthers) {
   SimulateLog(700);
   for (const std::size_t victim : {0, 1}) {

@@ -55,6 +55,15 @@ TEST(RematchAtLeaps, FetchesThePoseThatHangsBehind) {
   for (int pose = 0; pose < 30; ++pose) EXPECT_LT(crossing.ErrorM(pose), 0.02) << pose;
 }
 
+TEST(RematchAtLeaps, FetchesThePoseThatDidNotTurnAlong) {
+  // The robot was carried and turned before the scan that hangs behind.
+  Crossing crossing = MakeCrossing();
+  crossing.poses[14].x -= 0.4;
+  crossing.poses[14].yaw += 1.0;
+  crossing.Rematch(2);
+  for (int pose = 0; pose < 30; ++pose) EXPECT_LT(crossing.ErrorM(pose), 0.02) << pose;
+}
+
 TEST(RematchAtLeaps, FetchesASeriesThatHangsBehind) {
   // Three scans in a row were matched to where the wheels stood still, the last one 0.6 m behind.
   Crossing crossing = MakeCrossing(0.2);
