@@ -23,6 +23,13 @@ Status StatusOf(StatusCode code, const std::string& message) {
 
 }  // namespace
 
+std::vector<std::size_t> OwnShare(const Peers* peers, std::size_t count) {
+  std::vector<std::size_t> own;
+  const std::size_t size = peers == nullptr ? 1 : peers->size();
+  for (std::size_t i = peers == nullptr ? 0 : peers->rank(); i < count; i += size) own.push_back(i);
+  return own;
+}
+
 Status FirstFailure(const Peers* peers, const Status& own) {
   if (peers == nullptr) return own;
   peers->WaitForAll();

@@ -85,6 +85,9 @@ std::vector<T> JoinOverPeers(const Peers* peers, std::vector<T> own) {
   return joined;
 }
 
+/// Which ones of `count` tasks this process does where all do as many: every so many-th.
+std::vector<std::size_t> OwnShare(const Peers* peers, std::size_t count);
+
 /// The failure of the first process that fails, in all of them; Ok if none does. All processes come
 /// here with what they have found out; those that are early sleep.
 Status FirstFailure(const Peers* peers, const Status& own);

@@ -1,6 +1,7 @@
 #include "plumbline/core/partition.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <utility>
 
@@ -73,11 +74,19 @@ std::vector<int> PartitionByPlace(const std::vector<double>& places,
   return Bisection(places, weights).Divide(num_parts);
 }
 
+std::vector<int> PartitionByTime(int num_places, int num_parts) {
+  std::vector<int> part(num_places);
+  const auto border = [&](int i) {
+    return part.begin() +
+           static_cast<std::ptrdiff_t>(static_cast<std::int64_t>(num_places) * i / num_parts);
+  };
+  for (int i = 0; i < num_parts; ++i) std::fill(border(i), border(i + 1), i);
+  return part;
+}
+
 std::vector<std::size_t> ReturnsPerPose(const SlamGraph& graph) {
   std::vector<std::size_t> num_returns(graph.num_poses());
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    num_returns[graph.scan(scan).pose] += graph.scan(scan).num_returns;
-  }
+  for (const ScanEntry& scan : graph.all_scans()) num_returns[scan.pose] += scan.num_returns;
   return num_returns;
 }
 

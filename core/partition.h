@@ -15,7 +15,10 @@ namespace plumbline {
 std::vector<int> PartitionByPlace(const std::vector<double>& places,
                                   const std::vector<std::size_t>& weights, int num_parts);
 
-/// Number of returns taken at each pose.
+/// Divides places into as many parts, each of about as many that follow each other.
+std::vector<int> PartitionByTime(int num_places, int num_parts);
+
+/// Number of returns taken at each pose, those of a graph's peers included.
 std::vector<std::size_t> ReturnsPerPose(const SlamGraph& graph);
 
 }  // namespace plumbline

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "plumbline/core/over_peers.h"
-#include "plumbline/core/partition.h"
 
 namespace plumbline {
 namespace {
@@ -98,28 +97,44 @@ void ReserveOwnReturns(SlamGraph* graph) {
   graph->ReserveReturns(num_returns);
 }
 
-void AddPackedScans(const std::vector<char>& bytes, SlamGraph* graph) {
-  const char* end = bytes.data() + bytes.size();
-  for (const char* scan = bytes.data(); scan != end;) scan = graph->AddPackedScan(scan);
+// The scans of a graph by their ids among all; -1 for those that it lacks.
+std::vector<int> OwnScans(const SlamGraph& graph) {
+  std::vector<int> own_scan(graph.all_scans().size(), -1);
+  for (int scan = 0; scan < graph.num_scans(); ++scan) own_scan[graph.IdAmongAll(scan)] = scan;
+  return own_scan;
 }
 
-// whole: of process 0, null elsewhere.
-void HandOutScans(const SlamGraph* whole, SlamGraph* part) {
+// Gives a part its scans. source: where this process has some of them, or null. rank_of_source: of
+// each pose; empty if process 0 has all of them.
+void MoveScans(const SlamGraph* source, const std::vector<int>& rank_of_source, SlamGraph* part) {
   ReserveOwnReturns(part);
   const Peers& peers = *part->peers();
-  const auto num_scans = static_cast<int>(part->all_scans().size());
-  for (int next = 0; next < num_scans;) {
+  const std::vector<ScanEntry>& all = part->all_scans();
+  const auto source_of = [&](const ScanEntry& scan) {
+    return rank_of_source.empty() ? 0 : rank_of_source[scan.pose];
+  };
+  const std::vector<int> own_scan = source != nullptr ? OwnScans(*source) : std::vector<int>();
+  for (std::size_t first = 0; first < all.size();) {
     std::vector<std::vector<char>> pieces(peers.size());
     std::vector<std::size_t> num_bytes(peers.size());
     // Every process counts along, so that all know when there is no more.
-    for (std::size_t fullest = 0; next < num_scans && fullest < kPieceBytes; ++next) {
-      const ScanEntry& scan = part->all_scans()[next];
+    std::size_t end = first;
+    for (std::size_t fullest = 0; end < all.size() && fullest < kPieceBytes; ++end) {
+      const ScanEntry& scan = all[end];
       const int rank = part->rank_of_pose()[scan.pose];
       num_bytes[rank] += sizeof(scan) + 3 * sizeof(float) * scan.num_returns;
       fullest = std::max(fullest, num_bytes[rank]);
-      if (whole != nullptr) whole->PackScan(next, &pieces[rank]);
+      if (source_of(scan) == peers.rank()) source->PackScan(own_scan[end], &pieces[rank]);
     }
-    AddPackedScans(peers.Exchange(pieces).front(), part);
+    const std::vector<std::vector<char>> received = peers.Exchange(pieces);
+    std::vector<const char*> next;
+    next.reserve(received.size());
+    for (const std::vector<char>& scans : received) next.push_back(scans.data());
+    for (; first < end; ++first) {
+      if (!part->HasScansOf(all[first].pose)) continue;
+      const char*& scan = next[source_of(all[first])];
+      scan = part->AddPackedScan(scan);
+    }
   }
 }
 
@@ -130,13 +145,21 @@ void Broadcast(const Peers* peers, std::vector<T>* values) {
   *values = JoinOverPeers(peers, std::move(*values));
 }
 
+// All of a part but its returns.
+Status MakePart(const Peers* peers, Outline outline, SlamGraph* part) {
+  PLUMBLINE_RETURN_IF_ERROR(AddLasersAndPoses(outline, part));
+  PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, part));
+  part->ShareWith(peers, std::move(outline.rank_of_pose), std::move(outline.scans));
+  return Status::Ok();
+}
+
 }  // namespace
 
-Status ShareGraph(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph) {
+Status ShareGraph(const Peers* peers, std::vector<int> ranks, SlamGraph* graph) {
   Outline outline;
   if (SpeaksForAll(peers)) {
     outline = OutlineOf(*graph);
-    outline.rank_of_pose = PartitionByPlace(poses, ReturnsPerPose(*graph), peers->size());
+    outline.rank_of_pose = std::move(ranks);
   }
   auto& [lasers, guesses, fixed_poses, odometry, edges, scans, rank_of_pose] = outline;
   Broadcast(peers, &lasers);
@@ -147,12 +170,20 @@ Status ShareGraph(const Peers* peers, const std::vector<double>& poses, SlamGrap
   Broadcast(peers, &scans);
   Broadcast(peers, &rank_of_pose);
   SlamGraph part;
-  PLUMBLINE_RETURN_IF_ERROR(AddLasersAndPoses(outline, &part));
-  PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, &part));
-  part.ShareWith(peers, std::move(rank_of_pose), std::move(scans));
-  HandOutScans(SpeaksForAll(peers) ? graph : nullptr, &part);
+  PLUMBLINE_RETURN_IF_ERROR(MakePart(peers, std::move(outline), &part));
+  MoveScans(SpeaksForAll(peers) ? graph : nullptr, {}, &part);
   *graph = std::move(part);
   return Status::Ok();
+}
+
+void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part) {
+  Outline outline = OutlineOf(*part);
+  outline.rank_of_pose = std::move(rank_of_pose);
+  SlamGraph other;
+  const Status made = MakePart(part->peers(), std::move(outline), &other);
+  if (!made.ok()) throw std::logic_error(made.message());  // so it was made before
+  MoveScans(part, part->rank_of_pose(), &other);
+  *part = std::move(other);
 }
 
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all) {
@@ -165,8 +196,7 @@ SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_a
     const char* bytes = reinterpret_cast<const char*>(&id);
     requests[rank_of(id)].insert(requests[rank_of(id)].end(), bytes, bytes + sizeof(id));
   }
-  std::vector<int> own_scan(graph.all_scans().size());
-  for (int scan = 0; scan < graph.num_scans(); ++scan) own_scan[graph.IdAmongAll(scan)] = scan;
+  const std::vector<int> own_scan = OwnScans(graph);
   std::vector<std::vector<char>> replies;
   for (const std::vector<char>& request : peers.Exchange(requests)) {
     std::vector<char>& reply = replies.emplace_back();

@@ -8,11 +8,15 @@
 
 namespace plumbline {
 
-/// Divides the graph of process 0 among all by place (PartitionByPlace): *graph becomes the part
-/// of this process, which SlamGraph::ShareWith describes; what it was elsewhere does not matter.
-/// poses: where to divide, as MapState::poses; needed in process 0. Collective. Fails on a graph
-/// with corrected lasers that are equal.
-Status ShareGraph(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph);
+/// Divides the graph of process 0 among all: *graph becomes the part of this process, which
+/// SlamGraph::ShareWith describes; what it was elsewhere does not matter. rank_of_pose: who gets
+/// the scans of each pose, as PartitionByPlace or PartitionByTime has it; needed in process 0.
+/// Collective. Fails on a graph with corrected lasers that are equal.
+Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph);
+
+/// Divides a graph that is shared in another way: *part becomes the new part of this process.
+/// rank_of_pose: the same in all processes. Collective.
+void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part);
 
 /// Sweeps that other processes have: a graph with all poses and lasers of the part `graph`, and of
 /// the sweeps those with these ids among all, in this order. Collective: every process asks for

@@ -36,6 +36,12 @@ std::vector<double> Carried(const std::vector<double>& poses, const Pose2& befor
   return PoseArray(carried);
 }
 
+void MeasureMissingSurface(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
+  if (mapping->surface.normals.size() == mapping->graph.num_returns()) return;
+  mapping->surface =
+      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
+}
+
 void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMapping* mapping) {
   Calibration& calibration = mapping->report.calibration;
   mapping->surface = MeasuredSurface();  // of the sensors as they were given
@@ -111,8 +117,8 @@ bool MapLogOptions::Check(std::string* error) const {
   return false;
 }
 
-Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
-                  LogMapping* mapping) {
+Status PrepareSharedLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+                        LogMapping* mapping) {
   return CatchExceptions([&] {
     std::string error;
     if (!options.Check(&error)) return Status::InvalidArgument(error);
@@ -130,12 +136,26 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
           FindSweepOrder(options.seeding, options.solver, prepared.graph, pool);
       FollowSweeps(prepared.graph.initial_poses(), &prepared);
     }
-    prepared.surface =
-        MeasureSurface(prepared.graph, NormalOptionsFor(options.solver.factors.beam), pool);
     prepared.state.poses = prepared.graph.initial_poses();
     *mapping = std::move(prepared);
     return Status::Ok();
   });
+}
+
+Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+                  LogMapping* mapping) {
+  return CatchExceptions([&] {
+    LogMapping prepared;
+    PLUMBLINE_RETURN_IF_ERROR(PrepareSharedLog(options, std::move(graph), pool, &prepared));
+    MeasureMissingSurface(options, pool, &prepared);
+    *mapping = std::move(prepared);
+    return Status::Ok();
+  });
+}
+
+bool CanSeedTogether(const MapLogOptions& options, const LogMapping& mapping) {
+  return options.start == StartType::kSeed && !options.solver.MovesPosesOnly() &&
+         !mapping.as_swept && !LacksOdometry(mapping.graph);
 }
 
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
@@ -145,6 +165,18 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
     SeedingReport seeding;
     std::vector<double> start_poses;
     const bool needs_pose_graph = options.solver.MovesPosesOnly();
+    if (mapping->graph.peers() != nullptr) {
+      if (!CanSeedTogether(options, *mapping)) {
+        return Status::InvalidArgument("processes cannot seed such a log together");
+      }
+      std::vector<Pose2> world_from_robot;
+      PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
+                                                NormalOptionsFor(options.solver.factors.beam),
+                                                progress, pool, &mapping->graph, &world_from_robot,
+                                                &seeding));
+      return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
+    }
+    MeasureMissingSurface(options, pool, mapping);
     if (options.start == StartType::kSeed || needs_pose_graph) {
       SeededDrive drive;
       PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
@@ -212,6 +244,7 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     if (options.calibration.IsOn()) {
       Calibrate(options, solver, mapping);
     } else {
+      MeasureMissingSurface(options, pool, mapping);
       mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next

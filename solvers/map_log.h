@@ -90,12 +90,23 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
               LogMapping* mapping);
 
 /// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options,
-/// and on a calibration of what needs odometry if there is none; *mapping is then as it was.
+/// and on a calibration of what needs odometry if
+/// there is none; *mapping is then as it was.
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 
+/// The same for a log that processes are about to share: leaves the surfaces to SeedLog.
+Status PrepareSharedLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+                        LogMapping* mapping);
+
+/// Whether processes that share the graph of a log that was prepared (PartitionByTime) can seed it
+/// together: by its scans, if they were measured at once and it has odometry.
+bool CanSeedTogether(const MapLogOptions& options, const LogMapping& mapping);
+
 /// Finds the start for a log that PrepareLog took over and that has none yet. It does not read the
-/// state, which the caller may have taken away. Fails like SeedGraph.
+/// state, which the caller may have taken away. Fails like SeedGraph. Processes that share the
+/// graph find it together (collective); the graph is divided anew, by place. Then progress must not
+/// stop it, and InvalidArgument if they cannot (CanSeedTogether).
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping);
 

@@ -253,8 +253,8 @@ class SessionsRun {
     const MeasuredSurface surface =
         MeasureSurface(drive.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
     const ScanSurfaces surfaces(drive.graph, surface, std::move(drive.surfaces));
-    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, drive.graph, surfaces, progress_, &drive.ties,
-                                            pool_, &drive.matched, &keys, &seeding));
+    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, surfaces, progress_, &drive.ties, pool_,
+                                            &drive.matched, &keys, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
     }

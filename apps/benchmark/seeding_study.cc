@@ -111,13 +111,13 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
                             SeedingReport* report) {
   ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, graph, {}, pool, &surfaces,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, {}, pool, &surfaces,
                                              &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
   KeyframeGraph keys;
   PLUMBLINE_RETURN_IF_ERROR(
-      CloseAllLoops(noise, graph, surfaces, {}, nullptr, pool, &trajectory, &keys, report));
+      CloseAllLoops(noise, surfaces, {}, nullptr, pool, &trajectory, &keys, report));
   *poses = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }

@@ -241,12 +241,14 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
 
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
                         const std::vector<double>& poses) {
-  if (graph.num_scans() == 1) return "  A single scan: there is nothing to match or to check.\n";
+  if (graph.all_scans().size() == 1)
+    return "  A single scan: there is nothing to match or to check.\n";
   if (report.start != StartType::kSeed && report.sequential.num_keyframes == 0) {
     return StartText(report.start) + "  No loop was closed.\n";
   }
   std::string text = report.start == StartType::kSeed ? "" : StartText(report.start);
-  text += MatchingText(report.sequential, report.odometry_noise.is_prediction, graph.num_scans());
+  text += MatchingText(report.sequential, report.odometry_noise.is_prediction,
+                       static_cast<int>(graph.all_scans().size()));
   if (report.sequential.num_keyframes <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);

@@ -10,6 +10,7 @@
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/run_summary.h"
@@ -54,10 +55,32 @@ class LogRun {
 
  private:
   Status Start() {
-    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return ReadAndSeed(); }));
-    if (options_.peers == nullptr) return Status::Ok();
+    const Peers* peers = options_.peers;
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return Read(); }));
+    if (SeedTogether()) {
+      PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return MakeFolder(); }));
+      EndIfStoppedWhile("seeding", output_.made_folders());
+      PLUMBLINE_RETURN_IF_ERROR(ShareLog(peers, &mapping_));
+      PLUMBLINE_RETURN_IF_ERROR(Seed());
+      KeepStopSignal();
+      GiveFreedMemoryBack();
+      ReportSeed();
+      ShareLimits();
+      return Status::Ok();
+    }
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return FindSeed(); }));
+    if (peers == nullptr) return Status::Ok();
     ShareLimits();
-    return ShareMapping(options_.peers, options_.mapping, &pool_, &mapping_);
+    return ShareMapping(peers, options_.mapping, &pool_, &mapping_);
+  }
+
+  // Not where the speaker has to look at the whole log.
+  bool SeedTogether() const {
+    const Peers* peers = options_.peers;
+    if (peers == nullptr || peers->size() == 1) return false;
+    const bool can = SpeaksForAll(peers) && options_.resume.empty() &&
+                     CanSeedTogether(options_.mapping, mapping_);
+    return MaxOverPeers(peers, can ? 1.0 : 0.0) > 0.0;
   }
 
   // All make the same pictures and the same grid together.
@@ -68,11 +91,6 @@ class LogRun {
     limits = JoinOverPeers(options_.peers, std::move(limits));
     outputs_.picture_side_px = static_cast<int>(limits[0]);
     outputs_.map_max_cells = limits[1];
-  }
-
-  Status ReadAndSeed() {
-    PLUMBLINE_RETURN_IF_ERROR(Read());
-    return FindSeed();
   }
 
   Status Read() {
@@ -87,7 +105,8 @@ class LogRun {
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
     PLUMBLINE_RETURN_IF_ERROR(CheckLimits(graph));
     const auto start = std::chrono::steady_clock::now();
-    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options_.mapping, std::move(graph), &pool_, &mapping_));
+    PLUMBLINE_RETURN_IF_ERROR(
+        PrepareSharedLog(options_.mapping, std::move(graph), &pool_, &mapping_));
     summary_.seed_time_s = SecondsSince(start);
     if (mapping_.report.sweep_order) {
       std::cout << "Sweeps: measured " << ToString(*mapping_.report.sweep_order)
@@ -125,18 +144,22 @@ class LogRun {
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
       std::cout << "Seeding: as in " << Legible(options_.resume) << '\n';
     }
+    ReportSeed();
+    return Status::Ok();
+  }
+
+  void ReportSeed() {
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
               << ConsistencyText("The seed", seeding.consistency)
               << FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_)
               << std::flush;
-    if (options_.checkpoint.empty()) return Status::Ok();
+    if (options_.checkpoint.empty() || !SpeaksForAll(options_.peers)) return;
     checkpoint_written_ =
         WriteCheckpoint(options_.checkpoint, fingerprint_, mapping_.start_poses, seeding);
     if (checkpoint_written_.ok()) {
       std::cout << "Checkpoint: " << Legible(options_.checkpoint) << std::endl;
     }
-    return Status::Ok();
   }
 
   // Not to be cut off by a signal: it tries out a file.

@@ -7,6 +7,7 @@
 #include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/run/checkpoint.h"
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/solvers/association/noise_scales.h"
 
@@ -27,13 +28,30 @@ void ShareSeed(const Peers* peers, LogMapping* mapping) {
 
 }  // namespace
 
+Status ShareLog(const Peers* peers, LogMapping* mapping) {
+  mapping->surface = MeasuredSurface();
+  std::vector<int> rank_of_pose;
+  if (SpeaksForAll(peers)) {
+    rank_of_pose = PartitionByTime(mapping->graph.num_poses(), peers->size());
+  }
+  PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, std::move(rank_of_pose), &mapping->graph));
+  GiveFreedMemoryBack();  // most of a log
+  mapping->state = {mapping->graph.initial_poses(), {}};
+  return Status::Ok();
+}
+
 Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool* pool,
                     LogMapping* mapping) {
   mapping->as_swept.reset();
   mapping->surface = MeasuredSurface();
   mapping->state = MapState();
   ShareSeed(peers, mapping);
-  PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, mapping->start_poses, &mapping->graph));
+  std::vector<int> rank_of_pose;
+  if (SpeaksForAll(peers)) {
+    rank_of_pose =
+        PartitionByPlace(mapping->start_poses, ReturnsPerPose(mapping->graph), peers->size());
+  }
+  PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, std::move(rank_of_pose), &mapping->graph));
   GiveFreedMemoryBack();  // most of a log
   mapping->surface =
       MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);

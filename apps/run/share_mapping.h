@@ -8,6 +8,10 @@
 
 namespace plumbline {
 
+/// Divides a log that process 0 has prepared (PrepareLog) among all processes by time, for SeedLog;
+/// process 0 keeps the rest of its report. Collective. What *mapping was elsewhere does not matter.
+Status ShareLog(const Peers* peers, LogMapping* mapping);
+
 /// Divides a log that process 0 has seeded (SeedLog) among all processes by place: each gets what
 /// RefineLog needs, with the part of the graph that SlamGraph::ShareWith describes, and process 0
 /// keeps the rest of its report. Collective. What *mapping was elsewhere does not matter.

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 
@@ -23,13 +25,13 @@ constexpr double kMaxRelativeSigma = 0.25;
 constexpr int kMinContradicting = 5;
 constexpr double kMinContradictingShare = 0.002;
 
-enum class StepSign { kUndecided, kAgrees, kContradicts };
+enum StepSign : int { kUndecided = 0, kAgrees, kContradicts };
 
 // Matches scan `to` against scan `from` with no prior on the translation, from standstill.
 StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
                     const ScanSurfaces& surfaces) {
   const double length = std::abs(odometry.x);
-  if (length < kShortestStepM || length > kLongestStepM) return StepSign::kUndecided;
+  if (length < kShortestStepM || length > kLongestStepM) return kUndecided;
   const SurfacePoints from = surfaces.Of(from_scan), to = surfaces.Of(to_scan);
   LocalMap map(0.01);
   map.Rebuild({&from}, {Pose2()});
@@ -38,15 +40,46 @@ StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
   constexpr double kRotationSigmaRad = 0.1;
   prediction.information(2, 2) = 1.0 / (kRotationSigmaRad * kRotationSigmaRad);
   const ScanMatch match = MatchScan(map, to, prediction, ScanMatchOptions());
-  if (match.inlier_ratio < 0.7) return StepSign::kUndecided;
+  if (match.inlier_ratio < 0.7) return kUndecided;
   Eigen::Matrix3d information = match.information;
   information.diagonal().array() += 1e-3;
   const double sigma = std::sqrt(information.inverse()(0, 0));
   const double forward = match.world_from_robot.x;
   // As long as the odometry says, one way or the other: anything else is a bad match.
   const bool same_length = std::abs(std::abs(forward) - length) < 0.5 * length;
-  if (sigma > kMaxRelativeSigma * length || !same_length) return StepSign::kUndecided;
-  return forward * odometry.x > 0.0 ? StepSign::kAgrees : StepSign::kContradicts;
+  if (sigma > kMaxRelativeSigma * length || !same_length) return kUndecided;
+  return forward * odometry.x > 0.0 ? kAgrees : kContradicts;
+}
+
+// Processes that share the drive take equal parts of the steps.
+std::vector<int> SignsOf(const OdometryConstraint* steps, std::size_t num_steps,
+                         const ScanSurfaces& surfaces, ThreadPool* pool) {
+  const Peers* peers = surfaces.graph().peers();
+  const std::size_t num_ranks = peers == nullptr ? 1 : peers->size();
+  const std::size_t rank = peers == nullptr ? 0 : peers->rank();
+  const std::size_t own_begin = num_steps * rank / num_ranks;
+  const std::size_t own_end = num_steps * (rank + 1) / num_ranks;
+  const std::vector<int>& scan_of_pose = surfaces.scan_of_pose();
+  std::vector<int> scans;
+  for (std::size_t i = own_begin; i < own_end; ++i) {
+    for (const int pose : {steps[i].from, steps[i].to}) {
+      if (scan_of_pose[pose] >= 0) scans.push_back(scan_of_pose[pose]);
+    }
+  }
+  const ScanSurfaces at_hand = surfaces.With(scans);
+  std::vector<int> signs(num_steps, kUndecided);
+  constexpr std::size_t kStepsPerChunk = 32;
+  pool->ForEachChunk(own_end - own_begin, kStepsPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t i = own_begin + begin; i < own_begin + end; ++i) {
+                         const int from = scan_of_pose[steps[i].from];
+                         const int to = scan_of_pose[steps[i].to];
+                         if (from < 0 || to < 0) continue;
+                         signs[i] = SignOfStep(steps[i].from_from_to, from, to, at_hand);
+                       }
+                     });
+  SumOverPeers(peers, &signs);
+  return signs;
 }
 
 // num_left: steps that have not been asked. If the sign is lost, no answer of theirs changes that.
@@ -58,39 +91,28 @@ bool IsSignLost(const OdometrySignReport& report, std::size_t num_left) {
 
 }  // namespace
 
-OdometrySignReport CheckOdometrySign(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                                     ThreadPool* pool) {
+OdometrySignReport CheckOdometrySign(const ScanSurfaces& surfaces, ThreadPool* pool) {
   OdometrySignReport report;
-  for (const OdometryConstraint& step : graph.odometry()) {
+  const std::vector<OdometryConstraint>& steps = surfaces.graph().odometry();
+  for (const OdometryConstraint& step : steps) {
     if (step.from_from_to.x < -kBackwardM) ++report.num_backward_steps;
   }
   if (report.num_backward_steps > 0) return report;
 
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
-  const std::vector<OdometryConstraint>& steps = graph.odometry();
-  std::vector<StepSign> signs(steps.size(), StepSign::kUndecided);
-  const auto decide = [&](std::size_t i) {
-    const int from = scan_of_pose[steps[i].from], to = scan_of_pose[steps[i].to];
-    if (from < 0 || to < 0) return;
-    signs[i] = SignOfStep(steps[i].from_from_to, from, to, surfaces);
-  };
   // Batch by batch: a drive that backs up early tells soon.
-  constexpr std::size_t kStepsPerBatch = 512, kStepsPerChunk = 32;
+  constexpr std::size_t kStepsPerBatch = 512;
   constexpr int kShortestRun = 3;
   int run = 0;  // of contradicting steps, among the decided ones
   for (std::size_t first = 0; first < steps.size() && !report.sign_lost;) {
     const std::size_t size = std::min(kStepsPerBatch, steps.size() - first);
-    pool->ForEachChunk(size, kStepsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) decide(first + i);
-    });
-    first += size;
-    for (std::size_t i = first - size; i < first; ++i) {
-      if (signs[i] == StepSign::kUndecided) continue;
+    for (const int sign : SignsOf(&steps[first], size, surfaces, pool)) {
+      if (sign == kUndecided) continue;
       ++report.num_decided;
-      run = signs[i] == StepSign::kContradicts ? run + 1 : 0;
+      run = sign == kContradicts ? run + 1 : 0;
       // A robot that backs up does so for a while; a single contradicting step is a bad match.
       if (run >= kShortestRun) ++report.num_contradicting;
     }
+    first += size;
     report.sign_lost = IsSignLost(report, steps.size() - first);
   }
   return report;

@@ -13,8 +13,7 @@ namespace plumbline {
 /// Recognises an odometry that lost the sign of its translation: it never goes backwards, and a
 /// consistent share of consecutive scans says that the robot did.
 /// surfaces: per scan, in the frame of the robot.
-OdometrySignReport CheckOdometrySign(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                                     ThreadPool* pool);
+OdometrySignReport CheckOdometrySign(const ScanSurfaces& surfaces, ThreadPool* pool);
 
 }  // namespace plumbline
 

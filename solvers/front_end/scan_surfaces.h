@@ -1,54 +1,81 @@
 #ifndef PLUMBLINE_SOLVERS_FRONT_END_SCAN_SURFACES_H_
 #define PLUMBLINE_SOLVERS_FRONT_END_SCAN_SURFACES_H_
 
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/surface_points.h"
 
 namespace plumbline {
 
-/// The surface points of the scans of a drive, each in the frame of its robot, thinned to
-/// kPointSpacingM. Those of all scans would be the largest array of a long drive: the ones of
-/// keyframes, which are read again and again, are kept, and the others are made when somebody asks
-/// for them.
+/// What the scans of a drive saw: the points of surfaces, each in the frame of its robot, thinned
+/// to kPointSpacingM, and the space before them. The points of all scans would be the largest array
+/// of a long drive: the ones of keyframes, which are read again and again, are kept, and the others
+/// are made when somebody asks for them.
+///
+/// Scans go by their ids among all. Of a graph with peers it knows those of the graph and those
+/// that With has fetched; making one is collective then. A copy costs little, and keeps what the
+/// original keeps.
 class ScanSurfaces {
  public:
-  ScanSurfaces() = default;
   /// Refers to both arguments. Keeps none yet.
-  ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured)
-      : ScanSurfaces(graph, measured, std::vector<SurfacePoints>(graph.num_scans())) {}
+  ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured);
   /// The same, and keeps these; kept: per scan, empty for those that are not kept.
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
-               std::vector<SurfacePoints> kept)
-      : graph_(&graph), measured_(&measured), kept_(std::move(kept)) {}
-  /// Keeps these, one per scan: all that there are.
-  ScanSurfaces(std::vector<SurfacePoints> all)  // NOLINT(google-explicit-constructor)
-      : kept_(std::move(all)) {}
+               std::vector<SurfacePoints> kept);
+  /// Refers to the graph, and keeps these, one per scan: all that there are.
+  ScanSurfaces(const SlamGraph& graph, std::vector<SurfacePoints> all);
+
+  const SlamGraph& graph() const { return *graph_; }
+  /// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
+  /// others show is left to the joint estimation.
+  const std::vector<int>& scan_of_pose() const { return *scan_of_pose_; }
 
   /// Of a scan that is kept.
-  const SurfacePoints& Kept(int scan) const { return kept_[scan]; }
-  /// Of any scan.
+  const SurfacePoints& Kept(int scan) const { return (*kept_)[scan]; }
+  /// Of any scan that is known.
   SurfacePoints Of(int scan) const;
-  /// Whether a scan shows no surface.
-  bool IsEmpty(int scan) const;
+  /// Likewise.
+  FreeSpaceScan FreeSpaceOf(int scan) const;
+
+  /// The same, but knows these scans, too. Collective if the graph has peers, which may each ask
+  /// for others.
+  ScanSurfaces With(const std::vector<int>& scans) const;
 
   /// Not while others read the scan.
-  void Keep(int scan, SurfacePoints points) { kept_[scan] = std::move(points); }
+  void Keep(int scan, SurfacePoints points) { (*kept_)[scan] = std::move(points); }
   /// The ones that are kept, per scan; empty for the others.
-  const std::vector<SurfacePoints>& kept() const { return kept_; }
-  std::vector<SurfacePoints> TakeKept() && { return std::move(kept_); }
+  const std::vector<SurfacePoints>& kept() const { return *kept_; }
+  std::vector<SurfacePoints> TakeKept() && { return std::move(*kept_); }
 
  private:
-  const SlamGraph* graph_ = nullptr;
-  const MeasuredSurface* measured_ = nullptr;  // null: all are kept
-  std::vector<SurfacePoints> kept_;            // per scan
-};
+  // Scans of other processes.
+  struct Guests;
+  // A graph, and the id that the scan has there.
+  struct Place {
+    const SlamGraph* graph;
+    const MeasuredSurface* measured;
+    int scan;
+  };
 
-/// MatchedScanOfPoses of all surfaces.
-std::vector<int> MatchedScanOfPoses(const SlamGraph& graph, const ScanSurfaces& surfaces);
+  ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measured,
+               std::vector<SurfacePoints> kept);
+  bool IsEmpty(int own_scan) const;
+  bool IsKnown(int scan) const;
+  Place Find(int scan) const;
+
+  const SlamGraph* graph_;
+  const MeasuredSurface* measured_;  // null: all are kept
+  std::shared_ptr<std::vector<SurfacePoints>> kept_;
+  std::shared_ptr<const std::vector<int>> scan_of_pose_;
+  // Of the graph, by ids among all; -1 for those of others. Null if it has no peers.
+  std::shared_ptr<const std::vector<int>> own_scan_;
+  std::vector<std::shared_ptr<const Guests>> guests_;
+};
 
 }  // namespace plumbline
 

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_sign.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
@@ -67,6 +68,26 @@ std::vector<Stretch> CutIntoStretches(const std::vector<Pose2>& odometry,
   return stretches;
 }
 
+// The scans that it takes to match some of the stretches.
+std::vector<int> ScansAlong(const std::vector<Stretch>& stretches,
+                            const std::vector<std::size_t>& some,
+                            const std::vector<int>& scan_of_pose) {
+  std::vector<int> scans;
+  for (const std::size_t i : some) {
+    for (int pose = stretches[i].run_up; pose < stretches[i].end; ++pose) {
+      if (scan_of_pose[pose] >= 0) scans.push_back(scan_of_pose[pose]);
+    }
+  }
+  return scans;
+}
+
+// Without their run-ups.
+int NumPosesAlong(const std::vector<Stretch>& stretches, const std::vector<std::size_t>& some) {
+  int num_poses = 0;
+  for (const std::size_t i : some) num_poses += stretches[i].end - stretches[i].begin;
+  return num_poses;
+}
+
 // Counts scans on all threads, and tells the caller on its own: it may not expect calls on others.
 class ProgressMeter {
  public:
@@ -108,21 +129,95 @@ struct MatchedStretch {
   SequentialSeedingReport report;  // counts only
 };
 
+void AddNumbers(const std::vector<Pose2>& poses, std::vector<double>* numbers) {
+  numbers->push_back(static_cast<double>(poses.size()));
+  for (const Pose2& pose : poses) numbers->insert(numbers->end(), {pose.x, pose.y, pose.yaw});
+}
+
+void AddNumbers(const std::vector<Keyframe>& keyframes, std::vector<double>* numbers) {
+  numbers->push_back(static_cast<double>(keyframes.size()));
+  for (const Keyframe& key : keyframes) {
+    numbers->insert(numbers->end(),
+                    {1.0 * key.pose, 1.0 * key.scan, key.path_m, key.after_unmatched ? 1.0 : 0.0});
+    const double* information = key.information.data();
+    numbers->insert(numbers->end(), information, information + key.information.size());
+  }
+}
+
+// Reads what AddNumbers wrote, one number after the other.
+class NumberReader {
+ public:
+  explicit NumberReader(const std::vector<double>& numbers) : numbers_(numbers) {}
+
+  bool IsAtEnd() const { return next_ == numbers_.size(); }
+  double Number() { return numbers_[next_++]; }
+  int Int() { return static_cast<int>(Number()); }
+
+  std::vector<Pose2> Poses() {
+    std::vector<Pose2> poses(static_cast<std::size_t>(Number()));
+    for (Pose2& pose : poses) {
+      pose = Pose2(&numbers_[next_]);
+      next_ += 3;
+    }
+    return poses;
+  }
+
+  std::vector<Keyframe> Keyframes() {
+    std::vector<Keyframe> keyframes(static_cast<std::size_t>(Number()));
+    for (Keyframe& key : keyframes) {
+      key.pose = Int();
+      key.scan = Int();
+      key.path_m = Number();
+      key.after_unmatched = Number() != 0.0;
+      key.information = Eigen::Map<const Eigen::Matrix3d>(&numbers_[next_]);
+      next_ += key.information.size();
+    }
+    return keyframes;
+  }
+
+ private:
+  const std::vector<double>& numbers_;
+  std::size_t next_ = 0;
+};
+
+// Gives all processes what each has found along its own stretches, but for the surfaces.
+void ShareMatches(const Peers& peers, const std::vector<std::size_t>& own,
+                  std::vector<MatchedStretch>* matched) {
+  std::vector<double> numbers;
+  for (const std::size_t i : own) {
+    const MatchedStretch& stretch = (*matched)[i];
+    numbers.push_back(static_cast<double>(i));
+    AddNumbers(stretch.poses, &numbers);
+    AddNumbers(stretch.odometry, &numbers);
+    AddNumbers(stretch.keyframes, &numbers);
+    const SequentialSeedingReport& counts = stretch.report;
+    numbers.insert(numbers.end(), {1.0 * counts.num_reversed_steps, 1.0 * counts.num_recovered,
+                                   1.0 * counts.num_unmatched});
+  }
+  numbers = JoinOverPeers(&peers, std::move(numbers));
+  for (NumberReader reader(numbers); !reader.IsAtEnd();) {
+    MatchedStretch& stretch = (*matched)[static_cast<std::size_t>(reader.Number())];
+    stretch.poses = reader.Poses();
+    stretch.odometry = reader.Poses();
+    stretch.keyframes = reader.Keyframes();
+    stretch.report.num_reversed_steps = reader.Int();
+    stretch.report.num_recovered = reader.Int();
+    stretch.report.num_unmatched = reader.Int();
+    stretch.key_surfaces.clear();
+  }
+}
+
 class DriveMatcher {
  public:
   // odometry: of each pose from the one before; empty if steps are to be predicted.
   DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-               const SlamGraph& graph, const ScanSurfaces& surfaces,
-               const std::vector<int>& scan_of_pose, const std::vector<Pose2>& odometry,
-               bool sign_lost)
+               const ScanSurfaces& surfaces, const std::vector<Pose2>& odometry, bool sign_lost)
       : options_(options),
         motion_(motion),
-        graph_(graph),
         surfaces_(surfaces),
-        scan_of_pose_(scan_of_pose),
         odometry_(odometry),
         sign_lost_(sign_lost),
-        prediction_(graph) {}
+        prediction_(surfaces.graph()) {}
 
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     MatchedStretch matched;
@@ -130,12 +225,12 @@ class DriveMatcher {
     SequentialMatcher matcher(options_, motion_, sign_lost_, is_prediction());
     double path_m = 0.0;
     for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
-      const int scan = scan_of_pose_[pose];
+      const int scan = surfaces_.scan_of_pose()[pose];
       SurfacePoints surface;
       if (scan >= 0) surface = surfaces_.Of(scan);
       Pose2 step;
       ScanMatch match;
-      match.world_from_robot = graph_.InitialPose(stretch.run_up);
+      match.world_from_robot = surfaces_.graph().InitialPose(stretch.run_up);
       if (pose > stretch.run_up) {
         const Pose2& previous = matched.poses.back();
         step = is_prediction() ? prediction_.Step(matched.poses, pose) : odometry_[pose];
@@ -159,9 +254,7 @@ class DriveMatcher {
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
-  const SlamGraph& graph_;
   const ScanSurfaces& surfaces_;
-  const std::vector<int>& scan_of_pose_;
   const std::vector<Pose2>& odometry_;
   const bool sign_lost_;
   const MotionPrediction prediction_;
@@ -185,7 +278,9 @@ void Append(const Stretch& stretch, MatchedStretch matched, ScanSurfaces* surfac
   for (std::size_t k = 0; k < matched.keyframes.size(); ++k) {
     const Keyframe& keyframe = matched.keyframes[k];
     if (keyframe.pose < stretch.begin) continue;
-    surfaces->Keep(keyframe.scan, std::move(matched.key_surfaces[k]));
+    if (!matched.key_surfaces.empty()) {
+      surfaces->Keep(keyframe.scan, std::move(matched.key_surfaces[k]));
+    }
     trajectory->keyframes.push_back(keyframe);
   }
 }
@@ -211,10 +306,10 @@ void AddCounts(const SequentialSeedingReport& more, SequentialSeedingReport* rep
 }  // namespace
 
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
-                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
-                        SequentialSeedingReport* report) {
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, *surfaces);
+                        const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+                        SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
+  const SlamGraph& graph = surfaces->graph();
+  const std::vector<int>& scan_of_pose = surfaces->scan_of_pose();
   std::vector<Pose2> odometry;
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
   if (!LacksOdometry(graph)) {
@@ -227,17 +322,23 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     stretches = CutIntoStretches(odometry, scan_of_pose);
   }
   SequentialSeedingReport counts;
-  counts.odometry_sign = CheckOdometrySign(graph, *surfaces, pool);
+  counts.odometry_sign = CheckOdometrySign(*surfaces, pool);
 
-  const DriveMatcher matcher(options, motion, graph, *surfaces, scan_of_pose, odometry,
-                             counts.odometry_sign.sign_lost);
-  ProgressMeter meter(progress, graph.num_poses());
+  // Each process matches those that begin in its part.
+  std::vector<std::size_t> own;
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    if (graph.HasScansOf(stretches[i].begin)) own.push_back(i);
+  }
+  const ScanSurfaces at_hand = surfaces->With(ScansAlong(stretches, own, scan_of_pose));
+  const DriveMatcher matcher(options, motion, at_hand, odometry, counts.odometry_sign.sign_lost);
+  ProgressMeter meter(progress, NumPosesAlong(stretches, own));
   meter.Begin();
   std::vector<MatchedStretch> matched(stretches.size());
-  pool->ForEachChunk(stretches.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    matched[i] = matcher.Match(stretches[i], &meter);
+  pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    matched[own[i]] = matcher.Match(stretches[own[i]], &meter);
   });
   if (meter.stopped()) return Status::Unavailable("seeding was stopped by its caller");
+  if (graph.peers() != nullptr) ShareMatches(*graph.peers(), own, &matched);
 
   SequentialTrajectory joined;
   for (std::size_t i = 0; i < stretches.size(); ++i) {

@@ -29,12 +29,14 @@ struct SequentialTrajectory {
 /// none at all, each step is predicted from those before (MotionPrediction), and takes the place of
 /// the odometry; `motion` is then the noise of that. Stretches of a long drive with odometry are
 /// matched side by side; what comes out does not depend on the number of threads. progress: called
-/// on the thread of the caller. surfaces: of the graph; from now on it keeps those of the
+/// on the thread of the caller. surfaces: of the drive; from now on it keeps those of the
 /// keyframes.
+///
+/// Processes that share the drive match side by side, too (collective): each what lies in its part.
+/// They all get the whole trajectory, and keep no surfaces.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
-                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
-                        SequentialSeedingReport* report);
+                        const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+                        SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
 }  // namespace plumbline
 

@@ -17,13 +17,12 @@ bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistenc
          loops.IsUnresolved();
 }
 
-Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
-                     const ScanSurfaces& surfaces, const SeedingProgress& progress,
-                     const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
-                     KeyframeGraph* keys, SeedingReport* report) {
+Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
+                     const SeedingProgress& progress, const KeyframeGraph* ties, ThreadPool* pool,
+                     SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report) {
   MapHypothesis best;
-  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, graph, surfaces, progress, pool,
-                                                *trajectory, ties, &best, &report->hypotheses));
+  PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, surfaces, progress, pool, *trajectory, ties,
+                                                &best, &report->hypotheses));
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
   report->alarm = IsAlarming(best.loops, best.consistency);
   report->loops = std::move(best.loops);

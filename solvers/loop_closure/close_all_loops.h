@@ -20,10 +20,9 @@ namespace plumbline {
 /// consistent by closing its loops. motion: the noise of its odometry. surfaces: per scan, in the
 /// frame of the robot. ties: see SearchMapHypotheses. keys: becomes the pose graph that its poses
 /// follow.
-Status CloseAllLoops(const MotionOptions& motion, const SlamGraph& graph,
-                     const ScanSurfaces& surfaces, const SeedingProgress& progress,
-                     const KeyframeGraph* ties, ThreadPool* pool, SequentialTrajectory* trajectory,
-                     KeyframeGraph* keys, SeedingReport* report);
+Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
+                     const SeedingProgress& progress, const KeyframeGraph* ties, ThreadPool* pool,
+                     SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report);
 
 /// Whether a seed is probably wrong, see SeedingReport::alarm.
 bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency);

@@ -93,9 +93,9 @@ void OptimizeAndPrune(KeyframeGraph* keys) {
 }
 
 // Tests the candidates that the memory does not know. One result per candidate, in their order.
-Status TestInBatches(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                     const KeyframeGraph& keys, const std::vector<LoopCandidate>& candidates,
-                     const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
+Status TestInBatches(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                     const std::vector<LoopCandidate>& candidates, const SeedingProgress& progress,
+                     ThreadPool* pool, ClosureMemory* memory,
                      std::vector<TestedCandidate>* tested) {
   tested->resize(candidates.size());
   std::vector<std::size_t> unknown;
@@ -114,8 +114,7 @@ Status TestInBatches(const SlamGraph& graph, const ScanSurfaces& surfaces,
     const std::size_t end = std::min(unknown.size(), begin + kCandidatesPerReport);
     std::vector<LoopCandidate> batch;
     for (std::size_t i = begin; i < end; ++i) batch.push_back(candidates[unknown[i]]);
-    const std::vector<TestedCandidate> results =
-        TestLoopCandidates(graph, surfaces, keys, batch, pool);
+    const std::vector<TestedCandidate> results = TestLoopCandidates(surfaces, keys, batch, pool);
     for (std::size_t i = 0; i < results.size(); ++i) {
       (*tested)[unknown[begin + i]] = results[i];
       memory->Add(batch[i], keys, results[i]);
@@ -215,9 +214,8 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
   return graph;
 }
 
-Status CloseLoops(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                  const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
-                  KeyframeGraph* keys, LoopClosingReport* report) {
+Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
+                  ClosureMemory* memory, KeyframeGraph* keys, LoopClosingReport* report) {
   *report = LoopClosingReport();
   if (!keys->closures.empty()) OptimizeAndPrune(keys);
   std::vector<TestedCandidate> refused_local, refused_closures;
@@ -228,7 +226,7 @@ Status CloseLoops(const SlamGraph& graph, const ScanSurfaces& surfaces,
         is_local ? FindLocalCandidates(*keys) : FindLoopCandidates(*keys, pool);
     std::vector<TestedCandidate> tested;
     PLUMBLINE_RETURN_IF_ERROR(
-        TestInBatches(graph, surfaces, *keys, candidates, progress, pool, memory, &tested));
+        TestInBatches(surfaces, *keys, candidates, progress, pool, memory, &tested));
     report->num_candidates += static_cast<int>(candidates.size());
     std::vector<TestedCandidate>& refused = is_local ? refused_local : refused_closures;
     refused.clear();

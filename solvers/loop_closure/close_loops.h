@@ -26,9 +26,8 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
 /// contradict are dropped again. Closures that the graph has already are kept, as long as nothing
 /// contradicts them; what it has refused is not found again. memory: of all that was tested for
 /// these keyframes so far; grows. Unavailable if progress stopped it.
-Status CloseLoops(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                  const SeedingProgress& progress, ThreadPool* pool, ClosureMemory* memory,
-                  KeyframeGraph* keys, LoopClosingReport* report);
+Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
+                  ClosureMemory* memory, KeyframeGraph* keys, LoopClosingReport* report);
 
 /// Moves the keyframes to the robust optimum of the graph's edges and closures.
 void OptimizeKeyframes(KeyframeGraph* keys);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/local_map.h"
@@ -40,9 +42,8 @@ constexpr PeakSize kPeak{LoopAcceptance::kPeakRadiusM, LoopAcceptance::kPeakAngl
 
 class CandidateTester {
  public:
-  CandidateTester(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                  const KeyframeGraph& keyframe_graph)
-      : graph_(graph), surfaces_(surfaces), keys_(keyframe_graph) {}
+  CandidateTester(const ScanSurfaces& surfaces, const KeyframeGraph& keyframe_graph)
+      : surfaces_(surfaces), keys_(keyframe_graph) {}
 
   // Tests candidates[i] for all i of a group, as GroupBySurroundings makes it: what they are
   // matched against is made once.
@@ -235,7 +236,7 @@ class CandidateTester {
   std::vector<FreeSpaceScan> FreeSpaceOf(const std::vector<int>& keys) const {
     std::vector<FreeSpaceScan> scans;
     scans.reserve(keys.size());
-    for (const int k : keys) scans.emplace_back(graph_, keys_.keyframes[k].scan);
+    for (const int k : keys) scans.push_back(surfaces_.FreeSpaceOf(keys_.keyframes[k].scan));
     return scans;
   }
 
@@ -280,7 +281,6 @@ class CandidateTester {
                                 best.map_from_scan, kPeak);
   }
 
-  const SlamGraph& graph_;
   const ScanSurfaces& surfaces_;
   const KeyframeGraph& keys_;
 };
@@ -315,27 +315,75 @@ std::vector<std::vector<std::size_t>> GroupBySurroundings(
   return groups;
 }
 
-}  // namespace
+// A result as numbers, to be added up with those of processes that did not test the candidate, all
+// zero.
+constexpr std::size_t kNumbersPerResult = 17;
 
-std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
-                                                const ScanSurfaces& surfaces,
-                                                const KeyframeGraph& keyframe_graph,
-                                                const std::vector<LoopCandidate>& candidates,
-                                                ThreadPool* pool) {
-  const CandidateTester tester(graph, surfaces, keyframe_graph);
-  std::vector<TestedCandidate> tested(candidates.size());
-  const std::vector<std::vector<std::size_t>> groups = GroupBySurroundings(candidates);
-  pool->ForEachChunk(groups.size(), 1, [&](std::size_t g, std::size_t, std::size_t) {
-    tester.TestGroup(candidates, groups[g], &tested);
-  });
+void ToNumbers(const TestedCandidate& tested, double* numbers) {
+  const Pose2& motion = tested.edge.from_from_to;
+  const double values[] = {static_cast<double>(tested.outcome),
+                           static_cast<double>(tested.edge.from),
+                           static_cast<double>(tested.edge.to),
+                           motion.x,
+                           motion.y,
+                           motion.yaw,
+                           tested.inlier_ratio,
+                           tested.conflict};
+  numbers = std::copy(std::begin(values), std::end(values), numbers);
+  std::copy_n(tested.edge.covariance.data(), tested.edge.covariance.size(), numbers);
+}
+
+TestedCandidate FromNumbers(const double* numbers) {
+  TestedCandidate tested;
+  tested.outcome = static_cast<ClosureOutcome>(static_cast<int>(numbers[0]));
+  tested.edge.from = static_cast<int>(numbers[1]);
+  tested.edge.to = static_cast<int>(numbers[2]);
+  tested.edge.from_from_to = Pose2(numbers[3], numbers[4], numbers[5]);
+  tested.inlier_ratio = numbers[6];
+  tested.conflict = numbers[7];
+  tested.edge.covariance = Eigen::Map<const Eigen::Matrix3d>(numbers + 8);
   return tested;
 }
 
-std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph, const ScanSurfaces& surfaces,
+// own: those that this process has tested.
+void ShareResults(const Peers& peers, const std::vector<std::size_t>& own,
+                  std::vector<TestedCandidate>* tested) {
+  std::vector<double> numbers(kNumbersPerResult * tested->size());
+  for (const std::size_t i : own) ToNumbers((*tested)[i], &numbers[kNumbersPerResult * i]);
+  SumOverPeers(&peers, &numbers);
+  for (std::size_t i = 0; i < tested->size(); ++i) {
+    (*tested)[i] = FromNumbers(&numbers[kNumbersPerResult * i]);
+  }
+}
+
+}  // namespace
+
+std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
+                                                const KeyframeGraph& keyframe_graph,
+                                                const std::vector<LoopCandidate>& candidates,
+                                                ThreadPool* pool) {
+  const CandidateTester tester(surfaces, keyframe_graph);
+  std::vector<TestedCandidate> tested(candidates.size());
+  const std::vector<std::vector<std::size_t>> groups = GroupBySurroundings(candidates);
+  const Peers* peers = surfaces.graph().peers();
+  const std::vector<std::size_t> own = OwnShare(peers, groups.size());
+  pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    tester.TestGroup(candidates, groups[own[i]], &tested);
+  });
+  if (peers == nullptr) return tested;
+  std::vector<std::size_t> own_candidates;
+  for (const std::size_t g : own) {
+    own_candidates.insert(own_candidates.end(), groups[g].begin(), groups[g].end());
+  }
+  ShareResults(*peers, own_candidates, &tested);
+  return tested;
+}
+
+std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
                                         const KeyframeGraph& keyframe_graph,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool) {
-  const CandidateTester tester(graph, surfaces, keyframe_graph);
+  const CandidateTester tester(surfaces, keyframe_graph);
   std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
   std::vector<SharedSearch*> search_of_candidate;
   std::deque<SharedSearch> searches;

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
@@ -23,9 +22,9 @@ struct TestedCandidate {
 };
 
 /// Tests candidates of the keyframe graph; loop_acceptance.h says what makes one a closure. One
-/// result per candidate, in their order. surfaces: per scan of `graph`, in the frame of the robot.
-std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
-                                                const ScanSurfaces& surfaces,
+/// result per candidate, in their order. Processes that share the drive share the work
+/// (collective); surfaces: all know those of the keyframes.
+std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
                                                 const KeyframeGraph& keyframe_graph,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool);
@@ -33,7 +32,7 @@ std::vector<TestedCandidate> TestLoopCandidates(const SlamGraph& graph,
 /// All places where a wide candidate fits, however alike they are: those that show enough of the
 /// scan to be worth a hypothesis, max_places per candidate at most, in order of the candidates and
 /// from the best fit.
-std::vector<TestedCandidate> FindPlaces(const SlamGraph& graph, const ScanSurfaces& surfaces,
+std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
                                         const KeyframeGraph& keyframe_graph,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool);

@@ -12,6 +12,7 @@
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
+#include "plumbline/solvers/loop_closure/closure_revisions.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 #include "plumbline/solvers/loop_closure/part_joins.h"
@@ -62,23 +63,23 @@ FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
 
 class HypothesisSearch {
  public:
-  HypothesisSearch(const MotionOptions& motion, const SlamGraph& graph,
-                   const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
+  HypothesisSearch(const MotionOptions& motion, const ScanSurfaces& surfaces,
+                   const SeedingProgress& progress, ThreadPool* pool,
                    const SequentialTrajectory& matched, const KeyframeGraph* ties,
                    std::vector<WeighedHypothesis>* weighed)
       : motion_(motion),
-        graph_(graph),
+        graph_(surfaces.graph()),
         surfaces_(surfaces),
         progress_(progress),
         pool_(pool),
         matched_(matched),
         ties_(ties),
         weighed_(*weighed),
-        meter_(graph, matched.world_from_robot) {}
+        meter_(surfaces.graph(), matched.world_from_robot) {}
 
   Status Run(MapHypothesis* best) {
     suspected_ = ties_ != nullptr ? *ties_ : MakeKeyframeGraph(matched_, motion_);
-    MarkSuspectEdges(graph_, surfaces_, matched_.world_from_robot, pool_, &suspected_);
+    MarkSuspectEdges(surfaces_, matched_.world_from_robot, pool_, &suspected_);
     PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kMatching, matched_, suspected_, best));
     PLUMBLINE_RETURN_IF_ERROR(TryOdometry(best));
     PLUMBLINE_RETURN_IF_ERROR(ReviseClosures(best));
@@ -129,7 +130,7 @@ class HypothesisSearch {
     const SequentialTrajectory start =
         WithOdometryHeadings(matched_, PosesOf(graph_.initial_poses()), motion_);
     KeyframeGraph keys = MakeKeyframeGraph(start, motion_);
-    MarkSuspectEdges(graph_, surfaces_, start.world_from_robot, pool_, &keys);
+    MarkSuspectEdges(surfaces_, start.world_from_robot, pool_, &keys);
     MapHypothesis turned;
     PLUMBLINE_RETURN_IF_ERROR(
         Begin(HypothesisKind::kOdometryHeadings, start, std::move(keys), &turned));
@@ -219,8 +220,7 @@ class HypothesisSearch {
     for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
       const double chi2 = StepsChi2(keys, first, end);
       if (chi2 <= most_chi2) continue;
-      const int step =
-          MarkWorstEdge(graph_, surfaces_, matched_.world_from_robot, first, end, marked);
+      const int step = MarkWorstEdge(surfaces_, matched_.world_from_robot, first, end, marked);
       const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);
       if (marked->sequential[step].evidence > 0.0 && others_chi2 > most_chi2) steps.push_back(step);
     }
@@ -278,7 +278,7 @@ class HypothesisSearch {
   Status FindJoinsByMap(int step, const MapHypothesis& hypothesis,
                         std::vector<KeyframeGraph>* joins) const {
     PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-    std::vector<KeyframeGraph> all = JoinParts(graph_, surfaces_, hypothesis.keys, step, pool_);
+    std::vector<KeyframeGraph> all = JoinParts(surfaces_, hypothesis.keys, step, pool_);
     PLUMBLINE_RETURN_IF_ERROR(CheckStop());
     const std::vector<MapConsistency> maps = MeasureAll(all, hypothesis.start);
     std::vector<std::size_t> order(all.size());
@@ -438,17 +438,17 @@ class HypothesisSearch {
           HypothesisKind::kWithoutCluster,
           SuspectClusters(best->keys, best->consistency, explicable_share_), best, &revised));
       if (revised) continue;
-      PLUMBLINE_RETURN_IF_ERROR(
-          Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
+      PLUMBLINE_RETURN_IF_ERROR(Revise(HypothesisKind::kWithMatch,
+                                       TentativeMatches(best->keys, kMostTentative), best,
+                                       &revised));
       if (!revised) break;
     }
     return Status::Ok();
   }
 
   Status Close(MapHypothesis* hypothesis) {
-    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(graph_, surfaces_, progress_, pool_,
-                                         &memories_[hypothesis->kind], &hypothesis->keys,
-                                         &hypothesis->loops));
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoops(surfaces_, progress_, pool_, &memories_[hypothesis->kind],
+                                         &hypothesis->keys, &hypothesis->loops));
     Place(hypothesis);
     hypothesis->consistency = meter_.Measure(hypothesis->world_from_robot, pool_);
     return Status::Ok();
@@ -457,9 +457,9 @@ class HypothesisSearch {
   void Place(MapHypothesis* hypothesis) const {
     hypothesis->world_from_robot =
         PosesFollowingKeyframes(hypothesis->keys, hypothesis->start.world_from_robot);
-    RematchAtBreaks(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry,
+    RematchAtBreaks(surfaces_, hypothesis->keys, hypothesis->start.odometry,
                     &hypothesis->world_from_robot);
-    RematchAtLeaps(graph_, surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_, pool_,
+    RematchAtLeaps(surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_, pool_,
                    &hypothesis->world_from_robot);
   }
 
@@ -467,6 +467,12 @@ class HypothesisSearch {
   std::vector<MapConsistency> MeasureAll(const std::vector<KeyframeGraph>& keys,
                                          const SequentialTrajectory& start) const {
     std::vector<MapConsistency> maps(keys.size());
+    if (graph_.peers() != nullptr) {  // who measure each map together
+      for (std::size_t i = 0; i < keys.size(); ++i) {
+        maps[i] = meter_.Measure(PosesFollowingKeyframes(keys[i], start.world_from_robot), pool_);
+      }
+      return maps;
+    }
     pool_->ForEachChunk(keys.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
       ThreadPool one_thread(1);
       maps[i] =
@@ -475,19 +481,17 @@ class HypothesisSearch {
     return maps;
   }
 
-  // Closures that are taken out of the graph, or into it, together.
-  using Revision = std::vector<RelativePoseConstraint>;
-
   // Revises the hypothesis in the way that makes its map the best, if one of them makes it better.
   // Loops are closed again for that one alone.
   Status Revise(HypothesisKind kind, const std::vector<Revision>& revisions, MapHypothesis* best,
                 bool* revised) {
-    std::vector<KeyframeGraph> keys(revisions.size());
-    pool_->ForEachChunk(revisions.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      keys[i] = kind == HypothesisKind::kWithoutCluster ? Without(revisions[i], best->keys)
-                                                        : With(revisions[i], best->keys);
-      OptimizeKeyframes(&keys[i]);
-    });
+    std::vector<KeyframeGraph> keys;
+    keys.reserve(revisions.size());
+    for (const Revision& revision : revisions) {
+      keys.push_back(kind == HypothesisKind::kWithoutCluster ? Without(revision, best->keys)
+                                                             : With(revision, best->keys));
+    }
+    OptimizeEach(graph_.peers(), pool_, &keys);
     const std::vector<MapConsistency> maps = MeasureAll(keys, best->start);
     const std::size_t first_record = weighed_.size();
     std::size_t least = 0;
@@ -515,31 +519,6 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  static KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys) {
-    KeyframeGraph with = keys;
-    with.closures.insert(with.closures.end(), closures.begin(), closures.end());
-    return with;
-  }
-
-  // What the cluster's closures contradicted gets another chance.
-  static KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys) {
-    KeyframeGraph without = keys;
-    const auto is_in_cluster = [&](const RelativePoseConstraint& closure) {
-      return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
-        return other.from == closure.from && other.to == closure.to;
-      });
-    };
-    without.closures.clear();
-    for (const RelativePoseConstraint& closure : keys.closures) {
-      (is_in_cluster(closure) ? without.refused : without.closures).push_back(closure);
-    }
-    for (const RelativePoseConstraint& closure : keys.contradicted) {
-      if (!RepeatsRefused(closure, without.refused, keys)) without.closures.push_back(closure);
-    }
-    without.contradicted.clear();
-    return without;
-  }
-
   void RecordRevision(HypothesisKind kind, const Revision& revision, const KeyframeGraph& keys,
                       const MapConsistency& map) {
     WeighedHypothesis trial;
@@ -556,14 +535,6 @@ class HypothesisSearch {
       trial.last_earlier_pose = std::max(trial.last_earlier_pose, pose(closure.from));
     }
     weighed_.push_back(trial);
-  }
-
-  static std::vector<Revision> TentativeMatches(const KeyframeGraph& keys) {
-    std::vector<Revision> matches;
-    for (const RelativePoseConstraint& match : keys.tentative) {
-      if (matches.size() < kMostTentative) matches.push_back({match});
-    }
-    return matches;
   }
 
   const MotionOptions& motion_;
@@ -586,13 +557,12 @@ class HypothesisSearch {
 
 }  // namespace
 
-Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
-                           const ScanSurfaces& surfaces, const SeedingProgress& progress,
-                           ThreadPool* pool, const SequentialTrajectory& matched,
-                           const KeyframeGraph* ties, MapHypothesis* best,
-                           std::vector<WeighedHypothesis>* weighed) {
+Status SearchMapHypotheses(const MotionOptions& motion, const ScanSurfaces& surfaces,
+                           const SeedingProgress& progress, ThreadPool* pool,
+                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
+                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed) {
   weighed->clear();
-  HypothesisSearch search(motion, graph, surfaces, progress, pool, matched, ties, weighed);
+  HypothesisSearch search(motion, surfaces, progress, pool, matched, ties, weighed);
   return search.Run(best);
 }
 

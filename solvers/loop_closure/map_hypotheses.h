@@ -45,11 +45,10 @@ struct MapHypothesis {
 /// odometry. surfaces: per scan. ties: null, or the pose graph of a trajectory that is made of
 /// several sessions, with closures between them to begin with. Unavailable if progress stopped it.
 /// The result does not depend on the number of threads.
-Status SearchMapHypotheses(const MotionOptions& motion, const SlamGraph& graph,
-                           const ScanSurfaces& surfaces, const SeedingProgress& progress,
-                           ThreadPool* pool, const SequentialTrajectory& matched,
-                           const KeyframeGraph* ties, MapHypothesis* best,
-                           std::vector<WeighedHypothesis>* weighed);
+Status SearchMapHypotheses(const MotionOptions& motion, const ScanSurfaces& surfaces,
+                           const SeedingProgress& progress, ThreadPool* pool,
+                           const SequentialTrajectory& matched, const KeyframeGraph* ties,
+                           MapHypothesis* best, std::vector<WeighedHypothesis>* weighed);
 
 }  // namespace plumbline
 

@@ -57,11 +57,11 @@ KeyframeGraph Join(int edge, const RelativePoseConstraint& match, const Keyframe
 
 }  // namespace
 
-std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                                     const KeyframeGraph& keys, int edge, ThreadPool* pool) {
+std::vector<KeyframeGraph> JoinParts(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                                     int edge, ThreadPool* pool) {
   const KeyframeGraph apart = TakeApart(edge, keys);
   std::vector<TestedCandidate> places =
-      FindPlaces(graph, surfaces, apart, FindJoins(apart, edge), kMaxPlaces, pool);
+      FindPlaces(surfaces, apart, FindJoins(apart, edge), kMaxPlaces, pool);
   std::stable_sort(places.begin(), places.end(),
                    [](const TestedCandidate& a, const TestedCandidate& b) {
                      return a.inlier_ratio > b.inlier_ratio;

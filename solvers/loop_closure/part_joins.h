@@ -17,8 +17,8 @@ namespace plumbline {
 /// surfaces: per scan. edge: from keyframe `edge` to the next one. Returns a graph per way, those
 /// with the better matches first: the edge is broken, what was across it is taken out, the match is
 /// its only closure across the edge, and the keyframes beyond are moved rigidly.
-std::vector<KeyframeGraph> JoinParts(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                                     const KeyframeGraph& keys, int edge, ThreadPool* pool);
+std::vector<KeyframeGraph> JoinParts(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                                     int edge, ThreadPool* pool);
 
 /// How the keyframe after an edge lies to the one before it.
 Pose2 StepAt(int edge, const KeyframeGraph& keys);

@@ -65,17 +65,27 @@ std::vector<Break> FindBreaks(const KeyframeGraph& keys) {
   return breaks;
 }
 
+// Of the poses that are matched anew.
+std::vector<int> ScansAt(const std::vector<Break>& breaks, const KeyframeGraph& keys,
+                         const ScanSurfaces& surfaces) {
+  std::vector<int> scans;
+  for (const auto& [edge, sound] : breaks) {
+    for (int p = keys.keyframes[edge].pose + 1; p < keys.keyframes[sound].pose; ++p) {
+      if (surfaces.scan_of_pose()[p] >= 0) scans.push_back(surfaces.scan_of_pose()[p]);
+    }
+  }
+  return scans;
+}
+
 class Rematcher {
  public:
-  Rematcher(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+  Rematcher(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
             const std::vector<Break>& breaks, const std::vector<Pose2>& odometry,
             std::vector<Pose2>* world_from_robot)
-      : graph_(graph),
-        surfaces_(surfaces),
+      : surfaces_(surfaces),
         keys_(keys),
         odometry_(odometry),
         poses_(*world_from_robot),
-        scan_of_pose_(MatchedScanOfPoses(graph, surfaces)),
         is_spoilt_(keys.keyframes.size(), false) {
     for (const auto& [edge, sound] : breaks) {
       std::fill(is_spoilt_.begin() + edge + 1, is_spoilt_.begin() + sound, true);
@@ -88,7 +98,7 @@ class Rematcher {
     witnesses_.clear();
     for (const int k : {SoundNeighbour(edge, -1), edge, sound, SoundNeighbour(sound, 1)}) {
       witnesses_.push_back(
-          {FreeSpaceScan(graph_, keys_.keyframes[k].scan), keys_.world_from_key[k]});
+          {surfaces_.FreeSpaceOf(keys_.keyframes[k].scan), keys_.world_from_key[k]});
     }
     const int begin = keys_.keyframes[edge].pose + 1;
     const int end = keys_.keyframes[edge + 1].pose;  // which lies beyond the break
@@ -136,14 +146,14 @@ class Rematcher {
   }
 
   Placed Match(int pose, const Pose2& predicted) const {
-    const int scan = scan_of_pose_[pose];
+    const int scan = surfaces_.scan_of_pose()[pose];
     if (scan < 0) return {predicted, 0.0};
     PosePrediction start;
     start.world_from_robot = predicted;
     const ScanMatch match = MatchScan(map_, surfaces_.Of(scan), start, ScanMatchOptions());
     Placed placed{predicted, match.inlier_ratio};
     if (match.inlier_ratio >= kMinBreakInlierRatio) placed.pose = match.world_from_robot;
-    const FreeSpaceScan free_space(graph_, scan);
+    const FreeSpaceScan free_space = surfaces_.FreeSpaceOf(scan);
     FreeSpaceConflict conflict;
     for (const Witness& witness : witnesses_) {
       conflict += CompareBothWays(witness.free_space, free_space,
@@ -173,12 +183,10 @@ class Rematcher {
     return best;
   }
 
-  const SlamGraph& graph_;
   const ScanSurfaces& surfaces_;
   const KeyframeGraph& keys_;
   const std::vector<Pose2>& odometry_;
   std::vector<Pose2>& poses_;
-  const std::vector<int> scan_of_pose_;
   LocalMap map_;
   std::vector<bool> is_spoilt_;     // per keyframe, by any break
   std::vector<Witness> witnesses_;  // the keyframes next to the break, on both sides
@@ -186,11 +194,11 @@ class Rematcher {
 
 }  // namespace
 
-void RematchAtBreaks(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                     const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
-                     std::vector<Pose2>* world_from_robot) {
+void RematchAtBreaks(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                     const std::vector<Pose2>& odometry, std::vector<Pose2>* world_from_robot) {
   const std::vector<Break> breaks = FindBreaks(keys);
-  Rematcher rematcher(graph, surfaces, keys, breaks, odometry, world_from_robot);
+  const ScanSurfaces at_hand = surfaces.With(ScansAt(breaks, keys, surfaces));
+  Rematcher rematcher(at_hand, keys, breaks, odometry, world_from_robot);
   for (const Break& here : breaks) rematcher.Rematch(here);
 }
 

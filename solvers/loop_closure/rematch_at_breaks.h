@@ -13,9 +13,8 @@ namespace plumbline {
 /// again: the sequential matching had only the map of the wrong place for the first of them.
 /// surfaces: per scan. odometry: from the pose before, per pose. world_from_robot: per pose,
 /// following the keyframes.
-void RematchAtBreaks(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                     const KeyframeGraph& keys, const std::vector<Pose2>& odometry,
-                     std::vector<Pose2>* world_from_robot);
+void RematchAtBreaks(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+                     const std::vector<Pose2>& odometry, std::vector<Pose2>* world_from_robot);
 
 }  // namespace plumbline
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
@@ -79,6 +81,13 @@ class Leaps {
   std::vector<char> is_leap_, is_carried_;
 };
 
+// Where a pose may be instead.
+struct Rematch {
+  int pose;
+  Pose2 world_from_robot;
+  bool fits_well;
+};
+
 // Of the other keyframes around a pose, but those that may well hang behind.
 LocalMap MapAround(int pose, const KeyframeGraph& keys, const ScanSurfaces& surfaces,
                    const Leaps& leaps, const std::vector<Pose2>& poses) {
@@ -149,17 +158,23 @@ double Unevenness(int pose, const Leaps& leaps, const std::vector<Pose2>& odomet
 
 }  // namespace
 
-void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+void RematchAtLeaps(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
                     const std::vector<Pose2>& odometry, const MotionOptions& motion,
                     ThreadPool* pool, std::vector<Pose2>* world_from_robot) {
   const std::vector<Pose2> before = *world_from_robot;
   const Leaps leaps(keys, odometry, motion, before);
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
-  std::vector<Pose2> after = before;
-  std::vector<char> fits_well(before.size(), 0);
-  pool->ForEachChunk(before.size(), 1, [&](std::size_t p, std::size_t, std::size_t) {
-    const int pose = static_cast<int>(p), scan = scan_of_pose[pose];
-    if (!leaps.IsNear(pose, kPosesBefore) || scan < 0) return;
+  // Each process matches what it has the scans of.
+  std::vector<int> poses;
+  for (int pose = 0; pose < static_cast<int>(before.size()); ++pose) {
+    if (leaps.IsNear(pose, kPosesBefore) && surfaces.scan_of_pose()[pose] >= 0 &&
+        surfaces.graph().HasScansOf(pose)) {
+      poses.push_back(pose);
+    }
+  }
+  std::vector<Rematch> rematches(poses.size());
+  pool->ForEachChunk(poses.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const int pose = poses[i], scan = surfaces.scan_of_pose()[pose];
+    rematches[i] = {pose, before[pose], false};
     const LocalMap map = MapAround(pose, keys, surfaces, leaps, before);
     const SurfacePoints surface = surfaces.Of(scan);
     const ScanMatch old = MeasureFit(map, surface, before[pose], ScanMatchOptions());
@@ -167,10 +182,17 @@ void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const 
         BestMatch(map, surface, before[pose], BeyondLeap(pose, leaps, odometry, before));
     const double gain = match.inlier_ratio - old.inlier_ratio;
     if (match.inlier_ratio < kMinPartInlierRatio || gain <= 0.0) return;
-    after[p] = match.world_from_robot;
-    fits_well[p] = gain >= kMinGain && (match.inlier_ratio >= kMinLeapInlierRatio ||
-                                        match.inlier_ratio >= kMinFactor * old.inlier_ratio);
+    const bool fits_well =
+        gain >= kMinGain && (match.inlier_ratio >= kMinLeapInlierRatio ||
+                             match.inlier_ratio >= kMinFactor * old.inlier_ratio);
+    rematches[i] = {pose, match.world_from_robot, fits_well};
   });
+  std::vector<Pose2> after = before;
+  std::vector<char> fits_well(before.size(), 0);
+  for (const Rematch& rematch : JoinOverPeers(surfaces.graph().peers(), std::move(rematches))) {
+    after[rematch.pose] = rematch.world_from_robot;
+    fits_well[rematch.pose] = rematch.fits_well ? 1 : 0;
+  }
   for (std::size_t p = 0; p < before.size(); ++p) {
     const int pose = static_cast<int>(p);
     if (fits_well[p] != 0 ||

@@ -21,7 +21,7 @@ namespace plumbline {
 /// surfaces: per scan. odometry: from the pose before, per pose. motion: its noise.
 /// world_from_robot: per pose, following the keyframes. The result does not depend on the number of
 /// threads.
-void RematchAtLeaps(const SlamGraph& graph, const ScanSurfaces& surfaces, const KeyframeGraph& keys,
+void RematchAtLeaps(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
                     const std::vector<Pose2>& odometry, const MotionOptions& motion,
                     ThreadPool* pool, std::vector<Pose2>* world_from_robot);
 

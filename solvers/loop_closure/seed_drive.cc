@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/partition.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_clock.h"
@@ -54,13 +56,67 @@ OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions&
   return report;
 }
 
+Status CheckOptions(const SeedingOptions& options, const MotionOptions& motion) {
+  std::string error;
+  const bool good = options.Check(&error) && motion.Check(&error);
+  return good ? Status::Ok() : Status::InvalidArgument(error);
+}
+
+// From scan to scan.
+Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
+                  const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+                  SequentialTrajectory* trajectory, SeedingReport* report) {
+  const SlamGraph& graph = surfaces->graph();
+  const bool is_prediction = LacksOdometry(graph);
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion,
+                       progress, pool, surfaces, trajectory, &report->sequential));
+  if (is_prediction) {
+    report->odometry_noise = MeasurePredictionNoise(graph, trajectory->world_from_robot, motion);
+  } else {
+    report->odometry_noise = MeasureOdometry(graph, motion, trajectory);
+  }
+  return Status::Ok();
+}
+
+// trajectory: as it was matched; becomes the one whose loops are closed.
+Status CloseDrive(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
+                  SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report) {
+  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, surfaces, progress,
+                                          nullptr, pool, trajectory, keys, report));
+  report->corrections.odometry = OdometryOf(*trajectory, surfaces.graph());
+  return Status::Ok();
+}
+
+void DivideByPlace(const std::vector<Pose2>& world_from_robot, SlamGraph* part) {
+  ShareAnew(
+      PartitionByPlace(PoseArray(world_from_robot), ReturnsPerPose(*part), part->peers()->size()),
+      part);
+}
+
+// Knows and keeps the keyframes, whoever has their scans.
+ScanSurfaces WithKeyframes(const ScanSurfaces& surfaces, const std::vector<Keyframe>& keyframes,
+                           ThreadPool* pool) {
+  std::vector<int> scans;
+  scans.reserve(keyframes.size());
+  for (const Keyframe& key : keyframes) scans.push_back(key.scan);
+  ScanSurfaces with = surfaces.With(scans);
+  constexpr std::size_t kScansPerChunk = 64;
+  pool->ForEachChunk(scans.size(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         with.Keep(scans[i], with.Of(scans[i]));
+                       }
+                     });
+  return with;
+}
+
 }  // namespace
 
 Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
                  const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
                  const SlamGraph& graph, SeededDrive* drive, SeedingReport* report) {
-  std::string error;
-  if (!options.Check(&error) || !motion.Check(&error)) return Status::InvalidArgument(error);
+  PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
   if (surface.normals.size() != graph.num_returns()) {
     return Status::InvalidArgument("seeding needs one normal per return, " +
                                    std::to_string(graph.num_returns()) + ", but got " +
@@ -69,23 +125,40 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
   SeededDrive seeded;
   ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
-  const bool is_prediction = LacksOdometry(graph);
   PLUMBLINE_RETURN_IF_ERROR(
-      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, graph,
-                       progress, pool, &surfaces, &trajectory, &report->sequential));
-  if (is_prediction) {
-    report->odometry_noise = MeasurePredictionNoise(graph, trajectory.world_from_robot, motion);
-  } else {
-    report->odometry_noise = MeasureOdometry(graph, motion, &trajectory);
-  }
-  PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, graph, surfaces, progress,
-                                          nullptr, pool, &trajectory, &seeded.keys, report));
-  report->corrections.odometry = OdometryOf(trajectory, graph);
+      MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
+  PLUMBLINE_RETURN_IF_ERROR(
+      CloseDrive(surfaces, progress, pool, &trajectory, &seeded.keys, report));
   seeded.world_from_robot = std::move(trajectory.world_from_robot);
   seeded.surfaces = std::move(surfaces).TakeKept();
   seeded.matched = std::move(trajectory);
   seeded.matched.world_from_robot = report->sequential_poses;
   *drive = std::move(seeded);
+  return Status::Ok();
+}
+
+Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
+                       const ReturnNormalOptions& normals, const SeedingProgress& progress,
+                       ThreadPool* pool, SlamGraph* part, std::vector<Pose2>* world_from_robot,
+                       SeedingReport* report) {
+  PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
+  SequentialTrajectory trajectory;
+  {
+    const MeasuredSurface measured = MeasureSurface(*part, normals, pool);
+    ScanSurfaces surfaces(*part, measured);
+    PLUMBLINE_RETURN_IF_ERROR(
+        MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
+  }
+  DivideByPlace(trajectory.world_from_robot, part);
+  {
+    const MeasuredSurface measured = MeasureSurface(*part, normals, pool);
+    const ScanSurfaces surfaces =
+        WithKeyframes(ScanSurfaces(*part, measured), trajectory.keyframes, pool);
+    KeyframeGraph keys;
+    PLUMBLINE_RETURN_IF_ERROR(CloseDrive(surfaces, progress, pool, &trajectory, &keys, report));
+  }
+  DivideByPlace(trajectory.world_from_robot, part);
+  *world_from_robot = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/local_map.h"
 
@@ -68,18 +69,16 @@ double Disagreement(const Side& before, const Side& after) {
 class EdgeEvidence {
  public:
   // Knows the edges from keyframe `first` to keyframe `last`.
-  EdgeEvidence(const SlamGraph& graph, const ScanSurfaces& surfaces,
-               const std::vector<Pose2>& world_from_robot, const KeyframeGraph& keyframe_graph,
-               int first, int last)
-      : graph_(graph),
-        surfaces_(surfaces),
+  EdgeEvidence(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+               const KeyframeGraph& keyframe_graph, int first, int last)
+      : surfaces_(surfaces),
         poses_(world_from_robot),
         keys_(keyframe_graph),
         first_known_(std::max(0, first + 1 - kKeysPerSide)) {
     const int end = std::min(keyframe_graph.size(), last + kKeysPerSide);
     of_key_.reserve(std::max(0, end - first_known_));
     for (int k = first_known_; k < end; ++k) {
-      of_key_.emplace_back(graph, keyframe_graph.keyframes[k].scan);
+      of_key_.push_back(surfaces.FreeSpaceOf(keyframe_graph.keyframes[k].scan));
     }
   }
 
@@ -99,7 +98,7 @@ class EdgeEvidence {
   }
 
   // The pose on the edge that agrees worst with the pose before it.
-  int FirstPoseAfter(int edge, const std::vector<int>& scan_of_pose) const {
+  int FirstPoseAfter(int edge) const {
     int worst_pose = keys_.keyframes[edge + 1].pose;
     double worst = 0.0;
     Side before{PlacedKey(edge)};
@@ -108,9 +107,9 @@ class EdgeEvidence {
     before.front().free_space = &free_space_before;
     for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
          ++pose) {
-      const int scan = scan_of_pose[pose];
+      const int scan = surfaces_.scan_of_pose()[pose];
       if (scan < 0) continue;
-      FreeSpaceScan free_space(graph_, scan);
+      FreeSpaceScan free_space = surfaces_.FreeSpaceOf(scan);
       SurfacePoints surface = surfaces_.Of(scan);
       Side after{{&surface, poses_[pose], &free_space}};
       const double disagreement = Disagreement(before, after);
@@ -134,7 +133,6 @@ class EdgeEvidence {
     return {&surfaces_.Kept(keyframe.scan), poses_[keyframe.pose], &of_key_[key - first_known_]};
   }
 
-  const SlamGraph& graph_;
   const ScanSurfaces& surfaces_;
   const std::vector<Pose2>& poses_;
   const KeyframeGraph& keys_;
@@ -147,28 +145,53 @@ double UsualEvidence(const std::vector<std::pair<double, int>>& suspects) {
   return suspects.empty() ? 0.0 : -suspects[suspects.size() / 4].first;
 }
 
+void FindFirstPosesAfter(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+                         const std::vector<int>& edges, KeyframeGraph* keys) {
+  std::vector<int> scans;
+  for (const int edge : edges) {
+    for (int pose = keys->keyframes[edge].pose + 1; pose <= keys->keyframes[edge + 1].pose;
+         ++pose) {
+      const int scan = surfaces.scan_of_pose()[pose];
+      if (scan >= 0) scans.push_back(scan);
+    }
+  }
+  const ScanSurfaces at_hand = surfaces.With(scans);
+  for (const int edge : edges) {
+    const EdgeEvidence evidence(at_hand, world_from_robot, *keys, edge, edge + 1);
+    keys->sequential[edge].first_pose_after = evidence.FirstPoseAfter(edge);
+  }
+}
+
 }  // namespace
 
-void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
-                      KeyframeGraph* keyframe_graph) {
+void MarkSuspectEdges(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+                      ThreadPool* pool, KeyframeGraph* keyframe_graph) {
   std::vector<SequentialEdge>& edges = keyframe_graph->sequential;
   const auto evidence_between = [&](int first, int last) {
-    return EdgeEvidence(graph, surfaces, world_from_robot, *keyframe_graph, first, last);
+    return EdgeEvidence(surfaces, world_from_robot, *keyframe_graph, first, last);
   };
-  std::vector<std::pair<double, int>> suspects(edges.size());
+  std::vector<double> of_edge(edges.size());
   // Free space takes more memory than the scan has. It is made for some edges at a time.
   constexpr std::size_t kEdgesPerChunk = 64;
-  pool->ForEachChunk(edges.size(), kEdgesPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       const int first = static_cast<int>(begin), last = static_cast<int>(end);
-                       const EdgeEvidence edge_evidence = evidence_between(first, last);
-                       for (int e = first; e < last; ++e)
-                         suspects[e] = {-edge_evidence.Evidence(e), e};
-                     });
+  const Peers* peers = surfaces.graph().peers();
+  const std::vector<std::size_t> own_chunks =
+      OwnShare(peers, ThreadPool::NumChunks(edges.size(), kEdgesPerChunk));
+  pool->ForEachChunk(own_chunks.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    const std::size_t begin = own_chunks[i] * kEdgesPerChunk;
+    const int first = static_cast<int>(begin);
+    const int last = static_cast<int>(std::min(begin + kEdgesPerChunk, edges.size()));
+    const EdgeEvidence edge_evidence = evidence_between(first, last);
+    for (int e = first; e < last; ++e) of_edge[e] = edge_evidence.Evidence(e);
+  });
+  SumOverPeers(peers, &of_edge);
+  std::vector<std::pair<double, int>> suspects;
+  suspects.reserve(of_edge.size());
+  for (const double evidence : of_edge) {
+    suspects.emplace_back(-evidence, static_cast<int>(suspects.size()));
+  }
   // The worst first: it spoils what is seen across its neighbours, which are then judged again.
   std::sort(suspects.begin(), suspects.end());
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  std::vector<int> marked;
   const double in_proportion = std::max(1.0, UsualEvidence(suspects) / kUsualEvidence);
   for (const auto& [negative_evidence, edge] : suspects) {
     if (-negative_evidence / in_proportion < kSuspectEvidence) break;
@@ -176,14 +199,14 @@ void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
     const double evidence = edge_evidence.Evidence(edge) / in_proportion;
     if (evidence < kSuspectEvidence) continue;
     edges[edge].evidence = evidence;
-    edges[edge].first_pose_after = edge_evidence.FirstPoseAfter(edge, scan_of_pose);
+    marked.push_back(edge);
   }
+  FindFirstPosesAfter(surfaces, world_from_robot, marked, keyframe_graph);
 }
 
-int MarkWorstEdge(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                  const std::vector<Pose2>& world_from_robot, int first, int last,
-                  KeyframeGraph* keyframe_graph) {
-  const EdgeEvidence edge_evidence(graph, surfaces, world_from_robot, *keyframe_graph, first, last);
+int MarkWorstEdge(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+                  int first, int last, KeyframeGraph* keyframe_graph) {
+  const EdgeEvidence edge_evidence(surfaces, world_from_robot, *keyframe_graph, first, last);
   int worst = first;
   double most = -1.0;
   for (int e = first; e < last; ++e) {
@@ -194,7 +217,7 @@ int MarkWorstEdge(const SlamGraph& graph, const ScanSurfaces& surfaces,
   }
   SequentialEdge& edge = keyframe_graph->sequential[worst];
   edge.evidence = std::max(edge.evidence, most);
-  edge.first_pose_after = edge_evidence.FirstPoseAfter(worst, MatchedScanOfPoses(graph, surfaces));
+  FindFirstPosesAfter(surfaces, world_from_robot, {worst}, keyframe_graph);
   return worst;
 }
 

@@ -14,15 +14,13 @@ namespace plumbline {
 /// too little in common for scans so near to each other. There the robot may have been carried, its
 /// wheels may have slipped, or a scan was matched to the wrong place.
 /// surfaces: per scan. world_from_robot: per pose, as the sequential matching left it.
-void MarkSuspectEdges(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool,
-                      KeyframeGraph* keyframe_graph);
+void MarkSuspectEdges(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+                      ThreadPool* pool, KeyframeGraph* keyframe_graph);
 
 /// Marks the edge whose two sides agree worst of those from keyframe `first` to keyframe `last`,
 /// however little that is. Returns it.
-int MarkWorstEdge(const SlamGraph& graph, const ScanSurfaces& surfaces,
-                  const std::vector<Pose2>& world_from_robot, int first, int last,
-                  KeyframeGraph* keyframe_graph);
+int MarkWorstEdge(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
+                  int first, int last, KeyframeGraph* keyframe_graph);
 
 }  // namespace plumbline
 

@@ -104,7 +104,7 @@ class AlignmentSearch {
         return candidate.first != begin->first;
       });
       for (TestedCandidate& match :
-           FindPlaces(set_.graph, set_.surfaces, apart_.keys, {begin, end}, kMaxPlaces, pool_)) {
+           FindPlaces(set_.surfaces, apart_.keys, {begin, end}, kMaxPlaces, pool_)) {
         Place place;
         place.a_from_b = apart_.keys.world_from_key[match.edge.from] * match.edge.from_from_to *
                          apart_.keys.world_from_key[match.edge.to].Inverse();
@@ -182,7 +182,7 @@ class AlignmentSearch {
     if (!has_closure) keys.closures.push_back(way.place->match.edge);
     LoopClosingReport report;
     PLUMBLINE_RETURN_IF_ERROR(
-        CloseLoops(set_.graph, set_.surfaces, progress_, pool_, &memory_, &keys, &report));
+        CloseLoops(set_.surfaces, progress_, pool_, &memory_, &keys, &report));
     std::vector<RelativePoseConstraint> across;
     for (const RelativePoseConstraint& closure : keys.closures) {
       if (closure.from < first_of_b() && closure.to >= first_of_b()) across.push_back(closure);

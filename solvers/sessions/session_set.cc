@@ -51,7 +51,7 @@ Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   std::vector<SurfacePoints> surfaces = std::move(set->surfaces).TakeKept();
   surfaces.insert(surfaces.end(), std::make_move_iterator(drive.surfaces.begin()),
                   std::make_move_iterator(drive.surfaces.end()));
-  set->surfaces = ScanSurfaces(std::move(surfaces));
+  set->surfaces = ScanSurfaces(set->graph, std::move(surfaces));
   for (Keyframe& key : drive.keys.keyframes) {
     key.pose += first_pose;
     key.scan += first_scan;

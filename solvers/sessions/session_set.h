@@ -15,8 +15,12 @@ namespace plumbline {
 /// Sessions, side by side: drives that were seeded each by itself, one after the other in one
 /// graph. No edge joins two of them.
 struct SessionSet {
-  SlamGraph graph;                  ///< of all sessions; its initial poses are the seeds
-  ScanSurfaces surfaces;            ///< of the keyframes, by scans of the graph
+  SessionSet() = default;
+  SessionSet(const SessionSet&) = delete;  // the surfaces refer to the graph
+  SessionSet& operator=(const SessionSet&) = delete;
+
+  SlamGraph graph;  ///< of all sessions; its initial poses are the seeds
+  ScanSurfaces surfaces{graph, std::vector<SurfacePoints>()};  ///< of the keyframes, by scans of it
   std::vector<KeyframeGraph> keys;  ///< per session, by poses and scans of the graph
   /// Per session, by its own poses and scans.
   std::vector<SequentialTrajectory> matched;

@@ -60,5 +60,11 @@ TEST(PartitionByPlaceTest, TakesPlacesThatAreTheSameOrFewerThanParts) {
   EXPECT_THAT(PartitionByPlace({}, {}, 3), testing::IsEmpty());
 }
 
+TEST(PartitionByTimeTest, GivesEachPartAsManyThatFollowEachOther) {
+  EXPECT_THAT(PartitionByTime(5, 2), ElementsAre(0, 0, 1, 1, 1));
+  EXPECT_THAT(PartitionByTime(2, 4), ElementsAre(1, 3));
+  EXPECT_THAT(PartitionByTime(0, 3), testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace plumbline

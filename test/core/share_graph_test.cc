@@ -95,8 +95,26 @@ TEST(ShareGraphTest, FailsInAllProcessesOnLasersThatCannotBeToldApart) {
   RunOnPeers(2, [&](const Peers& peers) {
     SlamGraph part;
     if (peers.rank() == 0) part = whole;
-    const Status status = ShareGraph(&peers, whole.initial_poses(), &part);
+    const Status status = ShareGraph(&peers, std::vector<int>(whole.num_poses()), &part);
     EXPECT_EQ(status.message(), "lasers 1 and 2 are equal");
+  });
+}
+
+TEST(ShareAnewTest, IsAsIfTheGraphHadBeenSharedSoFromTheStart) {
+  const SlamGraph whole = MakeWhole();
+  RunOnParts(whole, 3, [&](const SlamGraph& part) {
+    const std::vector<int> ranks = {2, 0, 1, 0, 2, 2};
+    SlamGraph moved = part;
+    ShareAnew(ranks, &moved);
+    SlamGraph expected = whole;
+    ASSERT_TRUE(ShareGraph(part.peers(), ranks, &expected).ok());
+    EXPECT_EQ(moved.rank_of_pose(), ranks);
+    EXPECT_EQ(moved.relative_poses().size(), whole.relative_poses().size());
+    ASSERT_EQ(moved.num_scans(), expected.num_scans());
+    for (int scan = 0; scan < moved.num_scans(); ++scan) {
+      EXPECT_EQ(moved.IdAmongAll(scan), expected.IdAmongAll(scan));
+      ExpectSameScan(moved, scan, expected, scan);
+    }
   });
 }
 

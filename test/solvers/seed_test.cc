@@ -72,9 +72,9 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport sequential;
-  ScanSurfaces surfaces(SurfacesOf(odometry));
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), odometry, nullptr,
-                               &pool, &surfaces, &trajectory, &sequential)
+  ScanSurfaces surfaces(odometry, SurfacesOf(odometry));
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
+                               &surfaces, &trajectory, &sequential)
                   .ok());
   EXPECT_GT(DistanceM(truth.InitialPose(back), trajectory.world_from_robot[back]), 0.2);
 

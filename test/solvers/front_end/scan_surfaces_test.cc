@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -34,7 +36,6 @@ TEST(ScanSurfaces, MakesWhatItDoesNotKeep) {
   ScanSurfaces surfaces(graph, measured);
   for (const int scan : {0, 1}) {
     EXPECT_TRUE(surfaces.Kept(scan).empty());
-    EXPECT_FALSE(surfaces.IsEmpty(scan));
     ExpectEqual(surfaces.Of(scan), all[scan]);
   }
   const SurfacePoints other{{{1.0, 2.0}, {0.0, -1.0}}};
@@ -56,19 +57,47 @@ TEST(ScanSurfaces, AScanWithoutNormalsIsEmpty) {
     measured.normals[r] = ReturnNormal();
   }
   const ScanSurfaces surfaces(graph, measured);
-  EXPECT_TRUE(surfaces.IsEmpty(0));
   EXPECT_TRUE(surfaces.Of(0).empty());
-  EXPECT_EQ(MatchedScanOfPoses(graph, surfaces), (std::vector<int>{-1, 1}));
+  EXPECT_EQ(surfaces.scan_of_pose(), (std::vector<int>{-1, 1}));
+}
+
+TEST(ScanSurfaces, OfAPartKnowWhatOtherProcessesHave) {
+  const SlamGraph whole = TwoViews();
+  const std::vector<SurfacePoints> all = SurfacesOf(whole);
+  RunOnPeers(2, [&](const Peers& peers) {
+    SlamGraph part = whole;
+    ASSERT_TRUE(ShareGraph(&peers, {1, 0}, &part).ok());
+    const MeasuredSurface measured = SurfaceOf(part);
+    const ScanSurfaces surfaces(part, measured);
+    EXPECT_EQ(surfaces.scan_of_pose(), (std::vector<int>{0, 1}));
+    const int own = 1 - peers.rank(), others = peers.rank();
+    ExpectEqual(surfaces.Of(own), all[own]);
+    EXPECT_THROW(surfaces.Of(others), std::logic_error);
+    // One process asks, all take part.
+    std::vector<int> wanted;
+    if (peers.rank() == 0) wanted = {own, others};
+    ScanSurfaces with = surfaces.With(wanted);
+    EXPECT_THROW(surfaces.FreeSpaceOf(others), std::logic_error);
+    if (peers.rank() == 0) {
+      ExpectEqual(with.Of(others), all[others]);
+      const FreeSpaceScan viewer(whole, own), fetched = with.FreeSpaceOf(others);
+      const Pose2 apart = Between(whole.InitialPose(own), whole.InitialPose(others));
+      EXPECT_EQ(CompareBothWays(viewer, fetched, apart).num_compared,
+                CompareBothWays(viewer, FreeSpaceScan(whole, others), apart).num_compared);
+      with.Keep(others, all[others]);
+      ExpectEqual(surfaces.Kept(others), all[others]);
+    }
+  });
 }
 
 TEST(ScanSurfaces, ThoseThatAreGivenAreAllThereAre) {
   const SlamGraph graph = TwoViews();
   std::vector<SurfacePoints> all = SurfacesOf(graph);
   all[1].clear();
-  const ScanSurfaces surfaces(all);
+  const ScanSurfaces surfaces(graph, all);
   ExpectEqual(surfaces.Of(0), all[0]);
-  EXPECT_TRUE(surfaces.IsEmpty(1));
-  EXPECT_EQ(MatchedScanOfPoses(graph, surfaces), (std::vector<int>{0, -1}));
+  EXPECT_TRUE(surfaces.Of(1).empty());
+  EXPECT_EQ(surfaces.scan_of_pose(), (std::vector<int>{0, -1}));
 }
 
 }  // namespace

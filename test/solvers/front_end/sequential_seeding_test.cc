@@ -23,9 +23,9 @@ SlamGraph DriveRoundTheRoom(int num_back) {
 
 Status SeedWith(const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
                 SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
-  ScanSurfaces surfaces(SurfacesOf(graph));
-  return SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, progress, pool,
-                          &surfaces, trajectory, report);
+  ScanSurfaces surfaces(graph, SurfacesOf(graph));
+  return SeedSequentially(SequentialSeedingOptions(), MotionOptions(), progress, pool, &surfaces,
+                          trajectory, report);
 }
 
 SequentialTrajectory Seed(const SlamGraph& graph, SequentialSeedingReport* report) {
@@ -62,11 +62,11 @@ TEST(SequentialSeeding, MarksTheKeyframeAfterAScanThatMatchesNothing) {
   std::vector<SurfacePoints> all = SurfacesOf(graph);
   constexpr int kStrange = 15;
   for (SurfacePoint& point : all[kStrange]) point.position *= 0.3;
-  ScanSurfaces surfaces(std::move(all));
+  ScanSurfaces surfaces(graph, std::move(all));
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, nullptr, &pool,
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
                                &surfaces, &trajectory, &report)
                   .ok());
   EXPECT_EQ(report.num_unmatched, 1);
@@ -192,7 +192,7 @@ TEST(SequentialSeeding, KeepsTheSurfacesOfTheKeyframesOfAllStretches) {
   ScanSurfaces surfaces(graph, measured);
   SequentialTrajectory made, kept;
   SequentialSeedingReport report;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), graph, nullptr, &pool,
+  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
                                &surfaces, &made, &report)
                   .ok());
   ASSERT_TRUE(SeedWith(graph, nullptr, &pool, &kept, &report).ok());

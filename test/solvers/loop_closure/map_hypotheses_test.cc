@@ -21,7 +21,7 @@ namespace {
 struct SimulatedDrive {
   SlamGraph graph;
   std::vector<Pose2> truth;
-  ScanSurfaces surfaces;
+  std::vector<SurfacePoints> surfaces;  // of the keyframes, per scan
   SequentialTrajectory matched;
 };
 
@@ -33,12 +33,13 @@ SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building = BuildingKin
   EXPECT_TRUE(Simulate(World(GenerateBuilding(building, seed)), options, &log).ok());
   SimulatedDrive drive;
   EXPECT_TRUE(MakeGraph(log, &drive.graph).ok());
-  drive.surfaces = ScanSurfaces(SurfacesOf(drive.graph));
+  ScanSurfaces surfaces(drive.graph, SurfacesOf(drive.graph));
   ThreadPool pool(1);
   SequentialSeedingReport report;
-  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), drive.graph, nullptr,
-                               &pool, &drive.surfaces, &drive.matched, &report)
+  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
+                               &surfaces, &drive.matched, &report)
                   .ok());
+  drive.surfaces = std::move(surfaces).TakeKept();
   for (const SimulatedScan& scan : log.scans) drive.truth.push_back(scan.world_from_robot);
   return drive;
 }
@@ -70,8 +71,9 @@ struct Found {
 Found Search(const SimulatedDrive& drive, int num_threads = 2) {
   ThreadPool pool(num_threads);
   Found found;
-  EXPECT_TRUE(SearchMapHypotheses(MotionOptions(), drive.graph, drive.surfaces, nullptr, &pool,
-                                  drive.matched, nullptr, &found.best, &found.weighed)
+  EXPECT_TRUE(SearchMapHypotheses(MotionOptions(), ScanSurfaces(drive.graph, drive.surfaces),
+                                  nullptr, &pool, drive.matched, nullptr, &found.best,
+                                  &found.weighed)
                   .ok());
   return found;
 }
@@ -204,8 +206,8 @@ TEST(MapHypotheses, StopWhenTheirCallerSaysSo) {
   MapHypothesis best;
   std::vector<WeighedHypothesis> weighed;
   const Status status = SearchMapHypotheses(
-      MotionOptions(), drive.graph, drive.surfaces, [](SeedingPhase, int, int) { return false; },
-      &pool, drive.matched, nullptr, &best, &weighed);
+      MotionOptions(), ScanSurfaces(drive.graph, drive.surfaces),
+      [](SeedingPhase, int, int) { return false; }, &pool, drive.matched, nullptr, &best, &weighed);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
 }
 

@@ -65,17 +65,16 @@ Session MakeSession(const Pose2& moved) {
   return session;
 }
 
-SessionSet TwoSessions() {
-  SessionSet set;
+void AddTwoSessions(SessionSet* set) {
   for (const Pose2& moved : {Pose2(), Pose2(3.0, -2.0, 1.0)}) {
     Session session = MakeSession(moved);
-    EXPECT_TRUE(AddSession(session.graph, std::move(session.drive), &set).ok());
+    EXPECT_TRUE(AddSession(session.graph, std::move(session.drive), set).ok());
   }
-  return set;
 }
 
 TEST(SessionSetTest, SessionsLieSideBySide) {
-  const SessionSet set = TwoSessions();
+  SessionSet set;
+  AddTwoSessions(&set);
   EXPECT_EQ(set.size(), 2);
   EXPECT_THAT(set.first_pose, ElementsAre(0, 3, 6));
   EXPECT_THAT(set.first_scan, ElementsAre(0, 3, 6));
@@ -88,7 +87,8 @@ TEST(SessionSetTest, SessionsLieSideBySide) {
 }
 
 TEST(SessionSetTest, ConcatenationMovesAndRenumbersTheSecondGroup) {
-  const SessionSet set = TwoSessions();
+  SessionSet set;
+  AddTwoSessions(&set);
   const Pose2 a_from_b(1.0, 2.0, 0.5);
   const SessionGroup group = Concatenated(GroupOfOne(set, 0), GroupOfOne(set, 1), a_from_b);
   EXPECT_THAT(group.sessions, ElementsAre(0, 1));
@@ -108,7 +108,8 @@ TEST(SessionSetTest, ConcatenationMovesAndRenumbersTheSecondGroup) {
 }
 
 TEST(SessionSetTest, AJoinedDriveHasTheGroupsClosuresBetweenSessionsAlone) {
-  const SessionSet set = TwoSessions();
+  SessionSet set;
+  AddTwoSessions(&set);
   const Pose2 a_from_b(1.0, 2.0, 0.5);
   SessionGroup group = Concatenated(GroupOfOne(set, 0), GroupOfOne(set, 1), a_from_b);
   RelativePoseConstraint across;

@@ -1,0 +1,69 @@
+#include "plumbline/solvers/loop_closure/closure_revisions.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "plumbline/core/over_peers.h"
+#include "plumbline/solvers/loop_closure/close_loops.h"
+#include "plumbline/solvers/loop_closure/closure_clusters.h"
+
+namespace plumbline {
+
+KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys) {
+  KeyframeGraph with = keys;
+  with.closures.insert(with.closures.end(), closures.begin(), closures.end());
+  return with;
+}
+
+KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys) {
+  KeyframeGraph without = keys;
+  const auto is_in_cluster = [&](const RelativePoseConstraint& closure) {
+    return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
+      return other.from == closure.from && other.to == closure.to;
+    });
+  };
+  without.closures.clear();
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    (is_in_cluster(closure) ? without.refused : without.closures).push_back(closure);
+  }
+  for (const RelativePoseConstraint& closure : keys.contradicted) {
+    if (!RepeatsRefused(closure, without.refused, keys)) without.closures.push_back(closure);
+  }
+  without.contradicted.clear();
+  return without;
+}
+
+std::vector<Revision> TentativeMatches(const KeyframeGraph& keys, std::size_t most) {
+  std::vector<Revision> matches;
+  for (const RelativePoseConstraint& match : keys.tentative) {
+    if (matches.size() < most) matches.push_back({match});
+  }
+  return matches;
+}
+
+void OptimizeEach(const Peers* peers, ThreadPool* pool, std::vector<KeyframeGraph>* graphs) {
+  const std::vector<std::size_t> own = OwnShare(peers, graphs->size());
+  pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    OptimizeKeyframes(&(*graphs)[own[i]]);
+  });
+  if (peers == nullptr) return;
+  std::vector<char> is_own(graphs->size(), 0);
+  for (const std::size_t i : own) is_own[i] = 1;
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < graphs->size(); ++i) {
+    for (const Pose2& key : (*graphs)[i].world_from_key) {
+      const Pose2 pose = is_own[i] != 0 ? key : Pose2();
+      numbers.insert(numbers.end(), {pose.x, pose.y, pose.yaw});
+    }
+  }
+  SumOverPeers(peers, &numbers);
+  const double* next = numbers.data();
+  for (KeyframeGraph& graph : *graphs) {
+    for (Pose2& key : graph.world_from_key) {
+      key = Pose2(next);
+      next += 3;
+    }
+  }
+}
+
+}  // namespace plumbline

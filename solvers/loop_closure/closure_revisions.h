@@ -1,0 +1,32 @@
+#ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_REVISIONS_H_
+#define PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_REVISIONS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/peers.h"
+#include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+
+namespace plumbline {
+
+/// Closures that are taken out of a graph, or into it, together.
+using Revision = std::vector<RelativePoseConstraint>;
+
+/// The graph with closures that it did not have.
+KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys);
+
+/// The graph without some of its closures, which it refuses from now on. What they contradicted
+/// gets another chance.
+KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys);
+
+/// The matches that nearly became closures, each by itself; the best ones, at most so many.
+std::vector<Revision> TentativeMatches(const KeyframeGraph& keys, std::size_t most);
+
+/// Moves the keyframes of each graph to its optimum (OptimizeKeyframes). Processes that share the
+/// drive share the work; peers: null if there are none.
+void OptimizeEach(const Peers* peers, ThreadPool* pool, std::vector<KeyframeGraph>* graphs);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_REVISIONS_H_

@@ -1,0 +1,120 @@
+#include "plumbline/solvers/loop_closure/seed_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/partition.h"
+#include "plumbline/core/share_graph.h"
+#include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/test/core/thread_peers.h"
+
+namespace plumbline {
+namespace {
+
+enum class Trouble { kNone, kCarried, kSlip, kSignLost };
+
+struct Case {
+  const char* name;
+  std::uint64_t seed;
+  Trouble trouble;
+};
+
+void PrintTo(const Case& drive, std::ostream* stream) { *stream << drive.name; }
+
+SlamGraph DriveWith(const Case& drive) {
+  SimulationOptions options;
+  options.seed = drive.seed;
+  options.scan_period_s = 0.5;
+  if (drive.trouble == Trouble::kCarried) options.carry = {60.0, 4.0};
+  if (drive.trouble == Trouble::kSlip) {
+    options.odometry_leap = {60.0, 1.5};
+    options.odometry_leap_duration_s = 6.0;
+  }
+  SimulatedLog log;
+  EXPECT_TRUE(
+      Simulate(World(GenerateBuilding(BuildingKind::kRandom, drive.seed)), options, &log).ok());
+  SlamGraph graph;
+  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+  if (drive.trouble != Trouble::kSignLost) return graph;
+  MeasurementCorrections lost;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    lost.odometry.push_back(step.from_from_to);
+    lost.odometry.back().x = std::abs(lost.odometry.back().x);
+  }
+  return graph.Corrected(lost);
+}
+
+class SeedSharedDriveTest : public testing::TestWithParam<Case> {};
+
+// Steps, closures, hypotheses and poses.
+void ExpectSame(const SeedingReport& report, const SeedingReport& expected) {
+  EXPECT_EQ(report.sequential.num_keyframes, expected.sequential.num_keyframes);
+  EXPECT_EQ(report.sequential.num_recovered, expected.sequential.num_recovered);
+  EXPECT_EQ(report.sequential.num_unmatched, expected.sequential.num_unmatched);
+  EXPECT_EQ(report.sequential.odometry_sign.num_decided,
+            expected.sequential.odometry_sign.num_decided);
+  EXPECT_EQ(report.sequential.odometry_sign.sign_lost, expected.sequential.odometry_sign.sign_lost);
+  EXPECT_EQ(report.loops.num_candidates, expected.loops.num_candidates);
+  EXPECT_EQ(report.loops.num_closures, expected.loops.num_closures);
+  ASSERT_EQ(report.loops.suspect_steps.size(), expected.loops.suspect_steps.size());
+  for (std::size_t i = 0; i < report.loops.suspect_steps.size(); ++i) {
+    EXPECT_EQ(report.loops.suspect_steps[i].first_pose_after,
+              expected.loops.suspect_steps[i].first_pose_after);
+  }
+  EXPECT_EQ(report.hypotheses.size(), expected.hypotheses.size());
+  EXPECT_EQ(report.consistency.between_passes.num_compared,
+            expected.consistency.between_passes.num_compared);
+  EXPECT_EQ(report.consistency.between_passes.num_conflicting,
+            expected.consistency.between_passes.num_conflicting);
+}
+
+TEST_P(SeedSharedDriveTest, IsTheSeedOfOneProcess) {
+  const SlamGraph whole = DriveWith(GetParam());
+  const ReturnNormalOptions normals = NormalOptionsFor(RangeBeamOptions());
+  ThreadPool pool(1);
+  SeededDrive expected;
+  SeedingReport expected_report;
+  ASSERT_TRUE(SeedDrive(SeedingOptions(), MotionOptions(), MeasureSurface(whole, normals, &pool),
+                        nullptr, &pool, whole, &expected, &expected_report)
+                  .ok());
+  for (const int size : {2, 3}) {
+    SCOPED_TRACE(size);
+    RunOnPeers(size, [&](const Peers& peers) {
+      SlamGraph part = whole;
+      ASSERT_TRUE(ShareGraph(&peers, PartitionByTime(whole.num_poses(), size), &part).ok());
+      ThreadPool one_thread(1);
+      std::vector<Pose2> poses;
+      SeedingReport report;
+      ASSERT_TRUE(SeedSharedDrive(SeedingOptions(), MotionOptions(), normals, nullptr, &one_thread,
+                                  &part, &poses, &report)
+                      .ok());
+      ExpectSame(report, expected_report);
+      ASSERT_EQ(poses.size(), expected.world_from_robot.size());
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        EXPECT_EQ(poses[i].x, expected.world_from_robot[i].x);
+        EXPECT_EQ(poses[i].y, expected.world_from_robot[i].y);
+        EXPECT_EQ(poses[i].yaw, expected.world_from_robot[i].yaw);
+      }
+      EXPECT_EQ(part.rank_of_pose(),
+                PartitionByPlace(PoseArray(poses), ReturnsPerPose(whole), size));
+    });
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Drives, SeedSharedDriveTest,
+                         testing::Values(Case{"Sound", 3, Trouble::kNone},
+                                         Case{"Carried", 5, Trouble::kCarried},
+                                         Case{"Slip", 7, Trouble::kSlip},
+                                         Case{"SignLost", 4, Trouble::kSignLost}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+}  // namespace
+}  // namespace plumbline
