@@ -25,16 +25,17 @@ int OctantOf(const Eigen::Vector2d& normal) {
   return (x > 0.0 ? 4 : 0) | (y > 0.0 ? 2 : 0) | (std::abs(x) > std::abs(y) ? 1 : 0);
 }
 
-SurfacePoints PointsInReach(const std::vector<const SurfacePoints*>& scans,
+template <typename Scan>
+SurfacePoints PointsInReach(const std::vector<const Scan*>& scans,
                             const std::vector<Pose2>& world_from_robot) {
   std::size_t num_points = 0;
-  for (const SurfacePoints* scan : scans) num_points += scan->size();
+  for (const Scan* scan : scans) num_points += scan->size();
   SurfacePoints points;
   points.reserve(num_points);
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const FrameChange world_from_scan(world_from_robot[i]);
-    for (const SurfacePoint& point : *scans[i]) {
-      const SurfacePoint in_world = world_from_scan * point;
+    for (std::size_t k = 0; k < scans[i]->size(); ++k) {
+      const SurfacePoint in_world = world_from_scan * (*scans[i])[k];
       const Eigen::Vector2d offset = in_world.position - world_from_robot.front().translation();
       if (offset.cwiseAbs().maxCoeff() <= kReachM) points.push_back(in_world);
     }
@@ -64,7 +65,15 @@ LocalMap::LocalMap(double cell_m)
 
 void LocalMap::Rebuild(const std::vector<const SurfacePoints*>& scans,
                        const std::vector<Pose2>& world_from_robot) {
-  const SurfacePoints raw = PointsInReach(scans, world_from_robot);
+  RebuildOf(PointsInReach(scans, world_from_robot));
+}
+
+void LocalMap::Rebuild(const std::vector<const PackedSurface*>& scans,
+                       const std::vector<Pose2>& world_from_robot) {
+  RebuildOf(PointsInReach(scans, world_from_robot));
+}
+
+void LocalMap::RebuildOf(const SurfacePoints& raw) {
   LayGrid(raw);
   AverageCells(raw, SortIntoBuckets(raw));
 }

@@ -24,6 +24,8 @@ class LocalMap {
   /// Replaces the content: scans[i] is seen from world_from_robot[i].
   void Rebuild(const std::vector<const SurfacePoints*>& scans,
                const std::vector<Pose2>& world_from_robot);
+  void Rebuild(const std::vector<const PackedSurface*>& scans,
+               const std::vector<Pose2>& world_from_robot);
 
   /// The point nearest to `query` within max_distance_m whose normal is within 45 degrees of the
   /// query's, or null. hint: a point of this map that is perhaps near, as the nearest one before
@@ -41,6 +43,7 @@ class LocalMap {
     int cell;  // in its bucket, by direction of the normal
   };
 
+  void RebuildOf(const SurfacePoints& raw);
   void LayGrid(const SurfacePoints& raw);
   std::vector<RawPoint> SortIntoBuckets(const SurfacePoints& raw);
   void AverageCells(const SurfacePoints& raw, const std::vector<RawPoint>& sorted);

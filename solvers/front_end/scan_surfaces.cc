@@ -20,20 +20,20 @@ struct ScanSurfaces::Guests {
 };
 
 ScanSurfaces::ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured)
-    : ScanSurfaces(&graph, &measured, std::vector<SurfacePoints>(graph.all_scans().size())) {}
+    : ScanSurfaces(&graph, &measured, std::vector<PackedSurface>(graph.all_scans().size())) {}
 
 ScanSurfaces::ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
-                           std::vector<SurfacePoints> kept)
+                           std::vector<PackedSurface> kept)
     : ScanSurfaces(&graph, &measured, std::move(kept)) {}
 
-ScanSurfaces::ScanSurfaces(const SlamGraph& graph, std::vector<SurfacePoints> all)
+ScanSurfaces::ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all)
     : ScanSurfaces(&graph, nullptr, std::move(all)) {}
 
 ScanSurfaces::ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measured,
-                           std::vector<SurfacePoints> kept)
+                           std::vector<PackedSurface> kept)
     : graph_(graph),
       measured_(measured),
-      kept_(std::make_shared<std::vector<SurfacePoints>>(std::move(kept))) {
+      kept_(std::make_shared<std::vector<PackedSurface>>(std::move(kept))) {
   std::vector<int> scan_of_pose(graph->num_poses(), -1);
   for (int scan = graph->num_scans() - 1; scan >= 0; --scan) {
     if (!IsEmpty(scan)) scan_of_pose[graph->scan(scan).pose] = graph->IdAmongAll(scan);
@@ -51,7 +51,7 @@ ScanSurfaces::ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measur
 }
 
 SurfacePoints ScanSurfaces::Of(int scan) const {
-  if (measured_ == nullptr || !Kept(scan).empty()) return Kept(scan);
+  if (measured_ == nullptr || !Kept(scan).empty()) return Kept(scan).Unpacked();
   const Place place = Find(scan);
   return ThinnedSurfaceOf(*place.graph, place.scan, *place.measured, kPointSpacingM);
 }

@@ -26,9 +26,9 @@ class ScanSurfaces {
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured);
   /// The same, and keeps these; kept: per scan, empty for those that are not kept.
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
-               std::vector<SurfacePoints> kept);
+               std::vector<PackedSurface> kept);
   /// Refers to the graph, and keeps these, one per scan: all that there are.
-  ScanSurfaces(const SlamGraph& graph, std::vector<SurfacePoints> all);
+  ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all);
 
   const SlamGraph& graph() const { return *graph_; }
   /// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
@@ -36,7 +36,7 @@ class ScanSurfaces {
   const std::vector<int>& scan_of_pose() const { return *scan_of_pose_; }
 
   /// Of a scan that is kept.
-  const SurfacePoints& Kept(int scan) const { return (*kept_)[scan]; }
+  const PackedSurface& Kept(int scan) const { return (*kept_)[scan]; }
   /// Of any scan that is known.
   SurfacePoints Of(int scan) const;
   /// Likewise.
@@ -47,10 +47,10 @@ class ScanSurfaces {
   ScanSurfaces With(const std::vector<int>& scans) const;
 
   /// Not while others read the scan.
-  void Keep(int scan, SurfacePoints points) { (*kept_)[scan] = std::move(points); }
+  void Keep(int scan, PackedSurface points) { (*kept_)[scan] = std::move(points); }
   /// The ones that are kept, per scan; empty for the others.
-  const std::vector<SurfacePoints>& kept() const { return *kept_; }
-  std::vector<SurfacePoints> TakeKept() && { return std::move(*kept_); }
+  const std::vector<PackedSurface>& kept() const { return *kept_; }
+  std::vector<PackedSurface> TakeKept() && { return std::move(*kept_); }
 
  private:
   // Scans of other processes.
@@ -63,14 +63,14 @@ class ScanSurfaces {
   };
 
   ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measured,
-               std::vector<SurfacePoints> kept);
+               std::vector<PackedSurface> kept);
   bool IsEmpty(int own_scan) const;
   bool IsKnown(int scan) const;
   Place Find(int scan) const;
 
   const SlamGraph* graph_;
   const MeasuredSurface* measured_;  // null: all are kept
-  std::shared_ptr<std::vector<SurfacePoints>> kept_;
+  std::shared_ptr<std::vector<PackedSurface>> kept_;
   std::shared_ptr<const std::vector<int>> scan_of_pose_;
   // Of the graph, by ids among all; -1 for those of others. Null if it has no peers.
   std::shared_ptr<const std::vector<int>> own_scan_;

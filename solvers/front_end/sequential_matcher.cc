@@ -105,13 +105,13 @@ ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& s
   return match;
 }
 
-void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, SurfacePoints surface, double path_m,
-                                         const ScanMatch& match) {
+void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, const SurfacePoints& surface,
+                                         double path_m, const ScanMatch& match) {
   if (IsCovered(match.world_from_robot)) return;
   keyframes_.push_back({pose, scan, path_m,
                         RotateAxes(match.information, -match.world_from_robot.yaw),
                         std::exchange(after_unmatched_, false)});
-  key_surfaces_.push_back(std::move(surface));
+  key_surfaces_.emplace_back(surface);
   key_poses_.push_back(match.world_from_robot);
   RebuildMap();
 }
@@ -206,7 +206,7 @@ void SequentialMatcher::RebuildMap() {
   if (static_cast<int>(by_distance.size()) > kMaxKeyframesInMap) {
     by_distance.resize(kMaxKeyframesInMap);
   }
-  std::vector<const SurfacePoints*> scans;
+  std::vector<const PackedSurface*> scans;
   std::vector<Pose2> poses;
   in_map_.clear();
   for (const auto& [distance, age] : by_distance) {

@@ -31,11 +31,11 @@ class SequentialMatcher {
                   SequentialSeedingReport* report);
 
   /// Makes the scan a keyframe if the local map has none near its pose. path_m: driven so far.
-  void MaybeAddKeyframe(int pose, int scan, SurfacePoints surface, double path_m,
+  void MaybeAddKeyframe(int pose, int scan, const SurfacePoints& surface, double path_m,
                         const ScanMatch& match);
 
   std::vector<Keyframe> TakeKeyframes() { return std::move(keyframes_); }
-  std::vector<SurfacePoints> TakeKeySurfaces() { return std::move(key_surfaces_); }
+  std::vector<PackedSurface> TakeKeySurfaces() { return std::move(key_surfaces_); }
 
  private:
   PosePrediction Predict(const Pose2& previous, const Pose2& step) const;
@@ -55,7 +55,7 @@ class SequentialMatcher {
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;
-  std::vector<SurfacePoints> key_surfaces_;  // per keyframe
+  std::vector<PackedSurface> key_surfaces_;  // per keyframe
   std::vector<Pose2> key_poses_;             // likewise
   std::vector<int> in_map_;                  // indices of the keyframes in the local map
   LocalMap map_;

@@ -125,7 +125,7 @@ struct MatchedStretch {
   std::vector<Pose2> poses;
   std::vector<Pose2> odometry;
   std::vector<Keyframe> keyframes;
-  std::vector<SurfacePoints> key_surfaces;
+  std::vector<PackedSurface> key_surfaces;
   SequentialSeedingReport report;  // counts only
 };
 
@@ -240,7 +240,7 @@ class DriveMatcher {
       }
       matched.poses.push_back(match.world_from_robot);
       matched.odometry.push_back(step);
-      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, std::move(surface), path_m, match);
+      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, surface, path_m, match);
       if (pose >= stretch.begin) progress->Count();
       if (progress->stopped()) break;
     }

@@ -1,8 +1,25 @@
 #include "plumbline/solvers/front_end/surface_points.h"
 
-#include <cstddef>
-
 namespace plumbline {
+
+PackedSurface::PackedSurface(const SurfacePoints& points) {
+  points_.reserve(points.size());
+  for (const SurfacePoint& point : points) {
+    points_.push_back({point.position.cast<float>(), point.normal.cast<float>()});
+  }
+}
+
+SurfacePoints PackedSurface::Unpacked() const {
+  SurfacePoints points;
+  points.reserve(size());
+  for (std::size_t i = 0; i < size(); ++i) points.push_back((*this)[i]);
+  return points;
+}
+
+std::vector<PackedSurface> Packed(const std::vector<SurfacePoints>& surfaces) {
+  return {surfaces.begin(), surfaces.end()};
+}
+
 std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const MeasuredSurface& measured, double spacing_m,
                                                 ThreadPool* pool) {

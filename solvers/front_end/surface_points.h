@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/measured_surface.h"
@@ -18,6 +19,30 @@ struct SurfacePoint {
   Eigen::Vector2d normal;
 };
 using SurfacePoints = std::vector<SurfacePoint>;
+
+/// The surface points of a scan, in the frame of its robot, where many of them are kept: in single
+/// precision, like the ranges, which takes half the memory.
+class PackedSurface {
+ public:
+  PackedSurface() = default;
+  explicit PackedSurface(const SurfacePoints& points);
+
+  std::size_t size() const { return points_.size(); }
+  bool empty() const { return points_.empty(); }
+  SurfacePoint operator[](std::size_t i) const {
+    return {points_[i].position.cast<double>(), points_[i].normal.cast<double>()};
+  }
+  SurfacePoints Unpacked() const;
+
+ private:
+  struct Point {
+    Eigen::Vector2f position, normal;
+  };
+  std::vector<Point> points_;
+};
+
+/// One per scan.
+std::vector<PackedSurface> Packed(const std::vector<SurfacePoints>& surfaces);
 
 /// A change of frame with its sine and cosine taken once, for many points.
 class FrameChange {

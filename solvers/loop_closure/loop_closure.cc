@@ -166,7 +166,7 @@ class CandidateTester {
 
   // Points of the keyframes within path_m of the center, in the frame of the center.
   LocalMap SubmapAround(int center, double path_m, double cell_m) const {
-    std::vector<const SurfacePoints*> scans{&surfaces_.Kept(keys_.keyframes[center].scan)};
+    std::vector<const PackedSurface*> scans{&surfaces_.Kept(keys_.keyframes[center].scan)};
     std::vector<Pose2> poses{Pose2()};
     for (const int k : Neighbours(center, path_m)) {
       if (k == center) continue;
@@ -197,8 +197,9 @@ class CandidateTester {
     SurfacePoints points;
     for (const int k : keys) {
       const FrameChange frame_from_key(KeyFromKey(frame, k));
-      for (const SurfacePoint& point : surfaces_.Kept(keys_.keyframes[k].scan)) {
-        const SurfacePoint in_frame = frame_from_key * point;
+      const PackedSurface& surface = surfaces_.Kept(keys_.keyframes[k].scan);
+      for (std::size_t i = 0; i < surface.size(); ++i) {
+        const SurfacePoint in_frame = frame_from_key * surface[i];
         if (in_frame.position.cwiseAbs().maxCoeff() <= kSearchReachM) points.push_back(in_frame);
       }
     }

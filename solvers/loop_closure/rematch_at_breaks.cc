@@ -133,7 +133,7 @@ class Rematcher {
   }
 
   void BuildMap(int edge, int sound) {
-    std::vector<const SurfacePoints*> points;
+    std::vector<const PackedSurface*> points;
     std::vector<Pose2> poses;
     for (int k = 0; k < keys_.size(); ++k) {
       const int anchor = k <= edge ? edge : sound;

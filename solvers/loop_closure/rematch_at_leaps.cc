@@ -94,7 +94,7 @@ LocalMap MapAround(int pose, const KeyframeGraph& keys, const ScanSurfaces& surf
   const auto after = std::partition_point(keys.keyframes.begin(), keys.keyframes.end(),
                                           [&](const Keyframe& key) { return key.pose <= pose; });
   const double path_m = after == keys.keyframes.begin() ? 0.0 : std::prev(after)->path_m;
-  std::vector<const SurfacePoints*> scans;
+  std::vector<const PackedSurface*> scans;
   std::vector<Pose2> places;
   const auto first = std::partition_point(
       keys.keyframes.begin(), keys.keyframes.end(),

@@ -105,7 +105,7 @@ ScanSurfaces WithKeyframes(const ScanSurfaces& surfaces, const std::vector<Keyfr
   pool->ForEachChunk(scans.size(), kScansPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) {
-                         with.Keep(scans[i], with.Of(scans[i]));
+                         with.Keep(scans[i], PackedSurface(with.Of(scans[i])));
                        }
                      });
   return with;

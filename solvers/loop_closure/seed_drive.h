@@ -20,7 +20,7 @@ namespace plumbline {
 
 /// A drive whose scans are matched and whose loops are closed.
 struct SeededDrive {
-  std::vector<SurfacePoints> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
+  std::vector<PackedSurface> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
   SequentialTrajectory matched;         ///< where the loops were closed from
   KeyframeGraph keys;                   ///< with the closures in force
   std::vector<Pose2> world_from_robot;  ///< per pose

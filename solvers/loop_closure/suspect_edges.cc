@@ -30,7 +30,7 @@ constexpr double kUsualEvidence = 0.05;
 
 // A scan and where it was taken from.
 struct PlacedScan {
-  const SurfacePoints* surface;
+  const PackedSurface* surface;
   Pose2 world_from_robot;
   const FreeSpaceScan* free_space;
 };
@@ -38,7 +38,7 @@ using Side = std::vector<PlacedScan>;  // the nearest one first
 
 // Share of the first scan's points on surfaces that the other side shows.
 double Overlap(const Side& side, const Side& others) {
-  std::vector<const SurfacePoints*> points;
+  std::vector<const PackedSurface*> points;
   std::vector<Pose2> poses;
   for (const PlacedScan& other : others) {
     points.push_back(other.surface);
@@ -46,7 +46,7 @@ double Overlap(const Side& side, const Side& others) {
   }
   LocalMap map;
   map.Rebuild(points, poses);
-  const SurfacePoints& surface = *side.front().surface;
+  const SurfacePoints surface = side.front().surface->Unpacked();
   const auto num_seen = std::count_if(surface.begin(), surface.end(), [&](const SurfacePoint& p) {
     return map.Nearest(side.front().world_from_robot * p, kSeenM) != nullptr;
   });
@@ -103,14 +103,14 @@ class EdgeEvidence {
     double worst = 0.0;
     Side before{PlacedKey(edge)};
     FreeSpaceScan free_space_before = of_key_[edge - first_known_];
-    SurfacePoints surface_before;
+    PackedSurface surface_before;
     before.front().free_space = &free_space_before;
     for (int pose = keys_.keyframes[edge].pose + 1; pose <= keys_.keyframes[edge + 1].pose;
          ++pose) {
       const int scan = surfaces_.scan_of_pose()[pose];
       if (scan < 0) continue;
       FreeSpaceScan free_space = surfaces_.FreeSpaceOf(scan);
-      SurfacePoints surface = surfaces_.Of(scan);
+      PackedSurface surface(surfaces_.Of(scan));
       Side after{{&surface, poses_[pose], &free_space}};
       const double disagreement = Disagreement(before, after);
       free_space_before = std::move(free_space);

@@ -48,7 +48,7 @@ Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   const int first_pose = set->graph.num_poses(), first_scan = set->graph.num_scans();
   PLUMBLINE_RETURN_IF_ERROR(
       AppendPart(graph, 0, graph.num_poses(), drive.world_from_robot, &set->graph));
-  std::vector<SurfacePoints> surfaces = std::move(set->surfaces).TakeKept();
+  std::vector<PackedSurface> surfaces = std::move(set->surfaces).TakeKept();
   surfaces.insert(surfaces.end(), std::make_move_iterator(drive.surfaces.begin()),
                   std::make_move_iterator(drive.surfaces.end()));
   set->surfaces = ScanSurfaces(set->graph, std::move(surfaces));
@@ -136,7 +136,7 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
       key.path_m += path_m;
       keyframes.push_back(key);
     }
-    const std::vector<SurfacePoints>& kept = set.surfaces.kept();
+    const std::vector<PackedSurface>& kept = set.surfaces.kept();
     joined->surfaces.insert(joined->surfaces.end(), kept.begin() + set.first_scan[session],
                             kept.begin() + set.first_scan[session + 1]);
     joined->first_pose.push_back(joined->graph.num_poses());

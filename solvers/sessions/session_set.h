@@ -20,7 +20,7 @@ struct SessionSet {
   SessionSet& operator=(const SessionSet&) = delete;
 
   SlamGraph graph;  ///< of all sessions; its initial poses are the seeds
-  ScanSurfaces surfaces{graph, std::vector<SurfacePoints>()};  ///< of the keyframes, by scans of it
+  ScanSurfaces surfaces{graph, std::vector<PackedSurface>()};  ///< of the keyframes, by scans of it
   std::vector<KeyframeGraph> keys;  ///< per session, by poses and scans of the graph
   /// Per session, by its own poses and scans.
   std::vector<SequentialTrajectory> matched;
@@ -54,7 +54,7 @@ SessionGroup Concatenated(const SessionGroup& a, const SessionGroup& b, const Po
 /// A group of sessions as if it were one drive, to close its loops.
 struct JoinedDrive {
   SlamGraph graph;                      ///< of the sessions, in the order of the group
-  std::vector<SurfacePoints> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
+  std::vector<PackedSurface> surfaces;  ///< of the keyframes, per scan (ScanSurfaces::kept)
   SequentialTrajectory matched;    ///< each session as rigid as it was before loops were closed
   KeyframeGraph ties;              ///< with the group's closures between sessions alone
   std::vector<int> first_pose{0};  ///< per session of the group; then the number of poses

@@ -72,7 +72,7 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport sequential;
-  ScanSurfaces surfaces(odometry, SurfacesOf(odometry));
+  ScanSurfaces surfaces(odometry, Packed(SurfacesOf(odometry)));
   ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
                                &surfaces, &trajectory, &sequential)
                   .ok());

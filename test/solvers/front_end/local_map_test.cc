@@ -45,7 +45,7 @@ TEST(LocalMap, AveragesPointsOfOneCellAndDirection) {
   LocalMap map(0.1);
   const SurfacePoints first{{{1.02, 2.02}, kUp}}, second{{{0.04, 0.06}, kUp}};
   // The second scan is seen from (1, 2): its point falls into the same cell, at (1.04, 2.06).
-  map.Rebuild({&first, &second}, {Pose2(), Pose2(1.0, 2.0, 0.0)});
+  map.Rebuild(std::vector<const SurfacePoints*>{&first, &second}, {Pose2(), Pose2(1.0, 2.0, 0.0)});
   ASSERT_EQ(map.points().size(), 1u);
   EXPECT_NEAR(map.points()[0].position.x(), 1.03, 1e-12);
   EXPECT_NEAR(map.points()[0].position.y(), 2.04, 1e-12);

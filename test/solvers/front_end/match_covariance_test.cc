@@ -18,7 +18,8 @@ Eigen::Matrix3d CovarianceIn(SyntheticScene scene, double yaw) {
   }
   const std::vector<SurfacePoints> surfaces = SurfacesOf(MakeGraph(scene));
   LocalMap map(0.03);
-  map.Rebuild({&surfaces[0], &surfaces[1]}, {scene.poses[0], scene.poses[1]});
+  map.Rebuild(std::vector<const SurfacePoints*>{&surfaces[0], &surfaces[1]},
+              {scene.poses[0], scene.poses[1]});
   PosePrediction prediction;
   prediction.world_from_robot = scene.poses[2];
   return MatchCovariance(MatchScan(map, surfaces[2], prediction, ScanMatchOptions()).information);

@@ -19,7 +19,7 @@ OdometrySignReport CheckedSign(int num_back, bool keep_sign) {
   AddOdometry([&](const Pose2& step) { return keep_sign ? step : Pose2(std::abs(step.x), 0, 0); },
               &graph);
   ThreadPool pool(2);
-  return CheckOdometrySign(ScanSurfaces(graph, SurfacesOf(graph)), &pool);
+  return CheckOdometrySign(ScanSurfaces(graph, Packed(SurfacesOf(graph))), &pool);
 }
 
 TEST(OdometrySign, RecognisesALostSign) {

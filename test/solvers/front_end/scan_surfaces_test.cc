@@ -20,6 +20,15 @@ SlamGraph TwoViews() {
   return MakeGraph(scene);
 }
 
+void ExpectEqual(const PackedSurface& actual, const SurfacePoints& expected) {
+  const PackedSurface packed(expected);
+  ASSERT_EQ(actual.size(), packed.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) {
+    EXPECT_EQ(actual[i].position, packed[i].position);
+    EXPECT_EQ(actual[i].normal, packed[i].normal);
+  }
+}
+
 void ExpectEqual(const SurfacePoints& actual, const SurfacePoints& expected) {
   ASSERT_EQ(actual.size(), expected.size());
   for (std::size_t i = 0; i < actual.size(); ++i) {
@@ -39,11 +48,11 @@ TEST(ScanSurfaces, MakesWhatItDoesNotKeep) {
     ExpectEqual(surfaces.Of(scan), all[scan]);
   }
   const SurfacePoints other{{{1.0, 2.0}, {0.0, -1.0}}};
-  surfaces.Keep(1, other);
+  surfaces.Keep(1, PackedSurface(other));
   ExpectEqual(surfaces.Kept(1), other);
   ExpectEqual(surfaces.Of(1), other);
   ExpectEqual(surfaces.Of(0), all[0]);
-  const std::vector<SurfacePoints> kept = std::move(surfaces).TakeKept();
+  const std::vector<PackedSurface> kept = std::move(surfaces).TakeKept();
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_TRUE(kept[0].empty());
   ExpectEqual(kept[1], other);
@@ -84,7 +93,7 @@ TEST(ScanSurfaces, OfAPartKnowWhatOtherProcessesHave) {
       const Pose2 apart = Between(whole.InitialPose(own), whole.InitialPose(others));
       EXPECT_EQ(CompareBothWays(viewer, fetched, apart).num_compared,
                 CompareBothWays(viewer, FreeSpaceScan(whole, others), apart).num_compared);
-      with.Keep(others, all[others]);
+      with.Keep(others, PackedSurface(all[others]));
       ExpectEqual(surfaces.Kept(others), all[others]);
     }
   });
@@ -94,8 +103,8 @@ TEST(ScanSurfaces, ThoseThatAreGivenAreAllThereAre) {
   const SlamGraph graph = TwoViews();
   std::vector<SurfacePoints> all = SurfacesOf(graph);
   all[1].clear();
-  const ScanSurfaces surfaces(graph, all);
-  ExpectEqual(surfaces.Of(0), all[0]);
+  const ScanSurfaces surfaces(graph, Packed(all));
+  ExpectEqual(PackedSurface(surfaces.Of(0)), all[0]);
   EXPECT_TRUE(surfaces.Of(1).empty());
   EXPECT_EQ(surfaces.scan_of_pose(), (std::vector<int>{0, -1}));
 }

@@ -23,7 +23,7 @@ SlamGraph DriveRoundTheRoom(int num_back) {
 
 Status SeedWith(const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
                 SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
-  ScanSurfaces surfaces(graph, SurfacesOf(graph));
+  ScanSurfaces surfaces(graph, Packed(SurfacesOf(graph)));
   return SeedSequentially(SequentialSeedingOptions(), MotionOptions(), progress, pool, &surfaces,
                           trajectory, report);
 }
@@ -62,7 +62,7 @@ TEST(SequentialSeeding, MarksTheKeyframeAfterAScanThatMatchesNothing) {
   std::vector<SurfacePoints> all = SurfacesOf(graph);
   constexpr int kStrange = 15;
   for (SurfacePoint& point : all[kStrange]) point.position *= 0.3;
-  ScanSurfaces surfaces(graph, std::move(all));
+  ScanSurfaces surfaces(graph, Packed(all));
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;

@@ -39,7 +39,8 @@ struct Lap {
     ClosureMemory memory;
     LoopClosingReport report;
     EXPECT_TRUE(
-        CloseLoops(ScanSurfaces(graph, surfaces), nullptr, &pool, &memory, &keys, &report).ok());
+        CloseLoops(ScanSurfaces(graph, Packed(surfaces)), nullptr, &pool, &memory, &keys, &report)
+            .ok());
     return report;
   }
 };
@@ -233,9 +234,9 @@ TEST(CloseLoops, ReportsTheLocalClosuresThatWereRefused) {
   ThreadPool pool(2);
   ClosureMemory memory;
   LoopClosingReport report;
-  ASSERT_TRUE(
-      CloseLoops(ScanSurfaces(lap.graph, lap.surfaces), nullptr, &pool, &memory, &lap.keys, &report)
-          .ok());
+  ASSERT_TRUE(CloseLoops(ScanSurfaces(lap.graph, Packed(lap.surfaces)), nullptr, &pool, &memory,
+                         &lap.keys, &report)
+                  .ok());
   // The first keyframe beyond the edge is tried as a local closure only: what lies far enough back
   // on the path for a closure is out of reach.
   const auto is_local = [](const LoopClosureRecord& match) {
@@ -250,7 +251,7 @@ TEST(CloseLoops, StopsWhenItsCallerSaysSo) {
   ClosureMemory memory;
   LoopClosingReport report;
   const Status status = CloseLoops(
-      ScanSurfaces(lap.graph, lap.surfaces),
+      ScanSurfaces(lap.graph, Packed(lap.surfaces)),
       [](SeedingPhase phase, int, int) { return phase != SeedingPhase::kClosingLoops; }, &pool,
       &memory, &lap.keys, &report);
   EXPECT_EQ(status.code(), StatusCode::kUnavailable);
@@ -275,14 +276,14 @@ TEST(CloseLoops, TestsNothingTwice) {
     num_tested += num_total;
     return true;
   };
-  ASSERT_TRUE(
-      CloseLoops(ScanSurfaces(lap.graph, lap.surfaces), count, &pool, &memory, &once, &report)
-          .ok());
+  ASSERT_TRUE(CloseLoops(ScanSurfaces(lap.graph, Packed(lap.surfaces)), count, &pool, &memory,
+                         &once, &report)
+                  .ok());
   EXPECT_GT(num_tested, 0);
   num_tested = 0;
-  ASSERT_TRUE(
-      CloseLoops(ScanSurfaces(lap.graph, lap.surfaces), count, &pool, &memory, &again, &report)
-          .ok());
+  ASSERT_TRUE(CloseLoops(ScanSurfaces(lap.graph, Packed(lap.surfaces)), count, &pool, &memory,
+                         &again, &report)
+                  .ok());
   EXPECT_EQ(num_tested, 0);
   ASSERT_EQ(once.closures.size(), again.closures.size());
   for (int k = 0; k < once.size(); ++k) {

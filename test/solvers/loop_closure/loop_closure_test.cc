@@ -26,7 +26,8 @@ TestedCandidate TestLast(const SyntheticScene& scene, const Pose2& error, double
     if (wide && k < second) candidate.surroundings.push_back(k);
   }
   ThreadPool pool(2);
-  return TestLoopCandidates(ScanSurfaces(graph, SurfacesOf(graph)), keys, {candidate}, &pool)
+  return TestLoopCandidates(ScanSurfaces(graph, Packed(SurfacesOf(graph))), keys, {candidate},
+                            &pool)
       .front();
 }
 

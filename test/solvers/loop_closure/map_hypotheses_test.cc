@@ -21,7 +21,7 @@ namespace {
 struct SimulatedDrive {
   SlamGraph graph;
   std::vector<Pose2> truth;
-  std::vector<SurfacePoints> surfaces;  // of the keyframes, per scan
+  std::vector<PackedSurface> surfaces;  // of the keyframes, per scan
   SequentialTrajectory matched;
 };
 
@@ -33,7 +33,7 @@ SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building = BuildingKin
   EXPECT_TRUE(Simulate(World(GenerateBuilding(building, seed)), options, &log).ok());
   SimulatedDrive drive;
   EXPECT_TRUE(MakeGraph(log, &drive.graph).ok());
-  ScanSurfaces surfaces(drive.graph, SurfacesOf(drive.graph));
+  ScanSurfaces surfaces(drive.graph, Packed(SurfacesOf(drive.graph)));
   ThreadPool pool(1);
   SequentialSeedingReport report;
   EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,

@@ -20,7 +20,7 @@ struct CarriedRobot {
   static constexpr int kEdge = 3;
   std::vector<KeyframeGraph> Join(int num_threads = 2) const {
     ThreadPool pool(num_threads);
-    return JoinParts(ScanSurfaces(graph, surfaces), keys, kEdge, &pool);
+    return JoinParts(ScanSurfaces(graph, Packed(surfaces)), keys, kEdge, &pool);
   }
   Pose2 TrueStep() const { return Between(graph.InitialPose(kEdge), graph.InitialPose(kEdge + 1)); }
 };

@@ -67,7 +67,7 @@ void Break(int edge, int first_after, RepairedLap* lap) {
 
 std::vector<Pose2> Rematched(const RepairedLap& lap) {
   std::vector<Pose2> poses = lap.world_from_robot;
-  RematchAtBreaks(ScanSurfaces(lap.graph, lap.surfaces), lap.keys, lap.odometry, &poses);
+  RematchAtBreaks(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.keys, lap.odometry, &poses);
   return poses;
 }
 

@@ -20,7 +20,8 @@ struct Crossing {
   double ErrorM(int pose) const { return DistanceM(poses[pose], graph.InitialPose(pose)); }
   void Rematch(int num_threads) {
     ThreadPool pool(num_threads);
-    RematchAtLeaps(ScanSurfaces(graph, surfaces), keys, odometry, MotionOptions(), &pool, &poses);
+    RematchAtLeaps(ScanSurfaces(graph, Packed(surfaces)), keys, odometry, MotionOptions(), &pool,
+                   &poses);
   }
 };
 

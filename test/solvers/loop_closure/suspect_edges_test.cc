@@ -45,7 +45,7 @@ struct MatchedLap {
 std::vector<SequentialEdge> EdgesOfLap(int first_moved, const Pose2& error) {
   MatchedLap lap(first_moved, error);
   ThreadPool pool(2);
-  MarkSuspectEdges(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, &pool, &lap.keys);
+  MarkSuspectEdges(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, &pool, &lap.keys);
   return lap.keys.sequential;
 }
 
@@ -85,15 +85,20 @@ TEST(SuspectEdges, TheFirstAndTheLastEdgeAreCheckedToo) {
 TEST(SuspectEdges, TheWorstOfAStretchIsMarkedHoweverLittleItDisagrees) {
   MatchedLap lap(32, Pose2(0.1, -0.06, 0.02));
   ThreadPool pool(1);
-  MarkSuspectEdges(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, &pool, &lap.keys);
+  MarkSuspectEdges(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, &pool, &lap.keys);
   ASSERT_EQ(NumSuspect(lap.keys.sequential), 0);
-  EXPECT_EQ(MarkWorstEdge(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, 4, 18, &lap.keys), 10);
+  EXPECT_EQ(
+      MarkWorstEdge(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, 4, 18, &lap.keys),
+      10);
   EXPECT_GT(lap.keys.sequential[10].evidence, 0.0);
   EXPECT_EQ(lap.keys.sequential[10].first_pose_after, 32);
   EXPECT_EQ(NumSuspect(lap.keys.sequential), 1);
   // Edges beyond the stretch do not count.
-  EXPECT_GE(MarkWorstEdge(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, 12, 20, &lap.keys), 12);
-  EXPECT_LT(MarkWorstEdge(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, 0, 8, &lap.keys), 8);
+  EXPECT_GE(
+      MarkWorstEdge(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, 12, 20, &lap.keys),
+      12);
+  EXPECT_LT(
+      MarkWorstEdge(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, 0, 8, &lap.keys), 8);
 }
 
 TEST(SuspectEdges, WhatLiesBetweenSessionsIsNotSuspect) {
@@ -101,7 +106,7 @@ TEST(SuspectEdges, WhatLiesBetweenSessionsIsNotSuspect) {
   MatchedLap lap(kMoved, Pose2(0.8, 0.5, 0.3));
   for (int edge : {kEdge, kEdge + 1}) lap.keys.sequential[edge].between_sessions = true;
   ThreadPool pool(2);
-  MarkSuspectEdges(ScanSurfaces(lap.graph, lap.surfaces), lap.poses, &pool, &lap.keys);
+  MarkSuspectEdges(ScanSurfaces(lap.graph, Packed(lap.surfaces)), lap.poses, &pool, &lap.keys);
   EXPECT_EQ(NumSuspect(lap.keys.sequential), 0);
 }
 

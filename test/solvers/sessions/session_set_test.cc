@@ -38,7 +38,7 @@ Session MakeSession(const Pose2& moved) {
     EXPECT_TRUE(session.graph.AddScanOf(true_graph, pose, pose).ok());
   }
   AddOdometry([](const Pose2& step) { return step; }, &session.graph);
-  session.drive.surfaces = SurfacesOf(session.graph);
+  session.drive.surfaces = Packed(SurfacesOf(session.graph));
   for (int pose = 0; pose < 3; ++pose) {
     const Pose2 at = moved * scene.poses[pose];
     session.drive.world_from_robot.push_back(at);
