@@ -1,5 +1,7 @@
 #include "plumbline/core/measured_surface.h"
 
+#include <cstddef>
+
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/thread_pool.h"
 
@@ -15,7 +17,6 @@ MeasuredSurface MeasureSurface(const SlamGraph& graph, const ReturnNormalOptions
 void ExtendSurface(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                    ThreadPool* pool, MeasuredSurface* surface) {
   ExtendReturnNormals(graph, first_scan, options, pool, &surface->normals);
-  surface->options = options;
 }
 
 }  // namespace plumbline

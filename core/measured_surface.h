@@ -9,13 +9,13 @@
 namespace plumbline {
 
 class ThreadPool;
+struct ReturnNormalOptions;
 
 /// What the scans saw of the surfaces, per return and in the frame of its robot: fixed while poses
 /// move. Where the beams ended the graph knows, ScanReturns::PointInRobot; a copy would be twice
 /// what every pass over the returns has to read.
 struct MeasuredSurface {
   std::vector<ReturnNormal> normals;  ///< see ExtendReturnNormals
-  ReturnNormalOptions options;        ///< how they were estimated
 };
 
 /// Estimates the normals.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <string>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/pose_frame.h"
@@ -82,17 +81,6 @@ class ReturnNormal {
 };
 
 inline constexpr ReturnNormal::Sectors ReturnNormal::kSectors = ReturnNormal::MakeSectors();
-
-/// How surface normals are read off a single scan.
-struct ReturnNormalOptions {
-  /// Half length [m] of the stretch of surface that a normal is fitted to. In metres, not beams,
-  /// so that close surfaces do not get their normals from range noise: six times the range noise
-  /// and more.
-  double half_window_m = 0.08;
-
-  /// False if a field is out of range; *error, if not null, then says which.
-  bool Check(std::string* error) const;
-};
 
 }  // namespace plumbline
 

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_CORE_RETURN_NORMALS_H_
 #define PLUMBLINE_CORE_RETURN_NORMALS_H_
 
+#include <string>
 #include <vector>
 
 #include "plumbline/core/return_normal.h"
@@ -8,6 +9,16 @@
 #include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
+
+/// How surface normals are read off a single scan.
+struct ReturnNormalOptions {
+  /// Half length [m] of the stretch of surface that a normal is fitted to. In metres, not beams,
+  /// so that close surfaces do not get their normals from range noise: six times the range noise
+  /// and more.
+  double half_window_m = 0.08;
+
+  bool Check(std::string* error) const;
+};
 
 /// Estimates one surface normal per return of the scans from first_scan on, in the frame of its
 /// robot, turned towards the laser, and adds them to those of the scans before. None where a return

@@ -13,7 +13,7 @@ namespace plumbline {
 namespace {
 
 // Sent at a time to each process: little beside a graph that is worth sharing.
-constexpr std::size_t kPieceBytes = std::size_t{1} << 23;
+constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
 
 struct TimedGuess {
   Pose2 world_from_robot;
@@ -104,16 +104,44 @@ std::vector<int> OwnScans(const SlamGraph& graph) {
   return own_scan;
 }
 
+// The scans of a graph on their way to another one, with what they saw if that goes along.
+struct Source {
+  const SlamGraph& graph;
+  const MeasuredSurface* surface;  // may be null
+
+  void Pack(int scan, std::vector<char>* bytes) const {
+    graph.PackScan(scan, bytes);
+    if (surface == nullptr) return;
+    const ScanEntry& entry = graph.scan(scan);
+    const char* normals =
+        reinterpret_cast<const char*>(surface->normals.data() + entry.first_return);
+    bytes->insert(bytes->end(), normals, normals + sizeof(ReturnNormal) * entry.num_returns);
+  }
+};
+
+// Gives the place behind the bytes of the scan. surface: null if what it saw is not among them.
+const char* Unpack(const char* bytes, SlamGraph* graph, MeasuredSurface* surface) {
+  bytes = graph->AddPackedScan(bytes);
+  if (surface == nullptr) return bytes;
+  const std::size_t num_before = surface->normals.size();
+  surface->normals.resize(graph->num_returns());
+  const std::size_t num_bytes = sizeof(ReturnNormal) * (graph->num_returns() - num_before);
+  if (num_bytes > 0) std::memcpy(surface->normals.data() + num_before, bytes, num_bytes);
+  return bytes + num_bytes;
+}
+
 // Gives a part its scans. source: where this process has some of them, or null. rank_of_source: of
-// each pose; empty if process 0 has all of them.
-void MoveScans(const SlamGraph* source, const std::vector<int>& rank_of_source, SlamGraph* part) {
+// each pose; empty if process 0 has all of them. surface: may be null.
+void MoveScans(const Source* source, const std::vector<int>& rank_of_source, SlamGraph* part,
+               MeasuredSurface* surface) {
   ReserveOwnReturns(part);
   const Peers& peers = *part->peers();
   const std::vector<ScanEntry>& all = part->all_scans();
   const auto source_of = [&](const ScanEntry& scan) {
     return rank_of_source.empty() ? 0 : rank_of_source[scan.pose];
   };
-  const std::vector<int> own_scan = source != nullptr ? OwnScans(*source) : std::vector<int>();
+  const std::vector<int> own_scan =
+      source != nullptr ? OwnScans(source->graph) : std::vector<int>();
   for (std::size_t first = 0; first < all.size();) {
     std::vector<std::vector<char>> pieces(peers.size());
     std::vector<std::size_t> num_bytes(peers.size());
@@ -124,7 +152,7 @@ void MoveScans(const SlamGraph* source, const std::vector<int>& rank_of_source, 
       const int rank = part->rank_of_pose()[scan.pose];
       num_bytes[rank] += sizeof(scan) + 3 * sizeof(float) * scan.num_returns;
       fullest = std::max(fullest, num_bytes[rank]);
-      if (source_of(scan) == peers.rank()) source->PackScan(own_scan[end], &pieces[rank]);
+      if (source_of(scan) == peers.rank()) source->Pack(own_scan[end], &pieces[rank]);
     }
     const std::vector<std::vector<char>> received = peers.Exchange(pieces);
     std::vector<const char*> next;
@@ -133,7 +161,7 @@ void MoveScans(const SlamGraph* source, const std::vector<int>& rank_of_source, 
     for (; first < end; ++first) {
       if (!part->HasScansOf(all[first].pose)) continue;
       const char*& scan = next[source_of(all[first])];
-      scan = part->AddPackedScan(scan);
+      scan = Unpack(scan, part, surface);
     }
   }
 }
@@ -151,6 +179,37 @@ Status MakePart(const Peers* peers, Outline outline, SlamGraph* part) {
   PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, part));
   part->ShareWith(peers, std::move(outline.rank_of_pose), std::move(outline.scans));
   return Status::Ok();
+}
+
+// surface: of the fetched scans, or null.
+SlamGraph Fetch(const Source& source, const std::vector<int>& ids_among_all,
+                MeasuredSurface* surface) {
+  const SlamGraph& graph = source.graph;
+  const Peers& peers = *graph.peers();
+  const auto rank_of = [&graph](int id) {
+    return graph.rank_of_pose()[graph.all_scans()[id].pose];
+  };
+  std::vector<std::vector<int>> requests(peers.size());
+  for (const int id : ids_among_all) requests[rank_of(id)].push_back(id);
+  const std::vector<int> own_scan = OwnScans(graph);
+  std::vector<std::vector<char>> replies;
+  for (const std::vector<int>& request : ExchangeValues(peers, requests)) {
+    std::vector<char>& reply = replies.emplace_back();
+    for (const int id : request) source.Pack(own_scan[id], &reply);
+  }
+  const std::vector<std::vector<char>> received = peers.Exchange(replies);
+  replies.clear();
+  std::vector<const char*> next;
+  next.reserve(received.size());
+  for (const std::vector<char>& scans : received) next.push_back(scans.data());
+  SlamGraph fetched;
+  const Status added = AddLasersAndPoses(OutlineOf(graph), &fetched);
+  if (!added.ok()) throw std::logic_error(added.message());  // they were added before
+  for (const int id : ids_among_all) {
+    const char*& scan = next[rank_of(id)];
+    scan = Unpack(scan, &fetched, surface);
+  }
+  return fetched;
 }
 
 }  // namespace
@@ -171,50 +230,32 @@ Status ShareGraph(const Peers* peers, std::vector<int> ranks, SlamGraph* graph) 
   Broadcast(peers, &rank_of_pose);
   SlamGraph part;
   PLUMBLINE_RETURN_IF_ERROR(MakePart(peers, std::move(outline), &part));
-  MoveScans(SpeaksForAll(peers) ? graph : nullptr, {}, &part);
+  const Source source{*graph, nullptr};
+  MoveScans(SpeaksForAll(peers) ? &source : nullptr, {}, &part, nullptr);
   *graph = std::move(part);
   return Status::Ok();
 }
 
-void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part) {
+void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface) {
   Outline outline = OutlineOf(*part);
   outline.rank_of_pose = std::move(rank_of_pose);
   SlamGraph other;
   const Status made = MakePart(part->peers(), std::move(outline), &other);
   if (!made.ok()) throw std::logic_error(made.message());  // so it was made before
-  MoveScans(part, part->rank_of_pose(), &other);
+  const Source source{*part, surface};
+  MeasuredSurface other_surface;
+  MoveScans(&source, part->rank_of_pose(), &other, &other_surface);
   *part = std::move(other);
+  *surface = std::move(other_surface);
 }
 
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all) {
-  const Peers& peers = *graph.peers();
-  const auto rank_of = [&graph](int id) {
-    return graph.rank_of_pose()[graph.all_scans()[id].pose];
-  };
-  std::vector<std::vector<char>> requests(peers.size());
-  for (const int id : ids_among_all) {
-    const char* bytes = reinterpret_cast<const char*>(&id);
-    requests[rank_of(id)].insert(requests[rank_of(id)].end(), bytes, bytes + sizeof(id));
-  }
-  const std::vector<int> own_scan = OwnScans(graph);
-  std::vector<std::vector<char>> replies;
-  for (const std::vector<char>& request : peers.Exchange(requests)) {
-    std::vector<char>& reply = replies.emplace_back();
-    for (std::size_t at = 0; at < request.size(); at += sizeof(int)) {
-      int id = 0;
-      std::memcpy(&id, &request[at], sizeof(id));
-      graph.PackScan(own_scan[id], &reply);
-    }
-  }
-  const std::vector<std::vector<char>> received = peers.Exchange(replies);
-  std::vector<const char*> next;
-  next.reserve(received.size());
-  for (const std::vector<char>& scans : received) next.push_back(scans.data());
-  SlamGraph fetched;
-  const Status added = AddLasersAndPoses(OutlineOf(graph), &fetched);
-  if (!added.ok()) throw std::logic_error(added.message());  // they were added before
-  for (const int id : ids_among_all) next[rank_of(id)] = fetched.AddPackedScan(next[rank_of(id)]);
-  return fetched;
+  return Fetch({graph, nullptr}, ids_among_all, nullptr);
+}
+
+SlamGraph FetchScans(const SlamGraph& graph, const MeasuredSurface& surface,
+                     const std::vector<int>& ids_among_all, MeasuredSurface* fetched_surface) {
+  return Fetch({graph, &surface}, ids_among_all, fetched_surface);
 }
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/slam_graph.h"
 
@@ -14,14 +15,18 @@ namespace plumbline {
 /// Collective. Fails on a graph with corrected lasers that are equal.
 Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph);
 
-/// Divides a graph that is shared in another way: *part becomes the new part of this process.
-/// rank_of_pose: the same in all processes. Collective.
-void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part);
+/// Divides a graph that is shared in another way: *part and what its scans saw become those of the
+/// new part of this process. rank_of_pose: the same in all processes. Collective.
+void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface);
 
 /// Sweeps that other processes have: a graph with all poses and lasers of the part `graph`, and of
 /// the sweeps those with these ids among all, in this order. Collective: every process asks for
 /// what it wants, also if that is nothing.
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all);
+
+/// The same with what they saw. surface: of the part.
+SlamGraph FetchScans(const SlamGraph& graph, const MeasuredSurface& surface,
+                     const std::vector<int>& ids_among_all, MeasuredSurface* fetched_surface);
 
 }  // namespace plumbline
 

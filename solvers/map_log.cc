@@ -170,10 +170,10 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
         return Status::InvalidArgument("processes cannot seed such a log together");
       }
       std::vector<Pose2> world_from_robot;
+      MeasureMissingSurface(options, pool, mapping);
       PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
-                                                NormalOptionsFor(options.solver.factors.beam),
-                                                progress, pool, &mapping->graph, &world_from_robot,
-                                                &seeding));
+                                                progress, pool, &mapping->graph, &mapping->surface,
+                                                &world_from_robot, &seeding));
       return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
     }
     MeasureMissingSurface(options, pool, mapping);

@@ -18,6 +18,15 @@ void KeepOneHeap() {
 #endif
 }
 
+void GiveLargeArraysBack() {
+#ifdef __GLIBC__
+  // NOLINTBEGIN(concurrency-mt-unsafe)
+  mallopt(M_MMAP_MAX, 1 << 16);
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  // NOLINTEND(concurrency-mt-unsafe)
+#endif
+}
+
 void GiveFreedMemoryBack() {
 #ifdef __GLIBC__
   malloc_trim(0);

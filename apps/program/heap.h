@@ -9,6 +9,10 @@ namespace plumbline {
 /// called while there is one thread.
 void KeepOneHeap();
 
+/// From now on gives arrays of a megabyte and more back as soon as they are freed, at the price of
+/// that time, about a twentieth: where several processes share the memory of a machine.
+void GiveLargeArraysBack();
+
 /// Gives the system what is freed so far: between stages of which one leaves much that the next
 /// does not need.
 void GiveFreedMemoryBack();

@@ -9,7 +9,6 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sort_unique.h"
-#include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
 
@@ -70,9 +69,7 @@ ScanSurfaces ScanSurfaces::With(const std::vector<int>& scans) const {
   }
   SortUnique(&unknown);
   auto guests = std::make_shared<Guests>();
-  guests->graph = FetchScans(*graph_, unknown);
-  ThreadPool one_thread(1);
-  guests->measured = MeasureSurface(guests->graph, measured_->options, &one_thread);
+  guests->graph = FetchScans(*graph_, *measured_, unknown, &guests->measured);
   for (std::size_t i = 0; i < unknown.size(); ++i) {
     guests->scan_of_id.emplace(unknown[i], static_cast<int>(i));
   }

@@ -49,8 +49,7 @@ class RoundsRun final : public JointRun {
     Keep(MarginalEnergyUnder(CurrentLines()));
 
     // A return without a normal has no line, and then says nothing of poses and lines.
-    const MeasuredSurface fitted{WithoutHeldOut(graph_, surface_->normals, ReturnNormal()),
-                                 surface_->options};
+    const MeasuredSurface fitted{WithoutHeldOut(graph_, surface_->normals, ReturnNormal())};
     associated_ = &fitted;
     RunFittedRounds();
     Candidate found = Evaluator().Evaluate(state_.poses, CutSurfaces(state_.poses));

@@ -88,10 +88,11 @@ Status CloseDrive(const ScanSurfaces& surfaces, const SeedingProgress& progress,
   return Status::Ok();
 }
 
-void DivideByPlace(const std::vector<Pose2>& world_from_robot, SlamGraph* part) {
+void DivideByPlace(const std::vector<Pose2>& world_from_robot, SlamGraph* part,
+                   MeasuredSurface* surface) {
   ShareAnew(
       PartitionByPlace(PoseArray(world_from_robot), ReturnsPerPose(*part), part->peers()->size()),
-      part);
+      part, surface);
 }
 
 // Knows and keeps the keyframes, whoever has their scans.
@@ -138,26 +139,24 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
 }
 
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
-                       const ReturnNormalOptions& normals, const SeedingProgress& progress,
-                       ThreadPool* pool, SlamGraph* part, std::vector<Pose2>* world_from_robot,
+                       const SeedingProgress& progress, ThreadPool* pool, SlamGraph* part,
+                       MeasuredSurface* surface, std::vector<Pose2>* world_from_robot,
                        SeedingReport* report) {
   PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
   SequentialTrajectory trajectory;
   {
-    const MeasuredSurface measured = MeasureSurface(*part, normals, pool);
-    ScanSurfaces surfaces(*part, measured);
+    ScanSurfaces surfaces(*part, *surface);
     PLUMBLINE_RETURN_IF_ERROR(
         MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
   }
-  DivideByPlace(trajectory.world_from_robot, part);
+  DivideByPlace(trajectory.world_from_robot, part, surface);
   {
-    const MeasuredSurface measured = MeasureSurface(*part, normals, pool);
     const ScanSurfaces surfaces =
-        WithKeyframes(ScanSurfaces(*part, measured), trajectory.keyframes, pool);
+        WithKeyframes(ScanSurfaces(*part, *surface), trajectory.keyframes, pool);
     KeyframeGraph keys;
     PLUMBLINE_RETURN_IF_ERROR(CloseDrive(surfaces, progress, pool, &trajectory, &keys, report));
   }
-  DivideByPlace(trajectory.world_from_robot, part);
+  DivideByPlace(trajectory.world_from_robot, part, surface);
   *world_from_robot = std::move(trajectory.world_from_robot);
   return Status::Ok();
 }

@@ -5,7 +5,6 @@
 
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose2.h"
-#include "plumbline/core/return_normal.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -32,11 +31,12 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
                  const SlamGraph& graph, SeededDrive* drive, SeedingReport* report);
 
 /// The same for a drive that several processes share, each with the scans of a stretch of it
-/// (PartitionByTime) to begin with. *part is divided anew, first by where the matching puts the
-/// poses, then by the seed (PartitionByPlace). Collective; progress must not stop it.
+/// (PartitionByTime) to begin with. *part, and its surface with it, is divided anew, first by where
+/// the matching puts the poses, then by the seed (PartitionByPlace). Collective; progress must not
+/// stop it.
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
-                       const ReturnNormalOptions& normals, const SeedingProgress& progress,
-                       ThreadPool* pool, SlamGraph* part, std::vector<Pose2>* world_from_robot,
+                       const SeedingProgress& progress, ThreadPool* pool, SlamGraph* part,
+                       MeasuredSurface* surface, std::vector<Pose2>* world_from_robot,
                        SeedingReport* report);
 
 }  // namespace plumbline

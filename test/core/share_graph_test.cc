@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/test/core/synthetic_scene.h"
 #include "plumbline/test/core/thread_peers.h"
 
@@ -105,7 +106,14 @@ TEST(ShareAnewTest, IsAsIfTheGraphHadBeenSharedSoFromTheStart) {
   RunOnParts(whole, 3, [&](const SlamGraph& part) {
     const std::vector<int> ranks = {2, 0, 1, 0, 2, 2};
     SlamGraph moved = part;
-    ShareAnew(ranks, &moved);
+    ThreadPool pool(1);
+    MeasuredSurface surface = MeasureSurface(part, ReturnNormalOptions(), &pool);
+    ShareAnew(ranks, &moved, &surface);
+    const MeasuredSurface anew = MeasureSurface(moved, ReturnNormalOptions(), &pool);
+    ASSERT_EQ(surface.normals.size(), anew.normals.size());
+    for (std::size_t r = 0; r < surface.normals.size(); ++r) {
+      EXPECT_EQ(surface.normals[r].Direction(), anew.normals[r].Direction());
+    }
     SlamGraph expected = whole;
     ASSERT_TRUE(ShareGraph(part.peers(), ranks, &expected).ok());
     EXPECT_EQ(moved.rank_of_pose(), ranks);

@@ -20,8 +20,7 @@ SlamGraph RowOfReturns() {
 
 TEST(SurfacePoints, AreThinnedToTheSpacingInTheFrameOfTheRobot) {
   ThreadPool pool(1);
-  MeasuredSurface surface;
-  surface.normals.assign(5, ReturnNormal({-1.0, 0.0}));
+  const MeasuredSurface surface{std::vector<ReturnNormal>(5, ReturnNormal({-1.0, 0.0}))};
   const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.15, &pool);
   ASSERT_EQ(surfaces.size(), 1u);
   ASSERT_EQ(surfaces[0].size(), 3u);
@@ -33,8 +32,7 @@ TEST(SurfacePoints, AreThinnedToTheSpacingInTheFrameOfTheRobot) {
 
 TEST(SurfacePoints, LeaveOutReturnsWithoutSurface) {
   ThreadPool pool(1);
-  MeasuredSurface surface;
-  surface.normals.resize(5);
+  MeasuredSurface surface{std::vector<ReturnNormal>(5)};
   surface.normals[3] = ReturnNormal({-1.0, 0.0});
   const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.01, &pool);
   ASSERT_EQ(surfaces[0].size(), 1u);

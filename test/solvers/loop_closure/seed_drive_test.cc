@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <ostream>
@@ -52,6 +53,14 @@ SlamGraph DriveWith(const Case& drive) {
   return graph.Corrected(lost);
 }
 
+bool SameNormals(const MeasuredSurface& a, const MeasuredSurface& b) {
+  return a.normals.size() == b.normals.size() &&
+         std::equal(a.normals.begin(), a.normals.end(), b.normals.begin(),
+                    [](const ReturnNormal& normal, const ReturnNormal& other) {
+                      return normal.Direction() == other.Direction();
+                    });
+}
+
 class SeedSharedDriveTest : public testing::TestWithParam<Case> {};
 
 // Steps, closures, hypotheses and poses.
@@ -93,8 +102,9 @@ TEST_P(SeedSharedDriveTest, IsTheSeedOfOneProcess) {
       ThreadPool one_thread(1);
       std::vector<Pose2> poses;
       SeedingReport report;
-      ASSERT_TRUE(SeedSharedDrive(SeedingOptions(), MotionOptions(), normals, nullptr, &one_thread,
-                                  &part, &poses, &report)
+      MeasuredSurface surface = MeasureSurface(part, normals, &one_thread);
+      ASSERT_TRUE(SeedSharedDrive(SeedingOptions(), MotionOptions(), nullptr, &one_thread, &part,
+                                  &surface, &poses, &report)
                       .ok());
       ExpectSame(report, expected_report);
       ASSERT_EQ(poses.size(), expected.world_from_robot.size());
@@ -105,6 +115,7 @@ TEST_P(SeedSharedDriveTest, IsTheSeedOfOneProcess) {
       }
       EXPECT_EQ(part.rank_of_pose(),
                 PartitionByPlace(PoseArray(poses), ReturnsPerPose(whole), size));
+      EXPECT_TRUE(SameNormals(surface, MeasureSurface(part, normals, &one_thread)));
     });
   }
 }
