@@ -28,7 +28,7 @@ Status CheckGoesWithPeers(const LogRunOptions& options) {
   } refused[] = {{"shape", solver.factors.shape.enabled},
                  {"reduced_polish_sweeps", solver.reduced.polish_sweeps > 0},
                  {"calibrate", options.mapping.calibration.IsOn()},
-                 {"truth", !options.truth.empty()},
+                 {"hits", !options.hits.empty()},
                  {"save_map", options.outputs.save_map}};
   for (const auto& [flag, is_set] : refused) {
     if (!is_set) continue;

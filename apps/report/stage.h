@@ -22,7 +22,7 @@ struct Stage {
 
 /// Measures the map of a graph as it stands, together with the points of its peers (collective). A
 /// state without points has them where the measurements put them. truth: of the graph; may be null,
-/// and is if there are peers.
+/// and has no points if there are peers.
 Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapState& state,
                    const Truth* truth, ThreadPool* pool);
 

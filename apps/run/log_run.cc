@@ -206,8 +206,8 @@ class LogRun {
 
   Stage OdometryStage() {
     if (options_.peers != nullptr) {
-      return MeasureStage("odometry", mapping_.graph, {mapping_.graph.initial_poses(), {}}, nullptr,
-                          &pool_);
+      return MeasureStage("odometry", mapping_.graph, {mapping_.graph.initial_poses(), {}},
+                          TruthOrNull(), &pool_);
     }
     if (!odometry_stage_.valid()) {  // resumed: nothing was seeded
       StartMeasuring();

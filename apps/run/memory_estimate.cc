@@ -25,7 +25,7 @@ constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
 struct Rates {
   double bytes_per_return, bytes_per_scan;
 };
-constexpr Rates kSeeding{24.0, 5e3};
+constexpr Rates kSeeding{24.0, 3.8e3};
 constexpr Rates kResults{40.0, 2e3};
 constexpr Rates kCalibration{50.0, 0.0};
 constexpr double kJointBytesPerScan = 2e3;

@@ -96,12 +96,13 @@ class SlamMpiTest : public ProgramTest {
 
 TEST_F(SlamMpiTest, WritesWhatOneProcessWritesWithAnyNumberOfProcesses) {
   SimulateLog(300);
-  ASSERT_EQ(Slam("a.clf", "", "one").exit_code, 0);
+  const std::string truth = "--truth=" + folder_ + "a.tum";
+  ASSERT_EQ(Slam("a.clf", truth, "one").exit_code, 0);
   const nlohmann::json expected = SummaryIn("one");
   for (const int num_processes : {1, 2, 4}) {
     SCOPED_TRACE(num_processes);
     const std::string folder = "of_" + std::to_string(num_processes);
-    const Outcome run = SlamMpi(num_processes, "a.clf", "", folder);
+    const Outcome run = SlamMpi(num_processes, "a.clf", truth, folder);
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(OwnLines(run), IsEmpty());
     EXPECT_EQ(FilesOf(folder), FilesOf("one"));
@@ -113,6 +114,8 @@ TEST_F(SlamMpiTest, WritesWhatOneProcessWritesWithAnyNumberOfProcesses) {
     EXPECT_NEAR(summary["solver"]["marginal_energy_final"], energy, 1e-6 * energy);
     const double thickness_m = expected["stages"].back()["wall_thickness_m"];
     EXPECT_NEAR(summary["stages"].back()["wall_thickness_m"], thickness_m, 1e-5);
+    const double error_m = expected["stages"].back()["mean_pose_error_m"];
+    EXPECT_NEAR(summary["stages"].back()["mean_pose_error_m"], error_m, 1e-6);
     // Nothing of this was solved.
     EXPECT_EQ(summary["seeding"]["loop_closures"], expected["seeding"]["loop_closures"]);
     EXPECT_TRUE(Result(folder, "map_seed.png") == Result("one", "map_seed.png"));
@@ -153,13 +156,13 @@ TEST_F(SlamMpiTest, SaysOnceWhatIsWrong) {
 }
 
 TEST_F(SlamMpiTest, RefusesByNameWhatProcessesCannotShare) {
-  for (const char* given :
-       {"--solver=ceres", "--shape", "--reduced_polish_sweeps=2", "--calibrate=mounting",
-        "--truth=a.tum", "--save_map", "--fixed_map=map.g2o"}) {
+  for (const char* given : {"--solver=ceres", "--shape", "--reduced_polish_sweeps=2",
+                            "--calibrate=mounting", "--save_map", "--fixed_map=map.g2o"}) {
     const std::string flag = given;
     const Outcome run = SlamMpi(1, "a.clf", flag);
     ExpectOneError(run, kExitWrongUsage, flag.substr(0, flag.find('=')));
   }
+  ExpectOneError(SlamMpi(1, "a.clf", "--truth=a.tum --hits=a.hits"), kExitWrongUsage, "--hits");
   ExpectOneError(SlamMpi(1, "a.clf,b.clf"), kExitWrongUsage, "one log");
 }
 

@@ -26,6 +26,7 @@ struct Case {
   const char* name;
   std::uint64_t seed;
   Trouble trouble;
+  double scan_period_s;
 };
 
 void PrintTo(const Case& drive, std::ostream* stream) { *stream << drive.name; }
@@ -33,7 +34,7 @@ void PrintTo(const Case& drive, std::ostream* stream) { *stream << drive.name; }
 SlamGraph DriveWith(const Case& drive) {
   SimulationOptions options;
   options.seed = drive.seed;
-  options.scan_period_s = 0.5;
+  options.scan_period_s = drive.scan_period_s;
   if (drive.trouble == Trouble::kCarried) options.carry = {60.0, 4.0};
   if (drive.trouble == Trouble::kSlip) {
     options.odometry_leap = {60.0, 1.5};
@@ -121,10 +122,10 @@ TEST_P(SeedSharedDriveTest, IsTheSeedOfOneProcess) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Drives, SeedSharedDriveTest,
-                         testing::Values(Case{"Sound", 3, Trouble::kNone},
-                                         Case{"Carried", 5, Trouble::kCarried},
-                                         Case{"Slip", 7, Trouble::kSlip},
-                                         Case{"SignLost", 4, Trouble::kSignLost}),
+                         testing::Values(Case{"Sound", 3, Trouble::kNone, 0.15},
+                                         Case{"Carried", 5, Trouble::kCarried, 0.5},
+                                         Case{"Slip", 7, Trouble::kSlip, 0.5},
+                                         Case{"SignLost", 4, Trouble::kSignLost, 0.5}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
