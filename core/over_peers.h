@@ -12,8 +12,8 @@
 
 namespace plumbline {
 
-// What is true of all processes that work on one graph. All of it is collective, as Peers has it,
-// and says of a graph without peers what it says of itself.
+// What is true of all processes that work on one graph. All of it but SpeaksForAll and OwnShare is
+// collective, as Peers has it, and says of a graph without peers what it says of itself.
 
 /// Whether this process does what one of them has to do for all.
 inline bool SpeaksForAll(const Peers* peers) { return peers == nullptr || peers->rank() == 0; }

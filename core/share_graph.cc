@@ -12,6 +12,8 @@
 namespace plumbline {
 namespace {
 
+// Range, bearing, beam and normal.
+constexpr std::size_t kMostBytesPerReturn = 12;
 // Sent at a time to each process: little beside a graph that is worth sharing.
 constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
 
@@ -38,11 +40,15 @@ struct Outline {
   std::vector<int> rank_of_pose;
 };
 
+std::vector<LaserModel> LasersOf(const SlamGraph& graph) {
+  std::vector<LaserModel> lasers;
+  for (int laser = 0; laser < graph.num_lasers(); ++laser) lasers.push_back(graph.laser(laser));
+  return lasers;
+}
+
 Outline OutlineOf(const SlamGraph& graph) {
   Outline outline;
-  for (int laser = 0; laser < graph.num_lasers(); ++laser) {
-    outline.lasers.push_back(graph.laser(laser));
-  }
+  outline.lasers = LasersOf(graph);
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     outline.poses.push_back({graph.InitialPose(pose), graph.timestamp_s(pose)});
   }
@@ -59,14 +65,18 @@ Outline OutlineOf(const SlamGraph& graph) {
   return outline;
 }
 
-Status AddLasersAndPoses(const Outline& outline, SlamGraph* graph) {
-  for (std::size_t laser = 0; laser < outline.lasers.size(); ++laser) {
+Status AddLasers(const std::vector<LaserModel>& lasers, SlamGraph* graph) {
+  for (std::size_t laser = 0; laser < lasers.size(); ++laser) {
     int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(outline.lasers[laser], &id));
+    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(lasers[laser], &id));
     if (id == static_cast<int>(laser)) continue;
     return Status::InvalidArgument("lasers " + std::to_string(id) + " and " +
                                    std::to_string(laser) + " are equal");
   }
+  return Status::Ok();
+}
+
+Status AddPoses(const Outline& outline, SlamGraph* graph) {
   for (const TimedGuess& pose : outline.poses) {
     int id = 0;
     PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(pose.world_from_robot, pose.timestamp_s, &id));
@@ -89,19 +99,12 @@ Status AddConstraints(const Outline& outline, SlamGraph* graph) {
   return Status::Ok();
 }
 
-void ReserveOwnReturns(SlamGraph* graph) {
+std::size_t NumOwnReturns(const SlamGraph& part) {
   std::size_t num_returns = 0;
-  for (const ScanEntry& scan : graph->all_scans()) {
-    if (graph->HasScansOf(scan.pose)) num_returns += scan.num_returns;
+  for (const ScanEntry& scan : part.all_scans()) {
+    if (part.HasScansOf(scan.pose)) num_returns += scan.num_returns;
   }
-  graph->ReserveReturns(num_returns);
-}
-
-// The scans of a graph by their ids among all; -1 for those that it lacks.
-std::vector<int> OwnScans(const SlamGraph& graph) {
-  std::vector<int> own_scan(graph.all_scans().size(), -1);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) own_scan[graph.IdAmongAll(scan)] = scan;
-  return own_scan;
+  return num_returns;
 }
 
 // The scans of a graph on their way to another one, with what they saw if that goes along.
@@ -134,14 +137,14 @@ const char* Unpack(const char* bytes, SlamGraph* graph, MeasuredSurface* surface
 // each pose; empty if process 0 has all of them. surface: may be null.
 void MoveScans(const Source* source, const std::vector<int>& rank_of_source, SlamGraph* part,
                MeasuredSurface* surface) {
-  ReserveOwnReturns(part);
+  const std::size_t num_own = NumOwnReturns(*part);
+  part->ReserveReturns(num_own);
+  if (surface != nullptr) surface->normals.reserve(num_own);
   const Peers& peers = *part->peers();
   const std::vector<ScanEntry>& all = part->all_scans();
   const auto source_of = [&](const ScanEntry& scan) {
     return rank_of_source.empty() ? 0 : rank_of_source[scan.pose];
   };
-  const std::vector<int> own_scan =
-      source != nullptr ? OwnScans(source->graph) : std::vector<int>();
   for (std::size_t first = 0; first < all.size();) {
     std::vector<std::vector<char>> pieces(peers.size());
     std::vector<std::size_t> num_bytes(peers.size());
@@ -150,9 +153,10 @@ void MoveScans(const Source* source, const std::vector<int>& rank_of_source, Sla
     for (std::size_t fullest = 0; end < all.size() && fullest < kPieceBytes; ++end) {
       const ScanEntry& scan = all[end];
       const int rank = part->rank_of_pose()[scan.pose];
-      num_bytes[rank] += sizeof(scan) + 3 * sizeof(float) * scan.num_returns;
+      num_bytes[rank] += sizeof(scan) + kMostBytesPerReturn * scan.num_returns;
       fullest = std::max(fullest, num_bytes[rank]);
-      if (source_of(scan) == peers.rank()) source->Pack(own_scan[end], &pieces[rank]);
+      if (source_of(scan) != peers.rank()) continue;
+      source->Pack(OwnScan(source->graph, static_cast<int>(end)), &pieces[rank]);
     }
     const std::vector<std::vector<char>> received = peers.Exchange(pieces);
     std::vector<const char*> next;
@@ -175,7 +179,8 @@ void Broadcast(const Peers* peers, std::vector<T>* values) {
 
 // All of a part but its returns.
 Status MakePart(const Peers* peers, Outline outline, SlamGraph* part) {
-  PLUMBLINE_RETURN_IF_ERROR(AddLasersAndPoses(outline, part));
+  PLUMBLINE_RETURN_IF_ERROR(AddLasers(outline.lasers, part));
+  PLUMBLINE_RETURN_IF_ERROR(AddPoses(outline, part));
   PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, part));
   part->ShareWith(peers, std::move(outline.rank_of_pose), std::move(outline.scans));
   return Status::Ok();
@@ -190,12 +195,15 @@ SlamGraph Fetch(const Source& source, const std::vector<int>& ids_among_all,
     return graph.rank_of_pose()[graph.all_scans()[id].pose];
   };
   std::vector<std::vector<int>> requests(peers.size());
-  for (const int id : ids_among_all) requests[rank_of(id)].push_back(id);
-  const std::vector<int> own_scan = OwnScans(graph);
+  std::size_t num_returns = 0;
+  for (const int id : ids_among_all) {
+    requests[rank_of(id)].push_back(id);
+    num_returns += graph.all_scans()[id].num_returns;
+  }
   std::vector<std::vector<char>> replies;
   for (const std::vector<int>& request : ExchangeValues(peers, requests)) {
     std::vector<char>& reply = replies.emplace_back();
-    for (const int id : request) source.Pack(own_scan[id], &reply);
+    for (const int id : request) source.Pack(OwnScan(graph, id), &reply);
   }
   const std::vector<std::vector<char>> received = peers.Exchange(replies);
   replies.clear();
@@ -203,8 +211,10 @@ SlamGraph Fetch(const Source& source, const std::vector<int>& ids_among_all,
   next.reserve(received.size());
   for (const std::vector<char>& scans : received) next.push_back(scans.data());
   SlamGraph fetched;
-  const Status added = AddLasersAndPoses(OutlineOf(graph), &fetched);
+  const Status added = AddLasers(LasersOf(graph), &fetched);
   if (!added.ok()) throw std::logic_error(added.message());  // they were added before
+  fetched.ReserveReturns(num_returns);
+  if (surface != nullptr) surface->normals.reserve(num_returns);
   for (const int id : ids_among_all) {
     const char*& scan = next[rank_of(id)];
     scan = Unpack(scan, &fetched, surface);
@@ -214,20 +224,18 @@ SlamGraph Fetch(const Source& source, const std::vector<int>& ids_among_all,
 
 }  // namespace
 
-Status ShareGraph(const Peers* peers, std::vector<int> ranks, SlamGraph* graph) {
+Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph) {
   Outline outline;
-  if (SpeaksForAll(peers)) {
-    outline = OutlineOf(*graph);
-    outline.rank_of_pose = std::move(ranks);
-  }
-  auto& [lasers, guesses, fixed_poses, odometry, edges, scans, rank_of_pose] = outline;
+  if (SpeaksForAll(peers)) outline = OutlineOf(*graph);
+  outline.rank_of_pose = std::move(rank_of_pose);
+  auto& [lasers, guesses, fixed_poses, odometry, edges, scans, ranks] = outline;
   Broadcast(peers, &lasers);
   Broadcast(peers, &guesses);
   Broadcast(peers, &fixed_poses);
   Broadcast(peers, &odometry);
   Broadcast(peers, &edges);
   Broadcast(peers, &scans);
-  Broadcast(peers, &rank_of_pose);
+  Broadcast(peers, &ranks);
   SlamGraph part;
   PLUMBLINE_RETURN_IF_ERROR(MakePart(peers, std::move(outline), &part));
   const Source source{*graph, nullptr};
@@ -247,6 +255,16 @@ void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* 
   MoveScans(&source, part->rank_of_pose(), &other, &other_surface);
   *part = std::move(other);
   *surface = std::move(other_surface);
+}
+
+int OwnScan(const SlamGraph& part, int id_among_all) {
+  int begin = 0, end = part.num_scans();
+  while (begin < end) {
+    const int middle = begin + (end - begin) / 2;
+    (part.IdAmongAll(middle) < id_among_all ? begin : end) =
+        part.IdAmongAll(middle) < id_among_all ? middle + 1 : middle;
+  }
+  return begin < part.num_scans() && part.IdAmongAll(begin) == id_among_all ? begin : -1;
 }
 
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all) {

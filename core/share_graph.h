@@ -19,8 +19,11 @@ Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* 
 /// new part of this process. rank_of_pose: the same in all processes. Collective.
 void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface);
 
-/// Sweeps that other processes have: a graph with all poses and lasers of the part `graph`, and of
-/// the sweeps those with these ids among all, in this order. Collective: every process asks for
+/// Which sweep of a part one of all is; -1 if others have it.
+int OwnScan(const SlamGraph& part, int id_among_all);
+
+/// Sweeps that other processes have: a graph of no poses, with all lasers of the part `graph`, and
+/// of the sweeps those with these ids among all, in this order. Collective: every process asks for
 /// what it wants, also if that is nothing.
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all);
 

@@ -117,8 +117,8 @@ bool MapLogOptions::Check(std::string* error) const {
   return false;
 }
 
-Status PrepareSharedLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
-                        LogMapping* mapping) {
+Status TakeLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+               LogMapping* mapping) {
   return CatchExceptions([&] {
     std::string error;
     if (!options.Check(&error)) return Status::InvalidArgument(error);
@@ -146,7 +146,7 @@ Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* poo
                   LogMapping* mapping) {
   return CatchExceptions([&] {
     LogMapping prepared;
-    PLUMBLINE_RETURN_IF_ERROR(PrepareSharedLog(options, std::move(graph), pool, &prepared));
+    PLUMBLINE_RETURN_IF_ERROR(TakeLog(options, std::move(graph), pool, &prepared));
     MeasureMissingSurface(options, pool, &prepared);
     *mapping = std::move(prepared);
     return Status::Ok();
@@ -158,6 +158,24 @@ bool CanSeedTogether(const MapLogOptions& options, const LogMapping& mapping) {
          !mapping.as_swept && !LacksOdometry(mapping.graph);
 }
 
+namespace {
+
+Status SeedLogTogether(const MapLogOptions& options, const SeedingProgress& progress,
+                       ThreadPool* pool, LogMapping* mapping) {
+  if (!CanSeedTogether(options, *mapping)) {
+    return Status::InvalidArgument("processes cannot seed such a log together");
+  }
+  MeasureMissingSurface(options, pool, mapping);
+  std::vector<Pose2> world_from_robot;
+  SeedingReport seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
+                                            progress, pool, &mapping->graph, &mapping->surface,
+                                            &world_from_robot, &seeding));
+  return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
+}
+
+}  // namespace
+
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping) {
   return CatchExceptions([&] {
@@ -166,15 +184,7 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
     std::vector<double> start_poses;
     const bool needs_pose_graph = options.solver.MovesPosesOnly();
     if (mapping->graph.peers() != nullptr) {
-      if (!CanSeedTogether(options, *mapping)) {
-        return Status::InvalidArgument("processes cannot seed such a log together");
-      }
-      std::vector<Pose2> world_from_robot;
-      MeasureMissingSurface(options, pool, mapping);
-      PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
-                                                progress, pool, &mapping->graph, &mapping->surface,
-                                                &world_from_robot, &seeding));
-      return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
+      return SeedLogTogether(options, progress, pool, mapping);
     }
     MeasureMissingSurface(options, pool, mapping);
     if (options.start == StartType::kSeed || needs_pose_graph) {

@@ -62,7 +62,7 @@ struct LogMapping {
   SlamGraph graph;
   /// The measurements with that motion in them; empty where lasers measure all beams at once.
   std::optional<SlamGraph> as_swept;
-  /// What its scans saw, in the graph; empty after RefineLog.
+  /// What its scans saw, in the graph; empty after TakeLog and after RefineLog.
   MeasuredSurface surface;
   /// The estimate: first the initial guesses of the log; then where the solver starts
   /// (MapLogOptions::start); then the map. Before that it has no points: they are where the
@@ -95,9 +95,9 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 
-/// The same for a log that processes are about to share: leaves the surfaces to SeedLog.
-Status PrepareSharedLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
-                        LogMapping* mapping);
+/// The same, but leaves the surfaces to whoever needs them, SeedLog or RefineLog.
+Status TakeLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
+               LogMapping* mapping);
 
 /// Whether processes that share the graph of a log that was prepared (PartitionByTime) can seed it
 /// together: by its scans, if they were measured at once and it has odometry.

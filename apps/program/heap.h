@@ -9,8 +9,8 @@ namespace plumbline {
 /// called while there is one thread.
 void KeepOneHeap();
 
-/// From now on gives arrays of a megabyte and more back as soon as they are freed, at the price of
-/// that time, about a twentieth: where several processes share the memory of a machine.
+/// From now on gives arrays of a megabyte and more back as soon as they are freed, where several
+/// processes share the memory of a machine. A run takes about a twentieth more time.
 void GiveLargeArraysBack();
 
 /// Gives the system what is freed so far: between stages of which one leaves much that the next

@@ -5,12 +5,12 @@
 #include <iomanip>
 #include <iostream>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
 #include "plumbline/apps/io/field_reader.h"
-#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/run_summary.h"
@@ -58,17 +58,11 @@ class LogRun {
     const Peers* peers = options_.peers;
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return Read(); }));
     if (SeedTogether()) {
-      PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return MakeFolder(); }));
-      EndIfStoppedWhile("seeding", output_.made_folders());
-      PLUMBLINE_RETURN_IF_ERROR(ShareLog(peers, &mapping_));
-      PLUMBLINE_RETURN_IF_ERROR(Seed());
-      KeepStopSignal();
-      GiveFreedMemoryBack();
-      ReportSeed();
+      PLUMBLINE_RETURN_IF_ERROR(FindSeed(peers));
       ShareLimits();
       return Status::Ok();
     }
-    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return FindSeed(); }));
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return FindSeed(nullptr); }));
     if (peers == nullptr) return Status::Ok();
     ShareLimits();
     return ShareMapping(peers, options_.mapping, &pool_, &mapping_);
@@ -80,11 +74,13 @@ class LogRun {
     if (peers == nullptr || peers->size() == 1) return false;
     const bool can = SpeaksForAll(peers) && options_.resume.empty() &&
                      CanSeedTogether(options_.mapping, mapping_);
-    return MaxOverPeers(peers, can ? 1.0 : 0.0) > 0.0;
+    return MaxOverPeers(peers, can ? 1.0 : 0.0) > 0.0 && ComputeAlike(*peers);
   }
 
   // All make the same pictures and the same grid together.
   void ShareLimits() {
+    // The speaker may have a checkpoint to write.
+    if (options_.peers != nullptr) options_.peers->WaitForAll();
     std::vector<double> limits;
     if (SpeaksForAll(options_.peers))
       limits = {1.0 * outputs_.picture_side_px, outputs_.map_max_cells};
@@ -105,8 +101,7 @@ class LogRun {
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
     PLUMBLINE_RETURN_IF_ERROR(CheckLimits(graph));
     const auto start = std::chrono::steady_clock::now();
-    PLUMBLINE_RETURN_IF_ERROR(
-        PrepareSharedLog(options_.mapping, std::move(graph), &pool_, &mapping_));
+    PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &mapping_));
     summary_.seed_time_s = SecondsSince(start);
     if (mapping_.report.sweep_order) {
       std::cout << "Sweeps: measured " << ToString(*mapping_.report.sweep_order)
@@ -131,11 +126,14 @@ class LogRun {
     return CheckMemory(memory_, options_.max_memory, graph, solver);
   }
 
-  // The seed: of the scans, or of an earlier run's checkpoint.
-  Status FindSeed() {
+  // The seed: of the scans, or of an earlier run's checkpoint. together: the processes that find it
+  // together; null if this one does alone.
+  Status FindSeed(const Peers* together) {
     if (options_.resume.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());  // what cannot be written is known before the work
+      // What cannot be written is known before the work.
+      PLUMBLINE_RETURN_IF_ERROR(BySpeaker(together, [this] { return MakeFolder(); }));
       EndIfStoppedWhile("seeding", output_.made_folders());
+      if (together != nullptr) PLUMBLINE_RETURN_IF_ERROR(ShareLog(together, &mapping_));
       PLUMBLINE_RETURN_IF_ERROR(Seed());
       KeepStopSignal();
     } else {
@@ -144,22 +142,19 @@ class LogRun {
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
       std::cout << "Seeding: as in " << Legible(options_.resume) << '\n';
     }
-    ReportSeed();
-    return Status::Ok();
-  }
-
-  void ReportSeed() {
+    // Collective if the graph is shared. What it limits, ShareLimits takes from the speaker.
+    const std::string grid_text =
+        FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_);
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
-              << ConsistencyText("The seed", seeding.consistency)
-              << FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_)
-              << std::flush;
-    if (options_.checkpoint.empty() || !SpeaksForAll(options_.peers)) return;
+              << ConsistencyText("The seed", seeding.consistency) << grid_text << std::flush;
+    if (options_.checkpoint.empty() || !SpeaksForAll(together)) return Status::Ok();
     checkpoint_written_ =
         WriteCheckpoint(options_.checkpoint, fingerprint_, mapping_.start_poses, seeding);
     if (checkpoint_written_.ok()) {
       std::cout << "Checkpoint: " << Legible(options_.checkpoint) << std::endl;
     }
+    return Status::Ok();
   }
 
   // Not to be cut off by a signal: it tries out a file.

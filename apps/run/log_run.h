@@ -20,8 +20,8 @@ struct LogRunOptions {
   std::string truth, hits;  ///< of a simulated log, see ReadTruth; may be empty
   std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
   std::string resume;       ///< checkpoint to go on from; may be empty
-  /// Processes that run with the same options and share the work after the seed, which process 0
-  /// finds; null: this one does it all. Without hits, calibration or a saved map then.
+  /// Processes that run with the same options and share the work; null: this one does it all.
+  /// Without hits, calibration or a saved map then.
   const Peers* peers = nullptr;
 };
 

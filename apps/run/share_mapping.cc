@@ -1,11 +1,14 @@
 #include "plumbline/apps/run/share_mapping.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/run/checkpoint.h"
+#include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
@@ -27,6 +30,19 @@ void ShareSeed(const Peers* peers, LogMapping* mapping) {
 }
 
 }  // namespace
+
+bool ComputeAlike(const Peers& peers) {
+  std::vector<double> own;
+  for (int i = 1; i <= 32; ++i) {
+    const double x = 0.37 * i;
+    own.insert(own.end(), {std::sin(x), std::cos(x), std::atan2(x, 1.7), std::exp(-x), std::log(x),
+                           std::sqrt(x), std::hypot(x, 0.9), std::pow(x, 0.3)});
+  }
+  const std::vector<std::vector<double>> all =
+      ExchangeValues(peers, std::vector<std::vector<double>>(peers.size(), own));
+  return std::all_of(all.begin(), all.end(),
+                     [&](const std::vector<double>& of_rank) { return of_rank == own; });
+}
 
 Status ShareLog(const Peers* peers, LogMapping* mapping) {
   mapping->surface = MeasuredSurface();

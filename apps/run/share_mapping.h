@@ -8,7 +8,12 @@
 
 namespace plumbline {
 
-/// Divides a log that process 0 has prepared (PrepareLog) among all processes by time, for SeedLog;
+/// Whether all processes compute the same bits of common functions. Where processors are of several
+/// kinds they may not, and then cannot each take the decisions of the seeding for itself.
+/// Collective.
+bool ComputeAlike(const Peers& peers);
+
+/// Divides a log that process 0 has taken over (TakeLog) among all processes by time, for SeedLog;
 /// process 0 keeps the rest of its report. Collective. What *mapping was elsewhere does not matter.
 Status ShareLog(const Peers* peers, LogMapping* mapping);
 

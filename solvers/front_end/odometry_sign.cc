@@ -25,6 +25,7 @@ constexpr double kMaxRelativeSigma = 0.25;
 constexpr int kMinContradicting = 5;
 constexpr double kMinContradictingShare = 0.002;
 
+// No sign is zero: processes add them up.
 enum StepSign : int { kUndecided = 0, kAgrees, kContradicts };
 
 // Matches scan `to` against scan `from` with no prior on the translation, from standstill.

@@ -42,9 +42,6 @@ ScanSurfaces::ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measur
     for (int& scan : scan_of_pose) ++scan;
     SumOverPeers(graph->peers(), &scan_of_pose);
     for (int& scan : scan_of_pose) --scan;
-    std::vector<int> own_scan(graph->all_scans().size(), -1);
-    for (int scan = 0; scan < graph->num_scans(); ++scan) own_scan[graph->IdAmongAll(scan)] = scan;
-    own_scan_ = std::make_shared<const std::vector<int>>(std::move(own_scan));
   }
   scan_of_pose_ = std::make_shared<const std::vector<int>>(std::move(scan_of_pose));
 }
@@ -86,14 +83,14 @@ bool ScanSurfaces::IsEmpty(int own_scan) const {
 }
 
 bool ScanSurfaces::IsKnown(int scan) const {
-  return (*own_scan_)[scan] >= 0 ||
+  return OwnScan(*graph_, scan) >= 0 ||
          std::any_of(guests_.begin(), guests_.end(),
                      [scan](const auto& guests) { return guests->scan_of_id.count(scan) != 0; });
 }
 
 ScanSurfaces::Place ScanSurfaces::Find(int scan) const {
-  if (own_scan_ == nullptr) return {graph_, measured_, scan};
-  const int own_scan = (*own_scan_)[scan];
+  if (graph_->peers() == nullptr) return {graph_, measured_, scan};
+  const int own_scan = OwnScan(*graph_, scan);
   if (own_scan >= 0) return {graph_, measured_, own_scan};
   for (const auto& guests : guests_) {
     const auto found = guests->scan_of_id.find(scan);

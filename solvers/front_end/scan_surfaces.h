@@ -18,8 +18,8 @@ namespace plumbline {
 /// are made when somebody asks for them.
 ///
 /// Scans go by their ids among all. Of a graph with peers it knows those of the graph and those
-/// that With has fetched; making one is collective then. A copy costs little, and keeps what the
-/// original keeps.
+/// that With has fetched; making one is collective then. Copies cost little, and share what is
+/// kept.
 class ScanSurfaces {
  public:
   /// Refers to both arguments. Keeps none yet.
@@ -27,7 +27,7 @@ class ScanSurfaces {
   /// The same, and keeps these; kept: per scan, empty for those that are not kept.
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
                std::vector<PackedSurface> kept);
-  /// Refers to the graph, and keeps these, one per scan: all that there are.
+  /// Refers to the graph, which has no peers, and keeps these, one per scan: all that there are.
   ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all);
 
   const SlamGraph& graph() const { return *graph_; }
@@ -72,8 +72,6 @@ class ScanSurfaces {
   const MeasuredSurface* measured_;  // null: all are kept
   std::shared_ptr<std::vector<PackedSurface>> kept_;
   std::shared_ptr<const std::vector<int>> scan_of_pose_;
-  // Of the graph, by ids among all; -1 for those of others. Null if it has no peers.
-  std::shared_ptr<const std::vector<int>> own_scan_;
   std::vector<std::shared_ptr<const Guests>> guests_;
 };
 

@@ -25,7 +25,7 @@ constexpr int kRunUpScans = 50;
 // A stretch is long against its run-up, ...
 constexpr double kMinStretchM = 10.0 * kRunUpM;
 constexpr int kMinStretchPoses = 5 * kRunUpScans;
-// ... and more than these would keep no more processors busy.
+// ... and more than these would keep few more processors busy.
 constexpr int kMaxStretches = 16;
 
 // Pose ids: matched from `run_up` to before `end`, and kept from `begin` on.
@@ -91,8 +91,12 @@ int NumPosesAlong(const std::vector<Stretch>& stretches, const std::vector<std::
 // Counts scans on all threads, and tells the caller on its own: it may not expect calls on others.
 class ProgressMeter {
  public:
-  ProgressMeter(const SeedingProgress& progress, int num_total)
-      : progress_(progress), num_total_(num_total), caller_(std::this_thread::get_id()) {}
+  // num_own: of this process, which stand for num_total.
+  ProgressMeter(const SeedingProgress& progress, int num_own, int num_total)
+      : progress_(progress),
+        num_own_(num_own),
+        num_total_(num_total),
+        caller_(std::this_thread::get_id()) {}
 
   // To be called first: the caller hears of the matching whatever its thread does.
   void Begin() {
@@ -103,7 +107,9 @@ class ProgressMeter {
     const int num_done = num_done_++;
     if (progress_ && std::this_thread::get_id() == caller_ && num_done >= next_report_) {
       next_report_ = num_done + kScansPerReport;
-      if (!progress_(SeedingPhase::kMatchingScans, num_done, num_total_)) stopped_ = true;
+      const auto done =
+          static_cast<int>(static_cast<std::int64_t>(num_done) * num_total_ / num_own_);
+      if (!progress_(SeedingPhase::kMatchingScans, done, num_total_)) stopped_ = true;
     }
   }
 
@@ -112,7 +118,7 @@ class ProgressMeter {
 
  private:
   const SeedingProgress& progress_;
-  const int num_total_;
+  const int num_own_, num_total_;
   const std::thread::id caller_;
   static constexpr int kScansPerReport = 100;
   int next_report_ = kScansPerReport;  // of the caller's thread
@@ -183,6 +189,7 @@ class NumberReader {
 // Gives all processes what each has found along its own stretches, but for the surfaces.
 void ShareMatches(const Peers& peers, const std::vector<std::size_t>& own,
                   std::vector<MatchedStretch>* matched) {
+  peers.WaitForAll();  // some may have had no stretch
   std::vector<double> numbers;
   for (const std::size_t i : own) {
     const MatchedStretch& stretch = (*matched)[i];
@@ -331,7 +338,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   }
   const ScanSurfaces at_hand = surfaces->With(ScansAlong(stretches, own, scan_of_pose));
   const DriveMatcher matcher(options, motion, at_hand, odometry, counts.odometry_sign.sign_lost);
-  ProgressMeter meter(progress, NumPosesAlong(stretches, own));
+  ProgressMeter meter(progress, NumPosesAlong(stretches, own), graph.num_poses());
   meter.Begin();
   std::vector<MatchedStretch> matched(stretches.size());
   pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {

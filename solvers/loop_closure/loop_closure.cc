@@ -357,6 +357,23 @@ void ShareResults(const Peers& peers, const std::vector<std::size_t>& own,
   }
 }
 
+// Each process has found those of some candidates, and none of the others.
+void SharePlaces(const Peers& peers, std::vector<std::vector<TestedCandidate>>* of_candidate) {
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < of_candidate->size(); ++i) {
+    for (const TestedCandidate& place : (*of_candidate)[i]) {
+      numbers.push_back(static_cast<double>(i));
+      numbers.resize(numbers.size() + kNumbersPerResult);
+      ToNumbers(place, numbers.data() + numbers.size() - kNumbersPerResult);
+    }
+    (*of_candidate)[i].clear();
+  }
+  numbers = JoinOverPeers(&peers, std::move(numbers));
+  for (std::size_t at = 0; at < numbers.size(); at += 1 + kNumbersPerResult) {
+    (*of_candidate)[static_cast<std::size_t>(numbers[at])].push_back(FromNumbers(&numbers[at + 1]));
+  }
+}
+
 }  // namespace
 
 std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
@@ -385,21 +402,26 @@ std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool) {
   const CandidateTester tester(surfaces, keyframe_graph);
-  std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
-  std::vector<SharedSearch*> search_of_candidate;
   std::deque<SharedSearch> searches;
+  std::vector<std::size_t> search_of_candidate;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (i == 0 || !AreSoughtAlike(candidates[i - 1], candidates[i])) searches.emplace_back();
     ++searches.back().num_left;
-    search_of_candidate.push_back(&searches.back());
+    search_of_candidate.push_back(searches.size() - 1);
   }
+  const Peers* peers = surfaces.graph().peers();
+  std::vector<char> is_own(searches.size(), 0);
+  for (const std::size_t search : OwnShare(peers, searches.size())) is_own[search] = 1;
+  std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
   pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    SharedSearch& search = *search_of_candidate[i];
+    if (is_own[search_of_candidate[i]] == 0) return;
+    SharedSearch& search = searches[search_of_candidate[i]];
     std::call_once(search.made,
                    [&] { search.matcher.emplace(tester.PlacesAround(candidates[i])); });
     of_candidate[i] = tester.FindPlaces(*search.matcher, candidates[i], max_places);
     if (--search.num_left == 0) search.matcher.reset();
   });
+  if (peers != nullptr) SharePlaces(*peers, &of_candidate);
   std::vector<TestedCandidate> places;
   for (const std::vector<TestedCandidate>& of_this : of_candidate) {
     places.insert(places.end(), of_this.begin(), of_this.end());

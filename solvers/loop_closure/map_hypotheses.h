@@ -41,10 +41,11 @@ struct MapHypothesis {
 /// whose clusters of closures are those of here. What decides there is the error of the graph, here
 /// it is what the scans say of free space: two corridors that look alike agree on the graph.
 ///
-/// graph: its poses are those of the odometry as given. motion: the noise of the trajectory's
-/// odometry. surfaces: per scan. ties: null, or the pose graph of a trajectory that is made of
+/// motion: the noise of the trajectory's odometry. surfaces: of the drive, whose initial poses are
+/// those of the odometry as given. ties: null, or the pose graph of a trajectory that is made of
 /// several sessions, with closures between them to begin with. Unavailable if progress stopped it.
-/// The result does not depend on the number of threads.
+/// The result does not depend on the number of threads. Collective if processes share the drive;
+/// progress must not stop it then. So are all functions of this folder that take surfaces.
 Status SearchMapHypotheses(const MotionOptions& motion, const ScanSurfaces& surfaces,
                            const SeedingProgress& progress, ThreadPool* pool,
                            const SequentialTrajectory& matched, const KeyframeGraph* ties,

@@ -197,6 +197,7 @@ class Rematcher {
 void RematchAtBreaks(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
                      const std::vector<Pose2>& odometry, std::vector<Pose2>* world_from_robot) {
   const std::vector<Break> breaks = FindBreaks(keys);
+  if (breaks.empty()) return;
   const ScanSurfaces at_hand = surfaces.With(ScansAt(breaks, keys, surfaces));
   Rematcher rematcher(at_hand, keys, breaks, odometry, world_from_robot);
   for (const Break& here : breaks) rematcher.Rematch(here);

@@ -3,13 +3,18 @@
 #include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "plumbline/core/map_state.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_clock.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
 
@@ -60,6 +65,13 @@ Status CheckOptions(const SeedingOptions& options, const MotionOptions& motion) 
   std::string error;
   const bool good = options.Check(&error) && motion.Check(&error);
   return good ? Status::Ok() : Status::InvalidArgument(error);
+}
+
+Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
+  if (surface.normals.size() == graph.num_returns()) return Status::Ok();
+  return Status::InvalidArgument("seeding needs one normal per return, " +
+                                 std::to_string(graph.num_returns()) + ", but got " +
+                                 std::to_string(surface.normals.size()));
 }
 
 // From scan to scan.
@@ -118,10 +130,9 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
                  const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
                  const SlamGraph& graph, SeededDrive* drive, SeedingReport* report) {
   PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
-  if (surface.normals.size() != graph.num_returns()) {
-    return Status::InvalidArgument("seeding needs one normal per return, " +
-                                   std::to_string(graph.num_returns()) + ", but got " +
-                                   std::to_string(surface.normals.size()));
+  PLUMBLINE_RETURN_IF_ERROR(CheckSurface(surface, graph));
+  if (graph.peers() != nullptr) {
+    return Status::InvalidArgument("the graph is a part of one that processes share");
   }
   SeededDrive seeded;
   ScanSurfaces surfaces(graph, surface);
@@ -143,18 +154,23 @@ Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motio
                        MeasuredSurface* surface, std::vector<Pose2>* world_from_robot,
                        SeedingReport* report) {
   PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
+  PLUMBLINE_RETURN_IF_ERROR(FirstFailure(part->peers(), CheckSurface(*surface, *part)));
+  const SeedingProgress tell = [&progress](SeedingPhase phase, int num_done, int num_total) {
+    if (progress) progress(phase, num_done, num_total);
+    return true;  // others would wait
+  };
   SequentialTrajectory trajectory;
   {
     ScanSurfaces surfaces(*part, *surface);
     PLUMBLINE_RETURN_IF_ERROR(
-        MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
+        MatchDrive(options, motion, tell, pool, &surfaces, &trajectory, report));
   }
   DivideByPlace(trajectory.world_from_robot, part, surface);
   {
     const ScanSurfaces surfaces =
         WithKeyframes(ScanSurfaces(*part, *surface), trajectory.keyframes, pool);
     KeyframeGraph keys;
-    PLUMBLINE_RETURN_IF_ERROR(CloseDrive(surfaces, progress, pool, &trajectory, &keys, report));
+    PLUMBLINE_RETURN_IF_ERROR(CloseDrive(surfaces, tell, pool, &trajectory, &keys, report));
   }
   DivideByPlace(trajectory.world_from_robot, part, surface);
   *world_from_robot = std::move(trajectory.world_from_robot);

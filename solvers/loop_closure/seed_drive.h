@@ -32,7 +32,7 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
 
 /// The same for a drive that several processes share, each with the scans of a stretch of it
 /// (PartitionByTime) to begin with. *part, and its surface with it, is divided anew, first by where
-/// the matching puts the poses, then by the seed (PartitionByPlace). Collective; progress must not
+/// the matching puts the poses, then by the seed (PartitionByPlace). Collective; progress cannot
 /// stop it.
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
                        const SeedingProgress& progress, ThreadPool* pool, SlamGraph* part,

@@ -147,8 +147,12 @@ double UsualEvidence(const std::vector<std::pair<double, int>>& suspects) {
 
 void FindFirstPosesAfter(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
                          const std::vector<int>& edges, KeyframeGraph* keys) {
+  if (edges.empty()) return;
+  const Peers* peers = surfaces.graph().peers();
+  const std::vector<std::size_t> own = OwnShare(peers, edges.size());
   std::vector<int> scans;
-  for (const int edge : edges) {
+  for (const std::size_t i : own) {
+    const int edge = edges[i];
     for (int pose = keys->keyframes[edge].pose + 1; pose <= keys->keyframes[edge + 1].pose;
          ++pose) {
       const int scan = surfaces.scan_of_pose()[pose];
@@ -156,9 +160,14 @@ void FindFirstPosesAfter(const ScanSurfaces& surfaces, const std::vector<Pose2>&
     }
   }
   const ScanSurfaces at_hand = surfaces.With(scans);
-  for (const int edge : edges) {
-    const EdgeEvidence evidence(at_hand, world_from_robot, *keys, edge, edge + 1);
-    keys->sequential[edge].first_pose_after = evidence.FirstPoseAfter(edge);
+  std::vector<int> first_poses(edges.size());
+  for (const std::size_t i : own) {
+    const EdgeEvidence evidence(at_hand, world_from_robot, *keys, edges[i], edges[i] + 1);
+    first_poses[i] = evidence.FirstPoseAfter(edges[i]);
+  }
+  SumOverPeers(peers, &first_poses);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    keys->sequential[edges[i]].first_pose_after = first_poses[i];
   }
 }
 

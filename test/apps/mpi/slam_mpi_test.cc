@@ -134,6 +134,36 @@ TEST_F(SlamMpiTest, TheSameNumberOfProcessesWritesTheSameBytes) {
   ExpectSameBytes("second", "first");
 }
 
+TEST_F(SlamMpiTest, ACheckpointOfSeveralProcessesIsThatOfOne) {
+  SimulateLog(120);
+  const std::string keep = "--checkpoint=" + folder_ + "kept",
+                    resume = "--resume=" + folder_ + "kept";
+  ASSERT_EQ(SlamMpi(2, "a.clf", keep, "first").exit_code, 0);
+  for (const int num_processes : {1, 2}) {
+    const Outcome run = SlamMpi(num_processes, "a.clf", resume, "resumed");
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    ExpectSamePoses("resumed", "first");
+  }
+}
+
+// Scans that were frozen are left out before the log is shared; without odometry, and where lasers
+// sweep, one process seeds for all.
+TEST_F(SlamMpiTest, MapsLogsOfAllKinds) {
+  const struct {
+    const char *name, *simulated, *flags;
+  } kinds[] = {{"frozen", "--fault=frozen --fault_time_s=2", ""},
+               {"sweeps", "--sweep_time_s=0.02", ""},
+               {"matched", "", "--start=icp_point_to_line"}};
+  for (const auto& [name, simulated, flags] : kinds) {
+    SCOPED_TRACE(name);
+    SimulateLog(120, simulated);
+    ASSERT_EQ(Slam("a.clf", flags, "one").exit_code, 0);
+    const Outcome run = SlamMpi(2, "a.clf", flags, "two");
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    ExpectSamePoses("two", "one");
+  }
+}
+
 TEST_F(SlamMpiTest, SharesASavedMap) {
   SimulateLog(80);
   ASSERT_EQ(Slam("a.clf", "--save_map", "map").exit_code, 0);
