@@ -42,6 +42,7 @@ struct Outline {
 
 std::vector<LaserModel> LasersOf(const SlamGraph& graph) {
   std::vector<LaserModel> lasers;
+  lasers.reserve(graph.num_lasers());
   for (int laser = 0; laser < graph.num_lasers(); ++laser) lasers.push_back(graph.laser(laser));
   return lasers;
 }
