@@ -70,6 +70,34 @@ std::size_t NumReadings(const CarmenLog& log, std::size_t num_scans) {
   return num_readings;
 }
 
+// done(scan): called once the graph has it.
+template <typename Done>
+Status Build(const CarmenLog& log, int max_scans, const Done& done, SlamGraph* graph) {
+  if (log.scans.empty()) return Status::InvalidArgument("the log has no scans");
+  if (max_scans < 0) {
+    return Status::InvalidArgument("max_scans = " + std::to_string(max_scans) +
+                                   ", but it must be >= 0");
+  }
+  std::size_t num_scans = log.scans.size();
+  if (max_scans > 0) num_scans = std::min<std::size_t>(num_scans, max_scans);
+
+  const bool has_odometry = HasOdometry(log);
+  const Pose2 robot_from_laser = MountingOf(log, has_odometry);
+  SlamGraph result;
+  result.ReserveReturns(NumReadings(log, num_scans));
+  for (std::size_t i = 0; i < num_scans; ++i) {
+    const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
+    if (status.ok()) {
+      done(i);
+      continue;
+    }
+    return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
+                                   status.message());
+  }
+  *graph = std::move(result);
+  return Status::Ok();
+}
+
 }  // namespace
 
 std::string LaserMounting::Disagreement() const {
@@ -103,26 +131,22 @@ LaserMounting EstimateLaserMounting(const CarmenLog& log) {
 }
 
 Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph) {
-  if (log.scans.empty()) return Status::InvalidArgument("the log has no scans");
-  if (max_scans < 0) {
-    return Status::InvalidArgument("max_scans = " + std::to_string(max_scans) +
-                                   ", but it must be >= 0");
-  }
-  std::size_t num_scans = log.scans.size();
-  if (max_scans > 0) num_scans = std::min<std::size_t>(num_scans, max_scans);
+  return Build(
+      log, max_scans, [](std::size_t) {}, graph);
+}
 
-  const bool has_odometry = HasOdometry(log);
-  const Pose2 robot_from_laser = MountingOf(log, has_odometry);
-  SlamGraph result;
-  result.ReserveReturns(NumReadings(log, num_scans));
-  for (std::size_t i = 0; i < num_scans; ++i) {
-    const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
-    if (status.ok()) continue;
-    return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
-                                   status.message());
-  }
-  *graph = std::move(result);
-  return Status::Ok();
+Status BuildGraph(CarmenLog&& log, int max_scans, const std::function<void()>& freed,
+                  SlamGraph* graph) {
+  constexpr std::size_t kMany = std::size_t{1} << 25;  // bytes
+  std::size_t num_bytes = 0;
+  const auto free_scan = [&](std::size_t scan) {
+    num_bytes += sizeof(double) * log.scans[scan].ranges.size();
+    log.scans[scan].ranges = std::vector<double>();
+    if (num_bytes < kMany) return;
+    num_bytes = 0;
+    freed();
+  };
+  return Build(log, max_scans, free_scan, graph);
 }
 
 }  // namespace plumbline

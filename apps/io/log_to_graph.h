@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_IO_LOG_TO_GRAPH_H_
 #define PLUMBLINE_APPS_IO_LOG_TO_GRAPH_H_
 
+#include <functional>
 #include <string>
 
 #include "plumbline/apps/io/carmen_log.h"
@@ -38,6 +39,11 @@ LaserMounting EstimateLaserMounting(const CarmenLog& log);
 /// InvalidArgument if the log has no scans, max_scans is negative, or a scan is refused by the
 /// graph (the message gives its line); `graph` is replaced on success only.
 Status BuildGraph(const CarmenLog& log, int max_scans, SlamGraph* graph);
+
+/// The same for a log that is of no more use: its readings are freed as the graph takes them over,
+/// and `freed` is called now and then, when many have been.
+Status BuildGraph(CarmenLog&& log, int max_scans, const std::function<void()>& freed,
+                  SlamGraph* graph);
 
 }  // namespace plumbline
 

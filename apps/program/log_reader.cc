@@ -8,6 +8,7 @@
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/apps/saved_maps/slam_toolbox_graph.h"
@@ -44,7 +45,7 @@ Status ReadCarmen(const std::string& path, const LogReadOptions& options, LogNot
   }
   WarnOfOtherMountings(path, EstimateLaserMounting(log), notes);
   notes->counts = {log.num_issues, log.num_out_of_order};
-  const Status built = BuildGraph(log, options.max_scans, graph);
+  const Status built = BuildGraph(std::move(log), options.max_scans, GiveFreedMemoryBack, graph);
   return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -94,6 +95,24 @@ TEST(LogToGraphTest, MaxScansTakesTheFirst) {
   EXPECT_EQ(graph.odometry().size(), 1u);
   ASSERT_TRUE(BuildGraph(MakeLog(), 99, &graph).ok());
   EXPECT_EQ(graph.num_poses(), 3);
+}
+
+TEST(LogToGraphTest, ALogThatIsOfNoMoreUseGivesTheSameGraphAndIsFreedOnTheWay) {
+  CarmenLog log = MakeLog();
+  for (int i = 0; i < 90; ++i) {
+    CarmenScan& scan = log.scans.emplace_back(MakeScan(200.0 + i, {4.0, 5.0, 0.1 * i}, 100000));
+    scan.bearing_step_rad = 1e-6;  // 800 kB of readings
+  }
+  SlamGraph kept, freed;
+  ASSERT_TRUE(BuildGraph(log, 0, &kept).ok());
+  int num_calls = 0;
+  ASSERT_TRUE(BuildGraph(
+                  std::move(log), 0, [&] { ++num_calls; }, &freed)
+                  .ok());
+  EXPECT_EQ(num_calls, 2);
+  EXPECT_EQ(freed.returns().range_m, kept.returns().range_m);
+  EXPECT_EQ(freed.num_scans(), kept.num_scans());
+  EXPECT_EQ(freed.odometry().size(), kept.odometry().size());
 }
 
 TEST(LogToGraphTest, MountingIsAMedianAndItsDeviationsAreReported) {

@@ -196,7 +196,10 @@ TEST(SequentialSeeding, KeepsTheSurfacesOfTheKeyframesOfAllStretches) {
                                &surfaces, &made, &report)
                   .ok());
   ASSERT_TRUE(SeedWith(graph, nullptr, &pool, &kept, &report).ok());
-  EXPECT_EQ(PoseArray(made.world_from_robot), PoseArray(kept.world_from_robot));
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    // What is kept is in single precision.
+    EXPECT_LT(DistanceM(made.world_from_robot[pose], kept.world_from_robot[pose]), 1e-3) << pose;
+  }
   const std::vector<SurfacePoints> all = SurfacesOf(graph);
   std::vector<int> num_points(graph.num_scans(), 0);
   for (const Keyframe& key : made.keyframes) {
