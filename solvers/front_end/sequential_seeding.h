@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"

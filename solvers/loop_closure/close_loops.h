@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 

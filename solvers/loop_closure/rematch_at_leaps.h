@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "plumbline/core/pose2.h"
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
