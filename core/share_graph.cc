@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/partition.h"
 
 namespace plumbline {
 namespace {
@@ -243,6 +244,14 @@ Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* 
   MoveScans(SpeaksForAll(peers) ? &source : nullptr, {}, &part, nullptr);
   *graph = std::move(part);
   return Status::Ok();
+}
+
+Status ShareGraphByPlace(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph) {
+  std::vector<int> rank_of_pose;
+  if (SpeaksForAll(peers)) {
+    rank_of_pose = PartitionByPlace(poses, ReturnsPerPose(*graph), peers->size());
+  }
+  return ShareGraph(peers, std::move(rank_of_pose), graph);
 }
 
 void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface) {

@@ -15,6 +15,10 @@ namespace plumbline {
 /// Collective. Fails on a graph with corrected lasers that are equal.
 Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph);
 
+/// The same by place (PartitionByPlace). poses: where to divide, as MapState::poses; needed in
+/// process 0.
+Status ShareGraphByPlace(const Peers* peers, const std::vector<double>& poses, SlamGraph* graph);
+
 /// Divides a graph that is shared in another way: *part and what its scans saw become those of the
 /// new part of this process. rank_of_pose: the same in all processes. Collective.
 void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface);

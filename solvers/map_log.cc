@@ -104,6 +104,20 @@ Status CheckSize(const char* name, std::size_t size, std::size_t expected) {
                                  ", but the log needs " + std::to_string(expected));
 }
 
+Status SeedLogTogether(const MapLogOptions& options, const SeedingProgress& progress,
+                       ThreadPool* pool, LogMapping* mapping) {
+  if (!CanSeedTogether(options, *mapping)) {
+    return Status::InvalidArgument("processes cannot seed such a log together");
+  }
+  MeasureMissingSurface(options, pool, mapping);
+  std::vector<Pose2> world_from_robot;
+  SeedingReport seeding;
+  PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
+                                            progress, pool, &mapping->graph, &mapping->surface,
+                                            &world_from_robot, &seeding));
+  return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
+}
+
 }  // namespace
 
 bool MapLogOptions::Check(std::string* error) const {
@@ -158,34 +172,16 @@ bool CanSeedTogether(const MapLogOptions& options, const LogMapping& mapping) {
          !mapping.as_swept && !LacksOdometry(mapping.graph);
 }
 
-namespace {
-
-Status SeedLogTogether(const MapLogOptions& options, const SeedingProgress& progress,
-                       ThreadPool* pool, LogMapping* mapping) {
-  if (!CanSeedTogether(options, *mapping)) {
-    return Status::InvalidArgument("processes cannot seed such a log together");
-  }
-  MeasureMissingSurface(options, pool, mapping);
-  std::vector<Pose2> world_from_robot;
-  SeedingReport seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
-                                            progress, pool, &mapping->graph, &mapping->surface,
-                                            &world_from_robot, &seeding));
-  return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
-}
-
-}  // namespace
-
 Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                LogMapping* mapping) {
   return CatchExceptions([&] {
     const DefaultFloatEnvironment float_environment;
-    SeedingReport seeding;
-    std::vector<double> start_poses;
-    const bool needs_pose_graph = options.solver.MovesPosesOnly();
     if (mapping->graph.peers() != nullptr) {
       return SeedLogTogether(options, progress, pool, mapping);
     }
+    SeedingReport seeding;
+    std::vector<double> start_poses;
+    const bool needs_pose_graph = options.solver.MovesPosesOnly();
     MeasureMissingSurface(options, pool, mapping);
     if (options.start == StartType::kSeed || needs_pose_graph) {
       SeededDrive drive;

@@ -90,8 +90,7 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
               LogMapping* mapping);
 
 /// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options,
-/// and on a calibration of what needs odometry if
-/// there is none; *mapping is then as it was.
+/// and on a calibration of what needs odometry if there is none; *mapping is then as it was.
 Status PrepareLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
                   LogMapping* mapping);
 

@@ -87,12 +87,11 @@ Status Build(const CarmenLog& log, int max_scans, const Done& done, SlamGraph* g
   result.ReserveReturns(NumReadings(log, num_scans));
   for (std::size_t i = 0; i < num_scans; ++i) {
     const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
-    if (status.ok()) {
-      done(i);
-      continue;
+    if (!status.ok()) {
+      return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
+                                     status.message());
     }
-    return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
-                                   status.message());
+    done(i);
   }
   *graph = std::move(result);
   return Status::Ok();

@@ -23,7 +23,6 @@
 #include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
-#include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
@@ -88,12 +87,8 @@ class PoseGraphRun {
     state_ = MapState();
     file_.num_robot_poses =
         JoinOverPeers(options_.peers, std::vector<int>{file_.num_robot_poses}).front();
-    std::vector<int> rank_of_pose;
-    if (SpeaksForAll(options_.peers)) {
-      rank_of_pose = PartitionByPlace(file_.graph.initial_poses(), ReturnsPerPose(file_.graph),
-                                      options_.peers->size());
-    }
-    PLUMBLINE_RETURN_IF_ERROR(ShareGraph(options_.peers, std::move(rank_of_pose), &file_.graph));
+    PLUMBLINE_RETURN_IF_ERROR(
+        ShareGraphByPlace(options_.peers, file_.graph.initial_poses(), &file_.graph));
     state_ = file_.graph.InitialState();
     return Status::Ok();
   }

@@ -62,12 +62,7 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
   mapping->surface = MeasuredSurface();
   mapping->state = MapState();
   ShareSeed(peers, mapping);
-  std::vector<int> rank_of_pose;
-  if (SpeaksForAll(peers)) {
-    rank_of_pose =
-        PartitionByPlace(mapping->start_poses, ReturnsPerPose(mapping->graph), peers->size());
-  }
-  PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, std::move(rank_of_pose), &mapping->graph));
+  PLUMBLINE_RETURN_IF_ERROR(ShareGraphByPlace(peers, mapping->start_poses, &mapping->graph));
   GiveFreedMemoryBack();  // most of a log
   mapping->surface =
       MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);

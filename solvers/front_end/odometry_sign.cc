@@ -52,33 +52,33 @@ StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
   return forward * odometry.x > 0.0 ? kAgrees : kContradicts;
 }
 
-// Processes that share the drive take equal parts of the steps.
+// Processes that share the drive share the work.
 std::vector<int> SignsOf(const OdometryConstraint* steps, std::size_t num_steps,
                          const ScanSurfaces& surfaces, ThreadPool* pool) {
+  constexpr std::size_t kStepsPerChunk = 32;
   const Peers* peers = surfaces.graph().peers();
-  const std::size_t num_ranks = peers == nullptr ? 1 : peers->size();
-  const std::size_t rank = peers == nullptr ? 0 : peers->rank();
-  const std::size_t own_begin = num_steps * rank / num_ranks;
-  const std::size_t own_end = num_steps * (rank + 1) / num_ranks;
   const std::vector<int>& scan_of_pose = surfaces.scan_of_pose();
+  std::vector<std::size_t> own;  // steps between two scans
   std::vector<int> scans;
-  for (std::size_t i = own_begin; i < own_end; ++i) {
-    for (const int pose : {steps[i].from, steps[i].to}) {
-      if (scan_of_pose[pose] >= 0) scans.push_back(scan_of_pose[pose]);
+  for (const std::size_t chunk :
+       OwnShare(peers, ThreadPool::NumChunks(num_steps, kStepsPerChunk))) {
+    const std::size_t begin = chunk * kStepsPerChunk;
+    for (std::size_t i = begin; i < std::min(begin + kStepsPerChunk, num_steps); ++i) {
+      const int from = scan_of_pose[steps[i].from], to = scan_of_pose[steps[i].to];
+      if (from < 0 || to < 0) continue;
+      own.push_back(i);
+      scans.insert(scans.end(), {from, to});
     }
   }
   const ScanSurfaces at_hand = surfaces.With(scans);
   std::vector<int> signs(num_steps, kUndecided);
-  constexpr std::size_t kStepsPerChunk = 32;
-  pool->ForEachChunk(own_end - own_begin, kStepsPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t i = own_begin + begin; i < own_begin + end; ++i) {
-                         const int from = scan_of_pose[steps[i].from];
-                         const int to = scan_of_pose[steps[i].to];
-                         if (from < 0 || to < 0) continue;
-                         signs[i] = SignOfStep(steps[i].from_from_to, from, to, at_hand);
-                       }
-                     });
+  pool->ForEachChunk(
+      own.size(), kStepsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          signs[own[k]] =
+              SignOfStep(steps[own[k]].from_from_to, scans[2 * k], scans[2 * k + 1], at_hand);
+        }
+      });
   SumOverPeers(peers, &signs);
   return signs;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -135,82 +136,67 @@ struct MatchedStretch {
   SequentialSeedingReport report;  // counts only
 };
 
-void AddNumbers(const std::vector<Pose2>& poses, std::vector<double>* numbers) {
-  numbers->push_back(static_cast<double>(poses.size()));
-  for (const Pose2& pose : poses) numbers->insert(numbers->end(), {pose.x, pose.y, pose.yaw});
+// A keyframe, to be copied byte by byte.
+struct PlainKeyframe {
+  int pose, scan;
+  double path_m;
+  double information[9];
+  bool after_unmatched;
+};
+
+PlainKeyframe ToPlain(const Keyframe& key) {
+  PlainKeyframe plain{key.pose, key.scan, key.path_m, {}, key.after_unmatched};
+  Eigen::Map<Eigen::Matrix3d>(plain.information) = key.information;
+  return plain;
 }
 
-void AddNumbers(const std::vector<Keyframe>& keyframes, std::vector<double>* numbers) {
-  numbers->push_back(static_cast<double>(keyframes.size()));
-  for (const Keyframe& key : keyframes) {
-    numbers->insert(numbers->end(),
-                    {1.0 * key.pose, 1.0 * key.scan, key.path_m, key.after_unmatched ? 1.0 : 0.0});
-    const double* information = key.information.data();
-    numbers->insert(numbers->end(), information, information + key.information.size());
-  }
+Keyframe FromPlain(const PlainKeyframe& plain) {
+  return {plain.pose, plain.scan, plain.path_m,
+          Eigen::Map<const Eigen::Matrix3d>(plain.information), plain.after_unmatched};
 }
 
-// Reads what AddNumbers wrote, one number after the other.
-class NumberReader {
- public:
-  explicit NumberReader(const std::vector<double>& numbers) : numbers_(numbers) {}
-
-  bool IsAtEnd() const { return next_ == numbers_.size(); }
-  double Number() { return numbers_[next_++]; }
-  int Int() { return static_cast<int>(Number()); }
-
-  std::vector<Pose2> Poses() {
-    std::vector<Pose2> poses(static_cast<std::size_t>(Number()));
-    for (Pose2& pose : poses) {
-      pose = Pose2(&numbers_[next_]);
-      next_ += 3;
-    }
-    return poses;
-  }
-
-  std::vector<Keyframe> Keyframes() {
-    std::vector<Keyframe> keyframes(static_cast<std::size_t>(Number()));
-    for (Keyframe& key : keyframes) {
-      key.pose = Int();
-      key.scan = Int();
-      key.path_m = Number();
-      key.after_unmatched = Number() != 0.0;
-      key.information = Eigen::Map<const Eigen::Matrix3d>(&numbers_[next_]);
-      next_ += key.information.size();
-    }
-    return keyframes;
-  }
-
- private:
-  const std::vector<double>& numbers_;
-  std::size_t next_ = 0;
+// How much of the arrays below belongs to a stretch, and its counts.
+struct StretchOutline {
+  std::size_t stretch, num_poses, num_keyframes;
+  int num_reversed_steps, num_recovered, num_unmatched;
 };
 
 // Gives all processes what each has found along its own stretches, but for the surfaces.
 void ShareMatches(const Peers& peers, const std::vector<std::size_t>& own,
                   std::vector<MatchedStretch>* matched) {
   peers.WaitForAll();  // some may have had no stretch
-  std::vector<double> numbers;
+  std::vector<StretchOutline> outlines;
+  std::vector<Pose2> poses, odometry;
+  std::vector<PlainKeyframe> keyframes;
   for (const std::size_t i : own) {
     const MatchedStretch& stretch = (*matched)[i];
-    numbers.push_back(static_cast<double>(i));
-    AddNumbers(stretch.poses, &numbers);
-    AddNumbers(stretch.odometry, &numbers);
-    AddNumbers(stretch.keyframes, &numbers);
-    const SequentialSeedingReport& counts = stretch.report;
-    numbers.insert(numbers.end(), {1.0 * counts.num_reversed_steps, 1.0 * counts.num_recovered,
-                                   1.0 * counts.num_unmatched});
+    outlines.push_back({i, stretch.poses.size(), stretch.keyframes.size(),
+                        stretch.report.num_reversed_steps, stretch.report.num_recovered,
+                        stretch.report.num_unmatched});
+    poses.insert(poses.end(), stretch.poses.begin(), stretch.poses.end());
+    odometry.insert(odometry.end(), stretch.odometry.begin(), stretch.odometry.end());
+    std::transform(stretch.keyframes.begin(), stretch.keyframes.end(),
+                   std::back_inserter(keyframes), ToPlain);
   }
-  numbers = JoinOverPeers(&peers, std::move(numbers));
-  for (NumberReader reader(numbers); !reader.IsAtEnd();) {
-    MatchedStretch& stretch = (*matched)[static_cast<std::size_t>(reader.Number())];
-    stretch.poses = reader.Poses();
-    stretch.odometry = reader.Poses();
-    stretch.keyframes = reader.Keyframes();
-    stretch.report.num_reversed_steps = reader.Int();
-    stretch.report.num_recovered = reader.Int();
-    stretch.report.num_unmatched = reader.Int();
-    stretch.key_surfaces.clear();
+  poses = JoinOverPeers(&peers, std::move(poses));
+  odometry = JoinOverPeers(&peers, std::move(odometry));
+  keyframes = JoinOverPeers(&peers, std::move(keyframes));
+  auto pose = poses.begin(), step = odometry.begin();
+  auto key = keyframes.begin();
+  for (const StretchOutline& outline : JoinOverPeers(&peers, std::move(outlines))) {
+    MatchedStretch& stretch = (*matched)[outline.stretch];
+    const auto num_poses = static_cast<std::ptrdiff_t>(outline.num_poses);
+    stretch = MatchedStretch();
+    stretch.poses.assign(pose, pose + num_poses);
+    stretch.odometry.assign(step, step + num_poses);
+    pose += num_poses;
+    step += num_poses;
+    for (std::size_t k = 0; k < outline.num_keyframes; ++k) {
+      stretch.keyframes.push_back(FromPlain(*key++));
+    }
+    stretch.report.num_reversed_steps = outline.num_reversed_steps;
+    stretch.report.num_recovered = outline.num_recovered;
+    stretch.report.num_unmatched = outline.num_unmatched;
   }
 }
 

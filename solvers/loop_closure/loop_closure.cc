@@ -1,11 +1,11 @@
 #include "plumbline/solvers/loop_closure/loop_closure.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <deque>
-#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -49,7 +49,7 @@ class CandidateTester {
   // matched against is made once.
   void TestGroup(const std::vector<LoopCandidate>& candidates,
                  const std::vector<std::size_t>& group,
-                 std::vector<TestedCandidate>* tested) const {
+                 std::vector<std::vector<TestedCandidate>>* tested) const {
     const LoopCandidate& any = candidates[group.front()];
     double half_width_m = 0.0;
     for (const std::size_t i : group) {
@@ -62,7 +62,7 @@ class CandidateTester {
     const CorrelativeMatcher search(
         any.wide() ? PointsOf(any.surroundings, any.first) : map.points(), kSearchCellM,
         half_width_m);
-    for (const std::size_t i : group) (*tested)[i] = Test(candidates[i], map, search);
+    for (const std::size_t i : group) (*tested)[i] = {Test(candidates[i], map, search)};
   }
 
   CorrelativeMatcher PlacesAround(const LoopCandidate& candidate) const {
@@ -316,62 +316,58 @@ std::vector<std::vector<std::size_t>> GroupBySurroundings(
   return groups;
 }
 
-// A result as numbers, to be added up with those of processes that did not test the candidate, all
-// zero.
-constexpr std::size_t kNumbersPerResult = 17;
+// A result of a candidate, to be copied byte by byte.
+struct PlainResult {
+  std::size_t candidate;
+  ClosureOutcome outcome;
+  int from, to;
+  Pose2 from_from_to;
+  double covariance[9];
+  double inlier_ratio, conflict;
+};
 
-void ToNumbers(const TestedCandidate& tested, double* numbers) {
-  const Pose2& motion = tested.edge.from_from_to;
-  const double values[] = {static_cast<double>(tested.outcome),
-                           static_cast<double>(tested.edge.from),
-                           static_cast<double>(tested.edge.to),
-                           motion.x,
-                           motion.y,
-                           motion.yaw,
-                           tested.inlier_ratio,
-                           tested.conflict};
-  numbers = std::copy(std::begin(values), std::end(values), numbers);
-  std::copy_n(tested.edge.covariance.data(), tested.edge.covariance.size(), numbers);
+PlainResult ToPlain(std::size_t candidate, const TestedCandidate& tested) {
+  const RelativePoseConstraint& edge = tested.edge;
+  PlainResult plain{candidate, tested.outcome,      edge.from,      edge.to, edge.from_from_to,
+                    {},        tested.inlier_ratio, tested.conflict};
+  Eigen::Map<Eigen::Matrix3d>(plain.covariance) = edge.covariance;
+  return plain;
 }
 
-TestedCandidate FromNumbers(const double* numbers) {
+TestedCandidate FromPlain(const PlainResult& plain) {
   TestedCandidate tested;
-  tested.outcome = static_cast<ClosureOutcome>(static_cast<int>(numbers[0]));
-  tested.edge.from = static_cast<int>(numbers[1]);
-  tested.edge.to = static_cast<int>(numbers[2]);
-  tested.edge.from_from_to = Pose2(numbers[3], numbers[4], numbers[5]);
-  tested.inlier_ratio = numbers[6];
-  tested.conflict = numbers[7];
-  tested.edge.covariance = Eigen::Map<const Eigen::Matrix3d>(numbers + 8);
+  tested.outcome = plain.outcome;
+  tested.edge.from = plain.from;
+  tested.edge.to = plain.to;
+  tested.edge.from_from_to = plain.from_from_to;
+  tested.edge.covariance = Eigen::Map<const Eigen::Matrix3d>(plain.covariance);
+  tested.inlier_ratio = plain.inlier_ratio;
+  tested.conflict = plain.conflict;
   return tested;
 }
 
-// own: those that this process has tested.
-void ShareResults(const Peers& peers, const std::vector<std::size_t>& own,
-                  std::vector<TestedCandidate>* tested) {
-  std::vector<double> numbers(kNumbersPerResult * tested->size());
-  for (const std::size_t i : own) ToNumbers((*tested)[i], &numbers[kNumbersPerResult * i]);
-  SumOverPeers(&peers, &numbers);
-  for (std::size_t i = 0; i < tested->size(); ++i) {
-    (*tested)[i] = FromNumbers(&numbers[kNumbersPerResult * i]);
+// Gives all processes the results of each. Each has those of some candidates, and none of the
+// others.
+void ShareResults(const Peers* peers, std::vector<std::vector<TestedCandidate>>* of_candidate) {
+  if (peers == nullptr) return;
+  std::vector<PlainResult> own;
+  for (std::size_t i = 0; i < of_candidate->size(); ++i) {
+    for (const TestedCandidate& tested : (*of_candidate)[i]) own.push_back(ToPlain(i, tested));
+    (*of_candidate)[i].clear();
+  }
+  for (const PlainResult& plain : JoinOverPeers(peers, std::move(own))) {
+    (*of_candidate)[plain.candidate].push_back(FromPlain(plain));
   }
 }
 
-// Each process has found those of some candidates, and none of the others.
-void SharePlaces(const Peers& peers, std::vector<std::vector<TestedCandidate>>* of_candidate) {
-  std::vector<double> numbers;
-  for (std::size_t i = 0; i < of_candidate->size(); ++i) {
-    for (const TestedCandidate& place : (*of_candidate)[i]) {
-      numbers.push_back(static_cast<double>(i));
-      numbers.resize(numbers.size() + kNumbersPerResult);
-      ToNumbers(place, numbers.data() + numbers.size() - kNumbersPerResult);
-    }
-    (*of_candidate)[i].clear();
+// In the order of the candidates.
+std::vector<TestedCandidate> InOneList(
+    const std::vector<std::vector<TestedCandidate>>& of_candidate) {
+  std::vector<TestedCandidate> all;
+  for (const std::vector<TestedCandidate>& of_this : of_candidate) {
+    all.insert(all.end(), of_this.begin(), of_this.end());
   }
-  numbers = JoinOverPeers(&peers, std::move(numbers));
-  for (std::size_t at = 0; at < numbers.size(); at += 1 + kNumbersPerResult) {
-    (*of_candidate)[static_cast<std::size_t>(numbers[at])].push_back(FromNumbers(&numbers[at + 1]));
-  }
+  return all;
 }
 
 }  // namespace
@@ -381,20 +377,15 @@ std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool) {
   const CandidateTester tester(surfaces, keyframe_graph);
-  std::vector<TestedCandidate> tested(candidates.size());
+  std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
   const std::vector<std::vector<std::size_t>> groups = GroupBySurroundings(candidates);
   const Peers* peers = surfaces.graph().peers();
   const std::vector<std::size_t> own = OwnShare(peers, groups.size());
   pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    tester.TestGroup(candidates, groups[own[i]], &tested);
+    tester.TestGroup(candidates, groups[own[i]], &of_candidate);
   });
-  if (peers == nullptr) return tested;
-  std::vector<std::size_t> own_candidates;
-  for (const std::size_t g : own) {
-    own_candidates.insert(own_candidates.end(), groups[g].begin(), groups[g].end());
-  }
-  ShareResults(*peers, own_candidates, &tested);
-  return tested;
+  ShareResults(peers, &of_candidate);
+  return InOneList(of_candidate);
 }
 
 std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
@@ -421,12 +412,8 @@ std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
     of_candidate[i] = tester.FindPlaces(*search.matcher, candidates[i], max_places);
     if (--search.num_left == 0) search.matcher.reset();
   });
-  if (peers != nullptr) SharePlaces(*peers, &of_candidate);
-  std::vector<TestedCandidate> places;
-  for (const std::vector<TestedCandidate>& of_this : of_candidate) {
-    places.insert(places.end(), of_this.begin(), of_this.end());
-  }
-  return places;
+  ShareResults(peers, &of_candidate);
+  return InOneList(of_candidate);
 }
 
 }  // namespace plumbline

@@ -11,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "plumbline/core/partition.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/slam_graph.h"
@@ -98,12 +97,10 @@ inline void RunOnPeers(int size, const std::function<void(const Peers&)>& body) 
 /// The same with the part of a graph that each of them has, divided at its initial poses.
 inline void RunOnParts(const SlamGraph& whole, int size,
                        const std::function<void(const SlamGraph& part)>& body) {
-  const std::vector<int> ranks =
-      PartitionByPlace(whole.initial_poses(), ReturnsPerPose(whole), size);
   RunOnPeers(size, [&](const Peers& peers) {
     SlamGraph part;
     if (peers.rank() == 0) part = whole;
-    ASSERT_TRUE(ShareGraph(&peers, ranks, &part).ok());
+    ASSERT_TRUE(ShareGraphByPlace(&peers, whole.initial_poses(), &part).ok());
     body(part);
   });
 }
