@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <ostream>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -13,6 +16,7 @@
 #include "plumbline/apps/io/pose_graph_records.h"
 #include "plumbline/apps/io/robot_laser_record.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/factors/sqrt_information.h"
@@ -56,7 +60,7 @@ Status ReadingsOf(const SlamGraph& graph, int scan, std::vector<double>* reading
     const int beam = returns.Beam(r);
     const double off_rad = returns.Bearing(r) - laser.Bearing(beam);
     if (std::abs(off_rad) > kToleranceRad || (*readings)[beam] != no_return) {
-      return Status::InvalidArgument("scan " + std::to_string(scan) + ", beam " +
+      return Status::InvalidArgument("scan " + std::to_string(graph.IdAmongAll(scan)) + ", beam " +
                                      std::to_string(beam) +
                                      ": pose graphs have one reading per beam and evenly spaced "
                                      "beams");
@@ -82,6 +86,89 @@ Status ScanText(const SlamGraph& graph, int scan, std::string* text) {
   *text = RobotLaserRecord(record);
   return Status::Ok();
 }
+
+std::vector<std::vector<int>> ScansOfPoses(const SlamGraph& graph) {
+  std::vector<std::vector<int>> scans_of_pose(graph.num_poses());
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    scans_of_pose[graph.scan(scan).pose].push_back(scan);
+  }
+  return scans_of_pose;
+}
+
+// Keeps the yaw of a pose that did not move as it is.
+std::string MovedPoseText(const Pose2& before, const Pose2& pose) {
+  const bool has_moved = before.x != pose.x || before.y != pose.y || before.yaw != pose.yaw;
+  return PoseText({pose.x, pose.y, has_moved ? NormalizeAngle(pose.yaw) : pose.yaw});
+}
+
+std::string VertexText(const SlamGraph& graph, int id, const Pose2& pose) {
+  return DialectOf(kWritten).vertex + (' ' + std::to_string(id)) +
+         MovedPoseText(graph.InitialPose(id), pose);
+}
+
+// Calls take(line) for all that comes after the vertices.
+template <typename Take>
+void ForEachConstraint(const SlamGraph& graph, const MotionOptions& motion, const Take& take) {
+  for (const FixedPose& fixed : graph.fixed_poses()) take("FIX " + std::to_string(fixed.pose));
+  for (const OdometryConstraint& c : graph.odometry()) {
+    take(EdgeText(c.from, c.to, c.from_from_to, MotionCovariance(c.from_from_to, motion)));
+  }
+  for (const RelativePoseConstraint& c : graph.relative_poses()) {
+    take(EdgeText(c.from, c.to, c.from_from_to, c.covariance));
+  }
+}
+
+// The records of the scans of poses that follow each other, each pose's together, to be written
+// where process 0 is.
+class ScanRecords {
+ public:
+  explicit ScanRecords(const SlamGraph& graph)
+      : graph_(graph), scans_of_pose_(ScansOfPoses(graph)) {}
+
+  // (*records)[i]: of pose first + i. Collective.
+  Status Of(int first, int end, std::vector<std::string>* records) const {
+    records->assign(end - first, "");
+    PLUMBLINE_RETURN_IF_ERROR(FirstFailure(graph_.peers(), MakeOwn(first, records)));
+    if (graph_.peers() != nullptr) BringTogether(first, records);
+    return Status::Ok();
+  }
+
+ private:
+  Status MakeOwn(int first, std::vector<std::string>* records) const {
+    std::string line;
+    for (std::size_t i = 0; i < records->size(); ++i) {
+      for (const int scan : scans_of_pose_[first + i]) {
+        PLUMBLINE_RETURN_IF_ERROR(ScanText(graph_, scan, &line));
+        (*records)[i] += line + '\n';
+      }
+    }
+    return Status::Ok();
+  }
+
+  void BringTogether(int first, std::vector<std::string>* records) const {
+    const Peers& peers = *graph_.peers();
+    std::vector<std::vector<std::size_t>> sizes(peers.size());
+    std::vector<std::vector<char>> text(peers.size());
+    for (std::size_t i = 0; i < records->size(); ++i) {
+      if (!graph_.HasScansOf(first + static_cast<int>(i))) continue;
+      sizes[0].push_back((*records)[i].size());
+      text[0].insert(text[0].end(), (*records)[i].begin(), (*records)[i].end());
+    }
+    sizes = ExchangeValues(peers, sizes);
+    text = peers.Exchange(text);
+    if (!SpeaksForAll(&peers)) return;
+    std::vector<std::size_t> next_size(peers.size(), 0), next_char(peers.size(), 0);
+    for (std::size_t i = 0; i < records->size(); ++i) {
+      const int rank = graph_.rank_of_pose()[first + i];
+      const std::size_t size = sizes[rank][next_size[rank]++];
+      (*records)[i].assign(text[rank].data() + next_char[rank], size);
+      next_char[rank] += size;
+    }
+  }
+
+  const SlamGraph& graph_;
+  std::vector<std::vector<int>> scans_of_pose_;
+};
 
 // The fields of an edge, words as they stand, in the order of another format.
 std::string TranslateEdge(std::string_view line, const PoseGraphDialect& from,
@@ -121,29 +208,17 @@ std::string TranslateVertex(std::string_view line, const Pose2& pose, const Pose
 Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraphFile* file) {
   PoseGraphFile result;
   result.format = kWritten;
-  std::vector<std::vector<int>> scans_of_pose(graph.num_poses());
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    scans_of_pose[graph.scan(scan).pose].push_back(scan);
-  }
-  const std::string vertex = DialectOf(kWritten).vertex;
+  const std::vector<std::vector<int>> scans_of_pose = ScansOfPoses(graph);
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     result.vertex_ids.push_back(pose);
-    result.lines.push_back(vertex + ' ' + std::to_string(pose) + PoseText(graph.InitialPose(pose)));
+    result.lines.push_back(VertexText(graph, pose, graph.InitialPose(pose)));
     for (const int scan : scans_of_pose[pose]) {
       result.lines.emplace_back();
       PLUMBLINE_RETURN_IF_ERROR(ScanText(graph, scan, &result.lines.back()));
     }
   }
-  for (const FixedPose& fixed : graph.fixed_poses()) {
-    result.lines.push_back("FIX " + std::to_string(fixed.pose));
-  }
-  for (const OdometryConstraint& c : graph.odometry()) {
-    result.lines.push_back(
-        EdgeText(c.from, c.to, c.from_from_to, MotionCovariance(c.from_from_to, motion)));
-  }
-  for (const RelativePoseConstraint& c : graph.relative_poses()) {
-    result.lines.push_back(EdgeText(c.from, c.to, c.from_from_to, c.covariance));
-  }
+  ForEachConstraint(graph, motion,
+                    [&](std::string line) { result.lines.push_back(std::move(line)); });
   result.graph = std::move(graph);
   *file = std::move(result);
   return Status::Ok();
@@ -164,6 +239,31 @@ Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
     } else {
       output.stream() << line << '\n';
     }
+  }
+  return output.Commit();
+}
+
+Status WritePoseGraph(const std::string& path, const SlamGraph& graph, const MotionOptions& motion,
+                      const std::vector<RelativePoseConstraint>& more_edges,
+                      const std::vector<double>& poses) {
+  constexpr int kPosesAtATime = 500;
+  AtomicFile output;
+  PLUMBLINE_RETURN_IF_ERROR(BySpeaker(graph.peers(), [&] { return output.Open(path); }));
+  std::ostream& stream = output.stream();
+  const ScanRecords records(graph);
+  std::vector<std::string> of_poses;
+  for (int first = 0; first < graph.num_poses(); first += kPosesAtATime) {
+    const int end = std::min(first + kPosesAtATime, graph.num_poses());
+    PLUMBLINE_RETURN_IF_ERROR(records.Of(first, end, &of_poses));
+    if (!SpeaksForAll(graph.peers())) continue;
+    for (int pose = first; pose < end; ++pose) {
+      stream << VertexText(graph, pose, Pose2(&poses[3 * pose])) << '\n' << of_poses[pose - first];
+    }
+  }
+  if (!SpeaksForAll(graph.peers())) return Status::Ok();
+  ForEachConstraint(graph, motion, [&](const std::string& line) { stream << line << '\n'; });
+  for (const RelativePoseConstraint& c : more_edges) {
+    stream << EdgeText(c.from, c.to, c.from_from_to, c.covariance) << '\n';
   }
   return output.Commit();
 }

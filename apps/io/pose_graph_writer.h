@@ -37,6 +37,14 @@ Status MakePoseGraphFile(SlamGraph graph, const MotionOptions& motion, PoseGraph
 Status WritePoseGraphFile(const std::string& path, PoseGraphFormat format,
                           const PoseGraphFile& file, const std::vector<double>& poses);
 
+/// Writes the g2o file of a graph that MakePoseGraphFile describes, with these poses (as
+/// MapState::poses) for its vertices and with more edges at its end. Its text, several times as
+/// large as the graph, is never all in memory. Processes that share the graph write one file
+/// (collective). Fails like MakePoseGraphFile, and like WritePoseGraphFile.
+Status WritePoseGraph(const std::string& path, const SlamGraph& graph, const MotionOptions& motion,
+                      const std::vector<RelativePoseConstraint>& more_edges,
+                      const std::vector<double>& poses);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_IO_POSE_GRAPH_WRITER_H_

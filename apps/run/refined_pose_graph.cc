@@ -2,9 +2,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <utility>
 
-#include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
 
 namespace plumbline {
@@ -40,9 +38,7 @@ Status WriteRefinedPoseGraph(const std::string& path, const std::vector<double>&
     PLUMBLINE_RETURN_IF_ERROR(
         poses_and_edges.AddRelativePose(MoveRobotFrame(edge, before_from_after)));
   }
-  PoseGraphFile file;
-  PLUMBLINE_RETURN_IF_ERROR(MakePoseGraphFile(std::move(poses_and_edges), MotionOptions(), &file));
-  return WritePoseGraphFile(path, PoseGraphFormat::kG2o, file, poses);
+  return WritePoseGraph(path, poses_and_edges, MotionOptions(), {}, poses);
 }
 
 }  // namespace plumbline

@@ -8,7 +8,6 @@
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/io/pcd_writer.h"
 #include "plumbline/apps/io/ply_writer.h"
-#include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/ros_map.h"
 #include "plumbline/apps/pictures/before_after_picture.h"
@@ -60,17 +59,20 @@ Status WriteMapThatFits(const std::string& stem, const RefinedMap& map,
 
 // Pose graphs hang together. Where no odometry leads from a pose to the next, they lie as the map
 // has them, give or take a metre and a radian.
-Status JoinDrives(const std::vector<double>& poses, SlamGraph* graph) {
-  std::vector<bool> is_reached(graph->num_poses(), false);
-  for (const OdometryConstraint& step : graph->odometry()) is_reached[step.to] = true;
-  for (int pose = 1; pose < graph->num_poses(); ++pose) {
+std::vector<RelativePoseConstraint> EdgesBetweenDrives(const SlamGraph& graph,
+                                                       const std::vector<double>& poses) {
+  std::vector<bool> is_reached(graph.num_poses(), false);
+  for (const OdometryConstraint& step : graph.odometry()) is_reached[step.to] = true;
+  std::vector<RelativePoseConstraint> edges;
+  for (int pose = 1; pose < graph.num_poses(); ++pose) {
     if (is_reached[pose]) continue;
-    RelativePoseConstraint edge{pose - 1, pose, {}};
+    RelativePoseConstraint& edge = edges.emplace_back();
+    edge.from = pose - 1;
+    edge.to = pose;
     edge.from_from_to = Between(Pose2(&poses[3 * (pose - 1)]), Pose2(&poses[3 * pose]));
     edge.covariance = Eigen::Matrix3d::Identity();
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(edge));
   }
-  return Status::Ok();
+  return edges;
 }
 
 }  // namespace
@@ -111,11 +113,7 @@ Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapS
 
 Status WriteSavedMap(const std::string& path, const SlamGraph& graph,
                      const std::vector<double>& poses, const MotionOptions& motion) {
-  SlamGraph joined = graph;
-  PLUMBLINE_RETURN_IF_ERROR(JoinDrives(poses, &joined));
-  PoseGraphFile file;
-  PLUMBLINE_RETURN_IF_ERROR(MakePoseGraphFile(std::move(joined), motion, &file));
-  return WritePoseGraphFile(path, PoseGraphFormat::kG2o, file, poses);
+  return WritePoseGraph(path, graph, motion, EdgesBetweenDrives(graph, poses), poses);
 }
 
 RefinedMap RefinedMapOf(const LogMapping& mapping) {

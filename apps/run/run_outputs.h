@@ -63,8 +63,8 @@ Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapS
                      double resolution_m);
 
 /// Writes the poses of a map with all of its scans as a pose graph in g2o's format, from which
-/// other runs read it back bit by bit. motion: the noise of the odometry. Fails like
-/// MakePoseGraphFile and WritePoseGraphFile.
+/// other runs read it back bit by bit. motion: the noise of the odometry. A graph with peers gets
+/// one with the scans of all (collective). Fails like WritePoseGraph.
 Status WriteSavedMap(const std::string& path, const SlamGraph& graph,
                      const std::vector<double>& poses, const MotionOptions& motion);
 
