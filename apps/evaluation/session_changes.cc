@@ -6,15 +6,46 @@
 #include <iterator>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
+
 namespace plumbline {
 namespace {
 
 constexpr double kMinSizeM = 0.3;  // legs of chairs and of people are not worth a word
 // Cells of one change are at most this many columns and rows from each other.
 constexpr int kReach = 2;
+constexpr int kNone = -1;
 
-// What change_of_cell_ holds but for numbers of changes.
-constexpr int kUnchanged = -1, kUnassigned = -2;
+// What the occupancy grid of a session says of a cell, two bits in place of its byte: there may be
+// many sessions.
+struct SessionCells {
+  std::vector<bool> is_occupied;
+  /// Free, and nothing occupied next to it: walls move by a cell from one session to the next.
+  std::vector<bool> is_looked_through;
+};
+
+bool LooksThrough(const OccupancyGrid& grid, int column, int row) {
+  if (grid.At(column, row) != Occupancy::kFree) return false;
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.height - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.width - 1); ++x) {
+      if (grid.At(x, y) == Occupancy::kOccupied) return false;
+    }
+  }
+  return true;
+}
+
+SessionCells CellsOf(const OccupancyGrid& grid) {
+  SessionCells cells;
+  cells.is_occupied.reserve(grid.cells.size());
+  cells.is_looked_through.reserve(grid.cells.size());
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      cells.is_occupied.push_back(grid.At(column, row) == Occupancy::kOccupied);
+      cells.is_looked_through.push_back(LooksThrough(grid, column, row));
+    }
+  }
+  return cells;
+}
 
 class ChangeSearch {
  public:
@@ -23,11 +54,12 @@ class ChangeSearch {
       : graph_(graph), state_(state), sessions_(sessions) {}
 
   Status Run(const OccupancyGridOptions& options, std::vector<SessionChange>* changes) {
-    grids_.resize(sessions_.size());
-    for (std::size_t i = 0; i < sessions_.size(); ++i) {
-      PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph_, state_, sessions_[i].first_scan,
-                                                   sessions_[i].num_scans, options, &grids_[i]));
+    for (const SessionMark& session : sessions_) {
+      PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph_, state_, session.first_scan,
+                                                   session.num_scans, options, &grid_));
+      cells_.push_back(CellsOf(grid_));
     }
+    grid_.cells = std::vector<Occupancy>();
     changes->clear();
     for (std::size_t i = 0; i < sessions_.size(); ++i) {
       std::vector<SessionChange> of_session = ChangesShownBy(static_cast<int>(i));
@@ -37,42 +69,24 @@ class ChangeSearch {
   }
 
  private:
-  // Free, and nothing occupied next to it: walls move by a cell from one session to the next.
-  static bool LooksThrough(const OccupancyGrid& grid, int column, int row) {
-    if (grid.At(column, row) != Occupancy::kFree) return false;
-    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.height - 1); ++y) {
-      for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.width - 1); ++x) {
-        if (grid.At(x, y) == Occupancy::kOccupied) return false;
-      }
-    }
-    return true;
-  }
-
-  bool AnotherLooksThrough(int session, int column, int row) const {
-    for (std::size_t other = 0; other < grids_.size(); ++other) {
-      if (static_cast<int>(other) == session) continue;
-      if (LooksThrough(grids_[other], column, row)) return true;
+  bool AnotherLooksThrough(int session, std::size_t cell) const {
+    for (std::size_t other = 0; other < cells_.size(); ++other) {
+      if (static_cast<int>(other) != session && cells_[other].is_looked_through[cell]) return true;
     }
     return false;
   }
 
   std::vector<SessionChange> ChangesShownBy(int session) {
-    const OccupancyGrid& grid = grids_[session];
-    change_of_cell_.assign(grid.cells.size(), kUnchanged);
-    for (int row = 0; row < grid.height; ++row) {
-      for (int column = 0; column < grid.width; ++column) {
-        if (grid.At(column, row) == Occupancy::kOccupied &&
-            AnotherLooksThrough(session, column, row)) {
-          change_of_cell_[Index(column, row)] = kUnassigned;
-        }
-      }
+    changed_cells_.clear();
+    const std::vector<bool>& is_occupied = cells_[session].is_occupied;
+    for (std::size_t cell = 0; cell < is_occupied.size(); ++cell) {
+      if (is_occupied[cell] && AnotherLooksThrough(session, cell)) changed_cells_.push_back(cell);
     }
+    change_of_cell_.assign(changed_cells_.size(), kNone);
     std::vector<SessionChange> changes;
-    for (int row = 0; row < grid.height; ++row) {
-      for (int column = 0; column < grid.width; ++column) {
-        if (change_of_cell_[Index(column, row)] != kUnassigned) continue;
-        changes.push_back(Grow(session, column, row, static_cast<int>(changes.size())));
-      }
+    for (std::size_t i = 0; i < changed_cells_.size(); ++i) {
+      if (change_of_cell_[i] != kNone) continue;
+      changes.push_back(Grow(session, i, static_cast<int>(changes.size())));
     }
     AddPoints(session, &changes);
     changes.erase(std::remove_if(changes.begin(), changes.end(),
@@ -86,67 +100,98 @@ class ChangeSearch {
     return changes;
   }
 
-  // The change that a cell belongs to, all of whose cells get its number.
-  SessionChange Grow(int session, int column, int row, int number) {
-    const OccupancyGrid& grid = grids_[session];
-    std::vector<std::pair<int, int>> open = {{column, row}};
-    change_of_cell_[Index(column, row)] = number;
-    int left = column, right = column, bottom = row, top = row;
+  // The change that a changed cell belongs to, all of whose cells get its number.
+  SessionChange Grow(int session, std::size_t first, int number) {
+    std::vector<std::size_t> open = {first};
+    change_of_cell_[first] = number;
+    int left = grid_.width, right = 0, bottom = grid_.height, top = 0;
     SessionChange change;
     change.shown_by = session;
-    std::vector<bool> looked_through(grids_.size(), false);
+    std::vector<bool> looked_through(cells_.size(), false);
     while (!open.empty()) {
-      const auto [x, y] = open.back();
+      const std::size_t cell = changed_cells_[open.back()];
       open.pop_back();
+      const int x = static_cast<int>(cell % grid_.width), y = static_cast<int>(cell / grid_.width);
       left = std::min(left, x);
       right = std::max(right, x);
       bottom = std::min(bottom, y);
       top = std::max(top, y);
-      for (std::size_t other = 0; other < grids_.size(); ++other) {
-        if (static_cast<int>(other) == session || !LooksThrough(grids_[other], x, y)) continue;
+      for (std::size_t other = 0; other < cells_.size(); ++other) {
+        if (static_cast<int>(other) == session || !cells_[other].is_looked_through[cell]) continue;
         looked_through[other] = true;
       }
-      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, grid.height - 1); ++v) {
-        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, grid.width - 1); ++u) {
-          if (change_of_cell_[Index(u, v)] != kUnassigned) continue;
-          change_of_cell_[Index(u, v)] = number;
-          open.emplace_back(u, v);
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, grid_.height - 1); ++v) {
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, grid_.width - 1); ++u) {
+          const std::size_t near = ChangedCellAt(u, v);
+          if (near == changed_cells_.size() || change_of_cell_[near] != kNone) continue;
+          change_of_cell_[near] = number;
+          open.push_back(near);
         }
       }
     }
-    for (std::size_t other = 0; other < grids_.size(); ++other) {
+    for (std::size_t other = 0; other < cells_.size(); ++other) {
       if (looked_through[other]) change.looked_through_by.push_back(static_cast<int>(other));
     }
-    change.center = {grid.left_m + 0.5 * (left + right + 1) * grid.resolution_m,
-                     grid.bottom_m + 0.5 * (bottom + top + 1) * grid.resolution_m};
-    change.size_m = std::max(right - left + 1, top - bottom + 1) * grid.resolution_m;
+    change.center = {grid_.left_m + 0.5 * (left + right + 1) * grid_.resolution_m,
+                     grid_.bottom_m + 0.5 * (bottom + top + 1) * grid_.resolution_m};
+    change.size_m = std::max(right - left + 1, top - bottom + 1) * grid_.resolution_m;
     return change;
   }
 
+  // A point of a change.
+  struct Found {
+    int change;
+    std::size_t return_id;  // among all
+    double x, y;
+  };
+
+  // In the order of their returns, whichever processes have these.
   void AddPoints(int session, std::vector<SessionChange>* changes) const {
-    const OccupancyGrid& grid = grids_[session];
     const SessionMark& mark = sessions_[session];
-    const ScanEntry& last = graph_.scan(mark.first_scan + mark.num_scans - 1);
-    for (std::size_t i = graph_.scan(mark.first_scan).first_return;
-         i < last.first_return + last.num_returns; ++i) {
-      const Eigen::Vector2d point(state_.points[2 * i], state_.points[2 * i + 1]);
-      const double column = std::floor((point.x() - grid.left_m) / grid.resolution_m);
-      const double row = std::floor((point.y() - grid.bottom_m) / grid.resolution_m);
-      if (!(column >= 0.0 && column < grid.width && row >= 0.0 && row < grid.height)) continue;
-      const int change = change_of_cell_[Index(static_cast<int>(column), static_cast<int>(row))];
-      if (change >= 0) (*changes)[change].points.push_back(point);
+    std::vector<Found> found;
+    for (int scan = 0; scan < graph_.num_scans(); ++scan) {
+      const int id = graph_.IdAmongAll(scan);
+      if (id < mark.first_scan || id >= mark.first_scan + mark.num_scans) continue;
+      const std::size_t first_among_all = graph_.all_scans()[id].first_return;
+      const ScanEntry& entry = graph_.scan(scan);
+      for (std::size_t i = 0; i < entry.num_returns; ++i) {
+        const double* point = &state_.points[2 * (entry.first_return + i)];
+        const int change = ChangeAt(point[0], point[1]);
+        if (change >= 0) found.push_back({change, first_among_all + i, point[0], point[1]});
+      }
     }
+    found = JoinOverPeers(graph_.peers(), std::move(found));
+    std::sort(found.begin(), found.end(),
+              [](const Found& a, const Found& b) { return a.return_id < b.return_id; });
+    for (const Found& point : found) (*changes)[point.change].points.emplace_back(point.x, point.y);
   }
 
-  std::size_t Index(int column, int row) const {
-    return static_cast<std::size_t>(row) * grids_.front().width + column;
+  // The change that a point of the session that is looked at belongs to, or kNone.
+  int ChangeAt(double x, double y) const {
+    const double column = std::floor((x - grid_.left_m) / grid_.resolution_m);
+    const double row = std::floor((y - grid_.bottom_m) / grid_.resolution_m);
+    if (!(column >= 0.0 && column < grid_.width && row >= 0.0 && row < grid_.height)) return kNone;
+    const std::size_t cell = ChangedCellAt(static_cast<int>(column), static_cast<int>(row));
+    return cell == changed_cells_.size() ? kNone : change_of_cell_[cell];
+  }
+
+  // Index among changed_cells_; their number if it is none of them.
+  std::size_t ChangedCellAt(int column, int row) const {
+    const std::size_t cell = static_cast<std::size_t>(row) * grid_.width + column;
+    const auto found = std::lower_bound(changed_cells_.begin(), changed_cells_.end(), cell);
+    const bool is_one = found != changed_cells_.end() && *found == cell;
+    return is_one ? found - changed_cells_.begin() : changed_cells_.size();
   }
 
   const SlamGraph& graph_;
   const MapState& state_;
   const std::vector<SessionMark>& sessions_;
-  std::vector<OccupancyGrid> grids_;  // per session, all of the same cells
-  std::vector<int> change_of_cell_;   // of the session that is looked at
+  OccupancyGrid grid_;               // where the cells of all sessions are
+  std::vector<SessionCells> cells_;  // per session, row by row
+  // Of the session that is looked at: cells that another one looks through, in ascending order, and
+  // the change that each belongs to.
+  std::vector<std::size_t> changed_cells_;
+  std::vector<int> change_of_cell_;
 };
 
 }  // namespace

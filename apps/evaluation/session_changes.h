@@ -16,7 +16,7 @@ namespace plumbline {
 struct SessionMark {
   std::string name;
   int number = 0;      ///< among all sessions, from 0: says which colour it has
-  int first_scan = 0;  ///< its scans follow each other
+  int first_scan = 0;  ///< among all; its scans follow each other
   int num_scans = 0;
 };
 
@@ -32,7 +32,8 @@ struct SessionChange {
 /// What is different between the sessions of a map, by the occupancy grids of each: cells that are
 /// occupied in the one and free in the other, next to nothing that is occupied there. Cells up to
 /// one apart are one change; what is shorter than 0.3 m is none. In order of the sessions that show
-/// them, the larger ones first. Fails like BuildOccupancyGrid.
+/// them, the larger ones first. Processes that share the graph all get those of all scans
+/// (collective). Fails like BuildOccupancyGrid.
 Status FindSessionChanges(const SlamGraph& graph, const MapState& state,
                           const std::vector<SessionMark>& sessions,
                           const OccupancyGridOptions& options, std::vector<SessionChange>* changes);

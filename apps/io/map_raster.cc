@@ -144,10 +144,8 @@ Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_s
 std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster) {
   std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
   points.ForEach([&](std::size_t, double x, double y) {
-    const double column = raster.Column(x), row = raster.Row(y);
-    // Written so that a coordinate that is not a number fails.
-    if (!(column >= 0.0 && column < raster.width && row >= 0.0 && row < raster.height)) return;
-    ++hits[static_cast<std::size_t>(row) * raster.width + static_cast<std::size_t>(column)];
+    const std::ptrdiff_t pixel = raster.PixelAt(x, y);
+    if (pixel >= 0) ++hits[pixel];
   });
   return hits;
 }

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_IO_MAP_RASTER_H_
 #define PLUMBLINE_APPS_IO_MAP_RASTER_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +22,14 @@ struct MapRaster {
 
   double Column(double x_m) const { return (x_m - left_m) / pixel_m; }
   double Row(double y_m) const { return (top_m - y_m) / pixel_m; }
+  /// Which one of the pixels, row by row, a point falls into; negative if that is outside, or the
+  /// point is not finite.
+  std::ptrdiff_t PixelAt(double x_m, double y_m) const {
+    const double column = Column(x_m), row = Row(y_m);
+    // Written so that a coordinate that is not a number fails.
+    if (!(column >= 0.0 && column < width && row >= 0.0 && row < height)) return -1;
+    return static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column);
+  }
 };
 
 /// The largest of 1, 2, 2.5, 5 times a power of ten that is <= value, which is positive.

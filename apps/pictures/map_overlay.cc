@@ -2,10 +2,12 @@
 
 #include <cairo.h>
 
+#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/map_points.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -51,18 +53,11 @@ void SetColor(const MapOverlay& overlay, cairo_t* context) {
   cairo_set_source_rgb(context, overlay.color.red, overlay.color.green, overlay.color.blue);
 }
 
-void DrawPoints(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context) {
-  std::vector<double> points;
-  points.reserve(2 * overlay.points.size());
-  for (const Eigen::Vector2d& point : overlay.points) {
-    points.insert(points.end(), {point.x(), point.y()});
-  }
-  const std::vector<std::uint32_t> hits = CountHits(points, raster);
-  SetColor(overlay, context);
-  const std::uint32_t* hit = hits.data();
+void FillPixels(const std::vector<bool>& pixels, const MapRaster& raster, cairo_t* context) {
+  auto pixel = pixels.begin();
   for (int row = 0; row < raster.height; ++row) {
     for (int column = 0; column < raster.width; ++column) {
-      if (*hit++ > 0) FillSquare(column, row, 1.0, context);
+      if (*pixel++) FillSquare(column, row, 1.0, context);
     }
   }
 }
@@ -84,7 +79,8 @@ void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& po
     case OverlayStyle::kRings:
       DrawRings(points, context);
       break;
-    case OverlayStyle::kPoints:  // a sample of them
+    case OverlayStyle::kPoints:
+    case OverlayStyle::kScans:  // a sample of them
       FillSquare(points.front().x() - 0.5 * kSamplePx, points.front().y() - 0.5 * kSamplePx,
                  kSamplePx, context);
       break;
@@ -93,9 +89,39 @@ void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& po
 
 }  // namespace
 
-void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster, cairo_t* context) {
+std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, const MapState& state,
+                           const MapRaster& raster) {
+  const std::size_t num_pixels = static_cast<std::size_t>(raster.width) * raster.height;
   if (overlay.style == OverlayStyle::kPoints) {
-    DrawPoints(overlay, raster, context);
+    std::vector<bool> pixels(num_pixels, false);
+    for (const Eigen::Vector2d& point : overlay.points) {
+      const std::ptrdiff_t pixel = raster.PixelAt(point.x(), point.y());
+      if (pixel >= 0) pixels[pixel] = true;
+    }
+    return pixels;
+  }
+  if (overlay.style != OverlayStyle::kScans) return {};
+  std::vector<int> is_hit(num_pixels, 0);
+  const MapPoints points(graph, state);
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const int id = graph.IdAmongAll(scan);
+    if (id < overlay.first_scan || id >= overlay.first_scan + overlay.num_scans) continue;
+    points.ForEachOfScan(graph, scan, [&](std::size_t, double x, double y) {
+      const std::ptrdiff_t pixel = raster.PixelAt(x, y);
+      if (pixel >= 0) is_hit[pixel] = 1;
+    });
+  }
+  SumOverPeers(graph.peers(), &is_hit);
+  std::vector<bool> pixels(num_pixels);
+  std::transform(is_hit.begin(), is_hit.end(), pixels.begin(), [](int hit) { return hit != 0; });
+  return pixels;
+}
+
+void DrawOverlay(const MapOverlay& overlay, const MapRaster& raster,
+                 const std::vector<bool>& pixels, cairo_t* context) {
+  if (!pixels.empty()) {
+    SetColor(overlay, context);
+    FillPixels(pixels, raster, context);
     return;
   }
   std::vector<Eigen::Vector2d> points;
@@ -109,6 +135,7 @@ void DrawOverlaySample(const MapOverlay& overlay, double x, double y, cairo_t* c
   switch (overlay.style) {
     case OverlayStyle::kRings:
     case OverlayStyle::kPoints:
+    case OverlayStyle::kScans:
       DrawMarks(overlay, {{x, y}}, context);
       break;
     case OverlayStyle::kLinks:

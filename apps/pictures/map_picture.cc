@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -80,9 +81,10 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
            TextAnchor::kLeft, context);
 }
 
-/// The lines and marks on the map area, which cuts them off.
+/// The lines and marks on the map area, which cuts them off. overlay_pixels: PixelsOf each.
 void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<MapOverlay>& overlays,
-             const MapRaster& raster, int left, cairo_t* context) {
+             const std::vector<std::vector<bool>>& overlay_pixels, const MapRaster& raster,
+             int left, cairo_t* context) {
   cairo_translate(context, left, kTitlePx);
   cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
   cairo_clip(context);
@@ -92,7 +94,9 @@ void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<Ma
     cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
   }
   DrawTrajectory(graph, state, raster, context);
-  for (const MapOverlay& overlay : overlays) DrawOverlay(overlay, raster, context);
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    DrawOverlay(overlays[i], raster, overlay_pixels[i], context);
+  }
 }
 
 bool HasLegend(const MapOverlay& overlay) { return !overlay.label.empty(); }
@@ -141,6 +145,11 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
       ChooseRaster(graph, state, options.crop_share, options.max_side_px, &raster));
   std::vector<std::uint32_t> hits = CountHits(MapPoints(graph, state), raster);
   SumOverPeers(graph.peers(), &hits);
+  std::vector<std::vector<bool>> overlay_pixels;
+  overlay_pixels.reserve(options.overlays.size());
+  for (const MapOverlay& overlay : options.overlays) {
+    overlay_pixels.push_back(PixelsOf(overlay, graph, state, raster));
+  }
   if (!SpeaksForAll(graph.peers())) return Status::Ok();
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
@@ -167,7 +176,7 @@ Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const Ma
   DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
   DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
-  DrawMap(graph, state, options.overlays, raster, map_left, context.get());
+  DrawMap(graph, state, options.overlays, overlay_pixels, raster, map_left, context.get());
 
   PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
   if (area != nullptr) *area = {raster, map_left, kTitlePx};

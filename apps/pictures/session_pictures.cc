@@ -21,15 +21,11 @@ Status WriteSessionPicture(const std::string& path, const SlamGraph& graph, cons
   options.max_side_px = max_side_px;
   for (const SessionMark& session : sessions) {
     MapOverlay overlay;
-    overlay.style = OverlayStyle::kPoints;
+    overlay.style = OverlayStyle::kScans;
     overlay.color = ColorOf(session);
     overlay.label = session.name + ": " + WithThousands(session.num_scans) + " scans";
-    for (int scan = session.first_scan; scan < session.first_scan + session.num_scans; ++scan) {
-      const ScanEntry& entry = graph.scan(scan);
-      for (std::size_t i = entry.first_return; i < entry.first_return + entry.num_returns; ++i) {
-        overlay.points.emplace_back(state.points[2 * i], state.points[2 * i + 1]);
-      }
-    }
+    overlay.first_scan = session.first_scan;
+    overlay.num_scans = session.num_scans;
     options.overlays.push_back(std::move(overlay));
   }
   return WriteMapPicture(path, graph, state, options);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "plumbline/test/apps/two_sessions.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -43,6 +44,26 @@ TEST(SessionChangesTest, FindsWhatWasMoved) {
       EXPECT_LT((point - middles[day]).lpNorm<Eigen::Infinity>(), 0.36);
     }
   }
+}
+
+TEST(SessionChangesTest, ProcessesFindThemTogether) {
+  const std::vector<Face> first = Cabinet(0.0, 0.5, 0.6), second = Cabinet(0.5, 2.0, 0.6);
+  const std::vector<SessionChange> expected = ChangesBetween(first, second);
+  const TwoSessions sessions = MakeTwoSessions(first, second);
+  RunOnParts(sessions.graph, 2, [&](const SlamGraph& part) {
+    ASSERT_LT(part.num_scans(), sessions.graph.num_scans());
+    std::vector<SessionChange> changes;
+    ASSERT_TRUE(FindSessionChanges(part, part.InitialState(), sessions.marks,
+                                   OccupancyGridOptions(), &changes)
+                    .ok());
+    ASSERT_EQ(changes.size(), expected.size());
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      EXPECT_EQ(changes[i].shown_by, expected[i].shown_by);
+      EXPECT_EQ(changes[i].looked_through_by, expected[i].looked_through_by);
+      EXPECT_EQ(changes[i].center, expected[i].center);
+      EXPECT_EQ(changes[i].points, expected[i].points);
+    }
+  });
 }
 
 TEST(SessionChangesTest, WhatStaysIsNoChange) {

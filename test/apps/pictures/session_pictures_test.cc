@@ -9,6 +9,7 @@
 #include "plumbline/test/apps/pictures/picture.h"
 #include "plumbline/test/apps/two_sessions.h"
 #include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +35,19 @@ TEST_F(SessionPicturesTest, EachSessionHasAColour) {
   EXPECT_GT(picture.Count(IsBlue), 200);  // what is behind that wall
   EXPECT_GT(picture.Count(IsRed), 200);
   EXPECT_GT(picture.Around(IsBlue, map).right, picture.Around(IsRed, map).right - 5);
+}
+
+TEST_F(SessionPicturesTest, ProcessesDrawItTogether) {
+  const TwoSessions sessions = MakeTwoSessions({}, {{{1.0, 0.5}, {1.0, 2.0}}});
+  ASSERT_TRUE(WriteSessionPicture(path_, sessions.graph, sessions.graph.InitialState(),
+                                  sessions.marks, kSidePx)
+                  .ok());
+  const std::string of_all = path_ + ".all.png";
+  RunOnParts(sessions.graph, 2, [&](const SlamGraph& part) {
+    ASSERT_TRUE(
+        WriteSessionPicture(of_all, part, part.InitialState(), sessions.marks, kSidePx).ok());
+  });
+  EXPECT_TRUE(ReadFile(of_all) == ReadFile(path_));
 }
 
 TEST_F(SessionPicturesTest, ChangesHaveRingsInTheColourOfTheirSession) {
