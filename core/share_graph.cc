@@ -267,6 +267,10 @@ void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* 
   *surface = std::move(other_surface);
 }
 
+void ShareAnewByPlace(const std::vector<double>& poses, SlamGraph* part, MeasuredSurface* surface) {
+  ShareAnew(PartitionByPlace(poses, ReturnsPerPose(*part), part->peers()->size()), part, surface);
+}
+
 int OwnScan(const SlamGraph& part, int id_among_all) {
   int begin = 0, end = part.num_scans();
   while (begin < end) {

@@ -23,6 +23,9 @@ Status ShareGraphByPlace(const Peers* peers, const std::vector<double>& poses, S
 /// new part of this process. rank_of_pose: the same in all processes. Collective.
 void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* surface);
 
+/// The same by place. poses: where to divide, the same in all processes.
+void ShareAnewByPlace(const std::vector<double>& poses, SlamGraph* part, MeasuredSurface* surface);
+
 /// Which sweep of a part one of all is; -1 if others have it.
 int OwnScan(const SlamGraph& part, int id_among_all);
 

@@ -6,6 +6,7 @@
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -110,12 +111,17 @@ Status SeedLogTogether(const MapLogOptions& options, const SeedingProgress& prog
     return Status::InvalidArgument("processes cannot seed such a log together");
   }
   MeasureMissingSurface(options, pool, mapping);
-  std::vector<Pose2> world_from_robot;
   SeedingReport seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
-                                            progress, pool, &mapping->graph, &mapping->surface,
-                                            &world_from_robot, &seeding));
-  return StartFromSeed(options, PoseArray(world_from_robot), std::move(seeding), mapping);
+  std::vector<double> start_poses;
+  {
+    SeededDrive drive;
+    PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, options.solver.factors.motion,
+                                              progress, pool, &mapping->graph, &mapping->surface,
+                                              &drive, &seeding));
+    start_poses = PoseArray(drive.world_from_robot);
+  }
+  ShareAnewByPlace(start_poses, &mapping->graph, &mapping->surface);
+  return StartFromSeed(options, std::move(start_poses), std::move(seeding), mapping);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/core/catch_exceptions.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/interface/solver.h"
@@ -36,14 +37,20 @@ Status CheckOptions(const MapLogOptions& options) {
   return Status::Ok();
 }
 
-// The steps of MapLog up to the seed.
-Status SeedSession(const MapLogOptions& options, SlamGraph session, const SeedingProgress& progress,
-                   ThreadPool* pool, LogMapping* mapping, SeededDrive* drive) {
-  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(session), pool, mapping));
+// The work of SeedLog, with what it takes to go on closing loops.
+Status SeedSession(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
+                   LogMapping* mapping, SeededDrive* drive) {
+  const MotionOptions& motion = options.solver.factors.motion;
+  mapping->surface =
+      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
   SeedingReport seeding;
-  PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
-                                      mapping->surface, progress, pool, mapping->graph, drive,
-                                      &seeding));
+  if (mapping->graph.peers() == nullptr) {
+    PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, motion, mapping->surface, progress, pool,
+                                        mapping->graph, drive, &seeding));
+  } else {
+    PLUMBLINE_RETURN_IF_ERROR(SeedSharedDrive(options.seeding, motion, progress, pool,
+                                              &mapping->graph, &mapping->surface, drive, &seeding));
+  }
   return StartFromSeed(options, PoseArray(drive->world_from_robot), std::move(seeding), mapping);
 }
 
@@ -98,7 +105,7 @@ class JoinedReport {
     for (FrozenStretch stretch : own.frozen_laser) {
       stretch.first_scan += session.first_scan;
       stretch.last_scan += session.first_scan;
-      stretch.laser = graph.scan(stretch.first_scan).laser;
+      stretch.laser = graph.all_scans()[stretch.first_scan].laser;
       report_.frozen_laser.push_back(stretch);
     }
     if (own.sweep_order) report_.sweep_order = own.sweep_order;
@@ -142,15 +149,14 @@ class SessionsRun {
   SessionsRun(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool)
       : options_(options), progress_(progress), pool_(pool) {}
 
-  Status Seed(std::vector<SlamGraph> sessions) {
+  Status Seed(std::vector<LogMapping> sessions) {
     for (std::size_t i = 0; i < sessions.size(); ++i) {
-      if (sessions[i].num_scans() == 0) {
+      LogMapping mapping = std::move(sessions[i]);  // freed once it is in the set
+      if (mapping.graph.all_scans().empty()) {
         return OfSession(i, Status::InvalidArgument("it has no scan"));
       }
-      LogMapping mapping;
       SeededDrive drive;
-      const Status seeded =
-          SeedSession(options_, std::move(sessions[i]), progress_, pool_, &mapping, &drive);
+      const Status seeded = SeedSession(options_, progress_, pool_, &mapping, &drive);
       if (!seeded.ok()) return OfSession(i, seeded);
       if (drive.matched.keyframes.empty()) {
         return OfSession(i, Status::InvalidArgument("no scan of it shows a surface"));
@@ -160,6 +166,7 @@ class SessionsRun {
       PLUMBLINE_RETURN_IF_ERROR(AddSession(mapping.graph, std::move(drive), &set_));
       reports_.push_back(std::move(mapping.report));
     }
+    FinishSet(pool_, &set_);
     return Status::Ok();
   }
 
@@ -249,12 +256,7 @@ class SessionsRun {
     }
     map->mapping.report = joined.Take();
     SeedingReport& seeding = map->mapping.report.seeding;
-    KeyframeGraph keys;
-    const MeasuredSurface surface =
-        MeasureSurface(drive.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
-    const ScanSurfaces surfaces(drive.graph, surface, std::move(drive.surfaces));
-    PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(motion, surfaces, progress_, &drive.ties, pool_,
-                                            &drive.matched, &keys, &seeding));
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoopsOf(&drive, motion, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
     }
@@ -267,6 +269,23 @@ class SessionsRun {
       all.insert(all.end(), bent.begin(), bent.end());
     }
     return Start(std::move(drive.matched.world_from_robot), std::move(drive.graph), map);
+  }
+
+  Status CloseLoopsOf(JoinedDrive* drive, const MotionOptions& motion,
+                      SeedingReport* seeding) const {
+    MeasuredSurface surface = MeasureSurfaceOf(drive->graph);
+    if (drive->graph.peers() != nullptr) {  // divided as each session lay by itself
+      ShareAnewByPlace(drive->graph.initial_poses(), &drive->graph, &surface);
+    }
+    const ScanSurfaces surfaces = ScanSurfaces(drive->graph, surface, std::move(drive->surfaces))
+                                      .WithKept(ScansOf(drive->matched.keyframes), pool_);
+    KeyframeGraph keys;
+    return CloseAllLoops(motion, surfaces, progress_, &drive->ties, pool_, &drive->matched, &keys,
+                         seeding);
+  }
+
+  MeasuredSurface MeasureSurfaceOf(const SlamGraph& graph) const {
+    return MeasureSurface(graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
   }
 
   std::vector<Pose2> SeedOf(int session) const {
@@ -289,8 +308,10 @@ class SessionsRun {
     mapping.graph = std::move(graph);
     mapping.start_poses = PoseArray(poses);
     mapping.state = {mapping.start_poses, {}};
-    mapping.surface =
-        MeasureSurface(mapping.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
+    mapping.surface = MeasureSurfaceOf(mapping.graph);
+    if (mapping.graph.peers() != nullptr) {
+      ShareAnewByPlace(mapping.start_poses, &mapping.graph, &mapping.surface);
+    }
     return Status::Ok();
   }
 
@@ -304,7 +325,7 @@ class SessionsRun {
 
 }  // namespace
 
-Status SeedSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
+Status SeedSessions(const MapLogOptions& options, std::vector<LogMapping> sessions,
                     const SeedingProgress& progress, ThreadPool* pool, SessionsMapping* mapping) {
   return CatchExceptions([&] {
     PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options));
@@ -323,8 +344,12 @@ Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions
   return CatchExceptions([&] {
     PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options));
     ThreadPool pool(options.solver.num_threads);
+    std::vector<LogMapping> taken(sessions.size());
+    for (std::size_t i = 0; i < sessions.size(); ++i) {
+      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options, std::move(sessions[i]), &pool, &taken[i]));
+    }
     SessionsMapping seeded;
-    PLUMBLINE_RETURN_IF_ERROR(SeedSessions(options, std::move(sessions), progress, &pool, &seeded));
+    PLUMBLINE_RETURN_IF_ERROR(SeedSessions(options, std::move(taken), progress, &pool, &seeded));
     for (SessionMap& map : seeded.maps) {
       PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &map.mapping));
     }

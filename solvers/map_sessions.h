@@ -55,9 +55,10 @@ struct SessionsMapping {
 Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
                    const SeedingProgress& progress, SessionsMapping* mapping);
 
-/// All of it up to where the joint estimation of each map starts. progress counts the scans or
-/// candidates of one session at a time.
-Status SeedSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions,
+/// All of it up to where the joint estimation of each map starts. sessions: as TakeLog leaves them.
+/// progress counts the scans or candidates of one session at a time. Processes that share the graph
+/// of every session, as SeedLog wants it, tie them together (collective).
+Status SeedSessions(const MapLogOptions& options, std::vector<LogMapping> sessions,
                     const SeedingProgress& progress, ThreadPool* pool, SessionsMapping* mapping);
 
 }  // namespace plumbline

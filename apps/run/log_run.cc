@@ -59,34 +59,27 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return Read(); }));
     if (SeedTogether()) {
       PLUMBLINE_RETURN_IF_ERROR(FindSeed(peers));
-      ShareLimits();
+      AwaitLimits();
       return Status::Ok();
     }
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return FindSeed(nullptr); }));
     if (peers == nullptr) return Status::Ok();
-    ShareLimits();
+    AwaitLimits();
     return ShareMapping(peers, options_.mapping, &pool_, &mapping_);
   }
 
   // Not where the speaker has to look at the whole log.
   bool SeedTogether() const {
-    const Peers* peers = options_.peers;
-    if (peers == nullptr || peers->size() == 1) return false;
-    const bool can = SpeaksForAll(peers) && options_.resume.empty() &&
-                     CanSeedTogether(options_.mapping, mapping_);
-    return MaxOverPeers(peers, can ? 1.0 : 0.0) > 0.0 && ComputeAlike(*peers);
+    return options_.peers != nullptr &&
+           CanShareSeeding(*options_.peers,
+                           options_.resume.empty() && CanSeedTogether(options_.mapping, mapping_));
   }
 
-  // All make the same pictures and the same grid together.
-  void ShareLimits() {
-    // The speaker may have a checkpoint to write.
-    if (options_.peers != nullptr) options_.peers->WaitForAll();
-    std::vector<double> limits;
-    if (SpeaksForAll(options_.peers))
-      limits = {1.0 * outputs_.picture_side_px, outputs_.map_max_cells};
-    limits = JoinOverPeers(options_.peers, std::move(limits));
-    outputs_.picture_side_px = static_cast<int>(limits[0]);
-    outputs_.map_max_cells = limits[1];
+  // The speaker may have a checkpoint to write meanwhile.
+  void AwaitLimits() {
+    if (options_.peers == nullptr) return;
+    options_.peers->WaitForAll();
+    ShareLimits(options_.peers, &outputs_);
   }
 
   Status Read() {
@@ -142,7 +135,7 @@ class LogRun {
       PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
       std::cout << "Seeding: as in " << Legible(options_.resume) << '\n';
     }
-    // Collective if the graph is shared. What it limits, ShareLimits takes from the speaker.
+    // Collective if the graph is shared. What it limits, all take from the speaker.
     const std::string grid_text =
         FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_);
     const SeedingReport& seeding = mapping_.report.seeding;

@@ -21,7 +21,7 @@ struct LogRunOptions {
   std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
   std::string resume;       ///< checkpoint to go on from; may be empty
   /// Processes that run with the same options and share the work; null: this one does it all.
-  /// Without hits, calibration or a saved map then.
+  /// Without hits and calibration then.
   const Peers* peers = nullptr;
 };
 

@@ -26,6 +26,8 @@
 #include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/progress.h"
 #include "plumbline/apps/run/seeding_progress.h"
+#include "plumbline/apps/run/share_mapping.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/map_sessions.h"
@@ -67,18 +69,20 @@ class SessionsRun {
         paths_(options.logs) {
     if (!options.fixed_map.empty()) paths_.push_back(options.fixed_map);
     names_ = NamesOf(paths_);
+    read_.resize(paths_.size());
+    sessions_.resize(paths_.size());
   }
 
   Status Run() {
-    std::vector<SlamGraph> graphs;
-    PLUMBLINE_RETURN_IF_ERROR(Read(&graphs));
-    KeepStopSignal();  // not to be cut off by a signal: it tries out a file
-    PLUMBLINE_RETURN_IF_ERROR(output_.Make());
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return Read(); }));
+    // What cannot be written is known before the work.
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return MakeFolder(); }));
     EndIfStoppedWhile("seeding", output_.made_folders());
-    PLUMBLINE_RETURN_IF_ERROR(Seed(std::move(graphs)));
+    PLUMBLINE_RETURN_IF_ERROR(FindSeeds());
     KeepStopSignal();
-    PLUMBLINE_RETURN_IF_ERROR(output_.RemoveOldResults());
-    PLUMBLINE_RETURN_IF_ERROR(MakeFolders());
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return output_.RemoveOldResults(); }));
+    MakeMapRuns();
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return MakeMapFolders(); }));
     for (MapResults& results : results_) PLUMBLINE_RETURN_IF_ERROR(Refine(&results));
     for (MapResults& results : results_) PLUMBLINE_RETURN_IF_ERROR(WriteMap(&results));
     PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal(
@@ -91,19 +95,15 @@ class SessionsRun {
   }
 
  private:
-  Status Read(std::vector<SlamGraph>* graphs) {
+  const Peers* peers() const { return options_.peers; }
+
+  Status Read() {
     MemoryEstimate memory;
     std::size_t largest = 0;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       EndIfStoppedWhile("reading " + paths_[i]);
       SlamGraph graph;
-      RunSummary& read = read_.emplace_back();
-      if (i < options_.logs.size()) {
-        PLUMBLINE_RETURN_IF_ERROR(
-            ReadSession(paths_[i], options_.max_scans, options_.max_memory, &read, &graph));
-      } else {
-        PLUMBLINE_RETURN_IF_ERROR(ReadFixedMap(paths_[i], options_.max_memory, &read, &graph));
-      }
+      PLUMBLINE_RETURN_IF_ERROR(ReadSessionOrFixedMap(i, &graph));
       const MapState odometry{graph.initial_poses(), {}};
       PLUMBLINE_RETURN_IF_ERROR(
           CheckRobotMap(paths_[i], graph, odometry, outputs_.map_resolution_m));
@@ -115,15 +115,47 @@ class SessionsRun {
       memory.pictures = std::max(memory.pictures, own.pictures);
       memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
-      graphs->push_back(std::move(graph));
+      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &sessions_[i]));
     }
     memory.results += memory.pictures;
     std::cout << memory.Text()
               << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
-    return CheckMemory(memory, options_.max_memory, (*graphs)[largest], options_.mapping.solver);
+    return CheckMemory(memory, options_.max_memory, sessions_[largest].graph,
+                       options_.mapping.solver);
   }
 
-  Status Seed(std::vector<SlamGraph> graphs) {
+  Status ReadSessionOrFixedMap(std::size_t index, SlamGraph* graph) {
+    if (index < options_.logs.size()) {
+      return ReadSession(paths_[index], options_.max_scans, options_.max_memory, &read_[index],
+                         graph);
+    }
+    return ReadFixedMap(paths_[index], options_.max_memory, &read_[index], graph);
+  }
+
+  // Not to be cut off by a signal: it tries out a file.
+  Status MakeFolder() {
+    KeepStopSignal();
+    return output_.Make();
+  }
+
+  // Processes find them together, unless one of the logs has to be looked at as a whole.
+  Status FindSeeds() {
+    if (peers() == nullptr) return Seed();
+    ShareLimits(peers(), &outputs_);
+    const auto is_fit = [this](const LogMapping& session) {
+      return CanSeedTogether(options_.mapping, session);
+    };
+    if (!CanShareSeeding(*peers(), std::all_of(sessions_.begin(), sessions_.end(), is_fit))) {
+      PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return Seed(); }));
+      return ShareSessions(peers(), options_.mapping, &pool_, &mapping_);
+    }
+    for (LogMapping& session : sessions_) {
+      PLUMBLINE_RETURN_IF_ERROR(ShareLog(peers(), &session));
+    }
+    return Seed();
+  }
+
+  Status Seed() {
     const auto start = std::chrono::steady_clock::now();
     SeedingBars bars(StandardOutputIsTerminal(), &std::cout);
     const auto progress = [&](SeedingPhase phase, int num_done, int num_total) {
@@ -131,7 +163,7 @@ class SessionsRun {
       return true;
     };
     PLUMBLINE_RETURN_IF_ERROR(
-        SeedSessions(options_.mapping, std::move(graphs), progress, &pool_, &mapping_));
+        SeedSessions(options_.mapping, std::move(sessions_), progress, &pool_, &mapping_));
     bars.Finish();
     seed_time_s_ = SecondsSince(start);
     std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << seed_time_s_ << " s)\n"
@@ -145,7 +177,7 @@ class SessionsRun {
 
   bool is_one_map() const { return mapping_.maps.size() == 1; }
 
-  Status MakeFolders() {
+  void MakeMapRuns() {
     for (SessionMap& map : mapping_.maps) {
       MapResults& results = results_.emplace_back();
       results.map = &map;
@@ -164,10 +196,15 @@ class SessionsRun {
       if (!is_one_map()) {
         results.own_folder =
             std::make_unique<OutputFolder>(output_.MapFolder(static_cast<int>(results_.size())));
-        PLUMBLINE_RETURN_IF_ERROR(results.own_folder->Make());
       }
       results.run = std::make_unique<MapRun>(options_.mapping, outputs_, FolderOf(results), nullptr,
                                              std::move(summary), &pool_, &map.mapping);
+    }
+  }
+
+  Status MakeMapFolders() const {
+    for (const MapResults& results : results_) {
+      if (results.own_folder) PLUMBLINE_RETURN_IF_ERROR(results.own_folder->Make());
     }
     return Status::Ok();
   }
@@ -237,9 +274,11 @@ class SessionsRun {
                                   const OutputFolder& folder) {
     const std::vector<TimedPose> all = TrajectoryOf(mapping.graph, mapping.state);
     const auto first = all.begin() + session.first_pose;
-    return WriteTumTrajectory(
-        folder.File("trajectory_" + std::to_string(session.session + 1) + ".tum"),
-        {first, first + session.num_poses});
+    return BySpeaker(mapping.graph.peers(), [&] {
+      return WriteTumTrajectory(
+          folder.File("trajectory_" + std::to_string(session.session + 1) + ".tum"),
+          {first, first + session.num_poses});
+    });
   }
 
   Status WriteReports(const std::string& signal_name) {
@@ -247,6 +286,10 @@ class SessionsRun {
       PLUMBLINE_RETURN_IF_ERROR(results.run->WriteReport(signal_name));
     }
     if (is_one_map()) return Status::Ok();
+    return BySpeaker(peers(), [&] { return WriteSummary(signal_name); });
+  }
+
+  Status WriteSummary(const std::string& signal_name) const {
     Json json = RunJson();
     json["stopped_by"] = StoppedByJson(signal_name);
     json["peak_memory_bytes"] = PeakMemoryBytes();
@@ -299,9 +342,10 @@ class SessionsRun {
   RunOutputOptions outputs_;  // as the memory allows them
   ThreadPool pool_;
   OutputFolder output_;
-  std::vector<std::string> paths_;  // per session: of the logs, then of the fixed map
-  std::vector<std::string> names_;  // for people, per session
-  std::vector<RunSummary> read_;    // per log, what is known from reading it
+  std::vector<std::string> paths_;    // per session: of the logs, then of the fixed map
+  std::vector<std::string> names_;    // for people, per session
+  std::vector<RunSummary> read_;      // per session, what is known from reading it
+  std::vector<LogMapping> sessions_;  // until they are seeded
   double seed_time_s_ = 0.0;
   SessionsMapping mapping_;
   std::deque<MapResults> results_;  // per map

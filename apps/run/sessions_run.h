@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 
@@ -20,6 +21,8 @@ struct SessionsRunOptions {
   MapLogOptions mapping;
   RunOutputOptions outputs;
   double max_memory = 0.0;  ///< refuses logs that need more by estimate [bytes]; 0: no limit
+  /// Processes that run with the same options and share the work; null: this one does it all.
+  const Peers* peers = nullptr;
 };
 
 /// Maps several logs, or one and a finished map, whose relative poses are unknown (SeedSessions):

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +30,21 @@ void ShareSeed(const Peers* peers, LogMapping* mapping) {
              &mapping->report.seeding);
 }
 
-}  // namespace
+// A SessionOfMap without its report, and the map that it is a part of.
+struct PlainSession {
+  int map, session, first_pose, num_poses, first_scan, num_scans;
+};
+
+std::vector<PlainSession> PlainSessions(const std::vector<SessionMap>& maps) {
+  std::vector<PlainSession> plain;
+  for (std::size_t map = 0; map < maps.size(); ++map) {
+    for (const SessionOfMap& session : maps[map].sessions) {
+      plain.push_back({static_cast<int>(map), session.session, session.first_pose,
+                       session.num_poses, session.first_scan, session.num_scans});
+    }
+  }
+  return plain;
+}
 
 bool ComputeAlike(const Peers& peers) {
   std::vector<double> own;
@@ -42,6 +57,14 @@ bool ComputeAlike(const Peers& peers) {
       ExchangeValues(peers, std::vector<std::vector<double>>(peers.size(), own));
   return std::all_of(all.begin(), all.end(),
                      [&](const std::vector<double>& of_rank) { return of_rank == own; });
+}
+
+}  // namespace
+
+bool CanShareSeeding(const Peers& peers, bool says_it_can) {
+  if (peers.size() == 1) return false;
+  const bool can = peers.rank() == 0 && says_it_can;
+  return MaxOverPeers(&peers, can ? 1.0 : 0.0) > 0.0 && ComputeAlike(peers);
 }
 
 Status ShareLog(const Peers* peers, LogMapping* mapping) {
@@ -68,6 +91,37 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
       MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
   mapping->state.poses = mapping->start_poses;
   return Status::Ok();
+}
+
+Status ShareSessions(const Peers* peers, const MapLogOptions& options, ThreadPool* pool,
+                     SessionsMapping* mapping) {
+  std::vector<PlainSession> sessions;
+  if (SpeaksForAll(peers)) sessions = PlainSessions(mapping->maps);
+  sessions = JoinOverPeers(peers, std::move(sessions));
+  if (!SpeaksForAll(peers)) {
+    *mapping = SessionsMapping();
+    for (const PlainSession& plain : sessions) {
+      mapping->maps.resize(plain.map + 1);
+      SessionOfMap& session = mapping->maps.back().sessions.emplace_back();
+      session.session = plain.session;
+      session.first_pose = plain.first_pose;
+      session.num_poses = plain.num_poses;
+      session.first_scan = plain.first_scan;
+      session.num_scans = plain.num_scans;
+    }
+  }
+  for (SessionMap& map : mapping->maps) {
+    PLUMBLINE_RETURN_IF_ERROR(ShareMapping(peers, options, pool, &map.mapping));
+  }
+  return Status::Ok();
+}
+
+void ShareLimits(const Peers* peers, RunOutputOptions* outputs) {
+  std::vector<double> limits;
+  if (SpeaksForAll(peers)) limits = {1.0 * outputs->picture_side_px, outputs->map_max_cells};
+  limits = JoinOverPeers(peers, std::move(limits));
+  outputs->picture_side_px = static_cast<int>(limits[0]);
+  outputs->map_max_cells = limits[1];
 }
 
 }  // namespace plumbline

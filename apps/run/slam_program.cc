@@ -163,7 +163,7 @@ Status RunSlam(LogRunOptions options) {
   PLUMBLINE_RETURN_IF_ERROR(ParseLogList(options.log, &logs));
   if (logs.size() > 1 || !FLAGS_fixed_map.empty()) {
     return RunSessions({std::move(logs), FLAGS_fixed_map, options.output_dir, options.max_scans,
-                        options.mapping, options.outputs, options.max_memory});
+                        options.mapping, options.outputs, options.max_memory, options.peers});
   }
   options.log = logs.front();
   return IsPoseGraph(options.log) ? RefinePoseGraphFile(options) : RunLog(options);

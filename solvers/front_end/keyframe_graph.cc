@@ -5,6 +5,13 @@
 
 namespace plumbline {
 
+std::vector<int> ScansOf(const std::vector<Keyframe>& keyframes) {
+  std::vector<int> scans;
+  scans.reserve(keyframes.size());
+  for (const Keyframe& key : keyframes) scans.push_back(key.scan);
+  return scans;
+}
+
 int KeyframeGraph::BeginOfSession(int key) const {
   while (key > 0 && !sequential[key - 1].between_sessions) --key;
   return key;

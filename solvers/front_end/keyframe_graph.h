@@ -21,6 +21,9 @@ struct Keyframe {
   bool after_unmatched = false;
 };
 
+/// Ids of the scans.
+std::vector<int> ScansOf(const std::vector<Keyframe>& keyframes);
+
 /// The tie of a keyframe to the one before it.
 struct SequentialEdge {
   RelativePoseConstraint constraint;  ///< from keyframe k to k + 1

@@ -66,7 +66,9 @@ ScanSurfaces ScanSurfaces::With(const std::vector<int>& scans) const {
   }
   SortUnique(&unknown);
   auto guests = std::make_shared<Guests>();
-  guests->graph = FetchScans(*graph_, *measured_, unknown, &guests->measured);
+  guests->graph = measured_ == nullptr
+                      ? FetchScans(*graph_, unknown)
+                      : FetchScans(*graph_, *measured_, unknown, &guests->measured);
   for (std::size_t i = 0; i < unknown.size(); ++i) {
     guests->scan_of_id.emplace(unknown[i], static_cast<int>(i));
   }
@@ -74,8 +76,21 @@ ScanSurfaces ScanSurfaces::With(const std::vector<int>& scans) const {
   return with;
 }
 
+ScanSurfaces ScanSurfaces::WithKept(const std::vector<int>& scans, ThreadPool* pool) const {
+  constexpr std::size_t kScansPerChunk = 64;
+  ScanSurfaces with = With(scans);
+  pool->ForEachChunk(scans.size(), kScansPerChunk,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                       for (std::size_t i = begin; i < end; ++i) {
+                         if (!with.Kept(scans[i]).empty()) continue;
+                         with.Keep(scans[i], PackedSurface(with.Of(scans[i])));
+                       }
+                     });
+  return with;
+}
+
 bool ScanSurfaces::IsEmpty(int own_scan) const {
-  if (measured_ == nullptr) return Kept(own_scan).empty();
+  if (measured_ == nullptr) return Kept(graph_->IdAmongAll(own_scan)).empty();
   const ScanEntry& entry = graph_->scan(own_scan);
   const auto first = measured_->normals.begin() + static_cast<std::ptrdiff_t>(entry.first_return);
   return std::all_of(first, first + static_cast<std::ptrdiff_t>(entry.num_returns),

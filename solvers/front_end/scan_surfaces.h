@@ -7,6 +7,7 @@
 
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/surface_points.h"
 
@@ -27,7 +28,7 @@ class ScanSurfaces {
   /// The same, and keeps these; kept: per scan, empty for those that are not kept.
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
                std::vector<PackedSurface> kept);
-  /// Refers to the graph, which has no peers, and keeps these, one per scan: all that there are.
+  /// Refers to the graph, and keeps these, one per scan: all that there are.
   ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all);
 
   const SlamGraph& graph() const { return *graph_; }
@@ -45,6 +46,9 @@ class ScanSurfaces {
   /// The same, but knows these scans, too. Collective if the graph has peers, which may each ask
   /// for others.
   ScanSurfaces With(const std::vector<int>& scans) const;
+
+  /// Likewise, and keeps them.
+  ScanSurfaces WithKept(const std::vector<int>& scans, ThreadPool* pool) const;
 
   /// Not while others read the scan.
   void Keep(int scan, PackedSurface points) { (*kept_)[scan] = std::move(points); }

@@ -223,7 +223,8 @@ Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress,
     // What the robot did at a suspect edge is best told from what lies next to it.
     const bool is_local = round == 0;
     const std::vector<LoopCandidate> candidates =
-        is_local ? FindLocalCandidates(*keys) : FindLoopCandidates(*keys, pool);
+        is_local ? FindLocalCandidates(*keys)
+                 : FindLoopCandidates(*keys, surfaces.graph().peers(), pool);
     std::vector<TestedCandidate> tested;
     PLUMBLINE_RETURN_IF_ERROR(
         TestInBatches(surfaces, *keys, candidates, progress, pool, memory, &tested));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/point_index.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
@@ -392,6 +394,38 @@ class CandidateFinder {
   std::vector<std::vector<int>> closed_with_;  // per later keyframe of a closure the earlier ones
 };
 
+// A LoopCandidate without its surroundings.
+struct PlainCandidate {
+  std::size_t node, num_surroundings;
+  int first, second;
+  double drift_m, drift_rad;
+};
+
+// Gives all processes the candidates of each node, which one of them has found. Something is known
+// of all their relative poses.
+void ShareCandidates(const Peers* peers, std::vector<std::vector<LoopCandidate>>* of_node) {
+  if (peers == nullptr) return;
+  std::vector<PlainCandidate> candidates;
+  std::vector<int> surroundings;
+  for (std::size_t node = 0; node < of_node->size(); ++node) {
+    for (const LoopCandidate& candidate : (*of_node)[node]) {
+      candidates.push_back({node, candidate.surroundings.size(), candidate.first, candidate.second,
+                            candidate.drift_m, candidate.drift_rad});
+      surroundings.insert(surroundings.end(), candidate.surroundings.begin(),
+                          candidate.surroundings.end());
+    }
+    (*of_node)[node].clear();
+  }
+  surroundings = JoinOverPeers(peers, std::move(surroundings));
+  auto next = surroundings.begin();
+  for (const PlainCandidate& plain : JoinOverPeers(peers, std::move(candidates))) {
+    const auto end = next + static_cast<std::ptrdiff_t>(plain.num_surroundings);
+    (*of_node)[plain.node].push_back(
+        {plain.first, plain.second, plain.drift_m, plain.drift_rad, {next, end}});
+    next = end;
+  }
+}
+
 }  // namespace
 
 double ViewDistanceM(double distance_m, double turn_rad) {
@@ -399,12 +433,15 @@ double ViewDistanceM(double distance_m, double turn_rad) {
   return distance_m + kMetresPerRad * std::abs(NormalizeAngle(turn_rad));
 }
 
-std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, ThreadPool* pool) {
+std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
+                                              ThreadPool* pool) {
   const CandidateFinder finder(graph);
   std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
-  pool->ForEachChunk(of_node.size(), 1, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) of_node[n] = finder.OfNode(static_cast<int>(n));
+  const std::vector<std::size_t> own = OwnShare(peers, of_node.size());
+  pool->ForEachChunk(own.size(), 1, [&](std::size_t task, std::size_t, std::size_t) {
+    of_node[own[task]] = finder.OfNode(static_cast<int>(own[task]));
   });
+  ShareCandidates(peers, &of_node);
   std::vector<LoopCandidate> candidates;
   for (std::vector<LoopCandidate>& of_this : of_node) {
     candidates.insert(candidates.end(), std::make_move_iterator(of_this.begin()),

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
@@ -28,8 +29,10 @@ struct LoopCandidate {
 };
 
 /// Keyframes that may revisit a place and are not tied to it by a closure of the graph yet, in
-/// order of `second`.
-std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, ThreadPool* pool);
+/// order of `second`. Processes that share the drive share the work (collective); peers: these, or
+/// null.
+std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
+                                              ThreadPool* pool);
 
 /// Keyframes right after a suspect edge, to be found again in what was seen right before it.
 std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph);

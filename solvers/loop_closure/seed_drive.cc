@@ -1,13 +1,11 @@
 #include "plumbline/solvers/loop_closure/seed_drive.h"
 
-#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/over_peers.h"
-#include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
@@ -91,37 +89,19 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
   return Status::Ok();
 }
 
-// trajectory: as it was matched; becomes the one whose loops are closed.
-Status CloseDrive(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
-                  SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report) {
+// Closes the loops of a drive that was matched.
+Status CloseDrive(ScanSurfaces surfaces, const SeedingProgress& progress, ThreadPool* pool,
+                  SequentialTrajectory trajectory, SeededDrive* drive, SeedingReport* report) {
+  SeededDrive closed;
   PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, surfaces, progress,
-                                          nullptr, pool, trajectory, keys, report));
-  report->corrections.odometry = OdometryOf(*trajectory, surfaces.graph());
+                                          nullptr, pool, &trajectory, &closed.keys, report));
+  report->corrections.odometry = OdometryOf(trajectory, surfaces.graph());
+  closed.world_from_robot = std::move(trajectory.world_from_robot);
+  closed.surfaces = std::move(surfaces).TakeKept();
+  closed.matched = std::move(trajectory);
+  closed.matched.world_from_robot = report->sequential_poses;
+  *drive = std::move(closed);
   return Status::Ok();
-}
-
-void DivideByPlace(const std::vector<Pose2>& world_from_robot, SlamGraph* part,
-                   MeasuredSurface* surface) {
-  ShareAnew(
-      PartitionByPlace(PoseArray(world_from_robot), ReturnsPerPose(*part), part->peers()->size()),
-      part, surface);
-}
-
-// Knows and keeps the keyframes, whoever has their scans.
-ScanSurfaces WithKeyframes(const ScanSurfaces& surfaces, const std::vector<Keyframe>& keyframes,
-                           ThreadPool* pool) {
-  std::vector<int> scans;
-  scans.reserve(keyframes.size());
-  for (const Keyframe& key : keyframes) scans.push_back(key.scan);
-  ScanSurfaces with = surfaces.With(scans);
-  constexpr std::size_t kScansPerChunk = 64;
-  pool->ForEachChunk(scans.size(), kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                         with.Keep(scans[i], PackedSurface(with.Of(scans[i])));
-                       }
-                     });
-  return with;
 }
 
 }  // namespace
@@ -134,25 +114,16 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
   if (graph.peers() != nullptr) {
     return Status::InvalidArgument("the graph is a part of one that processes share");
   }
-  SeededDrive seeded;
   ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(
       MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
-  PLUMBLINE_RETURN_IF_ERROR(
-      CloseDrive(surfaces, progress, pool, &trajectory, &seeded.keys, report));
-  seeded.world_from_robot = std::move(trajectory.world_from_robot);
-  seeded.surfaces = std::move(surfaces).TakeKept();
-  seeded.matched = std::move(trajectory);
-  seeded.matched.world_from_robot = report->sequential_poses;
-  *drive = std::move(seeded);
-  return Status::Ok();
+  return CloseDrive(std::move(surfaces), progress, pool, std::move(trajectory), drive, report);
 }
 
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
                        const SeedingProgress& progress, ThreadPool* pool, SlamGraph* part,
-                       MeasuredSurface* surface, std::vector<Pose2>* world_from_robot,
-                       SeedingReport* report) {
+                       MeasuredSurface* surface, SeededDrive* drive, SeedingReport* report) {
   PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
   PLUMBLINE_RETURN_IF_ERROR(FirstFailure(part->peers(), CheckSurface(*surface, *part)));
   const SeedingProgress tell = [&progress](SeedingPhase phase, int num_done, int num_total) {
@@ -161,20 +132,14 @@ Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motio
   };
   SequentialTrajectory trajectory;
   {
-    ScanSurfaces surfaces(*part, *surface);
+    ScanSurfaces of_time(*part, *surface);
     PLUMBLINE_RETURN_IF_ERROR(
-        MatchDrive(options, motion, tell, pool, &surfaces, &trajectory, report));
+        MatchDrive(options, motion, tell, pool, &of_time, &trajectory, report));
   }
-  DivideByPlace(trajectory.world_from_robot, part, surface);
-  {
-    const ScanSurfaces surfaces =
-        WithKeyframes(ScanSurfaces(*part, *surface), trajectory.keyframes, pool);
-    KeyframeGraph keys;
-    PLUMBLINE_RETURN_IF_ERROR(CloseDrive(surfaces, tell, pool, &trajectory, &keys, report));
-  }
-  DivideByPlace(trajectory.world_from_robot, part, surface);
-  *world_from_robot = std::move(trajectory.world_from_robot);
-  return Status::Ok();
+  ShareAnewByPlace(PoseArray(trajectory.world_from_robot), part, surface);
+  ScanSurfaces surfaces =
+      ScanSurfaces(*part, *surface).WithKept(ScansOf(trajectory.keyframes), pool);
+  return CloseDrive(std::move(surfaces), tell, pool, std::move(trajectory), drive, report);
 }
 
 }  // namespace plumbline

@@ -31,13 +31,12 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
                  const SlamGraph& graph, SeededDrive* drive, SeedingReport* report);
 
 /// The same for a drive that several processes share, each with the scans of a stretch of it
-/// (PartitionByTime) to begin with. *part, and its surface with it, is divided anew, first by where
-/// the matching puts the poses, then by the seed (PartitionByPlace). Collective; progress cannot
+/// (PartitionByTime) to begin with. *part, and its surface with it, is divided anew by where the
+/// matching puts the poses (PartitionByPlace). All get the whole drive. Collective; progress cannot
 /// stop it.
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
                        const SeedingProgress& progress, ThreadPool* pool, SlamGraph* part,
-                       MeasuredSurface* surface, std::vector<Pose2>* world_from_robot,
-                       SeedingReport* report);
+                       MeasuredSurface* surface, SeededDrive* drive, SeedingReport* report);
 
 }  // namespace plumbline
 

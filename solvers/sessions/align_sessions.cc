@@ -26,6 +26,7 @@ class Agglomeration {
   Agglomeration(const SessionSet& set, const SeedingProgress& progress, ThreadPool* pool)
       : set_(set),
         views_(set),
+        places_(set, pool),
         progress_([this, &progress](SeedingPhase, int, int) { return Report(progress); }),
         pool_(pool) {}
   Agglomeration(const Agglomeration&) = delete;
@@ -82,12 +83,13 @@ class Agglomeration {
     return Status::Ok();
   }
 
-  Status Compare(const SessionGroup& a, const SessionGroup& b, Pair* pair) const {
+  Status Compare(const SessionGroup& a, const SessionGroup& b, Pair* pair) {
     pair->tie.first = Ascending(a.sessions);
     pair->tie.second = Ascending(b.sessions);
     if (a.keys.size() == 0 || b.keys.size() == 0) return Status::Ok();
     std::vector<SessionAlignment> alignments;
-    PLUMBLINE_RETURN_IF_ERROR(FindAlignments(set_, views_, a, b, progress_, pool_, &alignments));
+    PLUMBLINE_RETURN_IF_ERROR(
+        FindAlignments(set_, views_, &places_, a, b, progress_, pool_, &alignments));
     pair->tie.outcome = Judge(alignments);
     if (alignments.empty()) return Status::Ok();
     SessionAlignment& best = alignments.front();
@@ -129,6 +131,7 @@ class Agglomeration {
 
   const SessionSet& set_;
   const SessionViews views_;
+  SessionPlaces places_;
   const SeedingProgress progress_;
   ThreadPool* pool_;
   int num_compared_ = 0;

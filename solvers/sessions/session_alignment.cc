@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/point_index.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
-#include "plumbline/solvers/loop_closure/loop_candidates.h"
 #include "plumbline/solvers/loop_closure/loop_closure.h"
 #include "plumbline/solvers/loop_closure/tied_places.h"
 
@@ -25,8 +25,6 @@ constexpr std::size_t kMaxPartners = 6;
 // Of what is compared, this share conflicts in a map that is right: sessions are hours or weeks
 // apart, and furniture moves.
 constexpr double kExplicableShare = 0.1;
-// Places per keyframe and square.
-constexpr int kMaxPlaces = 4;
 // Two places say the same of how the sessions lie to each other if one puts the other's keyframe to
 // within this [m], [rad] of where that was found, and farther apart by this share of the way
 // between them, by which sessions may be bent.
@@ -59,10 +57,12 @@ struct Place {
 
 class AlignmentSearch {
  public:
-  AlignmentSearch(const SessionSet& set, const SessionViews& views, const SessionGroup& a,
-                  const SessionGroup& b, const SeedingProgress& progress, ThreadPool* pool)
+  AlignmentSearch(const SessionSet& set, const SessionViews& views, SessionPlaces* places,
+                  const SessionGroup& a, const SessionGroup& b, const SeedingProgress& progress,
+                  ThreadPool* pool)
       : set_(set),
         views_(views),
+        known_places_(places),
         a_(a),
         b_(b),
         progress_(progress),
@@ -95,23 +95,15 @@ class AlignmentSearch {
   }
 
   Status FindAllPlaces() {
-    const std::vector<LoopCandidate> wanted = FindSessionJoins(apart_.keys, first_of_b());
-    auto end = wanted.begin();
-    for (auto begin = wanted.begin(); begin != wanted.end(); begin = end) {
-      PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-      // Of one square.
-      end = std::find_if(begin, wanted.end(), [&](const LoopCandidate& candidate) {
-        return candidate.first != begin->first;
-      });
-      for (TestedCandidate& match :
-           FindPlaces(set_.surfaces, apart_.keys, {begin, end}, kMaxPlaces, pool_)) {
-        Place place;
-        place.a_from_b = apart_.keys.world_from_key[match.edge.from] * match.edge.from_from_to *
-                         apart_.keys.world_from_key[match.edge.to].Inverse();
-        place.weight = std::max(0.0, match.inlier_ratio - 3.0 * match.conflict);
-        place.match = std::move(match);
-        places_.push_back(std::move(place));
-      }
+    std::vector<TestedCandidate> found;
+    PLUMBLINE_RETURN_IF_ERROR(known_places_->Find(a_, b_, progress_, &found));
+    for (TestedCandidate& match : found) {
+      Place place;
+      place.a_from_b = apart_.keys.world_from_key[match.edge.from] * match.edge.from_from_to *
+                       apart_.keys.world_from_key[match.edge.to].Inverse();
+      place.weight = std::max(0.0, match.inlier_ratio - 3.0 * match.conflict);
+      place.match = std::move(match);
+      places_.push_back(std::move(place));
     }
     return Status::Ok();
   }
@@ -224,6 +216,7 @@ class AlignmentSearch {
 
   const SessionSet& set_;
   const SessionViews& views_;
+  SessionPlaces* known_places_;
   const SessionGroup &a_, &b_;
   const SeedingProgress& progress_;
   ThreadPool* pool_;
@@ -254,14 +247,14 @@ TieOutcome Judge(const std::vector<SessionAlignment>& alignments) {
   return TieOutcome::kTied;
 }
 
-SessionViews::SessionViews(const SessionSet& set) : views_(set.size()) {
+SessionViews::SessionViews(const SessionSet& set) : peers_(set.graph.peers()), views_(set.size()) {
   for (int session = 0; session < set.size(); ++session) {
     const KeyframeGraph& keys = set.keys[session];
     double next_m = 0.0;
     for (int k = 0; k < keys.size(); ++k) {
       if (k > 0 && keys.keyframes[k].path_m < next_m) continue;
       next_m = keys.keyframes[k].path_m + kViewSpacingM;
-      views_[session].push_back({k, FreeSpaceScan(set.graph, keys.keyframes[k].scan)});
+      views_[session].push_back({k, set.surfaces.FreeSpaceOf(keys.keyframes[k].scan)});
     }
   }
 }
@@ -284,7 +277,9 @@ FreeSpaceConflict SessionViews::Compare(const SessionGroup& group, int first_of_
   }
   const PointIndex index(std::move(places));
   std::vector<FreeSpaceConflict> of_view(second.size());
-  pool->ForEachChunk(second.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+  const std::vector<std::size_t> own = OwnShare(peers_, second.size());
+  pool->ForEachChunk(own.size(), 1, [&](std::size_t task, std::size_t, std::size_t) {
+    const std::size_t i = own[task];
     std::vector<PointIndex::Neighbor> near;
     index.FindWithin(second[i].world_from_robot.translation(), kViewReachM, &near);
     const std::size_t count = std::min(near.size(), kMaxPartners);
@@ -296,14 +291,16 @@ FreeSpaceConflict SessionViews::Compare(const SessionGroup& group, int first_of_
   });
   FreeSpaceConflict all;
   for (const FreeSpaceConflict& conflict : of_view) all += conflict;
-  return all;
+  std::vector<int> counts = {all.num_compared, all.num_conflicting};
+  SumOverPeers(peers_, &counts);
+  return {counts[0], counts[1]};
 }
 
-Status FindAlignments(const SessionSet& set, const SessionViews& views, const SessionGroup& a,
-                      const SessionGroup& b, const SeedingProgress& progress, ThreadPool* pool,
-                      std::vector<SessionAlignment>* alignments) {
+Status FindAlignments(const SessionSet& set, const SessionViews& views, SessionPlaces* places,
+                      const SessionGroup& a, const SessionGroup& b, const SeedingProgress& progress,
+                      ThreadPool* pool, std::vector<SessionAlignment>* alignments) {
   alignments->clear();
-  return AlignmentSearch(set, views, a, b, progress, pool).Run(alignments);
+  return AlignmentSearch(set, views, places, a, b, progress, pool).Run(alignments);
 }
 
 }  // namespace plumbline

@@ -3,12 +3,14 @@
 
 #include <vector>
 
+#include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/session_report.h"
+#include "plumbline/solvers/sessions/session_places.h"
 #include "plumbline/solvers/sessions/session_set.h"
 
 namespace plumbline {
@@ -27,6 +29,7 @@ class SessionViews {
     int key;  // of the session
     FreeSpaceScan scan;
   };
+  const Peers* peers_;                    // who compare together
   std::vector<std::vector<View>> views_;  // per session
 };
 
@@ -47,9 +50,9 @@ struct SessionAlignment {
 /// in all of a, in any heading; what several of them agree on is a way; loops are closed from
 /// there, and the map says how good it is. The best first; none if nothing fits. Unavailable if
 /// progress stopped it. The result does not depend on the number of threads.
-Status FindAlignments(const SessionSet& set, const SessionViews& views, const SessionGroup& a,
-                      const SessionGroup& b, const SeedingProgress& progress, ThreadPool* pool,
-                      std::vector<SessionAlignment>* alignments);
+Status FindAlignments(const SessionSet& set, const SessionViews& views, SessionPlaces* places,
+                      const SessionGroup& a, const SessionGroup& b, const SeedingProgress& progress,
+                      ThreadPool* pool, std::vector<SessionAlignment>* alignments);
 
 /// What these alignments say, the best of which comes first.
 TieOutcome Judge(const std::vector<SessionAlignment>& alignments);

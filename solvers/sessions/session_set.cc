@@ -13,6 +13,36 @@ namespace {
 // Path between two sessions in a group: more than what counts as one pass through a place [m].
 constexpr double kGapM = 20.0;
 
+// Appends the scans of the poses from `first` to before `end`, whose ids are `moved` higher there.
+// All processes get the same ids of lasers, whoever has the scans.
+Status AppendScans(const SlamGraph& graph, int first, int end, int moved, SlamGraph* appended_to) {
+  const auto is_appended = [&](const ScanEntry& scan) {
+    return scan.pose >= first && scan.pose < end;
+  };
+  std::vector<ScanEntry> all_scans;
+  if (graph.peers() != nullptr) all_scans = appended_to->all_scans();
+  std::size_t num_returns = appended_to->num_returns_of_all();
+  for (ScanEntry scan : graph.all_scans()) {
+    if (!is_appended(scan)) continue;
+    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddLaser(graph.laser(scan.laser), &scan.laser));
+    scan.pose += moved;
+    scan.first_return = num_returns;
+    num_returns += scan.num_returns;
+    if (graph.peers() != nullptr) all_scans.push_back(scan);
+  }
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const ScanEntry& entry = graph.scan(scan);
+    if (!is_appended(entry)) continue;
+    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddScanOf(graph, scan, entry.pose + moved));
+  }
+  if (graph.peers() == nullptr) return Status::Ok();
+  std::vector<int> rank_of_pose = appended_to->rank_of_pose();
+  const auto begin = graph.rank_of_pose().begin();
+  rank_of_pose.insert(rank_of_pose.end(), begin + first, begin + end);
+  appended_to->ShareWith(graph.peers(), std::move(rank_of_pose), std::move(all_scans));
+  return Status::Ok();
+}
+
 // Appends the poses from `first` to before `end`, with their scans and edges, to another graph.
 Status AppendPart(const SlamGraph& graph, int first, int end,
                   const std::vector<Pose2>& initial_poses, SlamGraph* appended_to) {
@@ -22,11 +52,7 @@ Status AppendPart(const SlamGraph& graph, int first, int end,
     PLUMBLINE_RETURN_IF_ERROR(
         appended_to->AddPose(initial_poses[pose - first], graph.timestamp_s(pose), &id));
   }
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    const int pose = graph.scan(scan).pose;
-    if (pose < first || pose >= end) continue;
-    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddScanOf(graph, scan, pose + moved));
-  }
+  PLUMBLINE_RETURN_IF_ERROR(AppendScans(graph, first, end, moved, appended_to));
   for (OdometryConstraint step : graph.odometry()) {
     if (step.from < first || step.from >= end) continue;
     step.from += moved;
@@ -45,7 +71,7 @@ Status AppendPart(const SlamGraph& graph, int first, int end,
 }  // namespace
 
 Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
-  const int first_pose = set->graph.num_poses(), first_scan = set->graph.num_scans();
+  const int first_pose = set->graph.num_poses(), first_scan = set->first_scan.back();
   PLUMBLINE_RETURN_IF_ERROR(
       AppendPart(graph, 0, graph.num_poses(), drive.world_from_robot, &set->graph));
   std::vector<PackedSurface> surfaces = std::move(set->surfaces).TakeKept();
@@ -60,8 +86,17 @@ Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   set->keys.push_back(std::move(drive.keys));
   set->matched.push_back(std::move(drive.matched));
   set->first_pose.push_back(set->graph.num_poses());
-  set->first_scan.push_back(set->graph.num_scans());
+  set->first_scan.push_back(static_cast<int>(set->graph.all_scans().size()));
   return Status::Ok();
+}
+
+void FinishSet(ThreadPool* pool, SessionSet* set) {
+  std::vector<int> scans;
+  for (const KeyframeGraph& keys : set->keys) {
+    const std::vector<int> of_session = ScansOf(keys.keyframes);
+    scans.insert(scans.end(), of_session.begin(), of_session.end());
+  }
+  set->surfaces = set->surfaces.WithKept(scans, pool);
 }
 
 SessionGroup GroupOfOne(const SessionSet& set, int session) {
@@ -140,7 +175,7 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
     joined->surfaces.insert(joined->surfaces.end(), kept.begin() + set.first_scan[session],
                             kept.begin() + set.first_scan[session + 1]);
     joined->first_pose.push_back(joined->graph.num_poses());
-    joined->first_scan.push_back(joined->graph.num_scans());
+    joined->first_scan.push_back(static_cast<int>(joined->graph.all_scans().size()));
   }
   joined->ties = MakeKeyframeGraph(joined->matched, motion);
   joined->ties.world_from_key = group.keys.world_from_key;

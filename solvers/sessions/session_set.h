@@ -13,14 +13,16 @@
 namespace plumbline {
 
 /// Sessions, side by side: drives that were seeded each by itself, one after the other in one
-/// graph. No edge joins two of them.
+/// graph. No edge joins two of them. Processes that share the drives share the graph; each then has
+/// all else, and what it does with a set is collective.
 struct SessionSet {
   SessionSet() = default;
   SessionSet(const SessionSet&) = delete;  // the surfaces refer to the graph
   SessionSet& operator=(const SessionSet&) = delete;
 
   SlamGraph graph;  ///< of all sessions; its initial poses are the seeds
-  ScanSurfaces surfaces{graph, std::vector<PackedSurface>()};  ///< of the keyframes, by scans of it
+  /// Of the keyframes, by scans of the graph among all.
+  ScanSurfaces surfaces{graph, std::vector<PackedSurface>()};
   std::vector<KeyframeGraph> keys;  ///< per session, by poses and scans of the graph
   /// Per session, by its own poses and scans.
   std::vector<SequentialTrajectory> matched;
@@ -31,8 +33,11 @@ struct SessionSet {
 };
 
 /// Appends a session: its graph, with measurements as the seeding corrected them, and its seed.
-/// Fails where two graphs together exceed the limits of SlamGraph.
+/// Fails where two graphs together exceed the limits of SlamGraph. FinishSet comes after the last.
 Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set);
+
+/// Gives every process what the keyframes of all saw.
+void FinishSet(ThreadPool* pool, SessionSet* set);
 
 /// Sessions that are tied to each other.
 struct SessionGroup {

@@ -13,7 +13,10 @@
 #include "plumbline/apps/simulation/floor.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/partition.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -70,6 +73,14 @@ SessionsMapping Mapped(std::vector<SlamGraph> sessions, int num_threads = 2) {
   const Status status = MapSessions(options, std::move(sessions), nullptr, &mapping);
   EXPECT_TRUE(status.ok()) << status.message();
   return mapping;
+}
+
+std::vector<LogMapping> TakenOver(std::vector<SlamGraph> sessions, ThreadPool* pool) {
+  std::vector<LogMapping> taken(sessions.size());
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    EXPECT_TRUE(TakeLog(MapLogOptions(), std::move(sessions[i]), pool, &taken[i]).ok());
+  }
+  return taken;
 }
 
 // The worst pose of a map, after one rigid motion of all of it [m].
@@ -294,9 +305,57 @@ TEST(MapSessionsTest, AMapMayNotBeHeldInPart) {
   EXPECT_THAT(two.message(), HasSubstr("session 2: its poses are fixed, and so are those"));
 }
 
+// Also of three sessions that do not all become one map.
+TEST(MapSessionsTest, ProcessesFindTheSeedsOfOneProcess) {
+  std::vector<SimulatedLog> logs = TwoVisits();
+  logs.push_back(Visit(BuildingKind::kRandom, 2, 0));
+  const std::vector<SlamGraph> sessions = GraphsOf(logs);
+  ThreadPool pool(1);
+  SessionsMapping expected;
+  ASSERT_TRUE(
+      SeedSessions(MapLogOptions(), TakenOver(sessions, &pool), nullptr, &pool, &expected).ok());
+  ASSERT_THAT(expected.maps, SizeIs(2));
+  for (const int size : {2, 3}) {
+    RunOnPeers(size, [&](const Peers& peers) {
+      ThreadPool one_thread(1);
+      std::vector<LogMapping> parts = TakenOver(sessions, &one_thread);
+      for (LogMapping& part : parts) {
+        ASSERT_TRUE(
+            ShareGraph(&peers, PartitionByTime(part.graph.num_poses(), size), &part.graph).ok());
+      }
+      SessionsMapping mapping;
+      ASSERT_TRUE(
+          SeedSessions(MapLogOptions(), std::move(parts), nullptr, &one_thread, &mapping).ok());
+      ASSERT_EQ(mapping.ties.size(), expected.ties.size());
+      for (std::size_t i = 0; i < mapping.ties.size(); ++i) {
+        EXPECT_EQ(mapping.ties[i].outcome, expected.ties[i].outcome);
+        EXPECT_EQ(mapping.ties[i].num_closures, expected.ties[i].num_closures);
+        EXPECT_EQ(mapping.ties[i].conflict.num_compared, expected.ties[i].conflict.num_compared);
+      }
+      ASSERT_EQ(mapping.maps.size(), expected.maps.size());
+      for (std::size_t i = 0; i < mapping.maps.size(); ++i) {
+        const LogMapping &own = mapping.maps[i].mapping, &of_one = expected.maps[i].mapping;
+        EXPECT_EQ(SessionsOf(mapping.maps[i]), SessionsOf(expected.maps[i]));
+        EXPECT_EQ(own.start_poses, of_one.start_poses);
+        EXPECT_EQ(own.graph.rank_of_pose(),
+                  PartitionByPlace(of_one.start_poses, ReturnsPerPose(of_one.graph), size));
+        EXPECT_EQ(own.graph.num_lasers(), of_one.graph.num_lasers());
+        ASSERT_EQ(own.graph.all_scans().size(), of_one.graph.all_scans().size());
+        EXPECT_EQ(own.graph.num_returns_of_all(), of_one.graph.num_returns());
+        EXPECT_EQ(own.surface.normals.size(), own.graph.num_returns());
+        for (int scan = 0; scan < own.graph.num_scans(); ++scan) {
+          const int id = own.graph.IdAmongAll(scan);
+          EXPECT_EQ(own.graph.scan(scan).pose, of_one.graph.scan(id).pose);
+          EXPECT_EQ(own.graph.scan(scan).num_returns, of_one.graph.scan(id).num_returns);
+        }
+      }
+    });
+  }
+}
+
 TEST(MapSessionsTest, ItsCallerStopsIt) {
-  const std::vector<SlamGraph> sessions = GraphsOf(TwoVisits());
   ThreadPool pool(2);
+  const std::vector<LogMapping> sessions = TakenOver(GraphsOf(TwoVisits()), &pool);
   int num_calls = 0;
   const auto seed = [&](int last_call) {
     num_calls = 0;

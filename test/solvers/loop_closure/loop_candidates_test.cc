@@ -29,7 +29,7 @@ KeyframeGraph Loop(int length) {
 
 std::vector<LoopCandidate> Find(const KeyframeGraph& keys) {
   ThreadPool pool(2);
-  return FindLoopCandidates(keys, &pool);
+  return FindLoopCandidates(keys, nullptr, &pool);
 }
 
 double DriftM(double way_m) { return 0.4 + 0.025 * way_m + 1e-4 * way_m * way_m; }
