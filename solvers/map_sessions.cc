@@ -37,6 +37,27 @@ Status CheckOptions(const MapLogOptions& options) {
   return Status::Ok();
 }
 
+// What is wrong with a session, by its number.
+Status OfSession(std::size_t index, const Status& status) {
+  if (status.code() != StatusCode::kInvalidArgument) return status;
+  return Status::InvalidArgument("session " + std::to_string(index + 1) + ": " + status.message());
+}
+
+// Processes share all sessions or none, and only such as SeedLog takes from them.
+Status CheckSharing(const MapLogOptions& options, const std::vector<LogMapping>& sessions) {
+  const Peers* peers = sessions.front().graph.peers();
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    if (sessions[i].graph.peers() != peers) {
+      return OfSession(i,
+                       Status::InvalidArgument("it is not shared by the processes of session 1"));
+    }
+    if (peers != nullptr && !CanSeedTogether(options, sessions[i])) {
+      return OfSession(i, Status::InvalidArgument("processes cannot seed such a log together"));
+    }
+  }
+  return Status::Ok();
+}
+
 // The work of SeedLog, with what it takes to go on closing loops.
 Status SeedSession(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                    LogMapping* mapping, SeededDrive* drive) {
@@ -173,6 +194,8 @@ class SessionsRun {
   Status MakeMaps(SessionsMapping* mapping) {
     std::vector<SessionGroup> groups;
     PLUMBLINE_RETURN_IF_ERROR(AlignSessions(set_, progress_, pool_, &groups, &mapping->ties));
+    // Without the scans of other processes: each map asks for its own.
+    set_.surfaces = ScanSurfaces(set_.graph, std::move(set_.surfaces).TakeKept());
     for (const SessionGroup& group : groups) {
       PLUMBLINE_RETURN_IF_ERROR(MakeMapOrMaps(group, mapping));
     }
@@ -184,12 +207,6 @@ class SessionsRun {
   }
 
  private:
-  static Status OfSession(std::size_t index, const Status& status) {
-    if (status.code() != StatusCode::kInvalidArgument) return status;
-    return Status::InvalidArgument("session " + std::to_string(index + 1) + ": " +
-                                   status.message());
-  }
-
   Status NoteFixedMap(int session, const SlamGraph& graph) {
     if (!graph.has_named_fixed_poses()) return Status::Ok();
     const std::vector<FixedPose>& fixed = graph.fixed_poses();
@@ -330,7 +347,13 @@ Status SeedSessions(const MapLogOptions& options, std::vector<LogMapping> sessio
   return CatchExceptions([&] {
     PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options));
     if (sessions.empty()) return Status::InvalidArgument("there is no session to map");
-    SessionsRun run(options, progress, pool);
+    PLUMBLINE_RETURN_IF_ERROR(CheckSharing(options, sessions));
+    const bool is_shared = sessions.front().graph.peers() != nullptr;
+    const SeedingProgress tell = [&progress](SeedingPhase phase, int num_done, int num_total) {
+      if (progress) progress(phase, num_done, num_total);
+      return true;  // others would wait
+    };
+    SessionsRun run(options, is_shared ? tell : progress, pool);
     PLUMBLINE_RETURN_IF_ERROR(run.Seed(std::move(sessions)));
     SessionsMapping seeded;
     PLUMBLINE_RETURN_IF_ERROR(run.MakeMaps(&seeded));
@@ -346,7 +369,8 @@ Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions
     ThreadPool pool(options.solver.num_threads);
     std::vector<LogMapping> taken(sessions.size());
     for (std::size_t i = 0; i < sessions.size(); ++i) {
-      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options, std::move(sessions[i]), &pool, &taken[i]));
+      PLUMBLINE_RETURN_IF_ERROR(
+          OfSession(i, TakeLog(options, std::move(sessions[i]), &pool, &taken[i])));
     }
     SessionsMapping seeded;
     PLUMBLINE_RETURN_IF_ERROR(SeedSessions(options, std::move(taken), progress, &pool, &seeded));

@@ -57,7 +57,8 @@ Status MapSessions(const MapLogOptions& options, std::vector<SlamGraph> sessions
 
 /// All of it up to where the joint estimation of each map starts. sessions: as TakeLog leaves them.
 /// progress counts the scans or candidates of one session at a time. Processes that share the graph
-/// of every session, as SeedLog wants it, tie them together (collective).
+/// of every session, as SeedLog wants it, tie them together (collective); then progress cannot stop
+/// it, and InvalidArgument where SeedLog would give that.
 Status SeedSessions(const MapLogOptions& options, std::vector<LogMapping> sessions,
                     const SeedingProgress& progress, ThreadPool* pool, SessionsMapping* mapping);
 

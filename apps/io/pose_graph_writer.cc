@@ -260,12 +260,13 @@ Status WritePoseGraph(const std::string& path, const SlamGraph& graph, const Mot
       stream << VertexText(graph, pose, Pose2(&poses[3 * pose])) << '\n' << of_poses[pose - first];
     }
   }
-  if (!SpeaksForAll(graph.peers())) return Status::Ok();
-  ForEachConstraint(graph, motion, [&](const std::string& line) { stream << line << '\n'; });
-  for (const RelativePoseConstraint& c : more_edges) {
-    stream << EdgeText(c.from, c.to, c.from_from_to, c.covariance) << '\n';
-  }
-  return output.Commit();
+  return BySpeaker(graph.peers(), [&] {
+    ForEachConstraint(graph, motion, [&](const std::string& line) { stream << line << '\n'; });
+    for (const RelativePoseConstraint& c : more_edges) {
+      stream << EdgeText(c.from, c.to, c.from_from_to, c.covariance) << '\n';
+    }
+    return output.Commit();
+  });
 }
 
 }  // namespace plumbline

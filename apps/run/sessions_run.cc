@@ -78,6 +78,7 @@ class SessionsRun {
     // What cannot be written is known before the work.
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return MakeFolder(); }));
     EndIfStoppedWhile("seeding", output_.made_folders());
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return TakeLogsOver(); }));
     PLUMBLINE_RETURN_IF_ERROR(FindSeeds());
     KeepStopSignal();
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return output_.RemoveOldResults(); }));
@@ -115,7 +116,7 @@ class SessionsRun {
       memory.pictures = std::max(memory.pictures, own.pictures);
       memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
-      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &sessions_[i]));
+      sessions_[i].graph = std::move(graph);
     }
     memory.results += memory.pictures;
     std::cout << memory.Text()
@@ -136,6 +137,16 @@ class SessionsRun {
   Status MakeFolder() {
     KeepStopSignal();
     return output_.Make();
+  }
+
+  Status TakeLogsOver() {
+    const auto start = std::chrono::steady_clock::now();
+    for (LogMapping& session : sessions_) {
+      SlamGraph graph = std::move(session.graph);
+      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &session));
+    }
+    seed_time_s_ = SecondsSince(start);
+    return Status::Ok();
   }
 
   // Processes find them together, unless one of the logs has to be looked at as a whole.
@@ -165,7 +176,7 @@ class SessionsRun {
     PLUMBLINE_RETURN_IF_ERROR(
         SeedSessions(options_.mapping, std::move(sessions_), progress, &pool_, &mapping_));
     bars.Finish();
-    seed_time_s_ = SecondsSince(start);
+    seed_time_s_ += SecondsSince(start);
     std::cout << "Seeding: done (" << std::fixed << std::setprecision(2) << seed_time_s_ << " s)\n"
               << TiesText(mapping_.ties, names_) << std::flush;
     if (!is_one_map()) {

@@ -48,7 +48,7 @@ constexpr double kMaxBentShare = 0.5;
 // Ways that are tried with closures of their own.
 constexpr std::size_t kMaxAlignments = 4;
 
-// A keyframe of b that was found in a.
+// A keyframe of one side that was found on the other.
 struct Place {
   TestedCandidate match;
   Pose2 a_from_b;
@@ -118,7 +118,7 @@ class AlignmentSearch {
            std::abs(NormalizeAngle(apart.yaw)) <= kSameRad;
   }
 
-  // A way in which b may lie to a, and the keyframes of b that say so.
+  // A way in which b may lie to a, and the keyframes of b at the places that say so.
   struct Way {
     const Place* place = nullptr;
     double votes = 0.0;

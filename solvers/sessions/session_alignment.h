@@ -46,10 +46,11 @@ struct SessionAlignment {
   double score = 0.0;  ///< as WeighedHypothesis::score: the lower, the better
 };
 
-/// Looks for all ways in which b may lie to a, nothing being known of it: keyframes of b are sought
-/// in all of a, in any heading; what several of them agree on is a way; loops are closed from
-/// there, and the map says how good it is. The best first; none if nothing fits. Unavailable if
-/// progress stopped it. The result does not depend on the number of threads.
+/// Looks for all ways in which b may lie to a, nothing being known of it: places of the one are
+/// sought in all of the other, in any heading; what several of them agree on is a way; loops are
+/// closed from there, and the map says how good it is. places: of the set. The best first; none if
+/// nothing fits. Unavailable if progress stopped it. The result does not depend on the number of
+/// threads.
 Status FindAlignments(const SessionSet& set, const SessionViews& views, SessionPlaces* places,
                       const SessionGroup& a, const SessionGroup& b, const SeedingProgress& progress,
                       ThreadPool* pool, std::vector<SessionAlignment>* alignments);

@@ -6,6 +6,8 @@
 #include <cstddef>
 
 #include "plumbline/core/peers.h"
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/loop_closure/loop_candidates.h"
 
 namespace plumbline {
@@ -55,7 +57,6 @@ Status SessionPlaces::FindBetween(int session, int later_session, const SeedingP
 Status SessionPlaces::Search(const SessionGroup& a, const SessionGroup& b,
                              const SeedingProgress& progress,
                              std::vector<TestedCandidate>* places) const {
-  if (a.keys.size() == 0 || b.keys.size() == 0) return Status::Ok();
   const KeyframeGraph apart = Concatenated(a, b, Pose2()).keys;
   const std::vector<LoopCandidate> wanted = FindSessionJoins(apart, a.keys.size());
   const Peers* peers = set_.graph.peers();

@@ -6,6 +6,7 @@
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"

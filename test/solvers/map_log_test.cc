@@ -16,8 +16,11 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/angle.h"
+#include "plumbline/core/partition.h"
+#include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/solve.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -416,6 +419,25 @@ TEST(RefineLogTest, RefusesALogWithoutReturns) {
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr("no laser returns"));
   }
+}
+
+TEST(MapLogTest, ProcessesEndUpWithThePlacesThatTheSeedGivesThem) {
+  constexpr int kNumProcesses = 2;
+  const LogMapping expected = Seeded(MapLogOptions(), Office());
+  RunOnPeers(kNumProcesses, [&](const Peers& peers) {
+    ThreadPool pool(1);
+    LogMapping mapping;
+    ASSERT_TRUE(TakeLog(MapLogOptions(), Office(), &pool, &mapping).ok());
+    ASSERT_TRUE(
+        ShareGraph(&peers, PartitionByTime(Office().num_poses(), kNumProcesses), &mapping.graph)
+            .ok());
+    ASSERT_TRUE(SeedLog(MapLogOptions(), {}, &pool, &mapping).ok());
+    EXPECT_EQ(mapping.start_poses, expected.start_poses);
+    EXPECT_EQ(
+        mapping.graph.rank_of_pose(),
+        PartitionByPlace(expected.start_poses, ReturnsPerPose(expected.graph), kNumProcesses));
+    EXPECT_EQ(mapping.surface.normals.size(), mapping.graph.num_returns());
+  });
 }
 
 }  // namespace

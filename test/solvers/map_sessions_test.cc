@@ -324,8 +324,9 @@ TEST(MapSessionsTest, ProcessesFindTheSeedsOfOneProcess) {
             ShareGraph(&peers, PartitionByTime(part.graph.num_poses(), size), &part.graph).ok());
       }
       SessionsMapping mapping;
+      const auto stop = [](SeedingPhase, int, int) { return false; };  // others would wait
       ASSERT_TRUE(
-          SeedSessions(MapLogOptions(), std::move(parts), nullptr, &one_thread, &mapping).ok());
+          SeedSessions(MapLogOptions(), std::move(parts), stop, &one_thread, &mapping).ok());
       ASSERT_EQ(mapping.ties.size(), expected.ties.size());
       for (std::size_t i = 0; i < mapping.ties.size(); ++i) {
         EXPECT_EQ(mapping.ties[i].outcome, expected.ties[i].outcome);

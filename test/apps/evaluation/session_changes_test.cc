@@ -49,6 +49,7 @@ TEST(SessionChangesTest, FindsWhatWasMoved) {
 TEST(SessionChangesTest, ProcessesFindThemTogether) {
   const std::vector<Face> first = Cabinet(0.0, 0.5, 0.6), second = Cabinet(0.5, 2.0, 0.6);
   const std::vector<SessionChange> expected = ChangesBetween(first, second);
+  ASSERT_THAT(expected, SizeIs(2));
   const TwoSessions sessions = MakeTwoSessions(first, second);
   RunOnParts(sessions.graph, 2, [&](const SlamGraph& part) {
     ASSERT_LT(part.num_scans(), sessions.graph.num_scans());

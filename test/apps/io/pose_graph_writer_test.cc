@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/test/core/initial_guesses.h"
 #include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -245,6 +247,63 @@ TEST_F(PoseGraphWriterTest, ARealLogComesBackAsItWas) {
   EXPECT_EQ(back.initial_poses(), graph.initial_poses());
   ExpectSameScans(graph, back);
   ExpectSameMounting(graph, back, 1e-12);
+}
+
+// Over and over the scans of a room, with other poses than those it starts from.
+struct LongDrive {
+  SlamGraph graph;
+  std::vector<double> poses;
+};
+
+LongDrive MakeLongDrive() {
+  const SlamGraph room = MakeNoisyRoom().graph;
+  LongDrive drive;
+  for (int i = 0, pose = 0; i < 1100; ++i) {
+    EXPECT_TRUE(drive.graph.AddPose(Pose2(0.1 * i, 0.0, 3.0), i, &pose).ok());
+    EXPECT_TRUE(drive.graph.AddScanOf(room, i % room.num_scans(), pose).ok());
+    if (i == 0) continue;
+    EXPECT_TRUE(drive.graph.AddOdometry({i - 1, i, Pose2(0.1, 0.0, 0.0)}).ok());
+  }
+  drive.poses = drive.graph.initial_poses();
+  for (std::size_t i = 0; i < drive.poses.size(); i += 6) drive.poses[i + 2] += 0.5;
+  return drive;
+}
+
+TEST_F(PoseGraphWriterTest, WritesLineByLineWhatTheTextOfAllIs) {
+  const LongDrive drive = MakeLongDrive();
+  PoseGraphFile file;
+  ASSERT_TRUE(MakePoseGraphFile(drive.graph, MotionOptions(), &file).ok());
+  ASSERT_TRUE(WritePoseGraphFile(folder_ + "all", PoseGraphFormat::kG2o, file, drive.poses).ok());
+  const std::string all = ReadFile(folder_ + "all");
+  const auto write = [&](const std::string& name, const SlamGraph& graph,
+                         const std::vector<RelativePoseConstraint>& more_edges) {
+    return WritePoseGraph(folder_ + name, graph, MotionOptions(), more_edges, drive.poses);
+  };
+  ASSERT_TRUE(write("lines", drive.graph, {}).ok());
+  EXPECT_TRUE(ReadFile(folder_ + "lines") == all);
+  ASSERT_TRUE(write("edges", drive.graph, {{0, 2, Pose2(0.2, 0.0, 0.0)}}).ok());
+  const std::string with_edge = ReadFile(folder_ + "edges");
+  EXPECT_TRUE(with_edge.substr(0, all.size()) == all);
+  EXPECT_THAT(with_edge.substr(all.size()), HasSubstr("EDGE_SE2 0 2 0.2 0 0 1 "));
+  RunOnParts(drive.graph, 3, [&](const SlamGraph& part) {
+    EXPECT_LT(part.num_scans(), drive.graph.num_scans());
+    EXPECT_TRUE(write("parts", part, {}).ok());
+  });
+  EXPECT_TRUE(ReadFile(folder_ + "parts") == all);
+}
+
+TEST_F(PoseGraphWriterTest, AScanThatOneProcessCannotWriteEndsThemAll) {
+  LongDrive drive = MakeLongDrive();
+  int laser = 0;
+  ASSERT_TRUE(drive.graph.AddLaser(PanoramicLaser(4), &laser).ok());
+  const int num_scans = drive.graph.num_scans();
+  ASSERT_TRUE(drive.graph.AddPoints(900, laser, {{1.0, 0.1}}).ok());
+  RunOnParts(drive.graph, 2, [&](const SlamGraph& part) {
+    const Status status = WritePoseGraph(folder_ + "a.g2o", part, MotionOptions(), {}, drive.poses);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("scan " + std::to_string(num_scans) + ", beam "));
+  });
+  EXPECT_EQ(NumFilesIn(folder_), 0);
 }
 
 TEST_F(PoseGraphWriterTest, LeavesNothingWhereItCannotWrite) {
