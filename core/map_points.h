@@ -46,25 +46,14 @@ class MapPoints {
       for (std::size_t i = 0; i < size(); ++i, point += 2) take(i, point[0], point[1]);
       return;
     }
-    for (int scan = 0; scan < graph_->num_scans(); ++scan) ForEachOfScan(*graph_, scan, take);
-  }
-
-  /// The same for those of one scan. graph: that of the points.
-  template <typename Take>
-  void ForEachOfScan(const SlamGraph& graph, int scan_id, const Take& take) const {
-    const ScanEntry& scan = graph.scan(scan_id);
-    const std::size_t end = scan.first_return + scan.num_returns;
-    if (points_ != nullptr) {
-      for (std::size_t r = scan.first_return; r < end; ++r) {
-        take(r, (*points_)[2 * r], (*points_)[2 * r + 1]);
+    for (int s = 0; s < graph_->num_scans(); ++s) {
+      const ScanEntry& scan = graph_->scan(s);
+      const ScanReturns returns = graph_->ReturnsOfScan(s);
+      const PoseFrame laser = LaserFrame(s);
+      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+        const Eigen::Vector2d point = laser * returns.PointInLaser(r);
+        take(r, point.x(), point.y());
       }
-      return;
-    }
-    const ScanReturns returns = graph.ReturnsOfScan(scan_id);
-    const PoseFrame laser = LaserFrame(scan_id);
-    for (std::size_t r = scan.first_return; r < end; ++r) {
-      const Eigen::Vector2d point = laser * returns.PointInLaser(r);
-      take(r, point.x(), point.y());
     }
   }
 

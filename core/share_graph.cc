@@ -271,14 +271,19 @@ void ShareAnewByPlace(const std::vector<double>& poses, SlamGraph* part, Measure
   ShareAnew(PartitionByPlace(poses, ReturnsPerPose(*part), part->peers()->size()), part, surface);
 }
 
-int OwnScan(const SlamGraph& part, int id_among_all) {
+int FirstOwnScanFrom(const SlamGraph& part, int id_among_all) {
   int begin = 0, end = part.num_scans();
   while (begin < end) {
     const int middle = begin + (end - begin) / 2;
     (part.IdAmongAll(middle) < id_among_all ? begin : end) =
         part.IdAmongAll(middle) < id_among_all ? middle + 1 : middle;
   }
-  return begin < part.num_scans() && part.IdAmongAll(begin) == id_among_all ? begin : -1;
+  return begin;
+}
+
+int OwnScan(const SlamGraph& part, int id_among_all) {
+  const int scan = FirstOwnScanFrom(part, id_among_all);
+  return scan < part.num_scans() && part.IdAmongAll(scan) == id_among_all ? scan : -1;
 }
 
 SlamGraph FetchScans(const SlamGraph& graph, const std::vector<int>& ids_among_all) {

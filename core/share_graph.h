@@ -26,6 +26,10 @@ void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* 
 /// The same by place. poses: where to divide, the same in all processes.
 void ShareAnewByPlace(const std::vector<double>& poses, SlamGraph* part, MeasuredSurface* surface);
 
+/// The first sweep of a part that is this one of all or comes after it; their number if there is
+/// none. Those of a part are in the order of all.
+int FirstOwnScanFrom(const SlamGraph& part, int id_among_all);
+
 /// Which sweep of a part one of all is; -1 if others have it.
 int OwnScan(const SlamGraph& part, int id_among_all);
 

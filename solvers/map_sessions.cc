@@ -255,6 +255,8 @@ class SessionsRun {
       TakeLarger(reports_[session].seeding.odometry_noise.motion, &motion);
     }
     PLUMBLINE_RETURN_IF_ERROR(JoinDrives(set_, group, motion, &drive));
+    MeasuredSurface surface =
+        MeasureSurface(drive.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
     JoinedReport joined;
     for (std::size_t i = 0; i < group.sessions.size(); ++i) {
       SessionOfMap session;
@@ -269,11 +271,11 @@ class SessionsRun {
     }
     if (group.sessions.size() == 1) {
       map->mapping.report = map->sessions.front().report;
-      return Start(SeedOf(group.sessions.front()), std::move(drive.graph), map);
+      return Start(SeedOf(group.sessions.front()), std::move(drive.graph), std::move(surface), map);
     }
     map->mapping.report = joined.Take();
     SeedingReport& seeding = map->mapping.report.seeding;
-    PLUMBLINE_RETURN_IF_ERROR(CloseLoopsOf(&drive, motion, &seeding));
+    PLUMBLINE_RETURN_IF_ERROR(CloseLoopsOf(motion, &drive, &surface, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {
       seeding.corrections.odometry.push_back(step.from_from_to);
     }
@@ -285,24 +287,20 @@ class SessionsRun {
       std::vector<BentStretch>& all = map->mapping.report.bent_stretches;
       all.insert(all.end(), bent.begin(), bent.end());
     }
-    return Start(std::move(drive.matched.world_from_robot), std::move(drive.graph), map);
+    return Start(std::move(drive.matched.world_from_robot), std::move(drive.graph),
+                 std::move(surface), map);
   }
 
-  Status CloseLoopsOf(JoinedDrive* drive, const MotionOptions& motion,
+  Status CloseLoopsOf(const MotionOptions& motion, JoinedDrive* drive, MeasuredSurface* surface,
                       SeedingReport* seeding) const {
-    MeasuredSurface surface = MeasureSurfaceOf(drive->graph);
     if (drive->graph.peers() != nullptr) {  // divided as each session lay by itself
-      ShareAnewByPlace(drive->graph.initial_poses(), &drive->graph, &surface);
+      ShareAnewByPlace(drive->graph.initial_poses(), &drive->graph, surface);
     }
-    const ScanSurfaces surfaces = ScanSurfaces(drive->graph, surface, std::move(drive->surfaces))
+    const ScanSurfaces surfaces = ScanSurfaces(drive->graph, *surface, std::move(drive->surfaces))
                                       .WithKept(ScansOf(drive->matched.keyframes), pool_);
     KeyframeGraph keys;
     return CloseAllLoops(motion, surfaces, progress_, &drive->ties, pool_, &drive->matched, &keys,
                          seeding);
-  }
-
-  MeasuredSurface MeasureSurfaceOf(const SlamGraph& graph) const {
-    return MeasureSurface(graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
   }
 
   std::vector<Pose2> SeedOf(int session) const {
@@ -313,7 +311,8 @@ class SessionsRun {
     return poses;
   }
 
-  Status Start(std::vector<Pose2> poses, SlamGraph graph, SessionMap* map) const {
+  Status Start(std::vector<Pose2> poses, SlamGraph graph, MeasuredSurface surface,
+               SessionMap* map) const {
     for (const SessionOfMap& session : map->sessions) {
       if (session.session != fixed_map_.session) continue;
       FollowFixedMap(fixed_map_.poses, session.first_pose, &poses);
@@ -325,7 +324,7 @@ class SessionsRun {
     mapping.graph = std::move(graph);
     mapping.start_poses = PoseArray(poses);
     mapping.state = {mapping.start_poses, {}};
-    mapping.surface = MeasureSurfaceOf(mapping.graph);
+    mapping.surface = std::move(surface);
     if (mapping.graph.peers() != nullptr) {
       ShareAnewByPlace(mapping.start_poses, &mapping.graph, &mapping.surface);
     }
@@ -349,11 +348,8 @@ Status SeedSessions(const MapLogOptions& options, std::vector<LogMapping> sessio
     if (sessions.empty()) return Status::InvalidArgument("there is no session to map");
     PLUMBLINE_RETURN_IF_ERROR(CheckSharing(options, sessions));
     const bool is_shared = sessions.front().graph.peers() != nullptr;
-    const SeedingProgress tell = [&progress](SeedingPhase phase, int num_done, int num_total) {
-      if (progress) progress(phase, num_done, num_total);
-      return true;  // others would wait
-    };
-    SessionsRun run(options, is_shared ? tell : progress, pool);
+    const SeedingProgress unstoppable = Unstoppable(progress);
+    SessionsRun run(options, is_shared ? unstoppable : progress, pool);
     PLUMBLINE_RETURN_IF_ERROR(run.Seed(std::move(sessions)));
     SessionsMapping seeded;
     PLUMBLINE_RETURN_IF_ERROR(run.MakeMaps(&seeded));

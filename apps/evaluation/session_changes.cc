@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/share_graph.h"
 
 namespace plumbline {
 namespace {
@@ -149,15 +150,14 @@ class ChangeSearch {
   void AddPoints(int session, std::vector<SessionChange>* changes) const {
     const SessionMark& mark = sessions_[session];
     std::vector<Found> found;
-    for (int scan = 0; scan < graph_.num_scans(); ++scan) {
-      const int id = graph_.IdAmongAll(scan);
-      if (id < mark.first_scan || id >= mark.first_scan + mark.num_scans) continue;
-      const std::size_t first_among_all = graph_.all_scans()[id].first_return;
+    const int end = FirstOwnScanFrom(graph_, mark.first_scan + mark.num_scans);
+    for (int scan = FirstOwnScanFrom(graph_, mark.first_scan); scan < end; ++scan) {
       const ScanEntry& entry = graph_.scan(scan);
-      for (std::size_t i = 0; i < entry.num_returns; ++i) {
-        const double* point = &state_.points[2 * (entry.first_return + i)];
+      for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
+        const double* point = &state_.points[2 * r];
         const int change = ChangeAt(point[0], point[1]);
-        if (change >= 0) found.push_back({change, first_among_all + i, point[0], point[1]});
+        if (change == kNone) continue;
+        found.push_back({change, graph_.ReturnIdAmongAll(r), point[0], point[1]});
       }
     }
     found = JoinOverPeers(graph_.peers(), std::move(found));

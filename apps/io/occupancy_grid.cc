@@ -9,6 +9,7 @@
 #include "plumbline/apps/io/occupancy_scores.h"
 #include "plumbline/core/joined_returns.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/share_graph.h"
 
 namespace plumbline {
 namespace {
@@ -235,10 +236,8 @@ Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int fir
   PLUMBLINE_RETURN_IF_ERROR(LayGrid(extent, options, &result));
   OccupancyScores scores(result.width, result.height);
   ScanScorer scorer(graph, state, result, &scores);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    const int id = graph.IdAmongAll(scan);
-    if (id >= first_scan && id < first_scan + num_scans) scorer.Add(scan);
-  }
+  const int end = FirstOwnScanFrom(graph, first_scan + num_scans);
+  for (int scan = FirstOwnScanFrom(graph, first_scan); scan < end; ++scan) scorer.Add(scan);
   scores.AddThoseOf(graph.peers());
   Classify(scores, &result);
   DropStrayReturns(scores, &result);

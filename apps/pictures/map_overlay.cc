@@ -8,6 +8,7 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/map_points.h"
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/share_graph.h"
 
 namespace plumbline {
 namespace {
@@ -103,13 +104,14 @@ std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, co
   if (overlay.style != OverlayStyle::kScans) return {};
   std::vector<int> is_hit(num_pixels, 0);
   const MapPoints points(graph, state);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    const int id = graph.IdAmongAll(scan);
-    if (id < overlay.first_scan || id >= overlay.first_scan + overlay.num_scans) continue;
-    points.ForEachOfScan(graph, scan, [&](std::size_t, double x, double y) {
-      const std::ptrdiff_t pixel = raster.PixelAt(x, y);
+  const int end = FirstOwnScanFrom(graph, overlay.first_scan + overlay.num_scans);
+  for (int scan = FirstOwnScanFrom(graph, overlay.first_scan); scan < end; ++scan) {
+    const ScanEntry& entry = graph.scan(scan);
+    for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
+      const Eigen::Vector2d point = points.At(r);
+      const std::ptrdiff_t pixel = raster.PixelAt(point.x(), point.y());
       if (pixel >= 0) is_hit[pixel] = 1;
-    });
+    }
   }
   SumOverPeers(graph.peers(), &is_hit);
   std::vector<bool> pixels(num_pixels);

@@ -103,7 +103,7 @@ class SessionsRun {
     std::size_t largest = 0;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
       EndIfStoppedWhile("reading " + paths_[i]);
-      SlamGraph graph;
+      SlamGraph& graph = sessions_[i].graph;
       PLUMBLINE_RETURN_IF_ERROR(ReadSessionOrFixedMap(i, &graph));
       const MapState odometry{graph.initial_poses(), {}};
       PLUMBLINE_RETURN_IF_ERROR(
@@ -116,7 +116,6 @@ class SessionsRun {
       memory.pictures = std::max(memory.pictures, own.pictures);
       memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
-      sessions_[i].graph = std::move(graph);
     }
     memory.results += memory.pictures;
     std::cout << memory.Text()
@@ -142,8 +141,8 @@ class SessionsRun {
   Status TakeLogsOver() {
     const auto start = std::chrono::steady_clock::now();
     for (LogMapping& session : sessions_) {
-      SlamGraph graph = std::move(session.graph);
-      PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &session));
+      PLUMBLINE_RETURN_IF_ERROR(
+          TakeLog(options_.mapping, std::move(session.graph), &pool_, &session));
     }
     seed_time_s_ = SecondsSince(start);
     return Status::Ok();

@@ -49,6 +49,15 @@ enum class SeedingPhase {
 /// num_total 0: nothing is counted, the call only asks whether to go on.
 using SeedingProgress = std::function<bool(SeedingPhase phase, int num_done, int num_total)>;
 
+/// Calls progress, which may be empty, but goes on whatever that says: for one of several processes
+/// that work together, since the others would wait for it. Refers to progress.
+inline SeedingProgress Unstoppable(const SeedingProgress& progress) {
+  return [&progress](SeedingPhase phase, int num_done, int num_total) {
+    if (progress) progress(phase, num_done, num_total);
+    return true;
+  };
+}
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_INTERFACE_SEEDING_OPTIONS_H_

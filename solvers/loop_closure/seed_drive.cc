@@ -126,10 +126,7 @@ Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motio
                        MeasuredSurface* surface, SeededDrive* drive, SeedingReport* report) {
   PLUMBLINE_RETURN_IF_ERROR(CheckOptions(options, motion));
   PLUMBLINE_RETURN_IF_ERROR(FirstFailure(part->peers(), CheckSurface(*surface, *part)));
-  const SeedingProgress tell = [&progress](SeedingPhase phase, int num_done, int num_total) {
-    if (progress) progress(phase, num_done, num_total);
-    return true;  // others would wait
-  };
+  const SeedingProgress tell = Unstoppable(progress);
   SequentialTrajectory trajectory;
   {
     ScanSurfaces of_time(*part, *surface);
