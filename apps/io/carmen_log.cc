@@ -84,9 +84,9 @@ void CheckOdometry(FieldReader* fields) {
   ReadTrailer(fields);
 }
 
-// With a graph of the same scan.
+// BuildGraph frees a scan once the graph has it.
 std::size_t BytesOf(const CarmenScan& scan) {
-  return 2 * (sizeof(scan) + scan.ranges.size() * sizeof(double));
+  return sizeof(scan) + scan.ranges.size() * sizeof(double);
 }
 
 void AddIssue(CarmenIssue issue, CarmenLog* log) {

@@ -90,7 +90,7 @@ class LogRun {
     }
     SlamGraph graph;
     PLUMBLINE_RETURN_IF_ERROR(
-        ReadLogInput(options_.log, options_.max_scans, options_.max_memory, &summary_, &graph));
+        ReadLogInput(options_.log, options_.max_scans, options_.budget.memory, &summary_, &graph));
     if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
     PLUMBLINE_RETURN_IF_ERROR(CheckLimits(graph));
     const auto start = std::chrono::steady_clock::now();
@@ -113,10 +113,11 @@ class LogRun {
     const SolverOptions& solver = options_.mapping.solver;
     memory_ = EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
                              outputs_.picture_side_px);
-    std::cout << memory_.Text()
-              << FitPictures(options_.max_memory, &memory_, &outputs_.picture_side_px)
-              << std::flush;
-    return CheckMemory(memory_, options_.max_memory, graph, solver);
+    std::string text;
+    const Status fits =
+        FitMemory(options_.budget, graph, solver, &memory_, &outputs_.picture_side_px, &text);
+    std::cout << text << std::flush;
+    return fits;
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint. together: the processes that find it
@@ -137,7 +138,7 @@ class LogRun {
     }
     // Collective if the graph is shared. What it limits, all take from the speaker.
     const std::string grid_text =
-        FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_);
+        FitGrid(memory_, mapping_.graph, mapping_.state, options_.budget.memory, &outputs_);
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
               << ConsistencyText("The seed", seeding.consistency) << grid_text << std::flush;

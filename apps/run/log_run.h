@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
@@ -16,7 +17,7 @@ struct LogRunOptions {
   int max_scans = 0;  ///< the first ones are used; 0: all
   MapLogOptions mapping;
   RunOutputOptions outputs;
-  double max_memory = 0.0;  ///< refuses a log that needs more by estimate [bytes]; 0: no limit
+  MemoryBudget budget;      ///< what needs more by estimate is refused
   std::string truth, hits;  ///< of a simulated log, see ReadTruth; may be empty
   std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
   std::string resume;       ///< checkpoint to go on from; may be empty

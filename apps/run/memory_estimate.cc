@@ -19,6 +19,9 @@ namespace {
 
 constexpr double kBytesPerMb = 1e6, kBytesPerGb = 1e9;
 constexpr double kBytesOfProgram = 25e6;
+// A run with its arrays on disk holds the program with its libraries, and its poses and keyframes,
+// 40 MB and 2.3 kB per scan, in three fifths of its memory: the rest is for pages of the arrays.
+constexpr double kBytesWithDisk = 67e6, kBytesPerScanWithDisk = 3.8e3;
 constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
 
 // What a stage takes beside the program.
@@ -99,18 +102,36 @@ MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int pic
 
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
 
-// What would fit; empty if nothing does.
-std::string Advice(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
-                   const SolverOptions& solver) {
+// What would fit; empty if nothing does. base: what a run over no scans takes.
+std::string Advice(const MemoryEstimate& estimate, double base, double limit,
+                   const SlamGraph& graph, const SolverOptions& solver) {
   std::string advice;
   const auto add = [&](const std::string& flag) {
     advice += (advice.empty() ? "" : " or ") + flag;
   };
   if (estimate.joint > limit && solver.type != SolverType::kReduced) add("--solver=reduced");
-  const double share = (limit - kBytesOfProgram) / (estimate.Peak() - kBytesOfProgram);
+  const double share = (limit - base) / (estimate.Peak() - base);
   const double num_scans = std::floor(share * graph.num_scans());
   if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
   return advice.empty() ? "" : "; " + advice + " would need less";
+}
+
+// A dense matrix grows with the square of the log: what this machine does not hold is not tried.
+Status CheckDenseSolver(const MemoryEstimate& estimate, const SolverOptions& solver) {
+  if (!IsDense(solver) || estimate.Peak() <= PhysicalMemory()) return Status::Ok();
+  return Status::InvalidArgument(std::string("--ceres_linear_solver=") +
+                                 ceres::LinearSolverTypeToString(solver.ceres->linear_solver) +
+                                 " needs about " + MbText(estimate.Peak()) +
+                                 " of memory, but this machine has " + MbText(PhysicalMemory()) +
+                                 "; sparse_schur or iterative_schur would need less");
+}
+
+// The same run with its arrays on disk.
+MemoryEstimate WithDisk(const MemoryEstimate& estimate) {
+  MemoryEstimate with_disk = estimate;
+  with_disk.seeding = with_disk.joint = estimate.on_disk;
+  with_disk.results = estimate.on_disk + estimate.pictures;
+  return with_disk;
 }
 
 }  // namespace
@@ -133,6 +154,10 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
+  estimate.on_disk = kBytesWithDisk + kBytesPerScanWithDisk * graph.num_scans();
+  if (solver.type == SolverType::kCeres) {
+    estimate.on_disk = std::max(estimate.on_disk, estimate.joint);  // of parts that are small
+  }
   const MapRaster raster = RasterOfPicture(graph, state, picture_side_px);
   estimate.pictures = kBytesPerPixel * raster.width * raster.height;
   estimate.results = base + bytes(kResults) + estimate.pictures;
@@ -182,20 +207,47 @@ std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, cons
          ": the occupancy grid takes " + MbText(grid) + '\n';
 }
 
-Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
-                   const SolverOptions& solver) {
-  // A dense matrix grows with the square of the log: what does not fit is not tried.
-  if (limit == 0.0 && IsDense(solver) && estimate.Peak() > PhysicalMemory()) {
-    return Status::InvalidArgument(std::string("--ceres_linear_solver=") +
-                                   ceres::LinearSolverTypeToString(solver.ceres->linear_solver) +
-                                   " needs about " + MbText(estimate.Peak()) +
-                                   " of memory, but this machine has " + MbText(PhysicalMemory()) +
-                                   "; sparse_schur or iterative_schur would need less");
+Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
+                 MemoryEstimate* estimate, int* picture_side_px, std::string* text) {
+  *text = estimate->Text();
+  const double limit = budget.memory;
+  if (limit == 0.0) return CheckDenseSolver(*estimate, solver);
+  MemoryEstimate smaller = *estimate;
+  int smaller_side_px = *picture_side_px;
+  const std::string pictures = FitPictures(limit, &smaller, &smaller_side_px);
+  if (smaller.Peak() <= limit) {
+    *estimate = smaller;
+    *picture_side_px = smaller_side_px;
+    *text += pictures;
+    return Status::Ok();
   }
-  if (limit == 0.0 || estimate.Peak() <= limit) return Status::Ok();
-  return Status::InvalidArgument("the run needs about " + MbText(estimate.Peak()) +
-                                 " of memory, but --max_memory allows " + MbText(limit) +
-                                 Advice(estimate, limit, graph, solver));
+  const double arrays = estimate->Peak();
+  const std::string needs = "the run needs about " + MbText(arrays) + " of memory",
+                    allowed = "--max_memory allows " + MbText(limit);
+  if (estimate->on_disk >= arrays) {
+    return Status::InvalidArgument(needs + ", but " + allowed +
+                                   Advice(*estimate, kBytesOfProgram, limit, graph, solver));
+  }
+  if (budget.disk < arrays) {
+    const std::string disk = budget.no_disk.empty()
+                                 ? "its arrays do not fit in the " + MbText(budget.disk) +
+                                       " that are left on disk beside the results"
+                                 : budget.no_disk;
+    return Status::InvalidArgument(needs + ", but " + allowed + ", and " + disk +
+                                   Advice(*estimate, kBytesOfProgram, limit, graph, solver));
+  }
+  MemoryEstimate with_disk = WithDisk(*estimate);
+  const std::string pictures_with_disk = FitPictures(limit, &with_disk, picture_side_px);
+  if (with_disk.Peak() > limit) {
+    return Status::InvalidArgument(needs + ", " + MbText(with_disk.Peak()) +
+                                   " with its arrays on disk, but " + allowed +
+                                   Advice(with_disk, kBytesWithDisk, limit, graph, solver));
+  }
+  *estimate = with_disk;
+  *text += pictures_with_disk +
+           "To stay within --max_memory, arrays are kept on disk, beside the results: " + "about " +
+           MbText(arrays) + '\n';
+  return Status::Ok();
 }
 
 }  // namespace plumbline

@@ -30,16 +30,27 @@ namespace plumbline {
 /// Measured with the real logs and with simulated ones of up to 100,000 scans. Most are right to a
 /// quarter, all to a factor of two; where few places are revisited, the reduced problem takes ceres
 /// less than this. With Ceres' dense linear solvers the matrices come on top, by their size.
+///
+/// With arrays on disk (array_storage.h), 67 MB and 3.8 kB per scan are enough for all stages, but
+/// for what a solver of ceres takes, and for pictures.
 struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;
   double results = 0.0;
   double pictures = 0.0;    ///< part of the results
+  double on_disk = 0.0;     ///< enough for every stage with arrays on disk, without pictures
   int picture_side_px = 0;  ///< longer side of the largest picture: a small map has a small one
 
   double Peak() const;
   /// A line for people.
   std::string Text() const;
+};
+
+/// What a run may take [bytes].
+struct MemoryBudget {
+  double memory = 0.0;  ///< 0: no limit
+  double disk = 0.0;    ///< for arrays that the memory does not hold; 0: none
+  std::string no_disk;  ///< why there is none, for people
 };
 
 /// For a graph as it was read, and its initial state. calibrates: whether sensor
@@ -63,10 +74,12 @@ Status ParseMemorySize(const std::string& text, double* bytes);
 /// pictures of 300 pixels would not either.
 std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px);
 
-/// InvalidArgument if more is needed than the limit allows [bytes, 0: no limit, but the machine's
-/// for Ceres' dense linear solvers]; the message says what would need less.
-Status CheckMemory(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
-                   const SolverOptions& solver);
+/// Makes a run fit its budget: with smaller pictures (FitPictures), or else with arrays on disk, to
+/// which the estimate then changes. Gives lines for people. InvalidArgument if it does not fit all
+/// the same, or, without a limit, if this machine does not hold what a dense linear solver of Ceres
+/// needs; the message says what would need less.
+Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
+                 MemoryEstimate* estimate, int* picture_side_px, std::string* text);
 
 }  // namespace plumbline
 

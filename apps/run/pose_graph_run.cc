@@ -94,7 +94,7 @@ class PoseGraphRun {
   }
 
   Status Read() {
-    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.max_memory, &file_));
+    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.budget.memory, &file_));
     state_ = file_.graph.InitialState();
     std::vector<std::string> warnings = ImplausibleReadings(file_.graph);
     warnings.insert(warnings.end(), file_.warnings.begin(), file_.warnings.end());
@@ -113,9 +113,11 @@ class PoseGraphRun {
     if (!has_scans()) return Status::Ok();
     MemoryEstimate memory =
         EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
-    std::cout << memory.Text()
-              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
-    return CheckMemory(memory, options_.max_memory, file_.graph, options_.solver);
+    std::string text;
+    const Status fits = FitMemory(options_.budget, file_.graph, options_.solver, &memory,
+                                  &outputs_.picture_side_px, &text);
+    std::cout << text << std::flush;
+    return fits;
   }
 
   // Rather now than by the solver, with pictures written. It starts where file or edges say.

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
@@ -15,7 +16,7 @@ struct PoseGraphRunOptions {
   std::string output_dir;
   RunOutputOptions outputs;
   SolverOptions solver;
-  double max_memory = 0.0;  ///< refuses a graph that needs more by estimate [bytes]; 0: no limit
+  MemoryBudget budget;  ///< what needs more by estimate is refused
   /// Processes that run with the same options and share the work once process 0 has read the graph,
   /// which needs scans then; null: this one does it all.
   const Peers* peers = nullptr;

@@ -113,23 +113,26 @@ class SessionsRun {
       memory.seeding += own.seeding;
       memory.joint += own.joint;
       memory.results += own.results - own.pictures;
+      memory.on_disk += own.on_disk;
       memory.pictures = std::max(memory.pictures, own.pictures);
       memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
     }
     memory.results += memory.pictures;
-    std::cout << memory.Text()
-              << FitPictures(options_.max_memory, &memory, &outputs_.picture_side_px) << std::flush;
-    return CheckMemory(memory, options_.max_memory, sessions_[largest].graph,
-                       options_.mapping.solver);
+    std::string text;
+    const Status fits =
+        FitMemory(options_.budget, sessions_[largest].graph, options_.mapping.solver, &memory,
+                  &outputs_.picture_side_px, &text);
+    std::cout << text << std::flush;
+    return fits;
   }
 
   Status ReadSessionOrFixedMap(std::size_t index, SlamGraph* graph) {
     if (index < options_.logs.size()) {
-      return ReadSession(paths_[index], options_.max_scans, options_.max_memory, &read_[index],
+      return ReadSession(paths_[index], options_.max_scans, options_.budget.memory, &read_[index],
                          graph);
     }
-    return ReadFixedMap(paths_[index], options_.max_memory, &read_[index], graph);
+    return ReadFixedMap(paths_[index], options_.budget.memory, &read_[index], graph);
   }
 
   // Not to be cut off by a signal: it tries out a file.

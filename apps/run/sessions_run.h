@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
@@ -20,7 +21,7 @@ struct SessionsRunOptions {
   int max_scans = 0;  ///< the first ones of each log are used; 0: all
   MapLogOptions mapping;
   RunOutputOptions outputs;
-  double max_memory = 0.0;  ///< refuses logs that need more by estimate [bytes]; 0: no limit
+  MemoryBudget budget;  ///< what needs more by estimate is refused
   /// Processes that run with the same options and share the work; null: this one does it all.
   const Peers* peers = nullptr;
 };

@@ -53,8 +53,9 @@ DEFINE_string(resume, "",
               "there, to the same results");
 DEFINE_string(
     max_memory, "0",
-    "Make pictures and the occupancy grid coarser, or else refuse the run, where it needs "
-    "more than this by estimate, as 4GB or 500MB; 0: no limit");
+    "Where a run needs more than this by estimate, as 4GB or 500MB: make pictures and the "
+    "occupancy "
+    "grid coarser, or keep arrays on disk, beside the results, or else refuse it; 0: no limit");
 
 namespace plumbline {
 namespace {
@@ -93,7 +94,7 @@ Status RefinePoseGraphFile(const LogRunOptions& options) {
                                    " is a pose graph");
   }
   return RunPoseGraph({options.log, options.output_dir, options.outputs, options.mapping.solver,
-                       options.max_memory, options.peers});
+                       options.budget, options.peers});
 }
 
 }  // namespace
@@ -138,13 +139,13 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
   if (logs.size() > 1 || !FLAGS_fixed_map.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(CheckFlagsOfSessions(mapping));
   }
-  const Status memory = ParseMemorySize(FLAGS_max_memory, &options->max_memory);
+  const Status memory = ParseMemorySize(FLAGS_max_memory, &options->budget.memory);
   if (!memory.ok()) return Status::InvalidArgument("--max_memory: " + memory.message());
   RunOutputOptions& outputs = options->outputs;
   outputs.picture_side_px = FLAGS_picture_side_px;
   outputs.map_resolution_m = FLAGS_map_resolution_m;
   outputs.save_map = FLAGS_save_map;
-  if (options->max_memory > 0.0) outputs.LimitGrid(0.5 * options->max_memory);
+  if (options->budget.memory > 0.0) outputs.LimitGrid(0.5 * options->budget.memory);
   std::string error;
   if (!outputs.Check(&error)) return Status::InvalidArgument("results: " + error);
   options->log = FLAGS_log;
@@ -163,7 +164,7 @@ Status RunSlam(LogRunOptions options) {
   PLUMBLINE_RETURN_IF_ERROR(ParseLogList(options.log, &logs));
   if (logs.size() > 1 || !FLAGS_fixed_map.empty()) {
     return RunSessions({std::move(logs), FLAGS_fixed_map, options.output_dir, options.max_scans,
-                        options.mapping, options.outputs, options.max_memory, options.peers});
+                        options.mapping, options.outputs, options.budget, options.peers});
   }
   options.log = logs.front();
   return IsPoseGraph(options.log) ? RefinePoseGraphFile(options) : RunLog(options);

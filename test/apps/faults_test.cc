@@ -161,7 +161,7 @@ TEST_F(FaultsTest, ResumesToTheSameResults) {
 
 TEST_F(FaultsTest, ReadingStaysWithinTheMemoryAllowed) {
   std::string scans;
-  for (int i = 0; i < 100000; ++i)
+  for (int i = 0; i < 200000; ++i)
     scans += "FLASER 1 1 0 0 0 0 0 0 " + std::to_string(i) + " h 0\n";
   WriteFile(folder_ + "a.clf", scans);
   ExpectError(Slam("a.clf", "--max_memory=20MB"),
@@ -255,6 +255,37 @@ TEST_F(FaultsTest, RefusesARunThatNeedsTooMuchMemory) {
   run = Slam("a.clf", "--max_memory=30MB --picture_side_px=4000");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("To stay within --max_memory, pictures have sides of "));
+}
+
+TEST_F(FaultsTest, ARunWithItsArraysOnDiskGivesTheSameBytesInLessMemory) {
+  if (PLUMBLINE_SANITIZED) GTEST_SKIP() << "sanitizers take memory of their own";
+  SimulateLog(300, "--num_beams=1440 --bearing_step_deg=0.25");
+  const std::string flags =
+      "--solver=alternating_cg --coarse_rounds=0 --fine_rounds=1 --picture_side_px=400";
+  const Outcome in_memory = Slam("a.clf", flags);
+  ASSERT_EQ(in_memory.exit_code, 0) << in_memory.err;
+  EXPECT_THAT(in_memory.out, Not(HasSubstr("on disk")));
+  const Outcome on_disk = Slam("a.clf", flags + " --max_memory=75MB", "disk");
+  ASSERT_EQ(on_disk.exit_code, 0) << on_disk.err;
+  EXPECT_THAT(on_disk.out, HasSubstr("arrays are kept on disk, beside the results: about "));
+  EXPECT_EQ(FilesOf("disk"), FilesOf("out"));
+  for (const std::string& name : kResults) {
+    if (name == "summary.json" || name == "report.html") continue;  // with times
+    EXPECT_EQ(Result("disk", name), Result("out", name)) << name;
+  }
+  const auto peak_of = [&](const std::string& folder) {
+    return nlohmann::json::parse(Result(folder, "summary.json"))["peak_memory_bytes"].get<double>();
+  };
+  std::cout << "peak: " << peak_of("out") / 1e6 << " MB, " << peak_of("disk") / 1e6
+            << " MB with arrays on disk\n";
+  EXPECT_LT(peak_of("disk"), 0.6 * peak_of("out"));
+  // Files in memory are no disk.
+  const Outcome nowhere =
+      Run("slam", "--log=" + folder_ + "a.clf --output_dir=/dev/shm/plumbline_none " + flags +
+                      " --max_memory=75MB");
+  EXPECT_EQ(nowhere.exit_code, kExitBadInput);
+  EXPECT_THAT(nowhere.err, HasSubstr("cannot keep arrays in '/dev/shm': it is no disk"));
+  EXPECT_FALSE(std::filesystem::exists("/dev/shm/plumbline_none"));
 }
 
 TEST_F(FaultsTest, AStackThatIsTooSmallIsRefused) {

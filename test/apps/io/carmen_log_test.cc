@@ -310,7 +310,7 @@ TEST_F(CarmenLogTest, TakesNoMoreMemoryThanAllowed) {
   options_.max_bytes = 1e6;
   EXPECT_TRUE(Read(scan + odometry).ok());
   std::string scans, params;
-  for (int i = 0; i < 100; ++i) scans += scan;
+  for (int i = 0; i < 150; ++i) scans += scan;
   const Status status = Read(scans);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(),

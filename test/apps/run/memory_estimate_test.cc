@@ -21,10 +21,14 @@ using testing::Not;
 
 class MemoryEstimateTest : public testing::Test {
  protected:
-  std::string ErrorAt(double limit, int picture_side_px = 50) const {
-    return CheckMemory(EstimateMemory(graph_, state_, solver_, false, picture_side_px), limit,
-                       graph_, solver_)
-        .message();
+  Status Fit(const MemoryBudget& budget, MemoryEstimate* estimate, std::string* text) const {
+    int picture_side_px = 4000;
+    return FitMemory(budget, graph_, solver_, estimate, &picture_side_px, text);
+  }
+  std::string ErrorAt(double limit) const {
+    std::string text;
+    MemoryEstimate estimate = EstimateMemory(graph_, state_, solver_, false, 50);
+    return Fit({limit, 0.0, ""}, &estimate, &text).message();
   }
 
   const SlamGraph graph_ = MakeNoisyRoom().graph;  // 12 scans
@@ -64,8 +68,10 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   many.num_beams = 360;
   const SlamGraph large = MakeNoisyRoom(many).graph;
   solver_.ceres->linear_solver = ceres::DENSE_QR;
-  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
-  EXPECT_THAT(CheckMemory(estimate, 0.0, large, solver_).message(),
+  MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
+  int picture_side_px = 50;
+  std::string text;
+  EXPECT_THAT(FitMemory({}, large, solver_, &estimate, &picture_side_px, &text).message(),
               AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
 }
 
@@ -143,13 +149,19 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_NEAR(estimate.results, limit, 0.01 * pictures);
     EXPECT_LE(estimate_at(side_px).results, limit);
     EXPECT_EQ(estimate.seeding, asked.seeding);
-    EXPECT_TRUE(CheckMemory(estimate, limit, graph_, solver_).ok());
+    MemoryEstimate fitted = asked;
+    std::string fitted_text;
+    EXPECT_TRUE(Fit({limit, 0.0, ""}, &fitted, &fitted_text).ok());
+    EXPECT_EQ(fitted.results, estimate.results);
+    EXPECT_EQ(fitted_text, asked.Text() + text);
   }
-  // What a picture of no use would not save is left for CheckMemory to refuse.
+  // What a picture of no use would not save is left for FitMemory to refuse.
   for (const double limit : {others + 0.1 * pictures, 0.9 * others}) {
     EXPECT_EQ(fit(limit, &estimate, &side_px), "");
     EXPECT_EQ(side_px, kAskedPx);
-    EXPECT_FALSE(CheckMemory(estimate, limit, graph_, solver_).ok());
+    std::string text;
+    EXPECT_FALSE(Fit({limit, 0.0, ""}, &estimate, &text).ok());
+    EXPECT_EQ(text, asked.Text());
   }
 }
 
@@ -162,6 +174,79 @@ TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
   EXPECT_THAT(ErrorAt(5e6), AllOf(HasSubstr("allows 5 MB"), Not(HasSubstr("--max_scans"))));
   solver_.type = SolverType::kReduced;
   EXPECT_THAT(ErrorAt(25.05e6), Not(HasSubstr("--solver")));
+}
+
+// A run of 500 MB, of which 100 MB and 10 MB of pictures stay in memory where arrays are on disk.
+class DiskEstimateTest : public MemoryEstimateTest {
+ protected:
+  DiskEstimateTest() {
+    estimate_.seeding = 400e6;
+    estimate_.joint = 450e6;
+    estimate_.results = 500e6;
+    estimate_.pictures = 10e6;
+    estimate_.on_disk = 100e6;
+    estimate_.picture_side_px = 1000;
+  }
+
+  MemoryEstimate estimate_;
+  std::string text_;
+};
+
+TEST_F(DiskEstimateTest, WhatFitsInMemoryStaysThere) {
+  const MemoryEstimate before = estimate_;
+  ASSERT_TRUE(Fit({500e6, 1e9, ""}, &estimate_, &text_).ok());
+  EXPECT_EQ(text_, before.Text());
+  EXPECT_EQ(estimate_.results, before.results);
+}
+
+TEST_F(DiskEstimateTest, SmallerPicturesComeFirst) {
+  ASSERT_TRUE(Fit({495e6, 1e9, ""}, &estimate_, &text_).ok());
+  EXPECT_THAT(text_, AllOf(HasSubstr("sides of 707 pixels"), Not(HasSubstr("on disk"))));
+  EXPECT_NEAR(estimate_.results, 495e6, 0.1e6);
+}
+
+TEST_F(DiskEstimateTest, ArraysGoToDiskWhereThatIsEnough) {
+  ASSERT_TRUE(Fit({300e6, 500e6, ""}, &estimate_, &text_).ok());
+  EXPECT_THAT(text_, AllOf(HasSubstr("arrays are kept on disk, beside the results: about 500 MB"),
+                           Not(HasSubstr("pixels"))));
+  EXPECT_EQ(estimate_.seeding, 100e6);
+  EXPECT_EQ(estimate_.joint, 100e6);
+  EXPECT_EQ(estimate_.results, 110e6);
+}
+
+TEST_F(DiskEstimateTest, PicturesAreMadeToFitBesideWhatStaysInMemory) {
+  ASSERT_TRUE(Fit({105e6, 500e6, ""}, &estimate_, &text_).ok());
+  EXPECT_THAT(text_, AllOf(HasSubstr("on disk"), HasSubstr("sides of 707 pixels")));
+  EXPECT_NEAR(estimate_.results, 105e6, 0.1e6);
+}
+
+TEST_F(DiskEstimateTest, RefusesWhatFitsNeitherWay) {
+  const auto error_of = [&](const MemoryBudget& budget) {
+    MemoryEstimate estimate = estimate_;
+    const Status status = Fit(budget, &estimate, &text_);
+    EXPECT_EQ(text_, estimate_.Text());
+    EXPECT_EQ(estimate.results, estimate_.results);
+    return status.message();
+  };
+  EXPECT_THAT(error_of({83.5e6, 500e6, ""}),
+              AllOf(HasSubstr("needs about 500 MB of memory, 110 MB with its arrays on disk, but "
+                              "--max_memory allows 84 MB"),
+                    HasSubstr("--max_scans=4 would")));
+  EXPECT_THAT(error_of({300e6, 499e6, ""}),
+              HasSubstr("its arrays do not fit in the 499 MB that are left on disk"));
+  EXPECT_THAT(error_of({300e6, 0.0, "there is no disk"}), HasSubstr(", and there is no disk; "));
+}
+
+TEST_F(MemoryEstimateTest, ProblemsOfCeresStayInMemory) {
+  const auto on_disk = [&] { return EstimateMemory(graph_, state_, solver_, false, 50).on_disk; };
+  EXPECT_NEAR(on_disk(), 67e6 + 12 * 3.8e3, 1.0);
+  NoisyRoomOptions many;
+  many.num_poses = 400;
+  many.num_beams = 360;
+  const SlamGraph large = MakeNoisyRoom(many).graph;
+  solver_.type = SolverType::kCeres;
+  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
+  EXPECT_EQ(estimate.on_disk, estimate.joint);
 }
 
 }  // namespace

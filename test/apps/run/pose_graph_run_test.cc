@@ -25,7 +25,10 @@ class PoseGraphRunTest : public testing::Test {
  protected:
   // Prints nothing.
   Status Run(const std::string& log, SolverType solver = SolverOptions().type) const {
-    PoseGraphRunOptions options{folder_ + log, folder_ + "out", {200, 0.05}, SolverOptions()};
+    PoseGraphRunOptions options;
+    options.log = folder_ + log;
+    options.output_dir = folder_ + "out";
+    options.outputs = {200, 0.05};
     options.solver.type = solver;
     testing::internal::CaptureStdout();
     const Status status = RunPoseGraph(options);

@@ -1,0 +1,100 @@
+#include "plumbline/apps/program/disk_arrays.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/statvfs.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "plumbline/apps/io/file_status.h"
+
+namespace plumbline {
+namespace {
+
+// The folder, or the nearest one above that is there.
+std::filesystem::path ExistingFolder(const std::string& folder) {
+  std::error_code ignored;
+  std::filesystem::path path = std::filesystem::absolute(folder, ignored);
+  while (!std::filesystem::is_directory(path, ignored) && path.has_relative_path()) {
+    path = path.parent_path();
+  }
+  return path;
+}
+
+// A file without a name; negative, with errno set, if there is none to be had.
+int UnnamedFile(int folder) {
+  constexpr int kOnlyOwner = 0600;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
+  return openat(folder, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, kOnlyOwner);
+}
+
+bool IsMemory(int folder) {
+  constexpr auto kTmpfs = 0x01021994, kRamfs = static_cast<int>(0x858458f6U);
+  struct statfs system {};
+  if (fstatfs(folder, &system) != 0) return false;
+  const auto type = static_cast<int>(system.f_type);
+  return type == kTmpfs || type == kRamfs;
+}
+
+}  // namespace
+
+DiskArrays::~DiskArrays() {
+  for (const auto& [array, num_bytes] : arrays_) munmap(array, num_bytes);
+  if (folder_ >= 0) close(folder_);
+}
+
+Status DiskArrays::Open(const std::string& folder) {
+  const std::string path = ExistingFolder(folder).string();
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
+  folder_ = open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  const int file = folder_ < 0 ? -1 : UnnamedFile(folder_);
+  if (file < 0) {
+    return WriteError("keep arrays in", path, errno);
+  }
+  close(file);
+  if (!IsMemory(folder_)) return Status::Ok();
+  return Status::Unavailable("cannot keep arrays in '" + path + "': it is no disk, but memory");
+}
+
+void* DiskArrays::Add(std::size_t num_bytes) {
+  const int file = UnnamedFile(folder_);
+  if (file < 0) return nullptr;
+  // To find a full disk while an array is filled would be the end of the process.
+  const bool fits = posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0;
+  void* array =
+      fits ? mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
+  close(file);
+  if (array == MAP_FAILED) return nullptr;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  arrays_.emplace(array, num_bytes);
+  return array;
+}
+
+bool DiskArrays::Remove(void* array) {
+  // Freed behind the lock: it is memory, which may be what called this.
+  std::map<void*, std::size_t>::node_type entry;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    entry = arrays_.extract(array);
+    if (entry.empty()) return false;
+  }
+  munmap(array, entry.mapped());
+  return true;
+}
+
+void DiskArrays::MakeRoom() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const auto& [array, num_bytes] : arrays_) madvise(array, num_bytes, MADV_DONTNEED);
+}
+
+double DiskArrays::BytesFree() const {
+  struct statvfs system {};
+  if (folder_ < 0 || fstatvfs(folder_, &system) != 0) return 0.0;
+  return static_cast<double>(system.f_bavail) * static_cast<double>(system.f_frsize);
+}
+
+}  // namespace plumbline
