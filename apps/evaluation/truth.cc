@@ -12,6 +12,8 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/pose_timeline.h"
 #include "plumbline/apps/io/text_reader.h"
+#include "plumbline/core/map_points.h"
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -81,6 +83,54 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
   return Status::Ok();
 }
 
+std::vector<Pose2> TruePoses(const Truth& truth) {
+  std::vector<Pose2> poses;
+  poses.reserve(truth.trajectory.size());
+  for (const TimedPose& pose : truth.trajectory) poses.push_back(pose.world_from_robot);
+  return poses;
+}
+
+Pose2 FitOf(const MapState& state, const Truth& truth) {
+  if (state.poses.empty()) return Pose2();
+  return AlignTrajectories(PosesOf(state.poses), TruePoses(truth));
+}
+
+// Distances of the points that have a true one.
+class PointErrors {
+ public:
+  void Add(const Eigen::Vector2d& point, const Truth& truth, std::size_t return_id) {
+    const Eigen::Vector2d true_point(truth.points[2 * return_id], truth.points[2 * return_id + 1]);
+    if (!true_point.allFinite()) return;
+    sum_m_ += (point - true_point).norm();
+    count_ += 1.0;
+  }
+  void AddThoseOf(const Peers* peers) {
+    sum_m_ = SumOverPeers(peers, sum_m_);
+    count_ = SumOverPeers(peers, count_);
+  }
+  double Mean() const { return sum_m_ / count_; }  // 0 / 0 is NaN, as documented
+
+ private:
+  double sum_m_ = 0.0, count_ = 0.0;
+};
+
+TruthError ErrorOf(const MapState& state, const Truth& truth, const Pose2& truth_from_estimate,
+                   const PointErrors& points) {
+  TruthError error;
+  const int n = state.num_poses();
+  if (n == 0) return error;
+  const std::vector<Pose2> estimated = PosesOf(state.poses), exact = TruePoses(truth);
+  for (int p = 0; p < n; ++p) {
+    const Pose2 pose = truth_from_estimate * estimated[p];
+    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
+    error.mean_pose_error_m += distance / n;
+    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
+    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
+  }
+  error.mean_point_error_m = points.Mean();
+  return error;
+}
+
 }  // namespace
 
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
@@ -93,31 +143,30 @@ Status ReadTruth(const std::string& trajectory_path, const std::string& hits_pat
 }
 
 TruthError CompareWithTruth(const MapState& state, const Truth& truth) {
-  TruthError error;
-  const int n = state.num_poses();
-  if (n == 0) return error;
-  const std::vector<Pose2> estimated = PosesOf(state.poses);
-  std::vector<Pose2> exact;
-  exact.reserve(n);
-  for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
-  const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
-  for (int p = 0; p < n; ++p) {
-    const Pose2 pose = truth_from_estimate * estimated[p];
-    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
-    error.mean_pose_error_m += distance / n;
-    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
-    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
-  }
-  std::size_t num_points = 0;
+  PointErrors points;
+  const Pose2 truth_from_estimate = FitOf(state, truth);
   for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
-    const Eigen::Vector2d true_point(truth.points[2 * r], truth.points[2 * r + 1]);
-    if (!true_point.allFinite()) continue;
-    const Eigen::Vector2d point(state.points[2 * r], state.points[2 * r + 1]);
-    error.mean_point_error_m += (truth_from_estimate * point - true_point).norm();
-    ++num_points;
+    points.Add(truth_from_estimate * Eigen::Vector2d(state.points[2 * r], state.points[2 * r + 1]),
+               truth, r);
   }
-  error.mean_point_error_m /= static_cast<double>(num_points);  // 0 / 0 is NaN, as documented.
-  return error;
+  return ErrorOf(state, truth, truth_from_estimate, points);
+}
+
+TruthError CompareWithTruth(const SlamGraph& graph, const MapState& state, const Truth& truth) {
+  PointErrors points;
+  const Pose2 truth_from_estimate = FitOf(state, truth);
+  if (!truth.points.empty()) {
+    MapPoints(graph, state).ForEach([&](std::size_t r, double x, double y) {
+      points.Add(truth_from_estimate * Eigen::Vector2d(x, y), truth, graph.ReturnIdAmongAll(r));
+    });
+    points.AddThoseOf(graph.peers());
+  }
+  return ErrorOf(state, truth, truth_from_estimate, points);
+}
+
+void ShareTruth(const Peers* peers, Truth* truth) {
+  truth->trajectory = JoinOverPeers(peers, std::move(truth->trajectory));
+  truth->points = JoinOverPeers(peers, std::move(truth->points));
 }
 
 }  // namespace plumbline

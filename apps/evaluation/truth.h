@@ -6,6 +6,7 @@
 
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -39,6 +40,15 @@ Status ReadTruth(const std::string& trajectory_path, const std::string& hits_pat
 
 /// For a state of the graph that the truth was joined to.
 TruthError CompareWithTruth(const MapState& state, const Truth& truth);
+
+/// The same for a state whose points, without an array of them, are where the measurements put
+/// them; and for the part of a graph that is shared, of which every process has the whole truth
+/// (ShareTruth) and gets the error over all parts.
+TruthError CompareWithTruth(const SlamGraph& graph, const MapState& state, const Truth& truth);
+
+/// Gives the truth of the whole graph, which the speaker has, to all processes. peers: null if
+/// there are no others.
+void ShareTruth(const Peers* peers, Truth* truth);
 
 }  // namespace plumbline
 

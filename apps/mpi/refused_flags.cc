@@ -15,8 +15,7 @@ Status CheckGoesWithPeers(const LogRunOptions& options) {
     bool is_set;
   } refused[] = {{"shape", solver.factors.shape.enabled},
                  {"reduced_polish_sweeps", solver.reduced.polish_sweeps > 0},
-                 {"calibrate", options.mapping.calibration.IsOn()},
-                 {"hits", !options.hits.empty()}};
+                 {"calibrate", options.mapping.calibration.IsOn()}};
   for (const auto& [flag, is_set] : refused) {
     if (!is_set) continue;
     return Status::InvalidArgument("--" + std::string(flag) +

@@ -1,6 +1,7 @@
 #include "plumbline/apps/program/disk_arrays.h"
 
 #include <fcntl.h>
+#include <linux/magic.h>
 #include <sys/mman.h>
 #include <sys/statvfs.h>
 #include <sys/vfs.h>
@@ -25,19 +26,23 @@ std::filesystem::path ExistingFolder(const std::string& folder) {
   return path;
 }
 
+// Whether the file has so many bytes now that nobody can take away.
+bool Allocate(int file, std::size_t num_bytes) {
+  int error = EINTR;
+  while (error == EINTR) error = posix_fallocate(file, 0, static_cast<off_t>(num_bytes));
+  return error == 0;
+}
+
 // A file without a name; negative, with errno set, if there is none to be had.
 int UnnamedFile(int folder) {
   constexpr int kOnlyOwner = 0600;
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
   return openat(folder, ".", O_TMPFILE | O_RDWR | O_CLOEXEC, kOnlyOwner);
 }
 
 bool IsMemory(int folder) {
-  constexpr auto kTmpfs = 0x01021994, kRamfs = static_cast<int>(0x858458f6U);
   struct statfs system {};
-  if (fstatfs(folder, &system) != 0) return false;
-  const auto type = static_cast<int>(system.f_type);
-  return type == kTmpfs || type == kRamfs;
+  return fstatfs(folder, &system) == 0 &&
+         (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
 }
 
 }  // namespace
@@ -49,22 +54,26 @@ DiskArrays::~DiskArrays() {
 
 Status DiskArrays::Open(const std::string& folder) {
   const std::string path = ExistingFolder(folder).string();
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
   folder_ = open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   const int file = folder_ < 0 ? -1 : UnnamedFile(folder_);
   if (file < 0) {
     return WriteError("keep arrays in", path, errno);
   }
   close(file);
-  if (!IsMemory(folder_)) return Status::Ok();
-  return Status::Unavailable("cannot keep arrays in '" + path + "': it is no disk, but memory");
+  if (IsMemory(folder_)) {
+    return Status::Unavailable("cannot keep arrays in '" + path + "': it is no disk, but memory");
+  }
+  if (Remove(Add(1))) return Status::Ok();
+  return Status::Unavailable("cannot keep arrays in '" + path + "': its files cannot be mapped");
 }
 
 void* DiskArrays::Add(std::size_t num_bytes) {
+  // Else the attempt would take all that is left from others.
+  if (static_cast<double>(num_bytes) > BytesFree()) return nullptr;
   const int file = UnnamedFile(folder_);
   if (file < 0) return nullptr;
   // To find a full disk while an array is filled would be the end of the process.
-  const bool fits = posix_fallocate(file, 0, static_cast<off_t>(num_bytes)) == 0;
+  const bool fits = Allocate(file, num_bytes);
   void* array =
       fits ? mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
   close(file);

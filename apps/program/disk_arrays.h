@@ -22,12 +22,13 @@ class DiskArrays {
   DiskArrays& operator=(const DiskArrays&) = delete;
 
   /// Where they go from now on: the file system of `folder`, or of the nearest folder above that is
-  /// there. Unavailable if that has no such files (as over a network), if they would be memory, or
-  /// if it lets nobody write. To be called once, before all others.
+  /// there. Unavailable if that has no such files or cannot map them (as over a network), if they
+  /// would be memory, or if it lets nobody write. To be called once, before all others.
   Status Open(const std::string& folder);
 
   /// An array of so many bytes, all 0, whose place on the disk is taken at once. Null if the disk
-  /// is full.
+  /// is full. Where a file system moves what is written again (btrfs, ZFS), or the disk fails, the
+  /// process may still end by SIGBUS.
   void* Add(std::size_t num_bytes);
 
   /// False, with nothing done, if the array is none of these.

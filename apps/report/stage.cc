@@ -14,12 +14,7 @@ Stage MeasureStage(const std::string& name, const SlamGraph& graph, const MapSta
   Stage stage;
   stage.name = name;
   stage.quality = MeasureMapQuality(graph, MapPoints(graph, state), MapQualityOptions(), pool);
-  if (truth == nullptr) return stage;
-  if (!state.points.empty() || truth->points.empty()) {
-    stage.error = CompareWithTruth(state, *truth);
-  } else {
-    stage.error = CompareWithTruth({state.poses, graph.MeasuredMap(state.poses)}, *truth);
-  }
+  if (truth != nullptr) stage.error = CompareWithTruth(graph, state, *truth);
   return stage;
 }
 

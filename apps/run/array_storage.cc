@@ -24,9 +24,9 @@ namespace {
 
 constexpr std::size_t kLargeBytes = 1 << 20;
 // Shares of the limit. Arrays stay in memory as long as the process has less than the first; pages
-// of the others are let go where it has more than the second: it goes on while that happens.
+// of the others are let go where it has more than the second.
 constexpr double kShareOfMemory = 1.0 / 3.0, kShareAtMost = 0.75;
-// A process that holds too much all the same is to get on nevertheless.
+// A process that holds more all the same gets on with so many pages at a time.
 constexpr double kShareOfPages = 0.125;
 
 struct Resident {
@@ -37,9 +37,9 @@ struct Resident {
 // What the process holds, as the system says in /proc.
 class ResidentMemory {
  public:
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
   ResidentMemory() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
 
+  // Of 0 if the system does not say.
   Resident Read() const {
     std::array<char, 128> text{};
     if (pread(file_, text.data(), text.size() - 1, 0) <= 0) return {0.0, 0.0};
@@ -60,30 +60,48 @@ class ArrayStorage {
  public:
   explicit ArrayStorage(double max_memory) : max_memory_(max_memory) {}
 
-  Status Open(const std::string& folder) { return disk_.Open(folder); }
+  Status Open(const std::string& folder) {
+    if (resident_.Read().total > 0.0) return disk_.Open(folder);
+    return Status::Unavailable("the system does not say in /proc how much memory is taken");
+  }
   double BytesOfDisk() const { return disk_.BytesFree(); }
+
+  void Decide(bool on_disk) { use_ = on_disk ? Use::kDisk : Use::kMemory; }
+
+  // Null if the array is to be in memory. Once that is known to be too small, a full disk is the
+  // end.
+  void* Add(std::size_t num_bytes) {
+    const Use use = use_;
+    if (use == Use::kMemory || HasRoomInMemory(num_bytes)) return nullptr;
+    void* const array = disk_.Add(num_bytes);
+    if (array == nullptr && use == Use::kDisk) throw std::bad_alloc();
+    return array;
+  }
+  bool Remove(void* array) { return disk_.Remove(array); }
+
+  [[noreturn]] void Watch() {
+    const double most = kShareAtMost * max_memory_;
+    for (double next = most;;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const double total = resident_.Read().total;
+      if (total <= most) next = most;
+      if (total <= next) continue;
+      disk_.MakeRoom();
+      next = std::max(most, resident_.Read().total + kShareOfPages * max_memory_);
+    }
+  }
+
+ private:
+  // Where large arrays go for which there is no room.
+  enum class Use { kDiskIfItHasRoom, kDisk, kMemory };
 
   bool HasRoomInMemory(std::size_t num_bytes) const {
     return resident_.Read().unshared + static_cast<double>(num_bytes) <=
            kShareOfMemory * max_memory_;
   }
 
-  void* Add(std::size_t num_bytes) { return disk_.Add(num_bytes); }
-  bool Remove(void* array) { return disk_.Remove(array); }
-
-  [[noreturn]] void Watch() {
-    double most = kShareAtMost * max_memory_;
-    for (;;) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      if (resident_.Read().total <= most) continue;
-      disk_.MakeRoom();
-      most = std::max(kShareAtMost * max_memory_,
-                      resident_.Read().total + kShareOfPages * max_memory_);
-    }
-  }
-
- private:
   const double max_memory_;
+  std::atomic<Use> use_{Use::kDiskIfItHasRoom};
   const ResidentMemory resident_;
   DiskArrays disk_;
 };
@@ -100,14 +118,22 @@ void StartWatching(ArrayStorage* watched) {
 }
 
 void* Allocate(std::size_t num_bytes) {
-  if (num_bytes >= kLargeBytes) {
-    ArrayStorage* const large = storage;
-    if (large != nullptr && !large->HasRoomInMemory(num_bytes)) return large->Add(num_bytes);
-  }
-  return std::malloc(std::max<std::size_t>(num_bytes, 1));
+  ArrayStorage* const large = num_bytes >= kLargeBytes ? storage.load() : nullptr;
+  void* memory = large != nullptr ? large->Add(num_bytes) : nullptr;
+  if (memory == nullptr) memory = std::malloc(std::max<std::size_t>(num_bytes, 1));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
 }
 
-void Free(void* memory) {
+void* AllocateOrNull(std::size_t num_bytes) noexcept {
+  try {
+    return Allocate(num_bytes);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+void Free(void* memory) noexcept {
   constexpr std::uintptr_t kSmallestPage = 4096;  // where arrays on disk begin
   ArrayStorage* const large = storage;
   const bool may_be_on_disk =
@@ -124,6 +150,7 @@ void KeepArraysWithin(const std::string& folder, MemoryBudget* budget) {
   budget->no_disk = status.message();
   if (!status.ok()) return;
   budget->disk = opened->BytesOfDisk();
+  budget->decide = [watched = opened.get()](bool on_disk) { watched->Decide(on_disk); };
   GiveLargeArraysBack();
   StartWatching(opened.get());
   storage = opened.release();
@@ -131,12 +158,18 @@ void KeepArraysWithin(const std::string& folder, MemoryBudget* budget) {
 
 }  // namespace plumbline
 
-// The other forms of new are defined by this one; so are those of delete.
-void* operator new(std::size_t num_bytes) {
-  void* const memory = plumbline::Allocate(num_bytes);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
+// All forms but those of unusual alignment, which is for no large array.
+void* operator new(std::size_t size) { return plumbline::Allocate(size); }
+void* operator new[](std::size_t size) { return plumbline::Allocate(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  return plumbline::AllocateOrNull(size);
 }
-
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return plumbline::AllocateOrNull(size);
+}
 void operator delete(void* memory) noexcept { plumbline::Free(memory); }
+void operator delete[](void* memory) noexcept { plumbline::Free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { plumbline::Free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { plumbline::Free(memory); }
+void operator delete(void* memory, const std::nothrow_t&) noexcept { plumbline::Free(memory); }
+void operator delete[](void* memory, const std::nothrow_t&) noexcept { plumbline::Free(memory); }

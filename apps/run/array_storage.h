@@ -11,10 +11,11 @@ namespace plumbline {
 /// megabyte and more are on disk (DiskArrays, in `folder`) as soon as the process takes a third of
 /// it, and pages of them are let go whenever it has too many. What is computed is the same, to the
 /// bit; the system reads and writes what the passes over an array touch. All that is small has to
-/// fit, as the keyframes of a drive do: MemoryEstimate::on_disk. Fills in disk and no_disk.
+/// fit, as the keyframes of a drive do: MemoryEstimate::on_disk. Fills in disk, no_disk and decide.
 ///
-/// Programs that call this get operators new and delete of their own. A disk that fills up ends
-/// them as memory that fills up does, with std::bad_alloc. To be called once.
+/// Programs that call this get operators new and delete of their own. Once the arrays of a run have
+/// to be on disk, one that fills up is what memory is that fills up: std::bad_alloc. To be called
+/// once.
 void KeepArraysWithin(const std::string& folder, MemoryBudget* budget);
 
 }  // namespace plumbline

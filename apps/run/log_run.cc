@@ -4,7 +4,6 @@
 #include <future>
 #include <iomanip>
 #include <iostream>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,6 +56,7 @@ class LogRun {
   Status Start() {
     const Peers* peers = options_.peers;
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers, [this] { return Read(); }));
+    ShareTruth(peers, &truth_);
     if (SeedTogether()) {
       PLUMBLINE_RETURN_IF_ERROR(FindSeed(peers));
       AwaitLimits();
@@ -101,8 +101,7 @@ class LogRun {
                 << ", by what the scans say\n";
     }
     if (options_.truth.empty()) return Status::Ok();
-    truth_.emplace();
-    return ReadTruth(options_.truth, options_.hits, mapping_.graph, &*truth_);
+    return ReadTruth(options_.truth, options_.hits, mapping_.graph, &truth_);
   }
 
   // What would end the run at its end is found before the work. May make pictures smaller.
@@ -216,7 +215,7 @@ class LogRun {
     });
   }
 
-  const Truth* TruthOrNull() const { return truth_ ? &*truth_ : nullptr; }
+  const Truth* TruthOrNull() const { return options_.truth.empty() ? nullptr : &truth_; }
 
   const LogRunOptions& options_;
   RunOutputOptions outputs_;  // as the memory allows them
@@ -226,7 +225,7 @@ class LogRun {
   LogMapping mapping_;
   RunFingerprint fingerprint_;  // if there is a checkpoint to read or to write
   Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
-  std::optional<Truth> truth_;
+  Truth truth_;                 // where it is given
   std::future<Stage> odometry_stage_;  // refers to the truth
   RunSummary summary_;
 };

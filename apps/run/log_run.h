@@ -22,7 +22,7 @@ struct LogRunOptions {
   std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
   std::string resume;       ///< checkpoint to go on from; may be empty
   /// Processes that run with the same options and share the work; null: this one does it all.
-  /// Without hits and calibration then.
+  /// Without calibration then.
   const Peers* peers = nullptr;
 };
 

@@ -102,16 +102,39 @@ MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int pic
 
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
 
-// What would fit; empty if nothing does. base: what a run over no scans takes.
-std::string Advice(const MemoryEstimate& estimate, double base, double limit,
+// The same run with its arrays on disk.
+MemoryEstimate WithDisk(const MemoryEstimate& estimate) {
+  MemoryEstimate with_disk = estimate;
+  with_disk.uses_disk = true;
+  with_disk.seeding = with_disk.joint = estimate.on_disk;
+  with_disk.results = estimate.on_disk + estimate.pictures;
+  return with_disk;
+}
+
+// How many scans would fit; base: what a run over none takes.
+double FittingScans(const MemoryEstimate& estimate, double base, double limit,
+                    const SlamGraph& graph) {
+  return std::floor((limit - base) / (estimate.Peak() - base) * graph.num_scans());
+}
+
+// What would fit; empty if nothing does.
+std::string Advice(const MemoryEstimate& estimate, const MemoryBudget& budget,
                    const SlamGraph& graph, const SolverOptions& solver) {
   std::string advice;
   const auto add = [&](const std::string& flag) {
     advice += (advice.empty() ? "" : " or ") + flag;
   };
-  if (estimate.joint > limit && solver.type != SolverType::kReduced) add("--solver=reduced");
-  const double share = (limit - base) / (estimate.Peak() - base);
-  const double num_scans = std::floor(share * graph.num_scans());
+  const double limit = budget.memory;
+  double num_scans = FittingScans(estimate, kBytesOfProgram, limit, graph);
+  bool may_use_disk = budget.disk > 0.0;
+  if (may_use_disk) {
+    num_scans = std::max(num_scans, FittingScans(WithDisk(estimate), kBytesWithDisk, limit, graph));
+  }
+  // With arrays on disk, solvers of our own need the same.
+  may_use_disk = may_use_disk && solver.type != SolverType::kCeres;
+  if (!may_use_disk && estimate.joint > limit && solver.type != SolverType::kReduced) {
+    add("--solver=reduced");
+  }
   if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
   return advice.empty() ? "" : "; " + advice + " would need less";
 }
@@ -126,17 +149,19 @@ Status CheckDenseSolver(const MemoryEstimate& estimate, const SolverOptions& sol
                                  "; sparse_schur or iterative_schur would need less");
 }
 
-// The same run with its arrays on disk.
-MemoryEstimate WithDisk(const MemoryEstimate& estimate) {
-  MemoryEstimate with_disk = estimate;
-  with_disk.seeding = with_disk.joint = estimate.on_disk;
-  with_disk.results = estimate.on_disk + estimate.pictures;
-  return with_disk;
-}
-
 }  // namespace
 
 double MemoryEstimate::Peak() const { return std::max({seeding, joint, results}); }
+
+void MemoryEstimate::Add(const MemoryEstimate& other) {
+  seeding += other.seeding - kBytesOfProgram;
+  joint += other.joint - kBytesOfProgram;
+  results += other.results - other.pictures - pictures - kBytesOfProgram;
+  on_disk += other.on_disk - kBytesWithDisk;
+  pictures = std::max(pictures, other.pictures);
+  results += pictures;
+  picture_side_px = std::max(picture_side_px, other.picture_side_px);
+}
 
 std::string MemoryEstimate::Text() const {
   return "Memory needed, about: seeding " + MbText(seeding) + ", estimation " + MbText(joint) +
@@ -202,7 +227,7 @@ std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, cons
   const double grid = OccupancyGridOptions::kBytesPerCell * num_cells;
   const double results = expected.results + grid;
   constexpr double kMuchMore = 1.25;
-  if (results <= kMuchMore * expected.Peak()) return "";
+  if (expected.uses_disk || results <= kMuchMore * expected.Peak()) return "";
   return "The results need more memory than that, about " + MbText(results) +
          ": the occupancy grid takes " + MbText(grid) + '\n';
 }
@@ -215,39 +240,41 @@ Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const Solve
   MemoryEstimate smaller = *estimate;
   int smaller_side_px = *picture_side_px;
   const std::string pictures = FitPictures(limit, &smaller, &smaller_side_px);
+  const auto decide = [&](bool on_disk) {
+    if (budget.decide) budget.decide(on_disk);
+  };
   if (smaller.Peak() <= limit) {
     *estimate = smaller;
     *picture_side_px = smaller_side_px;
     *text += pictures;
+    decide(false);
     return Status::Ok();
   }
-  const double arrays = estimate->Peak();
-  const std::string needs = "the run needs about " + MbText(arrays) + " of memory",
-                    allowed = "--max_memory allows " + MbText(limit);
-  if (estimate->on_disk >= arrays) {
-    return Status::InvalidArgument(needs + ", but " + allowed +
-                                   Advice(*estimate, kBytesOfProgram, limit, graph, solver));
-  }
-  if (budget.disk < arrays) {
-    const std::string disk = budget.no_disk.empty()
-                                 ? "its arrays do not fit in the " + MbText(budget.disk) +
-                                       " that are left on disk beside the results"
-                                 : budget.no_disk;
-    return Status::InvalidArgument(needs + ", but " + allowed + ", and " + disk +
-                                   Advice(*estimate, kBytesOfProgram, limit, graph, solver));
-  }
   MemoryEstimate with_disk = WithDisk(*estimate);
-  const std::string pictures_with_disk = FitPictures(limit, &with_disk, picture_side_px);
+  int side_px_with_disk = *picture_side_px;
+  const std::string pictures_with_disk = FitPictures(limit, &with_disk, &side_px_with_disk);
+  const double arrays = estimate->Peak();
+  std::string problem = "the run needs about " + MbText(arrays) + " of memory";
   if (with_disk.Peak() > limit) {
-    return Status::InvalidArgument(needs + ", " + MbText(with_disk.Peak()) +
-                                   " with its arrays on disk, but " + allowed +
-                                   Advice(with_disk, kBytesWithDisk, limit, graph, solver));
+    if (budget.disk > 0.0 && with_disk.Peak() < arrays) {
+      problem += ", " + MbText(with_disk.Peak()) + " with its arrays on disk";
+    }
+    problem += ", but --max_memory allows " + MbText(limit);
+  } else if (budget.disk < arrays) {
+    problem += ", but --max_memory allows " + MbText(limit) + ", and ";
+    problem += !budget.no_disk.empty() ? budget.no_disk
+                                       : "its arrays do not fit in the " + MbText(budget.disk) +
+                                             " that are left on disk beside the results";
+  } else {
+    *estimate = with_disk;
+    *picture_side_px = side_px_with_disk;
+    *text += pictures_with_disk;
+    *text += "To stay within --max_memory, arrays are kept on disk, beside the results: about " +
+             MbText(arrays) + '\n';
+    decide(true);
+    return Status::Ok();
   }
-  *estimate = with_disk;
-  *text += pictures_with_disk +
-           "To stay within --max_memory, arrays are kept on disk, beside the results: " + "about " +
-           MbText(arrays) + '\n';
-  return Status::Ok();
+  return Status::InvalidArgument(problem + Advice(*estimate, budget, graph, solver));
 }
 
 }  // namespace plumbline

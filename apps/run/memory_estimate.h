@@ -1,7 +1,7 @@
 #ifndef PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
 #define PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
 
-#include <cstddef>
+#include <functional>
 #include <string>
 
 #include "plumbline/apps/run/run_outputs.h"
@@ -32,7 +32,7 @@ namespace plumbline {
 /// less than this. With Ceres' dense linear solvers the matrices come on top, by their size.
 ///
 /// With arrays on disk (array_storage.h), 67 MB and 3.8 kB per scan are enough for all stages, but
-/// for what a solver of ceres takes, and for pictures.
+/// for what a solver of ceres takes, and for pictures. Reading takes 8 bytes per beam before that.
 struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;
@@ -40,8 +40,11 @@ struct MemoryEstimate {
   double pictures = 0.0;    ///< part of the results
   double on_disk = 0.0;     ///< enough for every stage with arrays on disk, without pictures
   int picture_side_px = 0;  ///< longer side of the largest picture: a small map has a small one
+  bool uses_disk = false;   ///< whether the others are those with arrays on disk
 
   double Peak() const;
+  /// Takes in those of another log of the same run.
+  void Add(const MemoryEstimate& other);
   /// A line for people.
   std::string Text() const;
 };
@@ -51,6 +54,8 @@ struct MemoryBudget {
   double memory = 0.0;  ///< 0: no limit
   double disk = 0.0;    ///< for arrays that the memory does not hold; 0: none
   std::string no_disk;  ///< why there is none, for people
+  /// Is told whether the arrays have to be on disk, or are to stay in memory; may be empty.
+  std::function<void(bool on_disk)> decide;
 };
 
 /// For a graph as it was read, and its initial state. calibrates: whether sensor

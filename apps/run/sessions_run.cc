@@ -110,15 +110,13 @@ class SessionsRun {
           CheckRobotMap(paths_[i], graph, odometry, outputs_.map_resolution_m));
       const MemoryEstimate own =
           EstimateMemory(graph, odometry, options_.mapping.solver, false, outputs_.picture_side_px);
-      memory.seeding += own.seeding;
-      memory.joint += own.joint;
-      memory.results += own.results - own.pictures;
-      memory.on_disk += own.on_disk;
-      memory.pictures = std::max(memory.pictures, own.pictures);
-      memory.picture_side_px = std::max(memory.picture_side_px, own.picture_side_px);
+      if (i == 0) {
+        memory = own;
+      } else {
+        memory.Add(own);
+      }
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
     }
-    memory.results += memory.pictures;
     std::string text;
     const Status fits =
         FitMemory(options_.budget, sessions_[largest].graph, options_.mapping.solver, &memory,

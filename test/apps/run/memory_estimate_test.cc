@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <iomanip>
 #include <sstream>
 #include <string>
@@ -28,7 +29,7 @@ class MemoryEstimateTest : public testing::Test {
   std::string ErrorAt(double limit) const {
     std::string text;
     MemoryEstimate estimate = EstimateMemory(graph_, state_, solver_, false, 50);
-    return Fit({limit, 0.0, ""}, &estimate, &text).message();
+    return Fit({limit, 0.0, "", nullptr}, &estimate, &text).message();
   }
 
   const SlamGraph graph_ = MakeNoisyRoom().graph;  // 12 scans
@@ -151,7 +152,7 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(estimate.seeding, asked.seeding);
     MemoryEstimate fitted = asked;
     std::string fitted_text;
-    EXPECT_TRUE(Fit({limit, 0.0, ""}, &fitted, &fitted_text).ok());
+    EXPECT_TRUE(Fit({limit, 0.0, "", nullptr}, &fitted, &fitted_text).ok());
     EXPECT_EQ(fitted.results, estimate.results);
     EXPECT_EQ(fitted_text, asked.Text() + text);
   }
@@ -160,7 +161,7 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(fit(limit, &estimate, &side_px), "");
     EXPECT_EQ(side_px, kAskedPx);
     std::string text;
-    EXPECT_FALSE(Fit({limit, 0.0, ""}, &estimate, &text).ok());
+    EXPECT_FALSE(Fit({limit, 0.0, "", nullptr}, &estimate, &text).ok());
     EXPECT_EQ(text, asked.Text());
   }
 }
@@ -190,32 +191,39 @@ class DiskEstimateTest : public MemoryEstimateTest {
 
   MemoryEstimate estimate_;
   std::string text_;
+  std::string decision_ = "none";
+  const std::function<void(bool)> decide_ = [this](bool on_disk) {
+    decision_ = on_disk ? "disk" : "memory";
+  };
 };
 
 TEST_F(DiskEstimateTest, WhatFitsInMemoryStaysThere) {
   const MemoryEstimate before = estimate_;
-  ASSERT_TRUE(Fit({500e6, 1e9, ""}, &estimate_, &text_).ok());
+  ASSERT_TRUE(Fit({500e6, 1e9, "", decide_}, &estimate_, &text_).ok());
   EXPECT_EQ(text_, before.Text());
   EXPECT_EQ(estimate_.results, before.results);
+  EXPECT_EQ(decision_, "memory");
 }
 
 TEST_F(DiskEstimateTest, SmallerPicturesComeFirst) {
-  ASSERT_TRUE(Fit({495e6, 1e9, ""}, &estimate_, &text_).ok());
+  ASSERT_TRUE(Fit({495e6, 1e9, "", decide_}, &estimate_, &text_).ok());
   EXPECT_THAT(text_, AllOf(HasSubstr("sides of 707 pixels"), Not(HasSubstr("on disk"))));
   EXPECT_NEAR(estimate_.results, 495e6, 0.1e6);
+  EXPECT_EQ(decision_, "memory");
 }
 
 TEST_F(DiskEstimateTest, ArraysGoToDiskWhereThatIsEnough) {
-  ASSERT_TRUE(Fit({300e6, 500e6, ""}, &estimate_, &text_).ok());
+  ASSERT_TRUE(Fit({300e6, 500e6, "", decide_}, &estimate_, &text_).ok());
   EXPECT_THAT(text_, AllOf(HasSubstr("arrays are kept on disk, beside the results: about 500 MB"),
                            Not(HasSubstr("pixels"))));
   EXPECT_EQ(estimate_.seeding, 100e6);
   EXPECT_EQ(estimate_.joint, 100e6);
   EXPECT_EQ(estimate_.results, 110e6);
+  EXPECT_EQ(decision_, "disk");
 }
 
 TEST_F(DiskEstimateTest, PicturesAreMadeToFitBesideWhatStaysInMemory) {
-  ASSERT_TRUE(Fit({105e6, 500e6, ""}, &estimate_, &text_).ok());
+  ASSERT_TRUE(Fit({105e6, 500e6, "", decide_}, &estimate_, &text_).ok());
   EXPECT_THAT(text_, AllOf(HasSubstr("on disk"), HasSubstr("sides of 707 pixels")));
   EXPECT_NEAR(estimate_.results, 105e6, 0.1e6);
 }
@@ -226,15 +234,31 @@ TEST_F(DiskEstimateTest, RefusesWhatFitsNeitherWay) {
     const Status status = Fit(budget, &estimate, &text_);
     EXPECT_EQ(text_, estimate_.Text());
     EXPECT_EQ(estimate.results, estimate_.results);
+    EXPECT_EQ(decision_, "none");
     return status.message();
   };
-  EXPECT_THAT(error_of({83.5e6, 500e6, ""}),
+  EXPECT_THAT(error_of({83.5e6, 500e6, "", decide_}),
               AllOf(HasSubstr("needs about 500 MB of memory, 110 MB with its arrays on disk, but "
                               "--max_memory allows 84 MB"),
                     HasSubstr("--max_scans=4 would")));
-  EXPECT_THAT(error_of({300e6, 499e6, ""}),
+  EXPECT_THAT(error_of({300e6, 499e6, "", decide_}),
               HasSubstr("its arrays do not fit in the 499 MB that are left on disk"));
-  EXPECT_THAT(error_of({300e6, 0.0, "there is no disk"}), HasSubstr(", and there is no disk; "));
+  EXPECT_THAT(error_of({300e6, 0.0, "there is no disk", decide_}),
+              HasSubstr(", and there is no disk; "));
+  // Where a disk would not help, there is no word of it.
+  EXPECT_THAT(error_of({83.5e6, 0.0, "there is no disk", decide_}),
+              AllOf(HasSubstr("needs about 500 MB of memory, but"), Not(HasSubstr("disk"))));
+}
+
+TEST_F(MemoryEstimateTest, SeveralLogsTakeTheProgramOnce) {
+  const MemoryEstimate one = EstimateMemory(graph_, state_, solver_, false, 50);
+  MemoryEstimate two = one;
+  two.Add(one);
+  EXPECT_NEAR(two.seeding - 25e6, 2.0 * (one.seeding - 25e6), 1.0);
+  EXPECT_NEAR(two.joint - 25e6, 2.0 * (one.joint - 25e6), 1.0);
+  EXPECT_NEAR(two.on_disk - 67e6, 2.0 * (one.on_disk - 67e6), 1.0);
+  EXPECT_EQ(two.pictures, one.pictures);
+  EXPECT_NEAR(two.results - 25e6 - two.pictures, 2.0 * (one.results - 25e6 - one.pictures), 1.0);
 }
 
 TEST_F(MemoryEstimateTest, ProblemsOfCeresStayInMemory) {
