@@ -51,7 +51,14 @@ done >"$work/test_units"
 find "$work/unity" -name 'unity_*.cxx' -exec grep -L report_assets.cc {} + |
   xargs -r -d '\n' ls -S >"$work/source_units"
 sed -nE "s|^ *\"file\": \"($root_re/.*\.cc)\",?$|\1|p" "$work/unity/compile_commands.json" |
-  grep -vE "_main\.cc$|^$root_re/apps/examples/|^$root_re/test/|^$build_re/" >>"$work/source_units"
+  grep -vE "_main\.cc$|^$root_re/apps/examples/|^$root_re/test/|^$build_re/" |
+  sort -u >"$work/no_unity"
+grep -vE "^$root_re/apps/(program|run)/" "$work/no_unity" >>"$work/source_units"
+# What the unity build leaves out of its units for the sake of flags, in one unit all the same.
+programs=$work/unity/programs.cc
+grep -E "^$root_re/apps/(program|run)/" "$work/no_unity" | sed 's|.*|#include "&"|' >"$programs"
+sed -i "s|$root_re/apps/run/slam_program\.cc|${programs//&/\\&}|" "$work/unity/compile_commands.json"
+echo "$programs" >>"$work/source_units"
 sed -nE "s|^ *\"file\": \"$root_re/(.*\.cc)\",?$|\1|p" "$commands" |
   grep -E '_main\.cc$|^apps/examples/|^test/fuzz/' | grep -xFf "$work/changed" |
   sed "s|^|$root/|" >"$work/alone/units" || true

@@ -80,14 +80,12 @@ class ArrayStorage {
   bool Remove(void* array) { return disk_.Remove(array); }
 
   [[noreturn]] void Watch() {
-    const double most = kShareAtMost * max_memory_;
-    for (double next = most;;) {
+    for (;;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      const double total = resident_.Read().total;
-      if (total <= most) next = most;
-      if (total <= next) continue;
-      disk_.MakeRoom();
-      next = std::max(most, resident_.Read().total + kShareOfPages * max_memory_);
+      const Resident now = resident_.Read();
+      const double most =
+          std::max(kShareAtMost * max_memory_, now.unshared + kShareOfPages * max_memory_);
+      if (now.total > most) disk_.MakeRoom();
     }
   }
 

@@ -113,7 +113,7 @@ class LogRun {
     memory_ = EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
                              outputs_.picture_side_px);
     std::string text;
-    const Status fits =
+    Status fits =
         FitMemory(options_.budget, graph, solver, &memory_, &outputs_.picture_side_px, &text);
     std::cout << text << std::flush;
     return fits;

@@ -221,7 +221,10 @@ std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_sid
 
 std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, const MapState& seed,
                     double limit, RunOutputOptions* outputs) {
-  if (limit > 0.0) outputs->LimitGrid(std::max(limit - expected.results, 0.1 * limit));
+  // A grid on disk is limited by the share of the memory that it had from the start.
+  if (limit > 0.0 && !expected.uses_disk) {
+    outputs->LimitGrid(std::max(limit - expected.results, 0.1 * limit));
+  }
   double num_cells = 0.0;
   if (!CheckGridSize(graph, seed, outputs->GridOptions(), &num_cells).ok()) return "";
   const double grid = OccupancyGridOptions::kBytesPerCell * num_cells;

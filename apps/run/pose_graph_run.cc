@@ -114,8 +114,8 @@ class PoseGraphRun {
     MemoryEstimate memory =
         EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
     std::string text;
-    const Status fits = FitMemory(options_.budget, file_.graph, options_.solver, &memory,
-                                  &outputs_.picture_side_px, &text);
+    Status fits = FitMemory(options_.budget, file_.graph, options_.solver, &memory,
+                            &outputs_.picture_side_px, &text);
     std::cout << text << std::flush;
     return fits;
   }
