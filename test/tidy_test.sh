@@ -54,7 +54,8 @@ sed -nE "s|^ *\"file\": \"($root_re/.*\.cc)\",?$|\1|p" "$work/unity/compile_comm
   grep -vE "_main\.cc$|^$root_re/apps/examples/|^$root_re/test/|^$build_re/" |
   sort -u >"$work/no_unity"
 grep -vE "^$root_re/apps/(program|run)/" "$work/no_unity" >>"$work/source_units"
-# What the unity build leaves out of its units for the sake of flags, in one unit all the same.
+# What the unity build leaves out of its units, mostly for the sake of flags, in one unit all the
+# same.
 programs=$work/unity/programs.cc
 grep -E "^$root_re/apps/(program|run)/" "$work/no_unity" | sed 's|.*|#include "&"|' >"$programs"
 sed -i "s|$root_re/apps/run/slam_program\.cc|${programs//&/\\&}|" "$work/unity/compile_commands.json"

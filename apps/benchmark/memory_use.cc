@@ -1,17 +1,14 @@
 #include "plumbline/apps/benchmark/memory_use.h"
 
-#include <unistd.h>
-
 #include <fstream>
 
 #include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/program/resident_memory.h"
 
 namespace plumbline {
 
 std::size_t ResidentMemoryBytes() {
-  std::size_t total_pages = 0, resident_pages = 0;
-  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
-  return resident_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  return static_cast<std::size_t>(ResidentMemory().Read().total);
 }
 
 void RestartPeakMemory() {

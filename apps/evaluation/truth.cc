@@ -83,54 +83,6 @@ Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
   return Status::Ok();
 }
 
-std::vector<Pose2> TruePoses(const Truth& truth) {
-  std::vector<Pose2> poses;
-  poses.reserve(truth.trajectory.size());
-  for (const TimedPose& pose : truth.trajectory) poses.push_back(pose.world_from_robot);
-  return poses;
-}
-
-Pose2 FitOf(const MapState& state, const Truth& truth) {
-  if (state.poses.empty()) return Pose2();
-  return AlignTrajectories(PosesOf(state.poses), TruePoses(truth));
-}
-
-// Distances of the points that have a true one.
-class PointErrors {
- public:
-  void Add(const Eigen::Vector2d& point, const Truth& truth, std::size_t return_id) {
-    const Eigen::Vector2d true_point(truth.points[2 * return_id], truth.points[2 * return_id + 1]);
-    if (!true_point.allFinite()) return;
-    sum_m_ += (point - true_point).norm();
-    count_ += 1.0;
-  }
-  void AddThoseOf(const Peers* peers) {
-    sum_m_ = SumOverPeers(peers, sum_m_);
-    count_ = SumOverPeers(peers, count_);
-  }
-  double Mean() const { return sum_m_ / count_; }  // 0 / 0 is NaN, as documented
-
- private:
-  double sum_m_ = 0.0, count_ = 0.0;
-};
-
-TruthError ErrorOf(const MapState& state, const Truth& truth, const Pose2& truth_from_estimate,
-                   const PointErrors& points) {
-  TruthError error;
-  const int n = state.num_poses();
-  if (n == 0) return error;
-  const std::vector<Pose2> estimated = PosesOf(state.poses), exact = TruePoses(truth);
-  for (int p = 0; p < n; ++p) {
-    const Pose2 pose = truth_from_estimate * estimated[p];
-    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
-    error.mean_pose_error_m += distance / n;
-    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
-    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
-  }
-  error.mean_point_error_m = points.Mean();
-  return error;
-}
-
 }  // namespace
 
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
@@ -142,26 +94,35 @@ Status ReadTruth(const std::string& trajectory_path, const std::string& hits_pat
   return Status::Ok();
 }
 
-TruthError CompareWithTruth(const MapState& state, const Truth& truth) {
-  PointErrors points;
-  const Pose2 truth_from_estimate = FitOf(state, truth);
-  for (std::size_t r = 0; r < truth.points.size() / 2; ++r) {
-    points.Add(truth_from_estimate * Eigen::Vector2d(state.points[2 * r], state.points[2 * r + 1]),
-               truth, r);
-  }
-  return ErrorOf(state, truth, truth_from_estimate, points);
-}
-
 TruthError CompareWithTruth(const SlamGraph& graph, const MapState& state, const Truth& truth) {
-  PointErrors points;
-  const Pose2 truth_from_estimate = FitOf(state, truth);
+  TruthError error;
+  const int n = state.num_poses();
+  if (n == 0) return error;
+  const std::vector<Pose2> estimated = PosesOf(state.poses);
+  std::vector<Pose2> exact;
+  exact.reserve(n);
+  for (int p = 0; p < n; ++p) exact.push_back(truth.trajectory[p].world_from_robot);
+  const Pose2 truth_from_estimate = AlignTrajectories(estimated, exact);
+  for (int p = 0; p < n; ++p) {
+    const Pose2 pose = truth_from_estimate * estimated[p];
+    const double distance = std::hypot(pose.x - exact[p].x, pose.y - exact[p].y);
+    error.mean_pose_error_m += distance / n;
+    error.max_pose_error_m = std::max(error.max_pose_error_m, distance);
+    error.mean_pose_error_rad += std::abs(NormalizeAngle(pose.yaw - exact[p].yaw)) / n;
+  }
+  std::vector<double> sum_and_count = {0.0, 0.0};
   if (!truth.points.empty()) {
     MapPoints(graph, state).ForEach([&](std::size_t r, double x, double y) {
-      points.Add(truth_from_estimate * Eigen::Vector2d(x, y), truth, graph.ReturnIdAmongAll(r));
+      const std::size_t id = graph.ReturnIdAmongAll(r);
+      const Eigen::Vector2d true_point(truth.points[2 * id], truth.points[2 * id + 1]);
+      if (!true_point.allFinite()) return;
+      sum_and_count[0] += (truth_from_estimate * Eigen::Vector2d(x, y) - true_point).norm();
+      sum_and_count[1] += 1.0;
     });
-    points.AddThoseOf(graph.peers());
+    SumOverPeers(graph.peers(), &sum_and_count);
   }
-  return ErrorOf(state, truth, truth_from_estimate, points);
+  error.mean_point_error_m = sum_and_count[0] / sum_and_count[1];  // 0 / 0 is NaN, as documented.
+  return error;
 }
 
 void ShareTruth(const Peers* peers, Truth* truth) {

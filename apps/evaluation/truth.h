@@ -38,12 +38,9 @@ struct TruthError {
 Status ReadTruth(const std::string& trajectory_path, const std::string& hits_path,
                  const SlamGraph& graph, Truth* truth);
 
-/// For a state of the graph that the truth was joined to.
-TruthError CompareWithTruth(const MapState& state, const Truth& truth);
-
-/// The same for a state whose points, without an array of them, are where the measurements put
-/// them; and for the part of a graph that is shared, of which every process has the whole truth
-/// (ShareTruth) and gets the error over all parts.
+/// For a state of the graph that the truth was joined to; one without points has them where the
+/// measurements put them. Of a graph that is shared, every process has the whole truth (ShareTruth)
+/// and gets the error over all parts.
 TruthError CompareWithTruth(const SlamGraph& graph, const MapState& state, const Truth& truth);
 
 /// Gives the truth of the whole graph, which the speaker has, to all processes. peers: null if

@@ -26,11 +26,12 @@ std::filesystem::path ExistingFolder(const std::string& folder) {
   return path;
 }
 
-// Whether the file has so many bytes now that nobody can take away.
+// Whether the file has so many bytes now that nobody can take away; sets errno if not.
 bool Allocate(int file, std::size_t num_bytes) {
-  int error = EINTR;
-  while (error == EINTR) error = posix_fallocate(file, 0, static_cast<off_t>(num_bytes));
-  return error == 0;
+  do {
+    errno = posix_fallocate(file, 0, static_cast<off_t>(num_bytes));
+  } while (errno == EINTR);
+  return errno == 0;
 }
 
 // A file without a name; negative, with errno set, if there is none to be had.
@@ -55,25 +56,20 @@ DiskArrays::~DiskArrays() {
 Status DiskArrays::Open(const std::string& folder) {
   const std::string path = ExistingFolder(folder).string();
   folder_ = open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  const int file = folder_ < 0 ? -1 : UnnamedFile(folder_);
-  if (file < 0) {
-    return WriteError("keep arrays in", path, errno);
-  }
-  close(file);
-  if (IsMemory(folder_)) {
+  if (folder_ >= 0 && IsMemory(folder_)) {
     return Status::Unavailable("cannot keep arrays in '" + path + "': it is no disk, but memory");
   }
-  if (Remove(Add(1))) return Status::Ok();
-  return Status::Unavailable("cannot keep arrays in '" + path + "': its files cannot be mapped");
+  if (folder_ >= 0 && Remove(Add(1))) return Status::Ok();
+  return WriteError("keep arrays in", path, errno);
 }
 
 void* DiskArrays::Add(std::size_t num_bytes) {
-  // Else the attempt would take all that is left from others.
-  if (static_cast<double>(num_bytes) > BytesFree()) return nullptr;
   const int file = UnnamedFile(folder_);
   if (file < 0) return nullptr;
   // To find a full disk while an array is filled would be the end of the process.
-  const bool fits = Allocate(file, num_bytes);
+  // Without a look, the attempt would take all that is left from others.
+  errno = ENOSPC;
+  const bool fits = static_cast<double>(num_bytes) <= BytesFree() && Allocate(file, num_bytes);
   void* array =
       fits ? mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0) : MAP_FAILED;
   close(file);

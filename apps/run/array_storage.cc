@@ -1,11 +1,8 @@
 #include "plumbline/apps/run/array_storage.h"
 
-#include <fcntl.h>
 #include <pthread.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -18,6 +15,7 @@
 
 #include "plumbline/apps/program/disk_arrays.h"
 #include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/program/resident_memory.h"
 
 namespace plumbline {
 namespace {
@@ -28,32 +26,6 @@ constexpr std::size_t kLargeBytes = 1 << 20;
 constexpr double kShareOfMemory = 1.0 / 3.0, kShareAtMost = 0.75;
 // A process that holds more all the same gets on with so many pages at a time.
 constexpr double kShareOfPages = 0.125;
-
-struct Resident {
-  double total;     // [bytes]
-  double unshared;  // of that, what is in no file [bytes]
-};
-
-// What the process holds, as the system says in /proc.
-class ResidentMemory {
- public:
-  ResidentMemory() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
-
-  // Of 0 if the system does not say.
-  Resident Read() const {
-    std::array<char, 128> text{};
-    if (pread(file_, text.data(), text.size() - 1, 0) <= 0) return {0.0, 0.0};
-    char* end = text.data();
-    std::strtoull(end, &end, 10);  // of its addresses
-    const auto resident = static_cast<double>(std::strtoull(end, &end, 10));
-    const auto in_files = static_cast<double>(std::strtoull(end, &end, 10));
-    return {page_bytes_ * resident, page_bytes_ * (resident - in_files)};
-  }
-
- private:
-  int file_;
-  double page_bytes_ = static_cast<double>(sysconf(_SC_PAGESIZE));
-};
 
 // Lives as long as the process: arrays are freed until its end.
 class ArrayStorage {

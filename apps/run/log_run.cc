@@ -112,11 +112,8 @@ class LogRun {
     const SolverOptions& solver = options_.mapping.solver;
     memory_ = EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
                              outputs_.picture_side_px);
-    std::string text;
-    Status fits =
-        FitMemory(options_.budget, graph, solver, &memory_, &outputs_.picture_side_px, &text);
-    std::cout << text << std::flush;
-    return fits;
+    return FitMemory(options_.budget, graph, solver, &memory_, &outputs_.picture_side_px,
+                     &std::cout);
   }
 
   // The seed: of the scans, or of an earlier run's checkpoint. together: the processes that find it

@@ -111,6 +111,21 @@ MemoryEstimate WithDisk(const MemoryEstimate& estimate) {
   return with_disk;
 }
 
+struct Fitted {
+  MemoryEstimate estimate;
+  int picture_side_px;
+  std::string text;  // for people
+  bool fits;
+};
+
+// What it takes with pictures as large as the limit allows.
+Fitted WithFittingPictures(const MemoryEstimate& asked, double limit, int picture_side_px) {
+  Fitted fitted{asked, picture_side_px, "", false};
+  fitted.text = FitPictures(limit, &fitted.estimate, &fitted.picture_side_px);
+  fitted.fits = fitted.estimate.Peak() <= limit;
+  return fitted;
+}
+
 // How many scans would fit; base: what a run over none takes.
 double FittingScans(const MemoryEstimate& estimate, double base, double limit,
                     const SlamGraph& graph) {
@@ -125,15 +140,15 @@ std::string Advice(const MemoryEstimate& estimate, const MemoryBudget& budget,
     advice += (advice.empty() ? "" : " or ") + flag;
   };
   const double limit = budget.memory;
+  const bool may_use_disk = budget.disk > 0.0;
+  // With arrays on disk, solvers of our own need the same.
+  const bool depends_on_solver = !may_use_disk || solver.type == SolverType::kCeres;
+  if (depends_on_solver && estimate.joint > limit && solver.type != SolverType::kReduced) {
+    add("--solver=reduced");
+  }
   double num_scans = FittingScans(estimate, kBytesOfProgram, limit, graph);
-  bool may_use_disk = budget.disk > 0.0;
   if (may_use_disk) {
     num_scans = std::max(num_scans, FittingScans(WithDisk(estimate), kBytesWithDisk, limit, graph));
-  }
-  // With arrays on disk, solvers of our own need the same.
-  may_use_disk = may_use_disk && solver.type != SolverType::kCeres;
-  if (!may_use_disk && estimate.joint > limit && solver.type != SolverType::kReduced) {
-    add("--solver=reduced");
   }
   if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
   return advice.empty() ? "" : "; " + advice + " would need less";
@@ -236,48 +251,41 @@ std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, cons
 }
 
 Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
-                 MemoryEstimate* estimate, int* picture_side_px, std::string* text) {
-  *text = estimate->Text();
+                 MemoryEstimate* estimate, int* picture_side_px, std::ostream* out) {
+  *out << estimate->Text() << std::flush;
   const double limit = budget.memory;
   if (limit == 0.0) return CheckDenseSolver(*estimate, solver);
-  MemoryEstimate smaller = *estimate;
-  int smaller_side_px = *picture_side_px;
-  const std::string pictures = FitPictures(limit, &smaller, &smaller_side_px);
-  const auto decide = [&](bool on_disk) {
-    if (budget.decide) budget.decide(on_disk);
-  };
-  if (smaller.Peak() <= limit) {
-    *estimate = smaller;
-    *picture_side_px = smaller_side_px;
-    *text += pictures;
-    decide(false);
-    return Status::Ok();
-  }
-  MemoryEstimate with_disk = WithDisk(*estimate);
-  int side_px_with_disk = *picture_side_px;
-  const std::string pictures_with_disk = FitPictures(limit, &with_disk, &side_px_with_disk);
-  const double arrays = estimate->Peak();
-  std::string problem = "the run needs about " + MbText(arrays) + " of memory";
-  if (with_disk.Peak() > limit) {
-    if (budget.disk > 0.0 && with_disk.Peak() < arrays) {
-      problem += ", " + MbText(with_disk.Peak()) + " with its arrays on disk";
+  const MemoryEstimate asked = *estimate;
+  const Fitted in_memory = WithFittingPictures(asked, limit, *picture_side_px);
+  const Fitted on_disk = WithFittingPictures(WithDisk(asked), limit, *picture_side_px);
+  const bool disk_is_enough = asked.Peak() <= budget.disk;
+  const bool uses_disk = !in_memory.fits;
+  if (in_memory.fits || (on_disk.fits && disk_is_enough)) {
+    const Fitted& fitted = uses_disk ? on_disk : in_memory;
+    *estimate = fitted.estimate;
+    *picture_side_px = fitted.picture_side_px;
+    *out << fitted.text;
+    if (uses_disk) {
+      *out << "To stay within --max_memory, arrays are kept on disk, beside the results: about "
+           << MbText(asked.Peak()) << '\n';
     }
-    problem += ", but --max_memory allows " + MbText(limit);
-  } else if (budget.disk < arrays) {
-    problem += ", but --max_memory allows " + MbText(limit) + ", and ";
-    problem += !budget.no_disk.empty() ? budget.no_disk
-                                       : "its arrays do not fit in the " + MbText(budget.disk) +
-                                             " that are left on disk beside the results";
-  } else {
-    *estimate = with_disk;
-    *picture_side_px = side_px_with_disk;
-    *text += pictures_with_disk;
-    *text += "To stay within --max_memory, arrays are kept on disk, beside the results: about " +
-             MbText(arrays) + '\n';
-    decide(true);
+    *out << std::flush;
+    if (budget.decide) budget.decide(uses_disk);
     return Status::Ok();
   }
-  return Status::InvalidArgument(problem + Advice(*estimate, budget, graph, solver));
+  std::string problem = "the run needs about " + MbText(asked.Peak()) + " of memory";
+  const double peak_on_disk = on_disk.estimate.Peak();
+  if (!on_disk.fits && budget.disk > 0.0 && peak_on_disk < asked.Peak()) {
+    problem += ", " + MbText(peak_on_disk) + " with its arrays on disk";
+  }
+  problem += ", but --max_memory allows " + MbText(limit);
+  if (on_disk.fits) {
+    problem += ", and " + (!budget.no_disk.empty()
+                               ? budget.no_disk
+                               : "its arrays do not fit in the " + MbText(budget.disk) +
+                                     " that are left on disk beside the results");
+  }
+  return Status::InvalidArgument(problem + Advice(asked, budget, graph, solver));
 }
 
 }  // namespace plumbline

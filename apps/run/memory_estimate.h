@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
 
 #include <functional>
+#include <ostream>
 #include <string>
 
 #include "plumbline/apps/run/run_outputs.h"
@@ -80,11 +81,11 @@ Status ParseMemorySize(const std::string& text, double* bytes);
 std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px);
 
 /// Makes a run fit its budget: with smaller pictures (FitPictures), or else with arrays on disk, to
-/// which the estimate then changes. Gives lines for people. InvalidArgument if it does not fit all
+/// which the estimate then changes. Prints lines for people. InvalidArgument if it does not fit all
 /// the same, or, without a limit, if this machine does not hold what a dense linear solver of Ceres
 /// needs; the message says what would need less.
 Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
-                 MemoryEstimate* estimate, int* picture_side_px, std::string* text);
+                 MemoryEstimate* estimate, int* picture_side_px, std::ostream* out);
 
 }  // namespace plumbline
 

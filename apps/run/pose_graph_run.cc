@@ -113,11 +113,8 @@ class PoseGraphRun {
     if (!has_scans()) return Status::Ok();
     MemoryEstimate memory =
         EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
-    std::string text;
-    Status fits = FitMemory(options_.budget, file_.graph, options_.solver, &memory,
-                            &outputs_.picture_side_px, &text);
-    std::cout << text << std::flush;
-    return fits;
+    return FitMemory(options_.budget, file_.graph, options_.solver, &memory,
+                     &outputs_.picture_side_px, &std::cout);
   }
 
   // Rather now than by the solver, with pictures written. It starts where file or edges say.

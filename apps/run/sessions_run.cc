@@ -117,11 +117,8 @@ class SessionsRun {
       }
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
     }
-    std::string text;
-    Status fits = FitMemory(options_.budget, sessions_[largest].graph, options_.mapping.solver,
-                            &memory, &outputs_.picture_side_px, &text);
-    std::cout << text << std::flush;
-    return fits;
+    return FitMemory(options_.budget, sessions_[largest].graph, options_.mapping.solver, &memory,
+                     &outputs_.picture_side_px, &std::cout);
   }
 
   Status ReadSessionOrFixedMap(std::size_t index, SlamGraph* graph) {

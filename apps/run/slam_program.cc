@@ -54,8 +54,8 @@ DEFINE_string(resume, "",
 DEFINE_string(
     max_memory, "0",
     "Where a run needs more than this by estimate, as 4GB or 500MB: make pictures and the "
-    "occupancy "
-    "grid coarser, or keep arrays on disk, beside the results, or else refuse it; 0: no limit");
+    "occupancy grid coarser, or keep arrays on disk, beside the results, or else refuse it; "
+    "0: no limit");
 
 namespace plumbline {
 namespace {

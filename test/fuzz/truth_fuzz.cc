@@ -36,6 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::remove(trajectory.c_str());
   if (!read) return 0;
   Require(truth.points.size() == state.points.size());
-  Require(std::isfinite(CompareWithTruth(state, truth).mean_pose_error_m));
+  Require(std::isfinite(CompareWithTruth(graph, state, truth).mean_pose_error_m));
   return 0;
 }

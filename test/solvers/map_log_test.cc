@@ -128,9 +128,9 @@ TEST(MapLogTest, ComesNearerToTheTruthThanItsSeed) {
 
   const LogMapping& mapping = MappedOffice();
   const MapState seed{mapping.start_poses, mapping.graph.MeasuredMap(mapping.start_poses)};
-  const TruthError odometry = CompareWithTruth(Office().InitialState(), truth);
-  const TruthError before = CompareWithTruth(seed, truth);
-  const TruthError after = CompareWithTruth(mapping.state, truth);
+  const TruthError odometry = CompareWithTruth(Office(), Office().InitialState(), truth);
+  const TruthError before = CompareWithTruth(mapping.graph, seed, truth);
+  const TruthError after = CompareWithTruth(mapping.graph, mapping.state, truth);
   EXPECT_LT(before.mean_pose_error_m, 0.5 * odometry.mean_pose_error_m);
   EXPECT_LT(after.mean_pose_error_m, 0.5 * before.mean_pose_error_m);
   EXPECT_LT(after.mean_point_error_m, 0.7 * before.mean_point_error_m);

@@ -93,7 +93,7 @@ double MapErrorM(const SimulatedLog& log) {
     truth.trajectory.push_back({log.scans[i].scan.timestamp_s, exact.poses[i]});
   }
   truth.points = exact.points;
-  return CompareWithTruth(mapping.state, truth).mean_point_error_m;
+  return CompareWithTruth(mapping.graph, mapping.state, truth).mean_point_error_m;
 }
 
 TEST(SweepOrderTest, MapsOfSweepsAreNearlyAsGoodAsThoseOfInstants) {

@@ -32,8 +32,6 @@ SlamGraph MakeGraph(const std::vector<Pose2>& poses) {
   return graph;
 }
 
-MapState MakeState(const std::vector<Pose2>& poses) { return MakeGraph(poses).InitialState(); }
-
 // The truth that says that the map is right, but for its frame.
 Truth TruthOf(const MapState& state, const Pose2& truth_from_world) {
   Truth truth;
@@ -49,9 +47,10 @@ Truth TruthOf(const MapState& state, const Pose2& truth_from_world) {
 }
 
 TEST(CompareWithTruthTest, TheWorldFrameDoesNotCount) {
-  const MapState state = MakeState({{1, 2, 0.3}, {2, 2.5, 1.2}, {4, 1, -2.9}, {3, 0, 3.0}});
+  const SlamGraph graph = MakeGraph({{1, 2, 0.3}, {2, 2.5, 1.2}, {4, 1, -2.9}, {3, 0, 3.0}});
+  const MapState state = graph.InitialState();
   for (const Pose2& motion : {Pose2(5, -7, 2.8), Pose2(-300, 20, -3.1), Pose2(0, 0, kPi)}) {
-    const TruthError error = CompareWithTruth(state, TruthOf(state, motion));
+    const TruthError error = CompareWithTruth(graph, state, TruthOf(state, motion));
     EXPECT_NEAR(error.mean_pose_error_m, 0.0, 1e-12);
     EXPECT_NEAR(error.mean_pose_error_rad, 0.0, 1e-12);
     EXPECT_NEAR(error.mean_point_error_m, 0.0, 1e-12);
@@ -61,7 +60,8 @@ TEST(CompareWithTruthTest, TheWorldFrameDoesNotCount) {
 // Four poses on the corners of a square of 2 m, the true square has 2.2 m: the best motion keeps
 // the centre, and every corner is off by 0.1 sqrt(2).
 TEST(CompareWithTruthTest, ErrorsWorkedByHand) {
-  const MapState state = MakeState({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
+  const SlamGraph graph = MakeGraph({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
+  const MapState state = graph.InitialState();
   Truth truth = TruthOf(state, Pose2());
   for (TimedPose& pose : truth.trajectory) {
     pose.world_from_robot.x *= 1.1;
@@ -71,33 +71,35 @@ TEST(CompareWithTruthTest, ErrorsWorkedByHand) {
   truth.trajectory[2].world_from_robot.yaw = 2.0 * kPi + 0.4;
   truth.points[0] += 0.3;
   truth.points[1] += 0.4;
-  const TruthError error = CompareWithTruth(state, truth);
+  const TruthError error = CompareWithTruth(graph, state, truth);
   EXPECT_NEAR(error.mean_pose_error_m, 0.1 * std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(error.mean_pose_error_rad, 0.6 / 4.0, 1e-12);
   EXPECT_NEAR(error.mean_point_error_m, 0.5 / 8.0, 1e-12);
 }
 
 TEST(CompareWithTruthTest, ReturnsWithoutATruePointDoNotCount) {
-  const MapState state = MakeState({{0, 0, 0}, {1, 0, 0}});
+  const SlamGraph graph = MakeGraph({{0, 0, 0}, {1, 0, 0}});
+  const MapState state = graph.InitialState();
   Truth truth = TruthOf(state, Pose2());
   truth.points = {truth.points[0] + 0.2, truth.points[1], kNaN, kNaN, kNaN, 0.0, kNaN, kNaN};
-  EXPECT_NEAR(CompareWithTruth(state, truth).mean_point_error_m, 0.2, 1e-12);
+  EXPECT_NEAR(CompareWithTruth(graph, state, truth).mean_point_error_m, 0.2, 1e-12);
   truth.points.assign(8, kNaN);
-  EXPECT_TRUE(std::isnan(CompareWithTruth(state, truth).mean_point_error_m));
+  EXPECT_TRUE(std::isnan(CompareWithTruth(graph, state, truth).mean_point_error_m));
   truth.points.clear();
-  EXPECT_TRUE(std::isnan(CompareWithTruth(state, truth).mean_point_error_m));
+  EXPECT_TRUE(std::isnan(CompareWithTruth(graph, state, truth).mean_point_error_m));
 }
 
 TEST(CompareWithTruthTest, ARobotThatNeverMovesIsAlignedByItsHeading) {
-  const MapState state = MakeState({{3, 4, 0.5}, {3, 4, 0.5}, {3, 4, 0.7}});
-  const TruthError error = CompareWithTruth(state, TruthOf(state, Pose2(-8, 1, 2.0)));
+  const SlamGraph graph = MakeGraph({{3, 4, 0.5}, {3, 4, 0.5}, {3, 4, 0.7}});
+  const MapState state = graph.InitialState();
+  const TruthError error = CompareWithTruth(graph, state, TruthOf(state, Pose2(-8, 1, 2.0)));
   EXPECT_NEAR(error.mean_pose_error_m, 0.0, 1e-12);
   EXPECT_NEAR(error.mean_pose_error_rad, 0.0, 1e-12);
   EXPECT_NEAR(error.mean_point_error_m, 0.0, 1e-12);
 }
 
 TEST(CompareWithTruthTest, AnEmptyMapHasNoError) {
-  EXPECT_EQ(CompareWithTruth(MapState(), Truth()).mean_pose_error_m, 0.0);
+  EXPECT_EQ(CompareWithTruth(SlamGraph(), MapState(), Truth()).mean_pose_error_m, 0.0);
 }
 
 class ReadTruthTest : public testing::Test {

@@ -2,17 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "plumbline/apps/program/resident_memory.h"
 #include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
@@ -22,12 +21,9 @@ using testing::HasSubstr;
 
 constexpr std::size_t kBytes = 3 << 20;
 
-// Pages of the process that are in files.
-std::size_t PagesOfFiles() {
-  const std::string text = ReadFile("/proc/self/statm");
-  std::size_t total = 0, resident = 0, of_files = 0;
-  std::istringstream(text) >> total >> resident >> of_files;
-  return of_files;
+double BytesOfFiles() {
+  const Resident resident = ResidentMemory().Read();
+  return resident.total - resident.unshared;
 }
 
 class DiskArraysTest : public testing::Test {
@@ -46,10 +42,9 @@ TEST_F(DiskArraysTest, KeepWhatIsWrittenWhenTheirPagesAreLetGo) {
   ASSERT_NE(array, nullptr);
   EXPECT_TRUE(std::all_of(array, array + kBytes, [](unsigned char byte) { return byte == 0; }));
   for (std::size_t i = 0; i < kBytes; ++i) array[i] = static_cast<unsigned char>(i % 251);
-  const std::size_t pages = PagesOfFiles();
+  const double before = BytesOfFiles();
   arrays_.MakeRoom();
-  const auto page_bytes = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  EXPECT_LE(PagesOfFiles() + kBytes / page_bytes / 2, pages);
+  EXPECT_LE(BytesOfFiles() + 0.5 * kBytes, before);
   for (std::size_t i = 0; i < kBytes; ++i) ASSERT_EQ(array[i], i % 251) << i;
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
   EXPECT_TRUE(arrays_.Remove(array));

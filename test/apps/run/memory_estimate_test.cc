@@ -24,7 +24,10 @@ class MemoryEstimateTest : public testing::Test {
  protected:
   Status Fit(const MemoryBudget& budget, MemoryEstimate* estimate, std::string* text) const {
     int picture_side_px = 4000;
-    return FitMemory(budget, graph_, solver_, estimate, &picture_side_px, text);
+    std::ostringstream out;
+    Status status = FitMemory(budget, graph_, solver_, estimate, &picture_side_px, &out);
+    *text = out.str();
+    return status;
   }
   std::string ErrorAt(double limit) const {
     std::string text;
@@ -71,8 +74,8 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   solver_.ceres->linear_solver = ceres::DENSE_QR;
   MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
   int picture_side_px = 50;
-  std::string text;
-  EXPECT_THAT(FitMemory({}, large, solver_, &estimate, &picture_side_px, &text).message(),
+  std::ostringstream out;
+  EXPECT_THAT(FitMemory({}, large, solver_, &estimate, &picture_side_px, &out).message(),
               AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
 }
 
