@@ -11,6 +11,7 @@
 #include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/own_term.h"
 #include "plumbline/factors/robust_loss.h"
@@ -57,6 +58,14 @@ CalibrationVector PriorSigmas() {
   return sigmas;
 }
 
+// To a multiple of 0.1 um, 0.1 urad or 1e-7, far below what a log can tell. Readings of a coarse
+// laser are in ties, of distances and of which surface they are on: the digits beyond, which sums
+// in another order change, would decide these otherwise.
+CalibrationVector Rounded(const CalibrationVector& theta) {
+  constexpr double kUnit = 1e-7;
+  return kUnit * (theta / kUnit).array().round();
+}
+
 // Gauss-Newton steps on poses and parameters together, at most; each cuts the surfaces anew.
 constexpr int kMaxSteps = 20;
 
@@ -82,14 +91,14 @@ class LandmarkedState {
         pool_(pool),
         loss_(GemanMcClure::FromGate(gate_sigmas)),
         compressor_(graph.graph(), graph.Noise(factors), pool),
-        observations_(compressor_.LayOut(cut.landmarks.size(), cut.landmark_of_return)),
+        observations_(compressor_.LayOut(cut.landmarks.size(), cut.landmark_of_return, cut.shared)),
         landmarks_(cut.landmarks),
         frames_(FramesOf(graph.poses())),
         edges_(graph.Edges(factors)),
         terms_(graph.Terms(factors)) {
     SettleLines(compressor_, frames_, gate_sigmas, pool, &observations_, &landmarks_);
-    energy_ =
-        compressor_.Weigh(landmarks_, frames_, loss_, &observations_) + terms_.Cost(graph.poses());
+    const double cost = compressor_.Weigh(landmarks_, frames_, loss_, &observations_);
+    energy_ = SumOverPeers(graph.graph().peers(), cost) + terms_.Cost(graph.poses());
   }
   LandmarkedState(const LandmarkedState&) = delete;
   LandmarkedState& operator=(const LandmarkedState&) = delete;
@@ -97,7 +106,7 @@ class LandmarkedState {
   double energy() const { return energy_; }
 
   Status FindStep(const std::vector<int>& active, const CalibrationVector& prior_sigmas,
-                  CalibrationStep* step) {
+                  const PoseSystemSolver* linear_solver, CalibrationStep* step) {
     const std::vector<int> components = FindUnanchoredComponents(observations_, terms_);
     if (!components.empty()) {
       return Status::InvalidArgument("nothing ties pose " + std::to_string(components.front()) +
@@ -112,7 +121,7 @@ class LandmarkedState {
         compressor_.RangeSlopes(landmarks_, frames_, loss_, observations_), landmarks_, frames_,
         poses);
     return SolveCalibrationStep(system, poses, observations_, frames_, active, prior_sigmas,
-                                graph_.theta(), pool_, step);
+                                graph_.theta(), linear_solver, pool_, step);
   }
 
   CalibrationMatrix Covariance(const CalibrationStep& step) const {
@@ -167,7 +176,8 @@ class Calibrator {
     CalibrationStep step;
     const LineLandmarks cut = CutSurfaces();
     LandmarkedState state(graph_, cut, options_.factors, FinalGate(), &pool_);
-    PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
+    PLUMBLINE_RETURN_IF_ERROR(
+        state.FindStep(active_, prior_sigmas_, options_.reduced.linear_solver.get(), &step));
     const CalibrationMatrix covariance = state.Covariance(step);
     for (const int p : active_) {
       CalibratedParameter parameter = Describe(p);
@@ -198,12 +208,13 @@ class Calibrator {
                             LandmarkOptionsFor(options_.factors, options_.association), &pool_);
   }
 
-  // False if the callback wants to stop.
+  // False if the callback wants to stop, that of any process.
   bool Reported(int step) const {
     IterationSummary iteration;
     iteration.iteration = step;
     iteration.phase = "sensors";
-    return !options_.callback || options_.callback(iteration);
+    const bool stop = options_.callback && !options_.callback(iteration);
+    return SumOverPeers(graph_.graph().peers(), stop ? 1.0 : 0.0) == 0.0;
   }
 
   double PriorEnergy() const {
@@ -220,7 +231,8 @@ class Calibrator {
     {
       LandmarkedState state(graph_, cut, options_.factors, gate, &pool_);
       energy = state.energy() + PriorEnergy();
-      PLUMBLINE_RETURN_IF_ERROR(state.FindStep(active_, prior_sigmas_, &step));
+      PLUMBLINE_RETURN_IF_ERROR(
+          state.FindStep(active_, prior_sigmas_, options_.reduced.linear_solver.get(), &step));
     }
     const CalibrationVector theta = graph_.theta();
     const std::vector<double> poses = graph_.poses();
@@ -231,7 +243,7 @@ class Calibrator {
       for (std::size_t i = 0; i < tried.size(); ++i) {
         tried[i] += length * step.poses[static_cast<Eigen::Index>(i)];
       }
-      const CalibrationVector to = theta + length * step.theta;
+      const CalibrationVector to = Rounded(theta + length * step.theta);
       graph_.Set(to, graph_.Carried(to, tried));
       const LandmarkedState state(graph_, cut, options_.factors, gate, &pool_);
       *moved = state.energy() + PriorEnergy() < energy;

@@ -100,10 +100,7 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     std::optional<std::vector<double>> suggested;
     if (status.ok() && !poses_only) {
       suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
-      // A process with some of the scans lacks the pairs that tell.
-      if (graph.peers() == nullptr) {
-        status = CheckScansAreNotMirrored(graph, state->poses, suggested);
-      }
+      status = CheckScansAreNotMirrored(graph, state->poses, suggested);
     }
     if (!status.ok()) return SolverFailure(options, status);
     const SolverProblem problem{options, graph, surface, suggested};

@@ -9,12 +9,13 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/laser_scan.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose2.h"
 
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kMaxPairs = 48;
+constexpr std::size_t kMaxPairs = 48;  // of all processes
 
 struct ScanPair {
   int from, to;               // scan ids, of lasers mounted alike
@@ -93,8 +94,11 @@ double Mismatch(const SlamGraph& graph, const ScanPair& pair, Mirror mirror) {
 
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) {
   constexpr double kFarBetter = 0.6;
+  const Peers* peers = graph.peers();
   const std::vector<ScanPair> pairs = TurnsOf(graph, poses);
-  const std::size_t num_voters = std::min(pairs.size(), kMaxPairs);
+  const std::size_t num_processes = peers == nullptr ? 1 : peers->size();
+  const std::size_t num_voters =
+      std::min(pairs.size(), (kMaxPairs + num_processes - 1) / num_processes);
   TurnVotes votes;
   for (std::size_t i = 0; i < num_voters; ++i) {
     if (votes.WillSayRight(static_cast<int>(num_voters - i))) break;
@@ -105,7 +109,9 @@ TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) 
     if (as_they_are < kFarBetter * mirrored) ++votes.as_they_are;
     if (mirrored < kFarBetter * as_they_are) ++votes.mirrored;
   }
-  return votes;
+  std::vector<int> sums = {votes.as_they_are, votes.mirrored};
+  SumOverPeers(peers, &sums);
+  return {sums[0], sums[1]};
 }
 
 Status CheckScansAreNotMirrored(const SlamGraph& graph, const std::vector<double>& poses,

@@ -33,7 +33,8 @@ struct TurnVotes {
 /// moved by 2 m at most: a mirror image errs by twice the turn, which a room with corners forgives
 /// at 45. Pairs that match about as well, or badly, both ways do not vote: round rooms, or poses
 /// that are wrong. At most 48 pairs are looked at, whatever the size of the graph, and no more once
-/// they say that the scans are right.
+/// they say that the scans are right. Collective for a shared graph: each process looks at pairs of
+/// its own scans, and all have the votes.
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses);
 
 /// InvalidArgument if the scans look mirrored to these poses, or to other ones that they may

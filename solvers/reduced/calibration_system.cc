@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 
 namespace plumbline {
@@ -38,13 +39,15 @@ struct LinearEdge {
 // S^-1 times the columns.
 Status SolveColumns(const PoseSystem& poses, const LineObservations& observations,
                     const std::vector<PoseFrame>& frames, const Eigen::MatrixXd& columns,
-                    ThreadPool* pool, Eigen::MatrixXd* solved) {
+                    const PoseSystemSolver* linear_solver, ThreadPool* pool,
+                    Eigen::MatrixXd* solved) {
   const PosePreconditioner preconditioner(poses, observations, frames, pool);
   solved->resize(columns.rows(), columns.cols());
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     Eigen::VectorXd x;
-    const PoseSystemResult result = SolvePoseSystem(
-        poses, observations, preconditioner, columns.col(i), kTolerance, kMaxIterations, pool, &x);
+    const PoseSystemResult result =
+        SolvePoseSystemBy(linear_solver, poses, observations, preconditioner, columns.col(i),
+                          kTolerance, kMaxIterations, pool, &x);
     if (!result.converged) {
       return Status::Unavailable("the calibration's linear system did not converge in " +
                                  std::to_string(result.iterations) + " iterations");
@@ -91,51 +94,70 @@ void CalibrationSystem::AddRangeBias(double range_scale, const LineObservations&
                                      const std::vector<LineLandmark>& landmarks,
                                      const std::vector<PoseFrame>& frames,
                                      const PoseSystem& poses) {
-  for (std::size_t p = 0; p < landmarks.size(); ++p) {
+  // How the range bias couples to the line of a landmark, by what the poses here saw of it.
+  const auto by_line_of = [&](std::size_t p) {
     const LineLandmark& landmark = landmarks[p];
-    const std::size_t first = observations.first_of_landmark[p],
-                      last = observations.first_of_landmark[p + 1];
-    const Eigen::Vector2d tangent(-landmark.normal.y(), landmark.normal.x());
+    const Eigen::Vector2d tangent = TurnedLeft(landmark.normal);
     Eigen::Vector2d by_line = Eigen::Vector2d::Zero();
-    for (std::size_t i = first; i < last; ++i) {
-      const int pose = observations.observations[i].pose;
-      const RangeSlope& slope = slopes[i];
-      const PoseFrame& frame = frames[pose];
-      const double weight = range_scale * slope.weight;
-      const Eigen::Vector2d moment = range_scale * frame.Rotate(slope.moment);
-      information(kRangeBias, kRangeBias) += range_scale * range_scale * slope.curvature;
-      gradient[kRangeBias] += range_scale * slope.gradient;
+    for (std::size_t i = observations.first_of_landmark[p];
+         i < observations.first_of_landmark[p + 1]; ++i) {
+      const PoseFrame& frame = frames[observations.observations[i].pose];
+      const double weight = range_scale * slopes[i].weight;
+      const Eigen::Vector2d moment = range_scale * frame.Rotate(slopes[i].moment);
       by_line += Eigen::Vector2d(
           tangent.dot(moment + weight * (frame.translation() - landmark.origin)), -weight);
-      const int row = poses.row_of_pose[pose];
-      if (row == PoseSystem::kConstant) continue;
-      border.col(kRangeBias).segment<3>(3 * row) += Eigen::Vector3d(
-          weight * landmark.normal.x(), weight * landmark.normal.y(), -tangent.dot(moment));
     }
+    return by_line;
+  };
+  const SharedLandmarks& shared = observations.shared;
+  const std::vector<Eigen::Vector2d> shared_by_line = shared.Sum<2>(by_line_of);
+  double bias_information = 0.0, bias_gradient = 0.0;
+  for (std::size_t p = 0; p < landmarks.size(); ++p) {
+    const Eigen::Vector2d& normal = landmarks[p].normal;
+    const int slot = shared.SlotOf(p);
+    const Eigen::Vector2d by_line =
+        slot == SharedLandmarks::kNotShared ? by_line_of(p) : shared_by_line[slot];
     const Eigen::Vector2d whitened = poses.line_whitening[p].transpose() * by_line;
-    information(kRangeBias, kRangeBias) -= whitened.squaredNorm();
-    for (std::size_t i = first; i < last; ++i) {
+    if (shared.IsCountedHere(p)) bias_information -= whitened.squaredNorm();
+    for (std::size_t i = observations.first_of_landmark[p];
+         i < observations.first_of_landmark[p + 1]; ++i) {
+      const RangeSlope& slope = slopes[i];
+      bias_information += range_scale * range_scale * slope.curvature;
+      bias_gradient += range_scale * slope.gradient;
       const LineCoupling& coupling = poses.line_coupling[i];
       if (coupling.row == PoseSystem::kConstant) continue;
-      border.col(kRangeBias).segment<3>(3 * coupling.row) -=
+      const PoseFrame& frame = frames[observations.observations[i].pose];
+      const double weight = range_scale * slope.weight;
+      const double turn = -TurnedLeft(normal).dot(range_scale * frame.Rotate(slope.moment));
+      border.col(kRangeBias).segment<3>(3 * coupling.row) +=
+          Eigen::Vector3d(weight * normal.x(), weight * normal.y(), turn) -
           coupling.Rows(poses.line_normal[p]) * whitened;
     }
   }
+  information(kRangeBias, kRangeBias) += SumOverPeers(poses.peers, bias_information);
+  gradient[kRangeBias] += SumOverPeers(poses.peers, bias_gradient);
 }
 
 Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
                             const LineObservations& observations,
                             const std::vector<PoseFrame>& frames, const std::vector<int>& active,
                             const CalibrationVector& prior_sigmas, const CalibrationVector& theta,
-                            ThreadPool* pool, CalibrationStep* step) {
+                            const PoseSystemSolver* linear_solver, ThreadPool* pool,
+                            CalibrationStep* step) {
   const auto size = static_cast<Eigen::Index>(active.size());
   // Of each active parameter and, last, of the poses' gradient.
   Eigen::MatrixXd border(poses.gradient.size(), size + 1), solved;
   for (Eigen::Index i = 0; i < size; ++i) border.col(i) = system.border.col(active[i]);
   border.col(size) = poses.gradient;
-  PLUMBLINE_RETURN_IF_ERROR(SolveColumns(poses, observations, frames, border, pool, &solved));
-  Eigen::MatrixXd schur = -border.leftCols(size).transpose() * solved.leftCols(size);
-  Eigen::VectorXd descent = border.leftCols(size).transpose() * solved.col(size);
+  PLUMBLINE_RETURN_IF_ERROR(
+      SolveColumns(poses, observations, frames, border, linear_solver, pool, &solved));
+  // border^T S^-1 [ border  gradient ]
+  Eigen::MatrixXd eliminated = border.leftCols(size).transpose() * solved;
+  if (poses.peers != nullptr) {
+    poses.peers->Sum(eliminated.data(), static_cast<std::size_t>(eliminated.size()));
+  }
+  Eigen::MatrixXd schur = -eliminated.leftCols(size);
+  Eigen::VectorXd descent = eliminated.col(size);
   for (Eigen::Index i = 0; i < size; ++i) {
     for (Eigen::Index j = 0; j < size; ++j) schur(i, j) += system.information(active[i], active[j]);
     const double prior = 1.0 / (prior_sigmas[active[i]] * prior_sigmas[active[i]]);

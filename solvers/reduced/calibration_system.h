@@ -10,6 +10,7 @@
 #include "plumbline/solvers/landmarks/line_observations.h"
 #include "plumbline/solvers/reduced/calibrated_graph.h"
 #include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/reduced/pose_system_solver.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
@@ -18,7 +19,8 @@ namespace plumbline {
 /// there, too:
 ///   [ S         border      ] [ dx     ]     [ pose gradient ]
 ///   [ border^T  information ] [ dtheta ] = - [ gradient      ]
-/// with poses that CalibratedGraph carries along.
+/// with poses that CalibratedGraph carries along. If the graph is shared, all of this is
+/// collective; each process has its own rows of the border, and all have the rest.
 struct CalibrationSystem {
   CalibrationMatrix information = CalibrationMatrix::Zero();
   CalibrationVector gradient = CalibrationVector::Zero();
@@ -41,7 +43,7 @@ struct CalibrationSystem {
 
 struct CalibrationStep {
   CalibrationVector theta = CalibrationVector::Zero();
-  Eigen::VectorXd poses;                                     ///< 3 each, on top of being carried
+  Eigen::VectorXd poses;  ///< 3 each, all of the graph, on top of being carried
   CalibrationMatrix covariance = CalibrationMatrix::Zero();  ///< of theta, if all sigmas are right
   /// How the poses follow theta, beyond being carried along; 3 rows per pose.
   Eigen::Matrix<double, Eigen::Dynamic, kNumCalibrationParameters> response;
@@ -49,12 +51,13 @@ struct CalibrationStep {
 
 /// Solves the bordered system for the poses and the `active` parameters, ascending; of the others
 /// the step is zero and the covariance, too. prior_sigmas: of the active ones, about theta = 0.
-/// Unavailable if conjugate gradients do not get there.
+/// linear_solver: null for SolvePoseSystem. Unavailable if conjugate gradients do not get there.
 Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,
                             const LineObservations& observations,
                             const std::vector<PoseFrame>& frames, const std::vector<int>& active,
                             const CalibrationVector& prior_sigmas, const CalibrationVector& theta,
-                            ThreadPool* pool, CalibrationStep* step);
+                            const PoseSystemSolver* linear_solver, ThreadPool* pool,
+                            CalibrationStep* step);
 
 /// The covariance of theta if the odometry errs as its residuals show and not as its sigmas say:
 /// the sum of squares of what each motion contributes to the gradient of theta takes the place of

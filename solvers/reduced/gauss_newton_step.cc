@@ -38,13 +38,10 @@ GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost
   const PosePreconditioner preconditioner(system, observations, frames, landmark_cost.pool);
   Eigen::VectorXd step;
   GaussNewtonStep result;
-  const auto solve = [&](auto&&... arguments) {
-    return linear_solver != nullptr ? linear_solver->Solve(arguments...)
-                                    : SolvePoseSystem(arguments...);
-  };
-  result.cg_iterations = solve(system, observations, preconditioner, -system.gradient, cg_tolerance,
-                               kMaxCgIterations, landmark_cost.pool, &step)
-                             .iterations;
+  result.cg_iterations =
+      SolvePoseSystemBy(linear_solver, system, observations, preconditioner, -system.gradient,
+                        cg_tolerance, kMaxCgIterations, landmark_cost.pool, &step)
+          .iterations;
   double length = 1.0;
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {
     if (!landmark_cost.MoveIfBetter(system.Moved(*poses, length * step), poses, cost)) continue;

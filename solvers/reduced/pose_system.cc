@@ -101,8 +101,10 @@ std::vector<Eigen::Vector3d> SumSharedLineBlocks(const LineObservations& observa
   });
 }
 
-// The parts have about as many observations each.
+// The parts have about as many observations each. Landmarks that only other processes have observed
+// belong to one of them, too.
 std::size_t FirstLandmarkOfPart(const LineObservations& observations, std::size_t part) {
+  if (part == kNumParts) return observations.num_landmarks();
   const std::size_t first_observation = observations.observations.size() * part / kNumParts;
   const auto landmark =
       std::lower_bound(observations.first_of_landmark.begin(),
@@ -201,9 +203,7 @@ std::vector<double> PoseSystem::Moved(const std::vector<double>& poses,
     }
   }
   if (peers == nullptr) return moved;
-  // Each pose moves in one process only, so that the sums are exact.
-  Eigen::VectorXd steps = ByPose(step);
-  peers->Sum(steps.data(), static_cast<std::size_t>(steps.size()));
+  const Eigen::VectorXd steps = ByPose(step);
   for (std::size_t pose = 0; pose < place_of_pose.size(); ++pose) {
     if (place_of_pose[pose] == kConstant || rank_of_pose[pose] == peers->rank()) continue;
     for (std::size_t i = 3 * pose; i < 3 * pose + 3; ++i) {
@@ -220,6 +220,8 @@ Eigen::MatrixXd PoseSystem::ByPose(const Eigen::MatrixXd& by_row) const {
     by_pose.middleRows<3>(3 * pose_of_row[row]) =
         by_row.middleRows<3>(3 * static_cast<Eigen::Index>(row));
   }
+  // Each pose has a row in one process only, so that the sums are exact.
+  if (peers != nullptr) peers->Sum(by_pose.data(), static_cast<std::size_t>(by_pose.size()));
   return by_pose;
 }
 

@@ -86,7 +86,7 @@ struct PoseSystem {
   /// Poses, (x, y, yaw) each, with a step of the rows added.
   std::vector<double> Moved(const std::vector<double>& poses, const Eigen::VectorXd& step) const;
 
-  /// Three rows per pose from three per row; zero for constant poses.
+  /// Three rows per pose of the graph from three per row; zero for constant poses.
   Eigen::MatrixXd ByPose(const Eigen::MatrixXd& by_row) const;
 
   /// S = B from here on: the lines stay where they are, whatever the poses do.

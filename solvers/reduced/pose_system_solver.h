@@ -24,6 +24,21 @@ class PoseSystemSolver {
                                  Eigen::VectorXd* x) const = 0;
 };
 
+/// By `linear_solver`, or by SolvePoseSystem if that is null.
+inline PoseSystemResult SolvePoseSystemBy(const PoseSystemSolver* linear_solver,
+                                          const PoseSystem& system,
+                                          const LineObservations& observations,
+                                          const PosePreconditioner& preconditioner,
+                                          const Eigen::VectorXd& right_hand_side,
+                                          double relative_tolerance, int max_iterations,
+                                          ThreadPool* pool, Eigen::VectorXd* x) {
+  return linear_solver != nullptr
+             ? linear_solver->Solve(system, observations, preconditioner, right_hand_side,
+                                    relative_tolerance, max_iterations, pool, x)
+             : SolvePoseSystem(system, observations, preconditioner, right_hand_side,
+                               relative_tolerance, max_iterations, pool, x);
+}
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_REDUCED_POSE_SYSTEM_SOLVER_H_

@@ -16,6 +16,7 @@
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/core/synthetic_scene.h"
 #include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/factors/factor_testing.h"
 
 namespace plumbline {
@@ -240,6 +241,85 @@ TEST(CalibrationTest, FixedPosesStayWhereTheyWereFixed) {
       EXPECT_EQ(ToBlock(state.WorldFromRobot(fixed.pose)), ToBlock(fixed.world_from_robot));
     }
   }
+}
+
+void ExpectSameParameters(const Calibration& calibration, const Calibration& expected) {
+  EXPECT_EQ(calibration.steps, expected.steps);
+  ASSERT_EQ(calibration.parameters.size(), expected.parameters.size());
+  for (std::size_t i = 0; i < expected.parameters.size(); ++i) {
+    const CalibratedParameter &here = calibration.parameters[i], &there = expected.parameters[i];
+    EXPECT_EQ(here.name, there.name);
+    EXPECT_NEAR(here.value, there.value, 1e-9) << here.name;
+    EXPECT_NEAR(here.sigma, there.sigma, 1e-6 * there.sigma) << here.name;
+  }
+}
+
+// Of which no scan sees more than a part.
+SlamGraph MakeCorridor() {
+  SyntheticScene scene;
+  scene.faces = {{{-3, -1}, {27, -1}}, {{-3, 1}, {27, 1}}};
+  for (double x = -2.0; x < 27.0; x += 1.5) scene.faces.push_back({{x, 0.7}, {x + 0.3, 1.0}});
+  scene.laser = PanoramicLaser(180);
+  scene.laser.max_range_m = 4.0;
+  scene.range_sigma_m = 0.012;
+  for (int i = 0; i < 60; ++i) scene.poses.emplace_back(0.4 * i, 0.2 * std::sin(0.5 * i), 0.1);
+  SlamGraph graph = MakeGraph(scene, 1);
+  for (int i = 0; i + 1 < graph.num_poses(); ++i) {
+    EXPECT_TRUE(graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])}).ok());
+  }
+  return graph;
+}
+
+void ExpectSameInProcesses(const SlamGraph& whole, const CalibrationOptions& options) {
+  MapState expected_state = whole.InitialState();
+  Calibration expected;
+  ASSERT_TRUE(SolveWithCalibration(Options(), options, whole, &expected_state, &expected)
+                  .IsSolutionUsable());
+  for (const int num_processes : {2, 3}) {
+    SCOPED_TRACE(num_processes);
+    RunOnParts(whole, num_processes, [&](const SlamGraph& part) {
+      MapState state{part.initial_poses(), {}};
+      Calibration calibration;
+      const SolverSummary summary =
+          SolveWithCalibration(Options(), options, part, &state, &calibration);
+      ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+      ExpectSameParameters(calibration, expected);
+      const MapState own = PartOf(part, expected_state);
+      for (std::size_t i = 0; i < own.poses.size(); ++i) {
+        ASSERT_NEAR(state.poses[i], own.poses[i], 1e-6);
+      }
+      ASSERT_EQ(state.points.size(), own.points.size());
+      for (std::size_t i = 0; i < own.points.size(); ++i) {
+        ASSERT_NEAR(state.points[i], own.points[i], 1e-5);
+      }
+      // Of the ranges that this process has.
+      EXPECT_EQ(calibration.corrections.range_m.size(), part.num_returns());
+    });
+  }
+}
+
+TEST(CalibrationTest, ProcessesFindTogetherWhatOneFinds) {
+  CalibrationOptions options;
+  options.range_bias = true;
+  ExpectSameInProcesses(Faulty(MakeCorridor(), {{}, kFault.range_bias_m}), options);
+  options.laser_mounting = options.range_scale = true;
+  ExpectSameInProcesses(Faulty(MakeDrive(false, 60, 4), kFault), options);
+}
+
+TEST(CalibrationTest, ACallbackOfOneProcessStopsAll) {
+  const SlamGraph whole = Faulty(MakeDrive(false, 20, 1), {kFault.mounting});
+  CalibrationOptions calibration_options;
+  calibration_options.laser_mounting = true;
+  RunOnParts(whole, 2, [&](const SlamGraph& part) {
+    SolverOptions options = Options();
+    if (part.peers()->rank() == 1) options.callback = [](const IterationSummary&) { return false; };
+    MapState state{part.initial_poses(), {}};
+    Calibration calibration;
+    const SolverSummary summary =
+        SolveWithCalibration(options, calibration_options, part, &state, &calibration);
+    EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
+    EXPECT_EQ(calibration.steps, 1);
+  });
 }
 
 void ExpectRefused(const CalibrationOptions& options, const SlamGraph& graph, const char* reason) {

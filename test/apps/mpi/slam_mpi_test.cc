@@ -266,9 +266,23 @@ TEST_F(SlamMpiTest, SaysOnceWhatIsWrong) {
   EXPECT_EQ(run.err.find("no_such_flag", first + 1), std::string::npos);
 }
 
+TEST_F(SlamMpiTest, CalibratesAndTakesShapeAsOneProcessDoes) {
+  SimulateLog(100);
+  const std::string flags = "--shape --calibrate=mounting,range_bias";
+  ASSERT_EQ(Slam("a.clf", flags, "one").exit_code, 0);
+  const Outcome run = SlamMpi(2, "a.clf", flags, "two");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ExpectSamePoses("two", "one");
+  const nlohmann::json expected = SummaryIn("one").at("calibration").at("parameters"),
+                       parameters = SummaryIn("two").at("calibration").at("parameters");
+  ASSERT_EQ(expected.size(), 4u);
+  for (const auto& [name, parameter] : expected.items()) {
+    EXPECT_NEAR(parameters.at(name).at("value"), parameter.at("value"), 1e-6) << name;
+  }
+}
+
 TEST_F(SlamMpiTest, RefusesByNameWhatProcessesCannotShare) {
-  for (const char* given :
-       {"--solver=ceres", "--shape", "--reduced_polish_sweeps=2", "--calibrate=mounting"}) {
+  for (const char* given : {"--solver=ceres", "--reduced_polish_sweeps=2"}) {
     const std::string flag = given;
     const Outcome run = SlamMpi(1, "a.clf", flag);
     ExpectOneError(run, kExitWrongUsage, flag.substr(0, flag.find('=')));

@@ -12,6 +12,7 @@
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/core/synthetic_scene.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -155,6 +156,19 @@ SolverOptions GoodOdometry() {
   motion.rotation_per_rotation = motion.rotation_per_translation_rad_m = 0.05;
   motion.translation_per_translation = motion.translation_per_rotation_m_rad = 0.05;
   return options;
+}
+
+TEST(MirroredScansTest, ProcessesVoteTogether) {
+  const SlamGraph seen = MakeGraph(Room(60));
+  for (const bool mirrored : {false, true}) {
+    RunOnParts(mirrored ? Reversed(seen, Every) : seen, 3, [&](const SlamGraph& part) {
+      const TurnVotes votes = Vote(part);
+      EXPECT_EQ(votes.SayRight(), !mirrored);
+      EXPECT_EQ(votes.SayMirrored(), mirrored);
+      MapState state{part.initial_poses(), {}};
+      EXPECT_EQ(Solve(SolverOptions(), part, &state).IsSolutionUsable(), !mirrored);
+    });
+  }
 }
 
 TEST(MirroredScansTest, PosesThatTheOdometryReplacesAreNoReason) {

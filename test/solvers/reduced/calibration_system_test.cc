@@ -144,7 +144,7 @@ TEST_F(CalibrationSystemTest, SolutionFulfilsTheBorderedSystem) {
   const std::vector<int> active = {kMountingX, kRangeBias, kLogOdometryScale};
   CalibrationStep step;
   ASSERT_TRUE(SolveCalibrationStep(system, pose_system_, observations_, frames_, active,
-                                   prior_sigmas, theta, &pool_, &step)
+                                   prior_sigmas, theta, nullptr, &pool_, &step)
                   .ok());
   // The first pose is fixed, the rows are those of the others.
   EXPECT_TRUE(step.poses.head<3>().isZero(0.0));

@@ -143,6 +143,24 @@ TEST_P(SharedSolve, EndsWhereTheWholeGraphDoes) {
   EXPECT_NEAR(summary.displacements.mean_m, shared.summary.displacements.mean_m, 1e-7);
 }
 
+TEST_P(SharedSolve, HasTheSameShapeTerms) {
+  const int num_ranks = GetParam();
+  NoisyRoom room = DisturbedRoom(40);
+  SolverOptions options = Options();
+  options.factors.shape.enabled = true;
+  const Solution shared =
+      SolveShared(options, room.graph, room.state.poses, InTurn(40, 6, num_ranks), num_ranks);
+  MapState whole = room.state;
+  const SolverSummary summary = Solve(options, room.graph, &whole);
+  EXPECT_LT(LargestDifference(shared.state.poses, whole.poses), 1e-6);
+  ASSERT_EQ(summary.terms.size(), shared.summary.terms.size());
+  const TermSummary &shape = summary.terms.back(), &shared_shape = shared.summary.terms.back();
+  ASSERT_EQ(shape.name, "shape");
+  EXPECT_GT(shape.count, 1000u);
+  EXPECT_EQ(shape.count, shared_shape.count);
+  EXPECT_NEAR(shape.final_cost, shared_shape.final_cost, 1e-5 * shape.final_cost);
+}
+
 INSTANTIATE_TEST_SUITE_P(Ranks, SharedSolve, testing::Values(1, 2, 3, 5));
 
 TEST(SharedSolve, IsTheSameEachTime) {
