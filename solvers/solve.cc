@@ -55,7 +55,6 @@ SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, Ma
 
 SolverSummary SolveUnmeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
   const bool has_edges_to_test = problem.options.test_edges && !solver.MovesPosesOnly() &&
-                                 problem.graph.peers() == nullptr &&
                                  !problem.graph.relative_poses().empty();
   return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
 }

@@ -72,10 +72,6 @@ class PoseGraphRun {
                                      ": a pose graph without scans has nothing to share among "
                                      "processes; plumbline_slam refines it");
     }
-    if (options_.peers != nullptr && options_.solver.test_edges) {
-      std::cerr << "note: several processes take the edges as they are, without a test against the "
-                   "scans\n";
-    }
     PLUMBLINE_RETURN_IF_ERROR(CheckMemoryOfScans());
     PLUMBLINE_RETURN_IF_ERROR(CheckScans());
     KeepStopSignal();  // the given poses are a state to write

@@ -8,6 +8,7 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/median.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
@@ -45,8 +46,8 @@ EdgeTests::EdgeTests(const RangeBeamOptions& beam)
       max_conflict_(LoopAcceptance::kMaxFreeSpaceConflict) {}
 
 void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool) {
-  ExtendThinnedSurfacePoints(graph, surface, kPointSpacingM, pool, &surfaces_);
-  scan_of_pose_ = MatchedScanOfPoses(graph, surfaces_);
+  const ScanSurfaces surfaces(graph, surface);
+  scan_of_pose_ = surfaces.scan_of_pose();
   step_to_.resize(graph.num_poses());
   // The steps first: they tell how the scans beside each other lie, and what is usual.
   const std::vector<RelativePoseConstraint>& all = graph.relative_poses();
@@ -58,8 +59,8 @@ void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, T
   for (std::size_t i = evidence_.size(); i < all.size(); ++i) {
     if (IsStep(all[i])) steps.push_back(all[i]);
   }
-  const std::vector<Evidence> of_odometry = Test(graph, odometry, pool);
-  const std::vector<Evidence> of_steps = Test(graph, steps, pool);
+  const std::vector<Evidence> of_odometry = Test(surfaces, odometry, pool);
+  const std::vector<Evidence> of_steps = Test(surfaces, steps, pool);
   for (const std::vector<Evidence>* evidence : {&of_odometry, &of_steps}) {
     for (const Evidence& seen : *evidence) {
       if (IsEnough(seen.at_match)) usual_shares_.push_back(seen.at_match.Share());
@@ -77,13 +78,13 @@ void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, T
     if (!IsStep(all[i])) others.push_back(i);
     evidence_.push_back(IsStep(all[i]) ? *step++ : Evidence());
   }
-  TestOthers(graph, std::move(others), pool);
+  TestOthers(surfaces, std::move(others), pool);
 }
 
 // The new ones, and once more those whose scan beyond the later pose was still to come.
-void EdgeTests::TestOthers(const SlamGraph& graph, std::vector<std::size_t> to_test,
+void EdgeTests::TestOthers(const ScanSurfaces& surfaces, std::vector<std::size_t> to_test,
                            ThreadPool* pool) {
-  const std::vector<RelativePoseConstraint>& all = graph.relative_poses();
+  const std::vector<RelativePoseConstraint>& all = surfaces.graph().relative_poses();
   const auto is_near_the_end = [&](std::size_t i) {
     return IsNearTheEnd(std::max(all[i].from, all[i].to));
   };
@@ -95,7 +96,7 @@ void EdgeTests::TestOthers(const SlamGraph& graph, std::vector<std::size_t> to_t
   std::vector<RelativePoseConstraint> edges;
   edges.reserve(to_test.size());
   for (const std::size_t i : to_test) edges.push_back(all[i]);
-  const std::vector<Evidence> evidence = Test(graph, edges, pool);
+  const std::vector<Evidence> evidence = Test(surfaces, edges, pool);
   for (std::size_t k = 0; k < edges.size(); ++k) evidence_[to_test[k]] = evidence[k];
 }
 
@@ -120,31 +121,70 @@ std::vector<ContradictedEdge> EdgeTests::Contradicted(const SlamGraph& graph) co
   return contradicted;
 }
 
-std::vector<EdgeTests::Evidence> EdgeTests::Test(const SlamGraph& graph,
+// To be copied byte by byte.
+struct EdgeTests::PlainEvidence {
+  std::size_t edge;
+  Pose2 from_from_to;
+  double covariance[9];
+  double inlier_ratio;
+  bool converged;
+  FreeSpaceConflict at_edge, at_match;
+
+  Evidence Unpacked() const {
+    return {
+        {from_from_to, Eigen::Matrix3d(covariance), inlier_ratio, converged}, at_edge, at_match};
+  }
+};
+
+std::vector<EdgeTests::Evidence> EdgeTests::Test(const ScanSurfaces& surfaces,
                                                  const std::vector<RelativePoseConstraint>& edges,
                                                  ThreadPool* pool) const {
+  const SlamGraph& graph = surfaces.graph();
+  std::vector<std::size_t> own;
+  std::vector<int> scans;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const RelativePoseConstraint& edge = edges[i];
+    if (!HaveScans(edge) || !graph.HasScansOf(edge.from)) continue;
+    own.push_back(i);
+    if (graph.peers() == nullptr) continue;
+    for (const int pose : {edge.from, edge.to}) {
+      for (const Beside& one : ScansBeside(pose, IsStep(edge))) scans.push_back(one.scan);
+    }
+  }
+  const ScanSurfaces known = surfaces.With(scans);
   std::vector<Evidence> evidence(edges.size());
-  pool->ForEachChunk(edges.size(), kEdgesPerChunk,
+  pool->ForEachChunk(own.size(), kEdgesPerChunk,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                        for (std::size_t i = begin; i < end; ++i) {
-                         evidence[i] = Test(graph, edges[i]);
+                         evidence[own[i]] = Test(known, edges[own[i]]);
                        }
                      });
+  if (graph.peers() == nullptr) return evidence;
+  std::vector<PlainEvidence> plain;
+  plain.reserve(own.size());
+  for (const std::size_t i : own) {
+    const auto& [match, at_edge, at_match] = evidence[i];
+    plain.push_back(
+        {i, match.from_from_to, {}, match.inlier_ratio, match.converged, at_edge, at_match});
+    std::copy_n(match.covariance.data(), 9, plain.back().covariance);
+  }
+  for (const PlainEvidence& seen : JoinOverPeers(graph.peers(), std::move(plain))) {
+    evidence[seen.edge] = seen.Unpacked();
+  }
   return evidence;
 }
 
-EdgeTests::Evidence EdgeTests::Test(const SlamGraph& graph,
+EdgeTests::Evidence EdgeTests::Test(const ScanSurfaces& surfaces,
                                     const RelativePoseConstraint& edge) const {
   Evidence seen;
-  const int from = scan_of_pose_[edge.from], to = scan_of_pose_[edge.to];
-  if (from < 0 || to < 0) return seen;
-  seen.match = MatchPair(surfaces_[from], surfaces_[to], edge.from_from_to, icp_);
-  const std::vector<Beside> scans_a = ScansBeside(graph, edge.from, IsStep(edge)),
-                            scans_b = ScansBeside(graph, edge.to, IsStep(edge));
+  seen.match = MatchPair(surfaces.Of(scan_of_pose_[edge.from]), surfaces.Of(scan_of_pose_[edge.to]),
+                         edge.from_from_to, icp_);
+  const std::vector<Beside> scans_a = ScansBeside(edge.from, IsStep(edge)),
+                            scans_b = ScansBeside(edge.to, IsStep(edge));
   const auto free_space_of = [&](const std::vector<Beside>& scans) {
     std::vector<FreeSpaceScan> free_space;
     free_space.reserve(scans.size());
-    for (const Beside& one : scans) free_space.emplace_back(graph, one.scan);
+    for (const Beside& one : scans) free_space.push_back(surfaces.FreeSpaceOf(one.scan));
     return free_space;
   };
   const std::vector<FreeSpaceScan> free_a = free_space_of(scans_a), free_b = free_space_of(scans_b);
@@ -162,23 +202,22 @@ EdgeTests::Evidence EdgeTests::Test(const SlamGraph& graph,
 }
 
 // The scan of a pose, alone or with the first ones a metre of path before and after it.
-std::vector<EdgeTests::Beside> EdgeTests::ScansBeside(const SlamGraph& graph, int pose,
-                                                      bool alone) const {
+std::vector<EdgeTests::Beside> EdgeTests::ScansBeside(int pose, bool alone) const {
   std::vector<Beside> scans = {{scan_of_pose_[pose], Pose2()}};
   if (alone) return scans;
   for (const int direction : {-1, 1}) {
-    if (const std::optional<Beside> beside = FindBeside(graph, pose, direction)) {
+    if (const std::optional<Beside> beside = FindBeside(pose, direction)) {
       scans.push_back(*beside);
     }
   }
   return scans;
 }
 
-std::optional<EdgeTests::Beside> EdgeTests::FindBeside(const SlamGraph& graph, int pose,
-                                                       int direction) const {
+std::optional<EdgeTests::Beside> EdgeTests::FindBeside(int pose, int direction) const {
   Beside beside;
   double path_m = 0.0;
-  for (int other = pose + direction; other >= 0 && other < graph.num_poses(); other += direction) {
+  const int num_poses = static_cast<int>(step_to_.size());
+  for (int other = pose + direction; other >= 0 && other < num_poses; other += direction) {
     const std::optional<Pose2>& step = step_to_[std::max(other, other - direction)];
     if (!step) return std::nullopt;
     beside.pose_from_scan = beside.pose_from_scan * (direction > 0 ? *step : step->Inverse());

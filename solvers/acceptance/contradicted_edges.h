@@ -11,7 +11,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/pairwise_icp.h"
-#include "plumbline/solvers/front_end/surface_points.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/interface/acceptance.h"
 
 namespace plumbline {
@@ -35,7 +35,8 @@ struct ContradictedEdge {
 ///
 /// A match has to have loop closure's share of inliers and no such conflict. Edges whose scans have
 /// too little in common, or of poses without scans, are not contradicted. In order of the edges.
-/// The result does not depend on the number of threads.
+/// The result does not depend on the number of threads. Collective for a shared graph: an edge is
+/// tested by the process that has the scan of its first pose, and all get the same result.
 std::vector<ContradictedEdge> FindContradictedEdges(const SlamGraph& graph,
                                                     const MeasuredSurface& surface,
                                                     const RangeBeamOptions& beam, ThreadPool* pool);
@@ -56,8 +57,7 @@ class EdgeTests {
   /// they say nothing for the edge, contradicted or not.
   bool LacksMatch(const SlamGraph& graph, std::size_t edge) const {
     const RelativePoseConstraint& constraint = graph.relative_poses()[edge];
-    return scan_of_pose_[constraint.from] >= 0 && scan_of_pose_[constraint.to] >= 0 &&
-           !MatchOf(constraint, evidence_[edge]);
+    return HaveScans(constraint) && !MatchOf(constraint, evidence_[edge]);
   }
 
  private:
@@ -72,13 +72,18 @@ class EdgeTests {
     FreeSpaceConflict at_edge, at_match;
   };
 
-  std::vector<Evidence> Test(const SlamGraph& graph,
+  struct PlainEvidence;
+
+  std::vector<Evidence> Test(const ScanSurfaces& surfaces,
                              const std::vector<RelativePoseConstraint>& edges,
                              ThreadPool* pool) const;
-  Evidence Test(const SlamGraph& graph, const RelativePoseConstraint& edge) const;
-  std::vector<Beside> ScansBeside(const SlamGraph& graph, int pose, bool alone) const;
-  std::optional<Beside> FindBeside(const SlamGraph& graph, int pose, int direction) const;
-  void TestOthers(const SlamGraph& graph, std::vector<std::size_t> to_test, ThreadPool* pool);
+  Evidence Test(const ScanSurfaces& surfaces, const RelativePoseConstraint& edge) const;
+  bool HaveScans(const RelativePoseConstraint& edge) const {
+    return scan_of_pose_[edge.from] >= 0 && scan_of_pose_[edge.to] >= 0;
+  }
+  std::vector<Beside> ScansBeside(int pose, bool alone) const;
+  std::optional<Beside> FindBeside(int pose, int direction) const;
+  void TestOthers(const ScanSurfaces& surfaces, std::vector<std::size_t> to_test, ThreadPool* pool);
   bool IsNearTheEnd(int pose) const;
   void TakeSteps(const std::vector<RelativePoseConstraint>& steps,
                  const std::vector<Evidence>& evidence);
@@ -90,7 +95,6 @@ class EdgeTests {
                                                 const Evidence& seen) const;
 
   const PairwiseIcpOptions icp_;
-  std::vector<SurfacePoints> surfaces_;  // per scan
   std::vector<int> scan_of_pose_;
   std::vector<std::optional<Pose2>> step_to_;  // per pose, from the one before
   std::size_t num_odometry_ = 0;               // that have been tested

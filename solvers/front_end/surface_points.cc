@@ -23,8 +23,14 @@ std::vector<PackedSurface> Packed(const std::vector<SurfacePoints>& surfaces) {
 std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
                                                 const MeasuredSurface& measured, double spacing_m,
                                                 ThreadPool* pool) {
-  std::vector<SurfacePoints> surfaces;
-  ExtendThinnedSurfacePoints(graph, measured, spacing_m, pool, &surfaces);
+  constexpr std::size_t kScansPerChunk = 64;
+  std::vector<SurfacePoints> surfaces(graph.num_scans());
+  pool->ForEachChunk(
+      surfaces.size(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+          surfaces[s] = ThinnedSurfaceOf(graph, static_cast<int>(s), measured, spacing_m);
+        }
+      });
   return surfaces;
 }
 
@@ -45,21 +51,6 @@ SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredS
   }
   surface.shrink_to_fit();
   return surface;
-}
-
-void ExtendThinnedSurfacePoints(const SlamGraph& graph, const MeasuredSurface& measured,
-                                double spacing_m, ThreadPool* pool,
-                                std::vector<SurfacePoints>* surfaces) {
-  const std::size_t first_scan = surfaces->size();
-  surfaces->resize(graph.num_scans());
-  constexpr std::size_t kScansPerChunk = 64;
-  pool->ForEachChunk(surfaces->size() - first_scan, kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t s = first_scan + begin; s < first_scan + end; ++s) {
-                         (*surfaces)[s] =
-                             ThinnedSurfaceOf(graph, static_cast<int>(s), measured, spacing_m);
-                       }
-                     });
 }
 
 std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,

@@ -79,11 +79,6 @@ std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
 SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredSurface& measured,
                                double spacing_m);
 
-/// Adds those of the scans that the graph has gained.
-void ExtendThinnedSurfacePoints(const SlamGraph& graph, const MeasuredSurface& measured,
-                                double spacing_m, ThreadPool* pool,
-                                std::vector<SurfacePoints>* surfaces);
-
 /// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
 /// others show is left to the joint estimation. surfaces: per scan.
 std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -161,6 +162,30 @@ TEST_F(ContradictedEdgesTest, TheNumberOfThreadsDoesNotCount) {
     if (!one[i].match) continue;
     EXPECT_EQ(one[i].match->from_from_to.x, three[i].match->from_from_to.x);
     EXPECT_EQ(one[i].match->covariance, three[i].match->covariance);
+  }
+}
+
+TEST_F(ContradictedEdgesTest, ProcessesFindTogetherWhatOneFinds) {
+  AddSteps();
+  AddEdge(0, 12, {2.0, -1.0, 0.4});
+  AddEdge(3, 21, {0.3, 0.0, 0.0});
+  AddEdge(5, 17);
+  const std::vector<ContradictedEdge> expected = Find();
+  ASSERT_EQ(expected.size(), 2u);
+  for (const int num_processes : {2, 3}) {
+    RunOnParts(graph_, num_processes, [&](const SlamGraph& part) {
+      ThreadPool pool(1);
+      const std::vector<ContradictedEdge> found =
+          FindContradictedEdges(part, SurfaceOf(part), RangeBeamOptions(), &pool);
+      ASSERT_EQ(found.size(), expected.size());
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].edge, expected[i].edge);
+        ASSERT_EQ(found[i].match.has_value(), expected[i].match.has_value());
+        if (!found[i].match) continue;
+        EXPECT_EQ(ToBlock(found[i].match->from_from_to), ToBlock(expected[i].match->from_from_to));
+        EXPECT_EQ(found[i].match->covariance, expected[i].match->covariance);
+      }
+    });
   }
 }
 
