@@ -42,10 +42,12 @@ std::set<std::string> KeysOf(const nlohmann::json& json) {
 
 class SlamMpiTest : public ProgramTest {
  protected:
-  // As root and on any number of processors, where mpirun would rather not.
+  // As root and on any number of processors, where mpirun would rather not, and without a rest of
+  // two seconds after a failure.
   static std::string Mpirun(int num_processes) {
     return "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-           "OMPI_MCA_rmaps_base_oversubscribe=1 " PLUMBLINE_MPIRUN " -n " +
+           "OMPI_MCA_rmaps_base_oversubscribe=1 "
+           "OMPI_MCA_odls_base_sigkill_timeout=0 " PLUMBLINE_MPIRUN " -n " +
            std::to_string(num_processes) + " ";
   }
 
@@ -90,7 +92,7 @@ class SlamMpiTest : public ProgramTest {
                      const std::string& flags = "") const {
     const Outcome run = Run(
         "simulate",
-        "--building=random --num_beams=180 --bearing_step_deg=2 --seed=" + std::to_string(seed) +
+        "--building=random --num_beams=90 --bearing_step_deg=4 --seed=" + std::to_string(seed) +
             " --visit=" + std::to_string(visit) + " --log=" + folder_ + name + ".clf " + flags);
     ASSERT_EQ(run.exit_code, kExitDone) << run.err;
   }
