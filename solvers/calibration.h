@@ -61,7 +61,7 @@ struct Calibration {
 /// or against relative poses. The standard deviations take the odometry's noise from its residuals,
 /// step by step independent, and that of the laser from the options.
 ///
-/// Parameters differ from the given ones by multiples of 1e-7. Collective for a shared graph.
+/// Corrections, of factors their logarithms, are multiples of 1e-7. Collective for a shared graph.
 ///
 /// kFailure, with the state unchanged: whatever Solve refuses, options out of range, lasers of
 /// different mountings or several fixed poses with laser_mounting or range_scale, own terms, poses

@@ -8,6 +8,7 @@
 #include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/acceptance/constraint_start.h"
@@ -103,7 +104,9 @@ SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surfa
     }
     if (!status.ok()) return SolverFailure(options, status);
     const SolverProblem problem{options, graph, surface, suggested};
-    SolverSummary summary = options.measure_rounds && graph.num_returns() > 0
+    const bool has_returns =
+        SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns())) > 0.0;
+    SolverSummary summary = options.measure_rounds && has_returns
                                 ? SolveMeasured(solver, problem, state)
                                 : SolveUnmeasured(solver, problem, state);
     // The given state is the result, and had none.

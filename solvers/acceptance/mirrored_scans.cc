@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-constexpr std::size_t kMaxPairs = 48;  // of all processes
+constexpr double kMaxPairs = 48.0;
 
 struct ScanPair {
   int from, to;               // scan ids, of lasers mounted alike
@@ -96,9 +96,10 @@ TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) 
   constexpr double kFarBetter = 0.6;
   const Peers* peers = graph.peers();
   const std::vector<ScanPair> pairs = TurnsOf(graph, poses);
-  const std::size_t num_processes = peers == nullptr ? 1 : peers->size();
-  const std::size_t num_voters =
-      std::min(pairs.size(), (kMaxPairs + num_processes - 1) / num_processes);
+  const auto num_own = static_cast<double>(pairs.size());
+  const double num_pairs = std::max(1.0, SumOverPeers(peers, num_own));
+  const auto num_voters =
+      static_cast<std::size_t>(std::ceil(num_own * std::min(num_pairs, kMaxPairs) / num_pairs));
   TurnVotes votes;
   for (std::size_t i = 0; i < num_voters; ++i) {
     if (votes.WillSayRight(static_cast<int>(num_voters - i))) break;

@@ -34,7 +34,7 @@ struct TurnVotes {
 /// at 45. Pairs that match about as well, or badly, both ways do not vote: round rooms, or poses
 /// that are wrong. At most 48 pairs are looked at, whatever the size of the graph, and no more once
 /// they say that the scans are right. Collective for a shared graph: each process looks at pairs of
-/// its own scans, and all have the votes.
+/// its own scans, its share of the 48 and less than one more, and all have the votes.
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses);
 
 /// InvalidArgument if the scans look mirrored to these poses, or to other ones that they may

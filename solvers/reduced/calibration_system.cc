@@ -134,8 +134,10 @@ void CalibrationSystem::AddRangeBias(double range_scale, const LineObservations&
           coupling.Rows(poses.line_normal[p]) * whitened;
     }
   }
-  information(kRangeBias, kRangeBias) += SumOverPeers(poses.peers, bias_information);
-  gradient[kRangeBias] += SumOverPeers(poses.peers, bias_gradient);
+  std::vector<double> sums = {bias_information, bias_gradient};
+  SumOverPeers(poses.peers, &sums);
+  information(kRangeBias, kRangeBias) += sums[0];
+  gradient[kRangeBias] += sums[1];
 }
 
 Status SolveCalibrationStep(const CalibrationSystem& system, const PoseSystem& poses,

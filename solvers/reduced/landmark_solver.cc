@@ -1,6 +1,7 @@
 #include <chrono>
 #include <utility>
 
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/acceptance/local_acceptance.h"
 #include "plumbline/solvers/full/alternating_cg.h"
@@ -110,7 +111,10 @@ class LandmarkRun final : public JointRun {
   }
 
   void RecordSeed(const Energy& energy, double TermSummary::*cost) {
-    if (seed_.points.empty()) {
+    // A process without returns has no points where the others have some.
+    const bool lacks_points =
+        SumOverPeers(graph_.peers(), static_cast<double>(seed_.points.size())) == 0.0;
+    if (lacks_points) {
       // The beams have nothing against points where they put them.
       RecordTerms(energy, {seed_.poses, graph_.MeasuredMap(seed_.poses)}, cost,
                   [](const Term& term) { return term.name() != kRangeBeamTerm; });

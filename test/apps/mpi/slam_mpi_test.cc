@@ -90,10 +90,10 @@ class SlamMpiTest : public ProgramTest {
   // A drive through a made-up building, on some day.
   void SimulateVisit(const std::string& name, int seed, int visit,
                      const std::string& flags = "") const {
-    const Outcome run = Run(
-        "simulate",
-        "--building=random --num_beams=90 --bearing_step_deg=4 --seed=" + std::to_string(seed) +
-            " --visit=" + std::to_string(visit) + " --log=" + folder_ + name + ".clf " + flags);
+    const Outcome run =
+        Run("simulate",
+            "--building=random --num_beams=90 --bearing_step_deg=4 --seed=" + std::to_string(seed) +
+                " --visit=" + std::to_string(visit) + " --log=" + folder_ + name + ".clf " + flags);
     ASSERT_EQ(run.exit_code, kExitDone) << run.err;
   }
 
@@ -206,8 +206,14 @@ TEST_F(SlamMpiTest, SharesASavedMap) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(FilesOf("two"), FilesOf("one"));
   EXPECT_EQ(KeysOf(SummaryIn("two")), KeysOf(SummaryIn("one")));
-  EXPECT_EQ(SummaryIn("one").at("joint").at("local").at("ignored_edges").size(), 1u);
-  EXPECT_EQ(SummaryIn("two").at("joint").at("local").at("ignored_edges").size(), 1u);
+  const auto ignored_edge_in = [this](const std::string& folder) {
+    const nlohmann::json edges = SummaryIn(folder).at("joint").at("local").at("ignored_edges");
+    EXPECT_EQ(edges.size(), 1u);
+    return edges.at(0);
+  };
+  EXPECT_EQ(ignored_edge_in("one").at("to"), 40);
+  EXPECT_EQ(ignored_edge_in("two").at("from"), ignored_edge_in("one").at("from"));
+  EXPECT_EQ(ignored_edge_in("two").at("to"), ignored_edge_in("one").at("to"));
   ExpectSamePoses("two", "one");
 }
 
@@ -285,6 +291,15 @@ TEST_F(SlamMpiTest, CalibratesAndTakesShapeAsOneProcessDoes) {
   for (const auto& [name, parameter] : expected.items()) {
     EXPECT_NEAR(parameters.at(name).at("value"), parameter.at("value"), 1e-6) << name;
   }
+  const auto num_shapes_in = [this](const std::string& folder) {
+    const nlohmann::json terms = SummaryIn(folder).at("solver").at("terms");
+    for (const nlohmann::json& term : terms) {
+      if (term.at("term") == "shape") return term.at("count").get<int>();
+    }
+    return -1;
+  };
+  EXPECT_GT(num_shapes_in("one"), 0);
+  EXPECT_EQ(num_shapes_in("two"), num_shapes_in("one"));
 }
 
 TEST_F(SlamMpiTest, RefusesByNameWhatProcessesCannotShare) {

@@ -163,6 +163,30 @@ TEST_P(SharedSolve, HasTheSameShapeTerms) {
 
 INSTANTIATE_TEST_SUITE_P(Ranks, SharedSolve, testing::Values(1, 2, 3, 5));
 
+// Decisions of all have to be those of the processes with nothing, too, or they wait for ever.
+TEST(SharedSolve, MoreProcessesThanScans) {
+  NoisyRoom room = DisturbedRoom(6);
+  SolverOptions options = Options();
+  options.measure_rounds = true;
+  MapState whole = room.state;
+  whole.points = room.graph.MeasuredMap(whole.poses);
+  const MapState seed = whole;
+  const SolverSummary summary = Solve(options, room.graph, &whole);
+  RunOnParts(room.graph, 9, [&](const SlamGraph& part) {
+    MapState state = PartOf(part, seed);
+    const SolverSummary shared = Solve(options, part, &state);
+    ASSERT_TRUE(shared.IsSolutionUsable()) << shared.message;
+    EXPECT_EQ(shared.termination, summary.termination);
+    EXPECT_LT(LargestDifference(state.poses, whole.poses), 1e-6);
+    ASSERT_EQ(shared.terms.size(), summary.terms.size());
+    for (std::size_t t = 0; t < summary.terms.size(); ++t) {
+      EXPECT_NEAR(shared.terms[t].initial_cost, summary.terms[t].initial_cost,
+                  1e-6 * std::max(1.0, summary.terms[t].initial_cost))
+          << summary.terms[t].name;
+    }
+  });
+}
+
 TEST(SharedSolve, IsTheSameEachTime) {
   NoisyRoom room = DisturbedRoom(30);
   SolverOptions options;
