@@ -31,6 +31,13 @@ double MapConsistency::RatioOf(const FreeSpaceConflict& conflict, double explica
          (conflict.num_compared + kPriorReturns);
 }
 
+bool MapConsistency::PassesDisagree() const {
+  // What noise and grazing beams bring about in a drive without people.
+  constexpr double kLeastShare = 0.002;
+  return between_passes.Share() >
+         kMaxBetweenOverWithin * std::max(within_pass.Share(), kLeastShare);
+}
+
 double MapConsistency::ExplicableShare() const {
   return std::min(std::max(within_pass.Share(), kDoorsShare), kCrowdShare);
 }

@@ -169,6 +169,7 @@ class HypothesisSearch {
   // Steps of the sequential matching as wrong as closures say, or as it takes.
   Status TryBreaks(MapHypothesis* best) {
     if (best->kind != HypothesisKind::kMatching) return Status::Ok();
+    if (PassesDisagree(best->consistency)) MarkStepAt(best->consistency.worst_within.pose);
     const std::vector<int> suspects = MostSuspectSteps(suspected_);
     KeyframeGraph in_question = suspected_;
     in_question.refused = best->keys.refused;
@@ -184,6 +185,20 @@ class HypothesisSearch {
       }
     }
     return TrySharedOut(in_question, best);
+  }
+
+  // Marks the step near a pose whose sides agree worst, however little evidence that is: a robot
+  // that was carried from one of many like places to another sees little that conflicts.
+  void MarkStepAt(int pose) {
+    constexpr int kNearKeys = 8;
+    const auto key =
+        std::find_if(suspected_.keyframes.begin(), suspected_.keyframes.end(),
+                     [pose](const Keyframe& keyframe) { return keyframe.pose >= pose; });
+    const int at = static_cast<int>(key - suspected_.keyframes.begin());
+    const int first = std::max(0, at - kNearKeys);
+    const int end = std::min(at + kNearKeys, suspected_.size() - 1);
+    if (first >= end) return;
+    MarkWorstEdge(surfaces_, matched_.world_from_robot, first, end, &suspected_);
   }
 
   // A step that is held as firmly as its neighbours shares its error out among all that lie between
@@ -348,10 +363,13 @@ class HypothesisSearch {
            SuspectAt(step, hypothesis.loops).IsUnresolved();
   }
 
-  const SuspectStep& SuspectAt(int step, const LoopClosingReport& loops) const {
+  // One that was not marked when the loops were closed was nothing to them.
+  SuspectStep SuspectAt(int step, const LoopClosingReport& loops) const {
     const int pose = suspected_.sequential[step].first_pose_after;
-    return *std::find_if(loops.suspect_steps.begin(), loops.suspect_steps.end(),
-                         [pose](const SuspectStep& d) { return d.first_pose_after == pose; });
+    const auto found =
+        std::find_if(loops.suspect_steps.begin(), loops.suspect_steps.end(),
+                     [pose](const SuspectStep& d) { return d.first_pose_after == pose; });
+    return found != loops.suspect_steps.end() ? *found : SuspectStep();
   }
 
   Status TryBreak(const KeyframeGraph& keys, MapHypothesis* best) {
@@ -411,8 +429,14 @@ class HypothesisSearch {
            IsSuspicious(best.consistency);
   }
 
-  static bool IsSuspicious(const MapConsistency& consistency) {
-    return consistency.Ratio() > MapConsistency::kSuspiciousRatio || consistency.IsContradictory();
+  bool IsSuspicious(const MapConsistency& consistency) const {
+    return consistency.Ratio() > MapConsistency::kSuspiciousRatio ||
+           consistency.IsContradictory() || PassesDisagree(consistency);
+  }
+
+  // Between days furniture moves.
+  bool PassesDisagree(const MapConsistency& consistency) const {
+    return ties_ == nullptr && consistency.PassesDisagree();
   }
 
   // Closes the loops of a start.

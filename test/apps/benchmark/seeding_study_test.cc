@@ -182,6 +182,22 @@ TEST(SeedingStudyTest, SmallErrorsAreNotSharedOut) {
   }
 }
 
+// Floors of identical rooms where a robot was carried from one door to the next, and all passes
+// after it lay 3 m beside those before it, silently. No place conflicts enough to prove it.
+TEST(SeedingStudyTest, LikePlacesThatLieOnEachOtherAreTakenApart) {
+  const std::vector<SeedingCase> all = SeedingCases(400, 81001);
+  std::vector<SeedingOutcome> outcomes;
+  ThreadPool pool(2);
+  ASSERT_TRUE(
+      RunSeedingStudy({all[123], all[303]}, SeedingOptions(), FactorOptions(), &pool, &outcomes)
+          .ok());
+  for (const SeedingOutcome& outcome : outcomes) {
+    ASSERT_EQ(outcome.run.fault.kind, FaultKind::kCarried);
+    EXPECT_TRUE(outcome.IsRight()) << outcome.max_error_m;
+    EXPECT_TRUE(outcome.IsRefinedRight()) << outcome.max_refined_error_m;
+  }
+}
+
 // The floor of identical rooms where a robot was carried round a corner while nothing was recorded,
 // and the map was silently wrong by 31 m.
 TEST(SeedingStudyTest, AStepToAScanThatMatchesNothingIsLookedInto) {

@@ -59,6 +59,22 @@ TEST(MapConsistency, APeakIsPutToWhatIsUsualOnTheDrive) {
   EXPECT_TRUE(consistency.IsContradictory());
 }
 
+TEST(MapConsistency, PassesDisagreeOutOfProportionToEach) {
+  MapConsistency consistency;
+  EXPECT_FALSE(consistency.PassesDisagree());
+  consistency.within_pass = {100000, 300};
+  consistency.between_passes = {100000, 1700};
+  EXPECT_FALSE(consistency.PassesDisagree());
+  consistency.between_passes = {100000, 1900};
+  EXPECT_TRUE(consistency.PassesDisagree());
+  consistency.within_pass = {100000, 3000};  // people
+  EXPECT_FALSE(consistency.PassesDisagree());
+  // Next to nothing is more than nothing, and no reason.
+  consistency.within_pass = {100000, 0};
+  consistency.between_passes = {100000, 1100};
+  EXPECT_FALSE(consistency.PassesDisagree());
+}
+
 TEST(MapConsistency, RatioOfTheWorstPlaceToWhatCanBeExplained) {
   MapConsistency consistency;
   EXPECT_EQ(consistency.Ratio(), 1.0);
