@@ -62,7 +62,8 @@ struct LoopClosureRecord {
 /// A place of the path where the scans before and after it disagreed.
 struct SuspectStep {
   int first_pose_after = 0;  ///< pose id: the first one that disagrees with those before
-  double evidence = 0.0;     ///< of the disagreement, from 0.15 to 1.6
+  /// Of the disagreement, up to 1.6; from 0.15 on where that alone makes the step suspect.
+  double evidence = 0.0;
   bool broken = false;       ///< the step was wrong; closures across it put it right
   /// A scan here matched nothing near by, which is rare on this drive: a step is the odometry's.
   bool unmatched = false;
