@@ -113,11 +113,12 @@ struct MapConsistency {
   bool IsContradictory() const;
 
   /// Whether passes conflict with one another out of all proportion to what conflicts within each:
-  /// places that look alike lie on each other, though none conflicts enough to prove it. Doors and
-  /// furniture that moved do that, too: a reason to look for another map, and no more.
+  /// as where places that look alike lie on each other, and none conflicts enough to prove it.
+  /// Doors and furniture that moved do that, too: a reason to look for another map, and no more.
   bool PassesDisagree() const;
-  /// From this many times the share within a pass on. The logs that this was tuned on have 0.7 to
-  /// 2.5, floors of identical rooms onto which a robot was matched that had been carried 18 and 20.
+  /// Above this many times the share within a pass, that taken as 0.002 at least. Right maps of the
+  /// logs that this was tuned on have 0.7 to 2.5. Two floors of identical rooms, where a carried
+  /// robot was matched to the wrong one, have 18 and 20.
   static constexpr double kMaxBetweenOverWithin = 6.0;
 
   /// Share of conflicting returns of different passes over the one within a pass; not finite where

@@ -64,7 +64,7 @@ struct SuspectStep {
   int first_pose_after = 0;  ///< pose id: the first one that disagrees with those before
   /// Of the disagreement, up to 1.6; from 0.15 on where that alone makes the step suspect.
   double evidence = 0.0;
-  bool broken = false;       ///< the step was wrong; closures across it put it right
+  bool broken = false;  ///< the step was wrong; closures across it put it right
   /// A scan here matched nothing near by, which is rare on this drive: a step is the odometry's.
   bool unmatched = false;
   /// How far the repair has turned what lies beyond it [rad]. Many buildings look alike turned by a
