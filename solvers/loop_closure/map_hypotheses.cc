@@ -198,7 +198,13 @@ class HypothesisSearch {
     const int first = std::max(0, at - kNearKeys);
     const int end = std::min(at + kNearKeys, suspected_.size() - 1);
     if (first >= end) return;
-    MarkWorstEdge(surfaces_, matched_.world_from_robot, first, end, &suspected_);
+    KeyframeGraph marked = suspected_;
+    const int step = MarkWorstEdge(surfaces_, matched_.world_from_robot, first, end, &marked);
+    SequentialEdge& edge = suspected_.sequential[step];
+    if (edge.evidence > 0.0) return;
+    edge = marked.sequential[step];
+    // Not in proportion to what is usual on the drive, so no reason to trust nothing across it.
+    edge.evidence = std::min(edge.evidence, 0.9 * SuspectStep::kUntrustedEvidence);
   }
 
   // A step that is held as firmly as its neighbours shares its error out among all that lie between
