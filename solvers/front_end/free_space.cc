@@ -16,7 +16,8 @@ namespace {
 // fr079, intel and simulated buildings.
 constexpr double kMarginM = 0.3;
 constexpr double kMarginPerRange = 0.02;
-constexpr std::size_t kReturnStride = 2;
+// Of the returns that are compared; a laser with fewer beams has all of them compared.
+constexpr double kReturnSpacingRad = DegToRad(1.0);
 constexpr int kNumNeighbours = 4;
 
 // Bearing [rad] of a point, to 2e-8: a fraction of what is between beams, at half the price of the
@@ -46,8 +47,10 @@ FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
   const ScanEntry& entry = graph.scan(scan);
   const ScanReturns returns = graph.ReturnsOfScan(scan);
   const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
-  points_in_robot_.reserve((entry.num_returns + kReturnStride - 1) / kReturnStride);
-  for (std::size_t k = 0; k < entry.num_returns; k += kReturnStride) {
+  const auto stride = static_cast<std::size_t>(
+      std::clamp(std::round(beams_per_rad_ * kReturnSpacingRad), 1.0, 1.0 * laser_.num_beams));
+  points_in_robot_.reserve((entry.num_returns + stride - 1) / stride);
+  for (std::size_t k = 0; k < entry.num_returns; k += stride) {
     points_in_robot_.push_back(returns.PointInRobot(entry.first_return + k));
   }
   shortest_range_.reserve(std::max(0, laser_.num_beams + 1 - kNumNeighbours));

@@ -53,6 +53,16 @@ TEST(FreeSpace, TheSweepMayBeginAnywhereAndTurnEitherWay) {
   }
 }
 
+TEST(FreeSpace, LasersOfManyAndOfFewBeamsCompareAsMuch) {
+  for (const double per_deg : {1.0, 2.0, 4.0}) {
+    SyntheticScene scene = Room();
+    scene.laser = PanoramicLaser(static_cast<int>(360 * per_deg));
+    scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+    const SlamGraph graph = MakeGraph(scene);
+    EXPECT_NEAR(OneWay(graph, 0, 1, scene.poses[1]).num_compared, 340, 20) << per_deg;
+  }
+}
+
 TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
   SyntheticScene scene = Room();
   scene.laser.num_beams = 1;
