@@ -116,7 +116,7 @@ Status MakeSeed(SolverOptions* solver, LogMapping* mapping) {
   ThreadPool pool(solver->num_threads);
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, mapping));
-  *solver = RefinementOptions(options, mapping->report.seeding);
+  *solver = RefinementOptions(options, *mapping);
   return Status::Ok();
 }
 

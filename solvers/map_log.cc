@@ -9,6 +9,7 @@
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/acceptance/contradicted_steps.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/frozen_laser.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
@@ -240,19 +241,28 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
   });
 }
 
-SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding) {
+SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& mapping) {
+  const SeedingReport& seeding = mapping.report.seeding;
   SolverOptions solver = options.solver;
   if (seeding.odometry_noise.is_prediction) {
     solver.factors.motion = seeding.odometry_noise.motion;
   } else if (!options.calibration.IsOn()) {
     solver.factors.motion = RefinementMotion(seeding.odometry_noise, solver.factors.motion);
   }
+  std::vector<int> after_broken;
+  for (const SuspectStep& step : seeding.loops.suspect_steps) {
+    if (step.broken) after_broken.push_back(step.first_pose_after);
+  }
+  std::vector<DownweightedStep>& downweighted = solver.factors.downweighted_steps;
+  const std::vector<DownweightedStep> broken =
+      FindBrokenSteps(mapping.graph, solver.factors, mapping.start_poses, after_broken);
+  downweighted.insert(downweighted.end(), broken.begin(), broken.end());
   return solver;
 }
 
 Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
   return CatchExceptions([&] {
-    const SolverOptions solver = RefinementOptions(options, mapping->report.seeding);
+    const SolverOptions solver = RefinementOptions(options, *mapping);
     if (options.calibration.IsOn()) {
       Calibrate(options, solver, mapping);
     } else {

@@ -115,10 +115,11 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
 Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_poses,
                      SeedingReport seeding, LogMapping* mapping);
 
-/// What the joint estimation of a log with this seed goes by: the options, but with what the scans
-/// say of the noise of the odometry where that is less. A calibration has its own view of that, and
-/// keeps the options'. Without odometry the noise is that of the predicted steps.
-SolverOptions RefinementOptions(const MapLogOptions& options, const SeedingReport& seeding);
+/// What the joint estimation of a seeded log goes by: the options, but with what the scans say of
+/// the noise of the odometry where that is less. A calibration has its own view of that, and keeps
+/// the options'. Without odometry the noise is that of the predicted steps. Steps that the seeding
+/// found broken count no more.
+SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& mapping);
 
 /// Refines a log that has a seed. InvalidArgument with the solver's message if it refuses its
 /// input.

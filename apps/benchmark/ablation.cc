@@ -74,7 +74,7 @@ Status SeedInput(ThreadPool* pool, AblationInput* input) {
   LogMapping mapping;
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(input->graph), pool, &mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, pool, &mapping));
-  input->full = RefinementOptions(options, mapping.report.seeding);
+  input->full = RefinementOptions(options, mapping);
   input->graph = std::move(mapping.graph);
   input->seed = std::move(mapping.state);
   input->seed.points = input->graph.MeasuredMap(input->seed.poses);

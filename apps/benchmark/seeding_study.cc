@@ -246,7 +246,7 @@ Status RunSeedingCase(const SeedingCase& run, const SeedingOptions& seeding,
   result.max_error_m = errors.max;
   result.mean_error_m = errors.mean;
 
-  mapping.state.poses = PoseArray(poses);
+  mapping.start_poses = mapping.state.poses = PoseArray(poses);
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
   result.max_refined_error_m =
       ErrorsOf(log, PosesOf(mapping.state.poses), run.fault.kind, first_scan).max;

@@ -115,9 +115,8 @@ Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const Seed
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, &mapping));
   outcome->seeded = MeasureStage("seed", mapping.graph, mapping.state, &truth, &pool);
-  PLUMBLINE_RETURN_IF_ERROR(MeasureFloor(RefinementOptions(options, mapping.report.seeding),
-                                         mapping.surface, mapping.graph, truth, &pool,
-                                         &outcome->floor_m));
+  PLUMBLINE_RETURN_IF_ERROR(MeasureFloor(RefinementOptions(options, mapping), mapping.surface,
+                                         mapping.graph, truth, &pool, &outcome->floor_m));
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
   outcome->refined = MeasureStage("refined", mapping.graph, mapping.state, &truth, &pool);
   outcome->alarm = !mapping.report.alarms.empty();

@@ -78,7 +78,7 @@ Status MeasureFloor(const MapLogOptions& options, const SessionMap& map,
     state.SetPose(i, truth[i] * off);
   }
   const SolverSummary summary =
-      Solve(RefinementOptions(options, map.mapping.report.seeding), map.mapping.graph, &state);
+      Solve(RefinementOptions(options, map.mapping), map.mapping.graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
   *floor_m = ErrorsOf(truth, state.poses).mean;
   return Status::Ok();

@@ -70,4 +70,22 @@ StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& 
   return against;
 }
 
+std::vector<DownweightedStep> FindBrokenSteps(const SlamGraph& graph, const FactorOptions& factors,
+                                              const std::vector<double>& seed,
+                                              const std::vector<int>& first_poses_after) {
+  if (first_poses_after.empty() || seed.size() != graph.initial_poses().size()) return {};
+  const std::vector<PoseEdge> motions = PoseEdges(graph, factors).motions;
+  std::vector<DownweightedStep> steps;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const bool is_near =
+        std::any_of(first_poses_after.begin(), first_poses_after.end(), [&](int pose) {
+          return IsNear({pose, pose}, motions[i].to);
+        });
+    if (is_near && IsContradicted(motions[i], seed, kContradictedSigmas)) {
+      steps.push_back({i, SigmasOf(motions[i], seed)});
+    }
+  }
+  return steps;
+}
+
 }  // namespace plumbline

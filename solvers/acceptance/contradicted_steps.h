@@ -37,6 +37,13 @@ StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& 
                                    const std::vector<double>& state,
                                    const std::vector<WorseStretch>& worse);
 
+/// Of the steps within 16 poses of `first_poses_after`, which are known to come after a broken
+/// step, those that the seed flatly contradicts, with the factors as above. None of a seed of
+/// another size.
+std::vector<DownweightedStep> FindBrokenSteps(const SlamGraph& graph, const FactorOptions& factors,
+                                              const std::vector<double>& seed,
+                                              const std::vector<int>& first_poses_after);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_ACCEPTANCE_CONTRADICTED_STEPS_H_

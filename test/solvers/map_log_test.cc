@@ -161,7 +161,7 @@ TEST(MapLogTest, GoesByTheOdometryThatTheSeedCorrected) {
   // The solver is given these motions, with the noise that goes with them.
   const MapLogOptions options;
   MapState state{mapping.start_poses, mapping.graph.MeasuredMap(mapping.start_poses)};
-  Solve(RefinementOptions(options, seeding), mapping.graph, &state);
+  Solve(RefinementOptions(options, mapping), mapping.graph, &state);
   EXPECT_TRUE(state == mapping.state);
 }
 
@@ -332,9 +332,8 @@ TEST(MapLogWithoutOdometryTest, AChainOfMatchesIsAStartToo) {
   options.start = StartType::kIcpPointToLine;
   const LogMapping mapping = Seeded(options, WithoutOdometry(Office(), true));
   EXPECT_THAT(mapping.graph.odometry(), SizeIs(Office().num_poses() - 1));
-  EXPECT_TRUE(
-      RefinementOptions(options, mapping.report.seeding).factors.motion.translation_floor_m >
-      options.solver.factors.motion.translation_floor_m);
+  EXPECT_TRUE(RefinementOptions(options, mapping).factors.motion.translation_floor_m >
+              options.solver.factors.motion.translation_floor_m);
 }
 
 TEST(StartFromSeedTest, AKeptSeedGivesTheSameMap) {
@@ -371,12 +370,13 @@ TEST(StartFromSeedTest, RefusesTheSeedOfAnotherLog) {
 TEST(RefinementOptionsTest, TakesTheNoiseOfForwardMotionFromTheReport) {
   MapLogOptions options;
   const MotionOptions& given = options.solver.factors.motion;
-  SeedingReport seeding;
+  LogMapping mapping;
+  SeedingReport& seeding = mapping.report.seeding;
   seeding.odometry_noise.translation.estimated = true;
   MotionOptions& found = seeding.odometry_noise.motion;
   found.translation_per_translation = 0.5 * given.translation_per_translation;
   found.rotation_per_rotation = 0.5 * given.rotation_per_rotation;
-  const auto refined = [&] { return RefinementOptions(options, seeding).factors.motion; };
+  const auto refined = [&] { return RefinementOptions(options, mapping).factors.motion; };
   EXPECT_EQ(refined().translation_per_translation, found.translation_per_translation);
   EXPECT_LT(refined().translation_floor_m, given.translation_floor_m);
   EXPECT_EQ(refined().rotation_per_rotation, given.rotation_per_rotation);

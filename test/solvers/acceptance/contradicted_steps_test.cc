@@ -110,5 +110,26 @@ TEST(ContradictedStepsTest, LessThanALeapIsNoise) {
   EXPECT_TRUE(Downweighted(drive, TornState(drive), {{28, 32}}).empty());
 }
 
+TEST(FindBrokenStepsTest, AStepThatTheSeedContradictsIsFoundBesideWhereOneIsBroken) {
+  const Drive drive = CarriedDrive(2.0);
+  const auto found = [&](const std::vector<int>& first_poses_after) {
+    return FindBrokenSteps(drive.graph, drive.factors, drive.seed, first_poses_after);
+  };
+  for (const int pose : {kCarriedTo - 10, kCarriedTo, kCarriedTo + 10}) {
+    const std::vector<DownweightedStep> steps = found({5, pose});
+    ASSERT_EQ(steps.size(), 1u) << pose;
+    EXPECT_EQ(steps[0].step, kCarriedTo - 1u);
+    EXPECT_NEAR(steps[0].sigma_factor, 2.0 / 0.0064, 1.0);
+  }
+  EXPECT_TRUE(found({}).empty());
+  EXPECT_TRUE(found({5, kCarriedTo + 25}).empty());
+}
+
+TEST(FindBrokenStepsTest, NoStepIsBrokenThatTheSeedObeysOrThatItDoesNotKnow) {
+  const Drive drive = CarriedDrive(0.1);
+  EXPECT_TRUE(FindBrokenSteps(drive.graph, drive.factors, drive.seed, {kCarriedTo}).empty());
+  EXPECT_TRUE(FindBrokenSteps(drive.graph, drive.factors, {}, {kCarriedTo}).empty());
+}
+
 }  // namespace
 }  // namespace plumbline
