@@ -487,7 +487,7 @@ class HypothesisSearch {
   void Place(MapHypothesis* hypothesis) const {
     hypothesis->world_from_robot =
         PosesFollowingKeyframes(hypothesis->keys, hypothesis->start.world_from_robot);
-    RematchAtBreaks(surfaces_, hypothesis->keys, hypothesis->start.odometry,
+    RematchAtBreaks(surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_,
                     &hypothesis->world_from_robot);
     RematchAtLeaps(surfaces_, hypothesis->keys, hypothesis->start.odometry, motion_, pool_,
                    &hypothesis->world_from_robot);
