@@ -14,6 +14,8 @@ namespace {
 constexpr double kWrongIfContradictory = 0.94;
 constexpr double kWrongIfUnresolved = 0.07;
 
+constexpr char kBeforeRefinement[] = " before the refinement, though not after it";
+
 // The alarm of one peak, if that peak by itself is a contradiction.
 void CheckPeak(const MapConsistency& consistency, const ConflictPeak& peak, const std::string& what,
                const SlamGraph& graph, const std::vector<double>& poses,
@@ -50,6 +52,35 @@ Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph,
          << (seeding.loops.suspect_steps.empty() ? "all loops had to be left open"
                                                  : "some odometry steps are suspect");
   return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str(), std::nullopt};
+}
+
+// Of several sessions, which no odometry joins, another one may disagree for what has moved.
+bool IsOneDrive(const SlamGraph& graph) {
+  return static_cast<int>(graph.odometry().size()) + 1 >= graph.num_poses();
+}
+
+Alarm DisagreeingPasses(const MapConsistency& consistency, const SlamGraph& graph,
+                        const std::vector<double>& poses) {
+  std::ostringstream reason;
+  reason << std::fixed << std::setprecision(2) << "visits look through each other's surfaces ("
+         << 100.0 * consistency.between_passes.Share()
+         << " % of what they compare) far more often than the scans of one visit do ("
+         << 100.0 * consistency.within_pass.Share()
+         << " %): places that look alike may lie on each other";
+  return {PlaceOfPose(graph, poses, consistency.worst_between.pose), reason.str(), std::nullopt};
+}
+
+// Of the refined map, or else of the seed.
+void CheckPasses(const SeedingReport& seeding, const MapConsistency& refined,
+                 const SlamGraph& graph, const std::vector<double>& poses,
+                 std::vector<Alarm>* alarms) {
+  if (!IsOneDrive(graph)) return;
+  if (refined.PassesDisagree()) {
+    alarms->push_back(DisagreeingPasses(refined, graph, poses));
+  } else if (seeding.consistency.PassesDisagree()) {
+    alarms->push_back(DisagreeingPasses(seeding.consistency, graph, poses));
+    alarms->back().reason += kBeforeRefinement;
+  }
 }
 
 }  // namespace
@@ -142,10 +173,11 @@ std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency&
   if (alarms.empty()) {
     alarms = MapAlarms(seeding.consistency, graph, poses);
     for (Alarm& alarm : alarms) {
-      alarm.reason += " before the refinement, though not after it";
+      alarm.reason += kBeforeRefinement;
       alarm.wrong_share.reset();
     }
   }
+  if (alarms.empty()) CheckPasses(seeding, refined, graph, poses, &alarms);
   for (const SuspectStep& step : seeding.loops.suspect_steps) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));
   }

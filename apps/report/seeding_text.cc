@@ -262,7 +262,8 @@ std::string ConsistencyText(const std::string& name, const MapConsistency& consi
   return "  " + name + (consistency.IsContradictory() ? " contradicts itself" : " is consistent") +
          Format(
              ": its worst place has %.1f times the free-space conflicts that can be explained.\n",
-             consistency.Ratio());
+             consistency.Ratio()) +
+         (consistency.PassesDisagree() ? "  Its visits disagree with one another.\n" : "");
 }
 
 }  // namespace plumbline

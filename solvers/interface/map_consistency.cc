@@ -1,6 +1,7 @@
 #include "plumbline/solvers/interface/map_consistency.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plumbline {
 
@@ -32,14 +33,24 @@ double MapConsistency::RatioOf(const FreeSpaceConflict& conflict, double explica
 }
 
 bool MapConsistency::PassesDisagree() const {
-  // What noise and grazing beams bring about in a drive without people.
-  constexpr double kLeastShare = 0.002;
   return between_passes.Share() >
          kMaxBetweenOverWithin * std::max(within_pass.Share(), kLeastShare);
 }
 
 double MapConsistency::ExplicableShare() const {
   return std::min(std::max(within_pass.Share(), kDoorsShare), kCrowdShare);
+}
+
+FreeSpaceConflict MapConsistency::AllConflicts() const {
+  FreeSpaceConflict all = within_pass;
+  all += between_passes;
+  return all;
+}
+
+double MapConsistency::WorthOfAgreement() const {
+  const double wrong = ExplicableShare();
+  const double right = std::min(std::max(within_pass.Share(), kLeastShare), 0.99 * wrong);
+  return (wrong - right) / std::log(wrong / right);
 }
 
 double MapConsistency::Ratio(const ConflictPeak& peak) const {

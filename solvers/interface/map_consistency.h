@@ -82,6 +82,14 @@ struct MapConsistency {
   /// than a crowd does.
   double ExplicableShare() const;
 
+  /// Within and between passes.
+  FreeSpaceConflict AllConflicts() const;
+
+  /// How many returns that conflict speak as much against a map as one that agrees speaks for it:
+  /// by the ratio of the likelihoods of a map on which returns conflict as often as within one
+  /// pass, and of one on which they do as often as can be explained at most.
+  double WorthOfAgreement() const;
+
   /// Conflicts of a peak over the ones that can be explained: by the explicable share, and by what
   /// is usual on this drive where that is more than a sixth of it. (Simulated drives have a
   /// fiftieth of it, and peaks below 1; real ones that are right have a tenth to a half, and peaks
@@ -114,12 +122,15 @@ struct MapConsistency {
 
   /// Whether passes conflict with one another out of all proportion to what conflicts within each:
   /// as where places that look alike lie on each other, and none conflicts enough to prove it.
-  /// Doors and furniture that moved do that, too: a reason to look for another map, and no more.
+  /// Furniture that moved between sessions does that, too. A reason to look for another map of a
+  /// single drive, and to warn if there is none.
   bool PassesDisagree() const;
   /// Above this many times the share within a pass, that taken as 0.002 at least. Right maps of the
   /// logs that this was tuned on have 0.7 to 2.5. Two floors of identical rooms, where a carried
   /// robot was matched to the wrong one, have 18 and 20.
   static constexpr double kMaxBetweenOverWithin = 6.0;
+  /// What noise and grazing beams bring about in a drive without people.
+  static constexpr double kLeastShare = 0.002;
 
   /// Share of conflicting returns of different passes over the one within a pass; not finite where
   /// one pass has no conflict.

@@ -130,9 +130,8 @@ struct WeighedHypothesis {
   int first_pose_after = 0;  ///< see carried_to
   /// Compared and conflicting returns within and between passes.
   FreeSpaceConflict conflict;
-  /// Conflicting returns less those that can be explained; the lower, the better. The number is
-  /// proportional to the log-likelihood ratio of a map that is right, in which the explicable share
-  /// of what is compared conflicts, and one in which passes lie on each other by mistake.
+  /// Conflicting returns less what all that are compared are worth, see
+  /// MapConsistency::WorthOfAgreement; the lower, the better.
   double score = 0.0;
   bool adopted = false;  ///< the seed is made of it
   /// The map that it makes: a pose per pose of the graph. kWithoutCluster, kWithMatch: none.
@@ -158,7 +157,8 @@ struct SeedingReport {
   std::vector<Pose2> sequential_poses;
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
   /// disagree and nothing else ties them together; or it contradicts itself a little (a ratio above
-  /// 2), and there are suspect steps or only loops that had to be left open.
+  /// 2), and there are suspect steps or only loops that had to be left open; or its passes
+  /// disagree, if it is of one drive.
   bool alarm = false;
 
   /// Whether a wrong step of the sequential matching was found and put right.

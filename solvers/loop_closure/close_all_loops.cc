@@ -24,7 +24,9 @@ Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
   PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, surfaces, progress, pool, *trajectory, ties,
                                                 &best, &report->hypotheses));
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
-  report->alarm = IsAlarming(best.loops, best.consistency);
+  // Between sessions things move.
+  report->alarm = IsAlarming(best.loops, best.consistency) ||
+                  (ties == nullptr && best.consistency.PassesDisagree());
   report->loops = std::move(best.loops);
   report->consistency = std::move(best.consistency);
   report->sequential_poses = std::move(best.start.world_from_robot);

@@ -55,12 +55,6 @@ constexpr double kNoContradiction = 1.0 / 3.0;
 // that can be explained.
 constexpr double kSoundOdometry = 2.0;
 
-FreeSpaceConflict AllConflicts(const MapConsistency& consistency) {
-  FreeSpaceConflict all = consistency.within_pass;
-  all += consistency.between_passes;
-  return all;
-}
-
 class HypothesisSearch {
  public:
   HypothesisSearch(const MotionOptions& motion, const ScanSurfaces& surfaces,
@@ -340,7 +334,7 @@ class HypothesisSearch {
       usual_share = std::min(usual_share, share_within(place));
     }
     const auto excess = [&](const MapHypothesis& place) {
-      const FreeSpaceConflict all = AllConflicts(place.consistency);
+      const FreeSpaceConflict all = place.consistency.AllConflicts();
       return all.num_conflicting - usual_share * all.num_compared;
     };
     const Pose2& measured = suspected_.sequential[step].constraint.from_from_to;
@@ -395,8 +389,8 @@ class HypothesisSearch {
   }
 
   double Score(const MapConsistency& consistency) const {
-    const FreeSpaceConflict all = AllConflicts(consistency);
-    return all.num_conflicting - explicable_share_ * all.num_compared;
+    const FreeSpaceConflict all = consistency.AllConflicts();
+    return all.num_conflicting - worth_of_agreement_ * all.num_compared;
   }
 
   // Whether one map is better than another by enough to assume more for it.
@@ -416,7 +410,7 @@ class HypothesisSearch {
     WeighedHypothesis weighed;
     weighed.kind = hypothesis->kind;
     weighed.num_closures = static_cast<int>(hypothesis->keys.closures.size());
-    weighed.conflict = AllConflicts(hypothesis->consistency);
+    weighed.conflict = hypothesis->consistency.AllConflicts();
     weighed.score = Score(hypothesis->consistency);
     weighed.world_from_robot = hypothesis->world_from_robot;
     hypothesis->records = {weighed_.size()};
@@ -454,6 +448,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
     if (kind == HypothesisKind::kMatching) {
       explicable_share_ = best->consistency.ExplicableShare();
+      worth_of_agreement_ = best->consistency.WorthOfAgreement();
     }
     Weigh(best);
     return Status::Ok();
@@ -543,7 +538,7 @@ class HypothesisSearch {
     if (!*revised) return Status::Ok();
     other.records = best->records;
     other.records.push_back(first_record + least);
-    weighed_[first_record + least].conflict = AllConflicts(other.consistency);
+    weighed_[first_record + least].conflict = other.consistency.AllConflicts();
     weighed_[first_record + least].score = Score(other.consistency);
     *best = std::move(other);
     return Status::Ok();
@@ -554,7 +549,7 @@ class HypothesisSearch {
     WeighedHypothesis trial;
     trial.kind = kind;
     trial.num_closures = static_cast<int>(revision.size());
-    trial.conflict = AllConflicts(map);
+    trial.conflict = map.AllConflicts();
     trial.score = Score(map);
     const auto pose = [&](int key) { return keys.keyframes[key].pose; };
     trial.first_later_pose = trial.first_earlier_pose = graph_.num_poses();
@@ -578,6 +573,7 @@ class HypothesisSearch {
   const ConsistencyMeter meter_;
   // Of the matching's map; one for all that are compared.
   double explicable_share_ = 0.06;
+  double worth_of_agreement_ = 0.06;
   // By what the surroundings of a keyframe look like: that depends on the start, and on which steps
   // are in question.
   std::map<HypothesisKind, ClosureMemory> memories_;
