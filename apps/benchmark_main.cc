@@ -454,6 +454,8 @@ Status CheckFlags() {
   }
   ReplayOptions replay;
   PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&replay));
+  StudyScanner scanner;
+  PLUMBLINE_RETURN_IF_ERROR(StudyScannerFromFlag(&scanner));
   std::vector<int> counts;
   const Status status = ParseScanCounts(FLAGS_scans, &counts);
   if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());

@@ -13,6 +13,7 @@
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/core/angle.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
@@ -57,6 +58,25 @@ SimulationOptions SimulationOf(const SeedingCase& run) {
   options.scan_period_s = kScanPeriodS;
   options.seed = run.seed;
   options.odometry_noise = Scaled(options.odometry_noise, run.odometry_factor);
+  if (run.scanner == StudyScanner::kFine) return options;
+  options.laser.num_beams = 181;
+  options.laser.first_bearing_rad = DegToRad(-90.0);
+  options.laser.bearing_step_rad = DegToRad(1.0);
+  switch (run.scanner) {
+    case StudyScanner::kFine:
+      break;
+    case StudyScanner::kShort:
+      options.laser.max_range_m = 8.0;
+      options.laser_noise.sigma_range_m = 0.015;
+      break;
+    case StudyScanner::kThinned:
+      options.scan_period_s = 2.0;
+      break;
+    case StudyScanner::kFast:
+      options.drive.speed_m_s = 1.0;
+      options.drive.turn_rate_rad_s = DegToRad(80.0);
+      break;
+  }
   return options;
 }
 
@@ -179,6 +199,18 @@ void WriteRow(const std::string& name, const std::vector<SeedingOutcome>& outcom
 }
 
 }  // namespace
+
+bool FromString(const std::string& name, StudyScanner* scanner) {
+  for (const auto& [known, value] : {std::pair{"fine", StudyScanner::kFine},
+                                     {"short", StudyScanner::kShort},
+                                     {"thinned", StudyScanner::kThinned},
+                                     {"fast", StudyScanner::kFast}}) {
+    if (name != known) continue;
+    *scanner = value;
+    return true;
+  }
+  return false;
+}
 
 bool IsAlarmDue(FaultKind kind) {
   return kind == FaultKind::kFrozenToEnd || kind == FaultKind::kTwoBuildings;

@@ -14,8 +14,20 @@
 
 namespace plumbline {
 
+/// What the robot of a run scans with, and how it drives. The field of view is 180 deg.
+enum class StudyScanner {
+  kFine,     ///< a beam every 0.5 deg, to 80 m; a scan every 0.18 m
+  kShort,    ///< a beam every 1 deg, to 8 m, range noise 15 mm; a scan every 0.18 m
+  kThinned,  ///< a beam every 1 deg, to 80 m; a scan every 0.8 m
+  kFast,     ///< a beam every 1 deg, to 80 m; 1 m/s, turning by 80 deg/s, a scan every 0.45 m
+};
+
+/// fine, short, thinned or fast; false if it is none of them.
+bool FromString(const std::string& name, StudyScanner* scanner);
+
 /// One run of the study.
 struct SeedingCase {
+  StudyScanner scanner = StudyScanner::kFine;
   BuildingKind building = BuildingKind::kRandom;
   std::uint64_t seed = 1;        ///< of the building and of all noise
   double odometry_factor = 1.0;  ///< times all errors of the default OdometryNoise

@@ -23,6 +23,10 @@ DEFINE_int32(buildings, 0,
 DEFINE_uint64(study_first_seed, 1,
               "seeding_study, sessions_study: seeds of buildings, noise and faults count from this "
               "one; seeding_study has two buildings of each");
+DEFINE_string(
+    study_scanner, "fine",
+    "seeding_study: fine (0.5 deg, 80 m, a scan every 0.18 m), short (1 deg, 8 m), thinned "
+    "(1 deg, a scan every 0.8 m) or fast (1 deg, 1 m/s, a scan every 0.45 m)");
 DEFINE_int32(seeds, 30,
              "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
@@ -39,16 +43,25 @@ void PrintText(const std::string& title, const std::string& text, HtmlReport* pa
   page->texts.push_back({title, text});
 }
 
+Status StudyScannerFromFlag(StudyScanner* scanner) {
+  if (FromString(FLAGS_study_scanner, scanner)) return Status::Ok();
+  return Status::InvalidArgument("--study_scanner=" + FLAGS_study_scanner +
+                                 ": want fine, short, thinned or fast");
+}
+
 Status SeedingStudy(const OutputFolder& /*output*/, HtmlReport* page) {
+  StudyScanner scanner;
+  PLUMBLINE_RETURN_IF_ERROR(StudyScannerFromFlag(&scanner));
   SolverOptions solver;
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&seeding));
   ThreadPool pool(solver.num_threads);
   const auto start = std::chrono::steady_clock::now();
+  std::vector<SeedingCase> cases = SeedingCases(NumBuildings(180), FLAGS_study_first_seed);
+  for (SeedingCase& run : cases) run.scanner = scanner;
   std::vector<SeedingOutcome> outcomes;
-  PLUMBLINE_RETURN_IF_ERROR(RunSeedingStudy(SeedingCases(NumBuildings(180), FLAGS_study_first_seed),
-                                            seeding, solver.factors, &pool, &outcomes));
+  PLUMBLINE_RETURN_IF_ERROR(RunSeedingStudy(cases, seeding, solver.factors, &pool, &outcomes));
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
   if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSeedingCsv(FLAGS_csv, outcomes));
   PrintText("Seeding study", SeedingTable(outcomes), page);

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/core/status.h"
@@ -18,6 +19,9 @@ namespace plumbline {
 
 /// Prints a text, and adds it to the page.
 void PrintText(const std::string& title, const std::string& text, HtmlReport* page);
+
+/// By --study_scanner.
+Status StudyScannerFromFlag(StudyScanner* scanner);
 
 /// The experiments of plumbline_benchmark over many simulated drives, by its flags: each prints a
 /// table, adds it to the page, and writes --csv. They write nothing in the output folder.

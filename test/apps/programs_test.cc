@@ -243,6 +243,8 @@ TEST_F(ProgramsTest, StudiesTheSeeding) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("wrong, SILENT"), HasSubstr("\n4 runs in ")));
   EXPECT_EQ(Lines(ReadFile(folder_ + "study.csv")).size(), 5u);
   ExpectUsageError(Run("benchmark", "--experiment=magic"), "--experiment='magic'");
+  ExpectUsageError(Run("benchmark", "--experiment=seeding_study --study_scanner=long"),
+                   "--study_scanner=long");
   ExpectUsageError(Run("benchmark", "--experiment=log --output_dir=" + folder_ + "out"), "--log");
 }
 

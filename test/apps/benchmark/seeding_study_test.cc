@@ -44,6 +44,23 @@ std::string RowOf(const std::string& table, const std::string& name) {
   return row;
 }
 
+TEST(SeedingStudyTest, OtherScannersTakeOtherScans) {
+  const auto num_scans = [](const char* name) {
+    SeedingCase run = SeedingCases(1, 1)[0];
+    EXPECT_TRUE(FromString(name, &run.scanner)) << name;
+    SeedingOutcome outcome;
+    EXPECT_TRUE(RunSeedingCase(run, {}, {}, &outcome).ok()) << name;
+    EXPECT_TRUE(outcome.IsRefinedRight()) << name;
+    return static_cast<double>(outcome.num_scans);
+  };
+  const double fine = num_scans("fine");
+  EXPECT_NEAR(num_scans("short") / fine, 1.0, 0.01);
+  EXPECT_NEAR(num_scans("thinned") / fine, 0.45 / 2.0, 0.01);
+  EXPECT_NEAR(num_scans("fast") / fine, 0.4, 0.05);
+  StudyScanner scanner;
+  EXPECT_FALSE(FromString("long", &scanner));
+}
+
 TEST(SeedingStudyTest, CasesCoverEachCombination) {
   std::map<std::tuple<BuildingKind, FaultKind, double>, int> counts;
   for (const SeedingCase& run : SeedingCases(90, 1)) {
