@@ -299,6 +299,8 @@ Status ReplayDrive(const OutputFolder& output, HtmlReport* page) {
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   LogMapping seed;
   PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
+  // A host that is still driving does not know which steps are broken.
+  solver.factors.downweighted_steps.clear();
   Replay replay;
   PLUMBLINE_RETURN_IF_ERROR(
       RunReplay(solver, options, seed.graph, seed.state, seed.report.seeding, PrintStep, &replay));

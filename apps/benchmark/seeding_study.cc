@@ -58,24 +58,19 @@ SimulationOptions SimulationOf(const SeedingCase& run) {
   options.scan_period_s = kScanPeriodS;
   options.seed = run.seed;
   options.odometry_noise = Scaled(options.odometry_noise, run.odometry_factor);
-  if (run.scanner == StudyScanner::kFine) return options;
-  options.laser.num_beams = 181;
-  options.laser.first_bearing_rad = DegToRad(-90.0);
-  options.laser.bearing_step_rad = DegToRad(1.0);
-  switch (run.scanner) {
-    case StudyScanner::kFine:
-      break;
-    case StudyScanner::kShort:
-      options.laser.max_range_m = 8.0;
-      options.laser_noise.sigma_range_m = 0.015;
-      break;
-    case StudyScanner::kThinned:
-      options.scan_period_s = 2.0;
-      break;
-    case StudyScanner::kFast:
-      options.drive.speed_m_s = 1.0;
-      options.drive.turn_rate_rad_s = DegToRad(80.0);
-      break;
+  if (run.scanner != StudyScanner::kFine) {
+    options.laser.num_beams = 181;
+    options.laser.first_bearing_rad = DegToRad(-90.0);
+    options.laser.bearing_step_rad = DegToRad(1.0);
+  }
+  if (run.scanner == StudyScanner::kShort) {
+    options.laser.max_range_m = 8.0;
+    options.laser_noise.sigma_range_m = 0.015;
+  } else if (run.scanner == StudyScanner::kThinned) {
+    options.scan_period_s = 2.0;
+  } else if (run.scanner == StudyScanner::kFast) {
+    options.drive.speed_m_s = 1.0;
+    options.drive.turn_rate_rad_s = DegToRad(80.0);
   }
   return options;
 }

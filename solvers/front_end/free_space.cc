@@ -16,7 +16,8 @@ namespace {
 // fr079, intel and simulated buildings.
 constexpr double kMarginM = 0.3;
 constexpr double kMarginPerRange = 0.02;
-// Of the returns that are compared; a laser with fewer beams has all of them compared.
+// From one return that is compared to the next, so that lasers of many and of few beams have as
+// much evidence. A laser of fewer beams has all of them compared.
 constexpr double kReturnSpacingRad = DegToRad(1.0);
 constexpr int kNumNeighbours = 4;
 

@@ -234,6 +234,20 @@ TEST_F(ProgramsTest, SimulatesFaultsAndRefusesBadOnesByTheirFlag) {
                    "--fault=two_buildings needs --building");
 }
 
+TEST_F(ProgramsTest, ReplaysADriveWithABrokenStep) {
+  const std::string log = folder_ + "carried.clf";
+  ASSERT_EQ(Run("simulate",
+                "--building=repetitive --seed=95004 --fault=carried_in_gap "
+                "--fault_distance_m=1.09 --fault_at_share=0.6 --scan_period_s=0.45 "
+                "--num_beams=181 --bearing_step_deg=1 --max_range_m=8 --log=" +
+                    log)
+                .exit_code,
+            0);
+  const Outcome run = Run("benchmark", "--experiment=replay --batch_scans=100 --log=" + log +
+                                           " --output_dir=" + folder_ + "out");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 TEST_F(ProgramsTest, StudiesTheSeeding) {
   const Outcome run =
       Run("benchmark", "--experiment=seeding_study --buildings=4 --study_first_seed=3 --csv=" +

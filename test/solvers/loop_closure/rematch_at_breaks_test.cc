@@ -23,6 +23,16 @@ struct RepairedLap {
   std::vector<Pose2> world_from_robot;
 };
 
+void AddKeyframes(const std::vector<Pose2>& poses, KeyframeGraph* keys) {
+  for (int pose = 0; pose <= 60; pose += kPosesPerKey) {
+    Keyframe key;
+    key.pose = key.scan = pose;
+    key.path_m = 0.1 * pose;
+    keys->keyframes.push_back(key);
+    keys->world_from_key.push_back(poses[pose]);
+  }
+}
+
 RepairedLap MakeRepairedLap() {
   SyntheticScene scene = Room();
   scene.range_sigma_m = 0.01;
@@ -42,13 +52,7 @@ RepairedLap MakeRepairedLap() {
   for (int pose = 19; pose < kSoundPose; ++pose) {
     lap.world_from_robot[pose] = Pose2(0.3, -0.2, 0.1) * scene.poses[pose];
   }
-  for (int pose = 0; pose <= 60; pose += kPosesPerKey) {
-    Keyframe key;
-    key.pose = key.scan = pose;
-    key.path_m = 0.1 * pose;
-    lap.keys.keyframes.push_back(key);
-    lap.keys.world_from_key.push_back(scene.poses[pose]);
-  }
+  AddKeyframes(scene.poses, &lap.keys);
   for (int k = 1; k < lap.keys.size(); ++k) {
     const Pose2 step = Between(lap.keys.world_from_key[k - 1], lap.keys.world_from_key[k]);
     lap.keys.sequential.push_back({{k - 1, k, step}});
@@ -168,13 +172,7 @@ RepairedLap MakeCorridor(double pause_s) {
   }
   lap.surfaces = SurfacesOf(lap.graph);
   lap.world_from_robot = scene.poses;
-  for (int p = 0; p <= 60; p += kPosesPerKey) {
-    Keyframe key;
-    key.pose = key.scan = p;
-    key.path_m = 0.1 * p;
-    lap.keys.keyframes.push_back(key);
-    lap.keys.world_from_key.push_back(scene.poses[p]);
-  }
+  AddKeyframes(scene.poses, &lap.keys);
   for (int k = 1; k < lap.keys.size(); ++k)
     lap.keys.sequential.push_back({{k - 1, k, {0.3, 0, 0}}});
   // Nobody knows where on the edge it is.
