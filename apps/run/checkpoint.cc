@@ -125,9 +125,9 @@ void Visit(Archive& archive, ViewpointConflict* viewpoint) {
 template <typename Archive>
 void Visit(Archive& archive, MapConsistency* map) {
   auto& [within, between, pairs_within, pairs_between, worst_within, worst_between,
-         contradicted_share, viewpoints, places] = *map;
+         contradicted_share, usual_ratio_at_rest, viewpoints, places] = *map;
   archive(within, between, pairs_within, pairs_between, worst_within, worst_between,
-          contradicted_share, viewpoints, places);
+          contradicted_share, usual_ratio_at_rest, viewpoints, places);
 }
 
 template <typename Archive>
@@ -168,7 +168,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 8\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 9\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {

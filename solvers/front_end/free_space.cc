@@ -74,26 +74,35 @@ double FreeSpaceScan::ShortestRange(double bearing_rad) const {
 }
 
 FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
-                                         Eigen::Vector2d* conflicting_point) const {
-  FreeSpaceConflict conflict;
-  if (shortest_range_.empty()) return conflict;
-  std::vector<Eigen::Vector2d> conflicting;
+                                         ComparedReturns* details) const {
+  FreeSpaceConflict at_rest, moving;
+  const std::size_t num_returns = other.points_in_robot_.size();
+  if (details != nullptr) details->verdicts.assign(num_returns, ReturnVerdict::kNotCompared);
   const Pose2 laser_from_other = laser_.robot_from_laser.Inverse() * robot_from_other;
   const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(laser_from_other.yaw).toRotationMatrix();
-  for (const Eigen::Vector2d& in_other : other.points_in_robot_) {
-    const Eigen::Vector2d point = rotation * in_other + laser_from_other.translation();
+  for (std::size_t i = 0; i < num_returns; ++i) {
+    const Eigen::Vector2d point =
+        rotation * other.points_in_robot_[i] + laser_from_other.translation();
     const double range = point.norm();
     const double shortest = ShortestRange(BearingOf(point));
     const double margin = kMarginM + kMarginPerRange * range;
     if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
-    ++conflict.num_compared;
-    if (range < shortest - margin) conflicting.push_back(in_other);
+    const bool conflicts = range < shortest - margin;
+    (other.Moves(i) ? moving : at_rest) += {1, conflicts ? 1 : 0};
+    if (details != nullptr) {
+      details->verdicts[i] = conflicts ? ReturnVerdict::kConflicts : ReturnVerdict::kAgrees;
+    }
   }
-  conflict.num_conflicting = static_cast<int>(conflicting.size());
-  if (conflicting_point != nullptr && !conflicting.empty()) {
-    *conflicting_point = robot_from_other * conflicting[conflicting.size() / 2];
+  if (details != nullptr) {
+    details->with_moving = at_rest;
+    details->with_moving += moving;
   }
-  return conflict;
+  return at_rest;
+}
+
+void FreeSpaceScan::MarkMoving(const std::vector<int>& returns) {
+  moves_.assign(returns.empty() ? 0 : points_in_robot_.size(), 0);
+  for (const int place : returns) moves_[place] = 1;
 }
 
 FreeSpaceConflict CompareBothWays(const FreeSpaceScan& a, const FreeSpaceScan& b,

@@ -11,18 +11,38 @@
 
 namespace plumbline {
 
+/// What a scan says of one return of another.
+enum class ReturnVerdict : char {
+  kNotCompared,  ///< does not see the place, or something is in front of it
+  kAgrees,       ///< sees a surface there
+  kConflicts,    ///< looks through it
+};
+
+/// More about a comparison of two scans.
+struct ComparedReturns {
+  std::vector<ReturnVerdict> verdicts;  ///< per return of the other scan, moving ones included
+  FreeSpaceConflict with_moving;        ///< the counts with these
+};
+
 /// A scan made ready to be compared with many others.
 class FreeSpaceScan {
  public:
   FreeSpaceScan(const SlamGraph& graph, int scan);
 
   /// Looks for returns of `other` in the free space of this scan, given the pose of the other's
-  /// robot as seen from this one's. One way only. Where returns conflict, the one in the middle of
-  /// them is put into *conflicting_point (may be null), in the frame of this scan's robot [m].
+  /// robot as seen from this one's. One way only, and without returns that are marked as moving.
+  /// details: may be null.
   FreeSpaceConflict Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
-                            Eigen::Vector2d* conflicting_point) const;
+                            ComparedReturns* details) const;
+
+  /// The returns that are compared, in the frame of the robot [m].
+  const std::vector<Eigen::Vector2d>& returns() const { return points_in_robot_; }
+
+  /// Marks the returns of what moves, by their places in returns().
+  void MarkMoving(const std::vector<int>& returns);
 
  private:
+  bool Moves(std::size_t place) const { return !moves_.empty() && moves_[place] != 0; }
   // bearing_rad: in [-pi, pi].
   double ShortestRange(double bearing_rad) const;
 
@@ -33,7 +53,8 @@ class FreeSpaceScan {
   // Per beam: the shortest range [m] of it and the three beams after it, 0 if one has no return. In
   // single precision, as the graph has them.
   std::vector<float> shortest_range_;
-  std::vector<Eigen::Vector2d> points_in_robot_;  // of every second return
+  std::vector<Eigen::Vector2d> points_in_robot_;
+  std::vector<char> moves_;  // per point; empty if none does
 };
 
 /// The same both ways, given the pose of b's robot as seen from a's.

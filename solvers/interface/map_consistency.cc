@@ -64,7 +64,7 @@ bool MapConsistency::IsContradictory(const ConflictPeak& peak) const {
 
 bool MapConsistency::IsContradictory() const {
   return IsContradictory(WorstPeak()) || contradicted_share > kMaxContradictedShare ||
-         worst_between.usual_ratio > kMaxUsualRatio;
+         usual_ratio_at_rest > kMaxUsualRatio;
 }
 
 const ConflictPeak& MapConsistency::WorstPeak() const {

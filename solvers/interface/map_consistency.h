@@ -47,7 +47,7 @@ struct ConflictPeak {
   int pose = 0;                ///< in the middle of the stretch
   /// Half of the stretches of the same kind, where enough was compared, have no more than this
   /// times the conflicts that can be explained: how much people, doors, glass and bushes there are
-  /// all over the place.
+  /// all over the place. Returns of what moves count as well: where people go, doors do.
   double usual_ratio = 0.0;
 };
 
@@ -59,7 +59,7 @@ struct ViewpointConflict {
 };
 
 /// How well the scans of a robot that saw the same places, in one pass or in several, agree on what
-/// is free space.
+/// is free space. Returns of people and all else that moves count nowhere, but for what is usual.
 struct MapConsistency {
   FreeSpaceConflict within_pass;     ///< sum over pairs of scans of one pass, both ways
   FreeSpaceConflict between_passes;  ///< sum over pairs of scans of different passes, both ways
@@ -72,6 +72,9 @@ struct MapConsistency {
   ConflictPeak worst_between;
   /// Share of such stretches with more than 3 times the conflicts that can be explained.
   double contradicted_share = 0.0;
+  /// Half of such stretches, where enough was compared, have no more than this times the conflicts
+  /// that can be explained, here without what moves.
+  double usual_ratio_at_rest = 0.0;
   /// Per scan that was compared, in order of the path.
   std::vector<ViewpointConflict> viewpoints;
   /// One per pair and direction with many conflicting returns, in order of the scans.

@@ -12,6 +12,7 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sort_unique.h"
+#include "plumbline/solvers/loop_closure/moving_returns.h"
 
 namespace plumbline {
 namespace {
@@ -78,6 +79,7 @@ struct ViewpointPair {
   int first, second;
   bool between_passes;
   FreeSpaceConflict first_views = {}, second_views = {};
+  FreeSpaceConflict with_moving = {};  // both ways, and with the returns of what moves
   // A conflicting return each, in the frame of the viewer's robot.
   Eigen::Vector2d seen_by_first = Eigen::Vector2d::Zero();
   Eigen::Vector2d seen_by_second = Eigen::Vector2d::Zero();
@@ -175,6 +177,16 @@ std::vector<ViewpointPair> ChoosePairs(const std::vector<Viewpoint>& viewpoints)
   return pairs;
 }
 
+// Of the returns that are seen through, the one in the middle.
+Eigen::Vector2d ConflictingReturn(const ComparedReturns& compared, const FreeSpaceScan& scan) {
+  const auto begin = compared.verdicts.begin(), end = compared.verdicts.end();
+  auto left = std::count(begin, end, ReturnVerdict::kConflicts) / 2;
+  const auto is_middle = [&](ReturnVerdict verdict) {
+    return verdict == ReturnVerdict::kConflicts && left-- == 0;
+  };
+  return scan.returns()[std::find_if(begin, end, is_middle) - begin];
+}
+
 // scans: of the viewpoints.
 void ComparePairs(const std::vector<Viewpoint>& viewpoints,
                   const std::vector<const FreeSpaceScan*>& scans, ThreadPool* pool,
@@ -182,14 +194,26 @@ void ComparePairs(const std::vector<Viewpoint>& viewpoints,
   constexpr std::size_t kPairsPerChunk = 64;
   pool->ForEachChunk(
       pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+        ComparedReturns compared;
+        // Returns the counts of one way, and adds those with moving returns to the pair's.
+        const auto compare = [&](const FreeSpaceScan& viewer, const FreeSpaceScan& scan,
+                                 const Pose2& viewer_from_scan, Eigen::Vector2d* point,
+                                 ViewpointPair* pair) {
+          const FreeSpaceConflict conflict = viewer.Compare(scan, viewer_from_scan, &compared);
+          if (conflict.num_conflicting > 0) {
+            *point = viewer_from_scan * ConflictingReturn(compared, scan);
+          }
+          pair->with_moving += compared.with_moving;
+          return conflict;
+        };
         for (std::size_t i = begin; i < end; ++i) {
           ViewpointPair& pair = (*pairs)[i];
           const Pose2 first_from_second = Between(viewpoints[pair.first].world_from_robot,
                                                   viewpoints[pair.second].world_from_robot);
           const FreeSpaceScan &first = *scans[pair.first], &second = *scans[pair.second];
-          pair.first_views = first.Compare(second, first_from_second, &pair.seen_by_first);
+          pair.first_views = compare(first, second, first_from_second, &pair.seen_by_first, &pair);
           pair.second_views =
-              second.Compare(first, first_from_second.Inverse(), &pair.seen_by_second);
+              compare(second, first, first_from_second.Inverse(), &pair.seen_by_second, &pair);
         }
       });
 }
@@ -208,7 +232,7 @@ std::vector<int> ForeignFirsts(const SlamGraph& graph, const std::vector<Viewpoi
 
 // The conflicts of one pair as numbers, to be added up with those of processes that did not compare
 // it, all zero.
-constexpr std::size_t kNumbersPerPair = 8;
+constexpr std::size_t kNumbersPerPair = 10;
 
 void ToNumbers(const ViewpointPair& pair, double* numbers) {
   const double values[kNumbersPerPair] = {static_cast<double>(pair.first_views.num_compared),
@@ -218,7 +242,9 @@ void ToNumbers(const ViewpointPair& pair, double* numbers) {
                                           pair.seen_by_first.x(),
                                           pair.seen_by_first.y(),
                                           pair.seen_by_second.x(),
-                                          pair.seen_by_second.y()};
+                                          pair.seen_by_second.y(),
+                                          static_cast<double>(pair.with_moving.num_compared),
+                                          static_cast<double>(pair.with_moving.num_conflicting)};
   std::copy_n(values, kNumbersPerPair, numbers);
 }
 
@@ -227,11 +253,13 @@ void FromNumbers(const double* numbers, ViewpointPair* pair) {
   pair->second_views = {static_cast<int>(numbers[2]), static_cast<int>(numbers[3])};
   pair->seen_by_first = {numbers[4], numbers[5]};
   pair->seen_by_second = {numbers[6], numbers[7]};
+  pair->with_moving = {static_cast<int>(numbers[8]), static_cast<int>(numbers[9])};
 }
 
-// Each process compares the pairs whose second viewpoint is its own. scans: of the viewpoints of
-// this process; null for the others.
+// Each process compares the pairs whose second viewpoint is its own. moving: returns per viewpoint.
+// scans: of the viewpoints of this process; null for the others.
 void ComparePairsOverPeers(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
+                           const std::vector<std::vector<int>>& moving,
                            std::vector<const FreeSpaceScan*> scans, ThreadPool* pool,
                            std::vector<ViewpointPair>* pairs) {
   const std::vector<int> foreign = ForeignFirsts(graph, viewpoints, *pairs);
@@ -242,7 +270,9 @@ void ComparePairsOverPeers(const SlamGraph& graph, const std::vector<Viewpoint>&
   std::vector<FreeSpaceScan> fetched_scans;
   fetched_scans.reserve(foreign.size());
   for (std::size_t i = 0; i < foreign.size(); ++i) {
-    scans[foreign[i]] = &fetched_scans.emplace_back(fetched, static_cast<int>(i));
+    FreeSpaceScan& scan = fetched_scans.emplace_back(fetched, static_cast<int>(i));
+    scan.MarkMoving(moving[foreign[i]]);
+    scans[foreign[i]] = &scan;
   }
   std::vector<ViewpointPair> own;
   std::vector<std::size_t> places;
@@ -272,46 +302,21 @@ void AddPlace(const Viewpoint& viewer, const Viewpoint& scan, const FreeSpaceCon
       {viewer.scan, scan.scan, viewer.world_from_robot * point_in_viewer});
 }
 
-// Keeps the worst of the conflicts that it is shown.
-class PeakFinder {
- public:
-  explicit PeakFinder(double explicable_share) : explicable_share_(explicable_share) {}
+// Conflicts over all pairs of some places, both ways.
+struct PlaceConflict {
+  FreeSpaceConflict at_rest;
+  FreeSpaceConflict with_moving;
 
-  void Try(const FreeSpaceConflict& conflict, int pose) {
-    if (conflict.num_compared == 0) return;
-    ratios_.push_back(MapConsistency::RatioOf(conflict, explicable_share_));
-    if (conflict.num_compared >= MapConsistency::kPriorReturns) {
-      undrawn_ratios_.push_back(conflict.Share() / explicable_share_);
-    }
-    if (ratios_.back() <= worst_) return;
-    worst_ = ratios_.back();
-    peak_.conflict = conflict;
-    peak_.pose = pose;
+  PlaceConflict& operator+=(const PlaceConflict& other) {
+    at_rest += other.at_rest;
+    with_moving += other.with_moving;
+    return *this;
   }
-
-  double ContradictedShare() const {
-    const auto above = std::count_if(ratios_.begin(), ratios_.end(), [](double ratio) {
-      return ratio > MapConsistency::kMaxRatio;
-    });
-    return ratios_.empty() ? 0.0 : static_cast<double>(above) / static_cast<double>(ratios_.size());
+  PlaceConflict& operator-=(const PlaceConflict& other) {
+    at_rest -= other.at_rest;
+    with_moving -= other.with_moving;
+    return *this;
   }
-
-  ConflictPeak TakePeak() {
-    if (!undrawn_ratios_.empty()) {
-      const auto median =
-          undrawn_ratios_.begin() + static_cast<std::ptrdiff_t>(undrawn_ratios_.size() / 2);
-      std::nth_element(undrawn_ratios_.begin(), median, undrawn_ratios_.end());
-      peak_.usual_ratio = *median;
-    }
-    return peak_;
-  }
-
- private:
-  double explicable_share_;
-  double worst_ = 0.0;
-  std::vector<double> ratios_;
-  std::vector<double> undrawn_ratios_;  // of stretches where much was compared
-  ConflictPeak peak_;
 };
 
 FreeSpaceConflict BothWays(const ViewpointPair& pair) {
@@ -320,17 +325,82 @@ FreeSpaceConflict BothWays(const ViewpointPair& pair) {
   return conflict;
 }
 
+PlaceConflict ConflictOf(const ViewpointPair& pair) { return {BothWays(pair), pair.with_moving}; }
+
+// The conflicts of stretches over those that can be explained.
+class Ratios {
+ public:
+  explicit Ratios(double explicable_share) : explicable_share_(explicable_share) {}
+
+  void Add(const FreeSpaceConflict& conflict) {
+    if (conflict.num_compared < MapConsistency::kPriorReturns) return;
+    ratios_.push_back(conflict.Share() / explicable_share_);
+  }
+
+  // Of half of the stretches where much was compared.
+  double Usual() {
+    if (ratios_.empty()) return 0.0;
+    const auto median = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
+    std::nth_element(ratios_.begin(), median, ratios_.end());
+    return *median;
+  }
+
+ private:
+  double explicable_share_;
+  std::vector<double> ratios_;
+};
+
+// Keeps the worst of the conflicts that it is shown.
+class PeakFinder {
+ public:
+  explicit PeakFinder(double explicable_share)
+      : explicable_share_(explicable_share),
+        at_rest_(explicable_share),
+        with_moving_(explicable_share) {}
+
+  void Try(const PlaceConflict& conflict, int pose) {
+    at_rest_.Add(conflict.at_rest);
+    with_moving_.Add(conflict.with_moving);
+    if (conflict.at_rest.num_compared == 0) return;
+    const double ratio = MapConsistency::RatioOf(conflict.at_rest, explicable_share_);
+    ++num_tried_;
+    if (ratio > MapConsistency::kMaxRatio) ++num_contradicted_;
+    if (ratio <= worst_) return;
+    worst_ = ratio;
+    peak_.conflict = conflict.at_rest;
+    peak_.pose = pose;
+  }
+
+  double ContradictedShare() const {
+    return num_tried_ > 0 ? static_cast<double>(num_contradicted_) / num_tried_ : 0.0;
+  }
+
+  double UsualRatioAtRest() { return at_rest_.Usual(); }
+
+  ConflictPeak TakePeak() {
+    peak_.usual_ratio = with_moving_.Usual();
+    return peak_;
+  }
+
+ private:
+  double explicable_share_;
+  double worst_ = 0.0;
+  int num_tried_ = 0, num_contradicted_ = 0;
+  Ratios at_rest_, with_moving_;
+  ConflictPeak peak_;
+};
+
 // Of the pairs of one pass, those that lie on either side of a viewpoint, or end there.
 ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints,
                          const std::vector<ViewpointPair>& pairs, double explicable_share) {
-  std::vector<FreeSpaceConflict> change(viewpoints.size());
+  std::vector<PlaceConflict> change(viewpoints.size());
   for (const ViewpointPair& pair : pairs) {
     if (pair.between_passes) continue;
-    change[pair.first] += BothWays(pair);
-    change[pair.second] -= BothWays(pair);
+    change[pair.first] += ConflictOf(pair);
+    change[pair.second] -= ConflictOf(pair);
   }
   PeakFinder finder(explicable_share);
-  FreeSpaceConflict across;
+  PlaceConflict across;
   for (std::size_t v = 0; v < viewpoints.size(); ++v) {
     across += change[v];
     finder.Try(across, viewpoints[v].pose);
@@ -341,14 +411,14 @@ ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints,
 // Of the stretches around each viewpoint.
 void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
                       const std::vector<ViewpointPair>& pairs, MapConsistency* consistency) {
-  std::vector<FreeSpaceConflict> of_viewpoint(viewpoints.size());
+  std::vector<PlaceConflict> of_viewpoint(viewpoints.size());
   for (const ViewpointPair& pair : pairs) {
     if (!pair.between_passes) continue;
-    of_viewpoint[pair.first] += BothWays(pair);
-    of_viewpoint[pair.second] += BothWays(pair);
+    of_viewpoint[pair.first] += ConflictOf(pair);
+    of_viewpoint[pair.second] += ConflictOf(pair);
   }
   PeakFinder finder(consistency->ExplicableShare());
-  FreeSpaceConflict stretch;
+  PlaceConflict stretch;
   std::size_t begin = 0, end = 0;
   for (const Viewpoint& middle : viewpoints) {
     while (end < viewpoints.size() && viewpoints[end].path_m <= middle.path_m + 0.5 * kStretchM) {
@@ -360,13 +430,14 @@ void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
     finder.Try(stretch, middle.pose);
   }
   consistency->contradicted_share = finder.ContradictedShare();
+  consistency->usual_ratio_at_rest = finder.UsualRatioAtRest();
   consistency->worst_between = finder.TakePeak();
 }
 
 }  // namespace
 
 ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
-                                   const std::vector<Pose2>& world_from_robot)
+                                   const std::vector<Pose2>& world_from_robot, ThreadPool* pool)
     : graph_(graph), scans_(ChooseScans(graph, world_from_robot)) {
   const DefaultFloatEnvironment float_environment;
   free_space_.resize(scans_.size());
@@ -375,6 +446,10 @@ ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
     while (viewpoint < scans_.size() && scans_[viewpoint] < graph.IdAmongAll(scan)) ++viewpoint;
     if (viewpoint == scans_.size()) break;
     if (scans_[viewpoint] == graph.IdAmongAll(scan)) free_space_[viewpoint].emplace(graph, scan);
+  }
+  moving_ = FindMovingReturns(graph, scans_, world_from_robot, free_space_, pool);
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    if (free_space_[i]) free_space_[i]->MarkMoving(moving_[i]);
   }
 }
 
@@ -388,7 +463,7 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   if (graph_.peers() == nullptr) {
     ComparePairs(viewpoints, scans, pool, &pairs);
   } else {
-    ComparePairsOverPeers(graph_, viewpoints, std::move(scans), pool, &pairs);
+    ComparePairsOverPeers(graph_, viewpoints, moving_, std::move(scans), pool, &pairs);
   }
   MapConsistency consistency;
   for (const Viewpoint& viewpoint : viewpoints) {
@@ -418,7 +493,7 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
 
 MapConsistency MeasureMapConsistency(const SlamGraph& graph,
                                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
-  return ConsistencyMeter(graph, world_from_robot).Measure(world_from_robot, pool);
+  return ConsistencyMeter(graph, world_from_robot, pool).Measure(world_from_robot, pool);
 }
 
 }  // namespace plumbline

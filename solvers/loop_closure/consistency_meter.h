@@ -18,15 +18,16 @@ namespace plumbline {
 /// space away). The work is linear in the length of the path; the result does not depend on the
 /// number of threads. Expects poses in order of time.
 ///
-/// Of a graph with peers it compares the scans of all; Measure is then collective, and from one
-/// thread.
+/// Of a graph with peers it compares the scans of all; the constructor and Measure are then
+/// collective, and from one thread.
 ///
 /// Chooses the scans once, by one estimate of the poses, and then measures any number of others of
 /// the same drive. Const, so that several threads can measure at a time.
 class ConsistencyMeter {
  public:
   /// world_from_robot: one finite pose per pose of the graph, which must outlive the meter.
-  ConsistencyMeter(const SlamGraph& graph, const std::vector<Pose2>& world_from_robot);
+  ConsistencyMeter(const SlamGraph& graph, const std::vector<Pose2>& world_from_robot,
+                   ThreadPool* pool);
 
   MapConsistency Measure(const std::vector<Pose2>& world_from_robot, ThreadPool* pool) const;
 
@@ -34,6 +35,7 @@ class ConsistencyMeter {
   const SlamGraph& graph_;
   std::vector<int> scans_;                                // by their ids among all
   std::vector<std::optional<FreeSpaceScan>> free_space_;  // of those that the graph has
+  std::vector<std::vector<int>> moving_;                  // returns of each
 };
 
 /// The same for one estimate of the poses.

@@ -69,7 +69,7 @@ class HypothesisSearch {
         matched_(matched),
         ties_(ties),
         weighed_(*weighed),
-        meter_(surfaces.graph(), matched.world_from_robot) {}
+        meter_(surfaces.graph(), matched.world_from_robot, pool) {}
 
   Status Run(MapHypothesis* best) {
     suspected_ = ties_ != nullptr ? *ties_ : MakeKeyframeGraph(matched_, motion_);
@@ -133,7 +133,11 @@ class HypothesisSearch {
     const bool meets_more = turned.keys.closures.size() > best->keys.closures.size() &&
                             turned.consistency.between_passes.num_compared >
                                 (1.0 + LoopAcceptance::kMinMeetingGain) * met;
-    if (meets_more && !IsBetter(best->consistency, turned.consistency)) *best = std::move(turned);
+    // What comes to lie on other passes must conflict no more than a part that is right may.
+    FreeSpaceConflict newly_met = turned.consistency.between_passes;
+    newly_met -= best->consistency.between_passes;
+    const double ratio = MapConsistency::RatioOf(newly_met, explicable_share_);
+    if (meets_more && ratio <= MapConsistency::kMaxRatio) *best = std::move(turned);
     return Status::Ok();
   }
 

@@ -474,6 +474,7 @@ class MapConsistency:
     worst_within: Final[ConflictPeak]
     worst_between: Final[ConflictPeak]
     contradicted_share: Final[float]
+    usual_ratio_at_rest: Final[float]
     places: Final[tuple[SpaceConflict, ...]]
     def ratio(self) -> float: ...
     def is_contradictory(self) -> bool: ...

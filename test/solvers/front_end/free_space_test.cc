@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -71,20 +75,54 @@ TEST(FreeSpace, ALaserOfOneBeamSeesNoArea) {
   EXPECT_EQ(OneWay(MakeGraph(scene), 0, 1, scene.poses[1]).num_compared, 0);
 }
 
-TEST(FreeSpace, TheMiddleOneOfTheConflictingReturnsIsShown) {
-  // The viewer sees a room of 6 m x 6 m; the scan a wall 1.5 m ahead, and nothing else.
-  SyntheticScene large;
-  large.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
-  large.faces.push_back({{101.5, -1.0}, {101.5, 1.0}});
-  large.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
-  large.laser.max_range_m = 20.0;
-  const SlamGraph graph = MakeGraph(large);
-  Eigen::Vector2d point(0.0, 0.0);
-  const FreeSpaceConflict conflict =
-      FreeSpaceScan(graph, 0).Compare(FreeSpaceScan(graph, 1), Pose2(), &point);
-  EXPECT_EQ(conflict.num_conflicting, conflict.num_compared);
-  EXPECT_NEAR(point.x(), 1.5, 1e-6);
-  EXPECT_NEAR(point.y(), 0.0, 0.03);
+TEST(FreeSpace, EveryReturnHasAVerdict) {
+  // The viewer sees a room of 6 m x 6 m; the scan the same walls, one 1.5 m ahead, and one 2 m
+  // behind the walls to the left.
+  SyntheticScene scene;
+  scene.faces = Rectangle({-3.0, -3.0}, {3.0, 3.0});
+  scene.faces.push_back({{101.5, -1.0}, {101.5, 1.0}});
+  scene.faces.push_back({{99.0, 5.0}, {101.0, 5.0}});
+  scene.faces.push_back({{97.0, -1.0}, {97.0, 1.0}});
+  scene.poses = {Pose2(), Pose2(100.0, 0.0, 0.0)};
+  scene.laser.max_range_m = 20.0;
+  const SlamGraph graph = MakeGraph(scene);
+  const FreeSpaceScan viewer(graph, 0), scan(graph, 1);
+  ComparedReturns compared;
+  const FreeSpaceConflict conflict = viewer.Compare(scan, Pose2(), &compared);
+  ASSERT_EQ(compared.verdicts.size(), scan.returns().size());
+  int counts[3] = {};
+  for (std::size_t i = 0; i < compared.verdicts.size(); ++i) {
+    const Eigen::Vector2d& point = scan.returns()[i];
+    // The room, from far away, or where the sweep begins.
+    if (point.x() < -90.0 || (point.x() < -2.9 && std::abs(point.y()) < 0.1)) continue;
+    const ReturnVerdict expected = point.y() > 4.0    ? ReturnVerdict::kNotCompared
+                                   : point.x() < -2.9 ? ReturnVerdict::kAgrees
+                                                      : ReturnVerdict::kConflicts;
+    EXPECT_EQ(compared.verdicts[i], expected) << point.transpose();
+    ++counts[static_cast<int>(expected)];
+  }
+  for (const int count : counts) EXPECT_GT(count, 10);
+  EXPECT_EQ(conflict.num_conflicting, counts[2]);
+}
+
+TEST(FreeSpace, MovingReturnsAreCountedApart) {
+  SyntheticScene scene = Room();
+  scene.poses = {Pose2(), Pose2(0.8, -0.5, 0.7)};
+  const SlamGraph graph = MakeGraph(scene);
+  const FreeSpaceScan viewer(graph, 0);
+  FreeSpaceScan scan(graph, 1);
+  ComparedReturns before, after;
+  const FreeSpaceConflict all = viewer.Compare(scan, scene.poses[1], &before);
+  EXPECT_EQ(before.with_moving.num_compared, all.num_compared);
+  const auto first_seen =
+      std::find(before.verdicts.begin(), before.verdicts.end(), ReturnVerdict::kAgrees);
+  ASSERT_NE(first_seen, before.verdicts.end());
+  scan.MarkMoving({static_cast<int>(first_seen - before.verdicts.begin())});
+  EXPECT_EQ(viewer.Compare(scan, scene.poses[1], &after).num_compared, all.num_compared - 1);
+  EXPECT_EQ(after.with_moving.num_compared, all.num_compared);
+  EXPECT_EQ(after.verdicts, before.verdicts);
+  scan.MarkMoving({});
+  EXPECT_EQ(viewer.Compare(scan, scene.poses[1], nullptr).num_compared, all.num_compared);
 }
 
 TEST(FreeSpace, BothWaysIsTheSumOfTheTwo) {

@@ -55,7 +55,9 @@ TEST(MapConsistency, APeakIsPutToWhatIsUsualOnTheDrive) {
   consistency.contradicted_share = 0.3;
   EXPECT_TRUE(consistency.IsContradictory());
   consistency.contradicted_share = 0.0;
-  consistency.worst_between.usual_ratio = 1.1;  // half of the map contradicts itself
+  consistency.worst_between.usual_ratio = 1.1;  // people who go with the robot
+  EXPECT_FALSE(consistency.IsContradictory());
+  consistency.usual_ratio_at_rest = 1.1;  // half of the map contradicts itself
   EXPECT_TRUE(consistency.IsContradictory());
 }
 

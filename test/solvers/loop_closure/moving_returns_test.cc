@@ -1,0 +1,113 @@
+#include "plumbline/solvers/loop_closure/moving_returns.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+#include "plumbline/test/core/thread_peers.h"
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+constexpr int kNumScans = 15;
+
+/// A drive along a room of 20 m x 8 m, a scan every half metre. In each scan a person stands where
+/// `person` says.
+SlamGraph Drive(const std::vector<std::optional<Eigen::Vector2d>>& person) {
+  SlamGraph graph;
+  for (int i = 0; i < kNumScans; ++i) {
+    SyntheticScene scene;
+    scene.faces = Rectangle({-10.0, -4.0}, {10.0, 4.0});
+    if (person[i]) scene.discs = {{*person[i], 0.25}};
+    scene.laser = PanoramicLaser(360);
+    scene.poses = {Pose2(-3.5 + 0.5 * i, 0.0, 0.0)};
+    const SlamGraph one = MakeGraph(scene);
+    int laser = 0, pose = 0;
+    if (i == 0) {
+      EXPECT_TRUE(graph.AddLaser(scene.laser, &laser).ok());
+    }
+    EXPECT_TRUE(graph.AddPose(scene.poses[0], i, &pose).ok());
+    EXPECT_TRUE(graph.AddScan(pose, 0, one.RangesOfScan(0, scene.laser.max_range_m)).ok());
+  }
+  return graph;
+}
+
+std::vector<std::optional<Eigen::Vector2d>> Nobody() {
+  return std::vector<std::optional<Eigen::Vector2d>>(kNumScans);
+}
+
+/// Walks across the robot's path, half a metre from scan to scan.
+std::vector<std::optional<Eigen::Vector2d>> Walker() {
+  std::vector<std::optional<Eigen::Vector2d>> person;
+  for (int i = 0; i < kNumScans; ++i) person.push_back(Eigen::Vector2d(2.0, 3.5 - 0.5 * i));
+  return person;
+}
+
+std::vector<int> AllScans() {
+  std::vector<int> scans;
+  for (int i = 0; i < kNumScans; ++i) scans.push_back(i);
+  return scans;
+}
+
+std::vector<Pose2> PosesOfDrive(const SlamGraph& graph) { return PosesOf(graph.initial_poses()); }
+
+std::vector<int> NumMoving(const SlamGraph& graph, const std::vector<Pose2>& poses) {
+  std::vector<std::optional<FreeSpaceScan>> free_space(kNumScans);
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    free_space[graph.IdAmongAll(scan)].emplace(graph, scan);
+  }
+  ThreadPool pool(2);
+  std::vector<int> counts;
+  for (const auto& moving : FindMovingReturns(graph, AllScans(), poses, free_space, &pool)) {
+    counts.push_back(static_cast<int>(moving.size()));
+  }
+  return counts;
+}
+
+TEST(MovingReturnsTest, APersonWhoWalksIsMarked) {
+  const SlamGraph graph = Drive(Walker());
+  const std::vector<int> counts = NumMoving(graph, PosesOfDrive(graph));
+  // In the middle of the room, from 1 to 5 m away: some 6 to 30 beams of a degree.
+  for (int i = 3; i <= 8; ++i) EXPECT_GE(counts[i], 4) << i;
+  for (int i = 0; i < kNumScans; ++i) EXPECT_LE(counts[i], 40) << i;
+}
+
+TEST(MovingReturnsTest, APersonWhoStandsIsNot) {
+  auto person = Nobody();
+  for (auto& place : person) place = Eigen::Vector2d(2.0, 1.5);
+  const SlamGraph graph = Drive(person);
+  EXPECT_EQ(NumMoving(graph, PosesOfDrive(graph)), std::vector<int>(kNumScans, 0));
+}
+
+TEST(MovingReturnsTest, WhatTellsOfAJumpIsNotMarked) {
+  const SlamGraph graph = Drive(Nobody());
+  std::vector<Pose2> poses = PosesOfDrive(graph);
+  for (int i = kNumScans / 2; i < kNumScans; ++i) poses[i].y += 1.0;
+  // Scans of one side do look through what those of the other see.
+  const FreeSpaceConflict across = CompareBothWays(FreeSpaceScan(graph, 6), FreeSpaceScan(graph, 7),
+                                                   Between(poses[6], poses[7]));
+  ASSERT_GT(across.num_conflicting, 50);
+  for (const int count : NumMoving(graph, poses)) EXPECT_LE(count, 2);  // in corners
+}
+
+TEST(MovingReturnsTest, AScanOutOfPlaceKeepsItsReturns) {
+  const SlamGraph graph = Drive(Nobody());
+  std::vector<Pose2> poses = PosesOfDrive(graph);
+  poses[7].yaw += 0.5 * kPi;
+  EXPECT_EQ(NumMoving(graph, poses)[7], 0);
+}
+
+TEST(MovingReturnsTest, ProcessesThatShareAGraphMarkTheSame) {
+  const SlamGraph graph = Drive(Walker());
+  const std::vector<Pose2> poses = PosesOfDrive(graph);
+  const std::vector<int> expected = NumMoving(graph, poses);
+  RunOnParts(graph, 3, [&](const SlamGraph& part) {
+    ASSERT_LT(part.num_scans(), graph.num_scans());
+    EXPECT_EQ(NumMoving(part, poses), expected);
+  });
+}
+
+}  // namespace
+}  // namespace plumbline
