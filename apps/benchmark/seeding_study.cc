@@ -58,7 +58,9 @@ SimulationOptions SimulationOf(const SeedingCase& run) {
   options.scan_period_s = kScanPeriodS;
   options.seed = run.seed;
   options.odometry_noise = Scaled(options.odometry_noise, run.odometry_factor);
-  if (run.scanner != StudyScanner::kFine) {
+  if (run.scanner == StudyScanner::kPeople) {
+    options.traffic = {4, true};
+  } else if (run.scanner != StudyScanner::kFine) {
     options.laser.num_beams = 181;
     options.laser.first_bearing_rad = DegToRad(-90.0);
     options.laser.bearing_step_rad = DegToRad(1.0);
@@ -195,13 +197,28 @@ void WriteRow(const std::string& name, const std::vector<SeedingOutcome>& outcom
 
 }  // namespace
 
+const char* ToString(StudyScanner scanner) {
+  switch (scanner) {
+    case StudyScanner::kFine:
+      return "fine";
+    case StudyScanner::kShort:
+      return "short";
+    case StudyScanner::kThinned:
+      return "thinned";
+    case StudyScanner::kFast:
+      return "fast";
+    case StudyScanner::kPeople:
+      return "people";
+  }
+  return "unknown";
+}
+
 bool FromString(const std::string& name, StudyScanner* scanner) {
-  for (const auto& [known, value] : {std::pair{"fine", StudyScanner::kFine},
-                                     {"short", StudyScanner::kShort},
-                                     {"thinned", StudyScanner::kThinned},
-                                     {"fast", StudyScanner::kFast}}) {
-    if (name != known) continue;
-    *scanner = value;
+  for (const StudyScanner known :
+       {StudyScanner::kFine, StudyScanner::kShort, StudyScanner::kThinned, StudyScanner::kFast,
+        StudyScanner::kPeople}) {
+    if (name != ToString(known)) continue;
+    *scanner = known;
     return true;
   }
   return false;
@@ -317,20 +334,21 @@ Status WriteSeedingCsv(const std::string& path, const std::vector<SeedingOutcome
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   std::ostream& out = file.stream();
-  out << "building,seed,odometry_factor,fault,fault_at_share,fault_distance_m,fault_time_s,"
+  out << "scanner,building,seed,odometry_factor,fault,fault_at_share,fault_distance_m,fault_time_s,"
          "fault_angle_rad,carried_turn_rad,scans,path_length_m,max_error_m,mean_error_m,right,"
          "alarm,repaired,time_s,max_refined_error_m,refined_right,refined_alarm\n";
   out << std::setprecision(6);
   for (const SeedingOutcome& outcome : outcomes) {
     const SeedingCase& run = outcome.run;
     const Fault& fault = run.fault;
-    out << ToString(run.building) << ',' << run.seed << ',' << run.odometry_factor << ','
-        << ToString(fault.kind) << ',' << fault.at_share << ',' << fault.distance_m << ','
-        << fault.time_s << ',' << fault.angle_rad << ',' << outcome.carried_turn_rad << ','
-        << outcome.num_scans << ',' << outcome.path_length_m << ',' << outcome.max_error_m << ','
-        << outcome.mean_error_m << ',' << outcome.IsRight() << ',' << outcome.alarm << ','
-        << outcome.repaired << ',' << outcome.time_s << ',' << outcome.max_refined_error_m << ','
-        << outcome.IsRefinedRight() << ',' << outcome.refined_alarm << '\n';
+    out << ToString(run.scanner) << ',' << ToString(run.building) << ',' << run.seed << ','
+        << run.odometry_factor << ',' << ToString(fault.kind) << ',' << fault.at_share << ','
+        << fault.distance_m << ',' << fault.time_s << ',' << fault.angle_rad << ','
+        << outcome.carried_turn_rad << ',' << outcome.num_scans << ',' << outcome.path_length_m
+        << ',' << outcome.max_error_m << ',' << outcome.mean_error_m << ',' << outcome.IsRight()
+        << ',' << outcome.alarm << ',' << outcome.repaired << ',' << outcome.time_s << ','
+        << outcome.max_refined_error_m << ',' << outcome.IsRefinedRight() << ','
+        << outcome.refined_alarm << '\n';
   }
   return file.Commit();
 }

@@ -14,15 +14,18 @@
 
 namespace plumbline {
 
-/// What the robot of a run scans with, and how it drives. The field of view is 180 deg.
+/// What the robot of a run scans with, how it drives, and among whom. The field of view is 180 deg.
 enum class StudyScanner {
   kFine,     ///< a beam every 0.5 deg, to 80 m; a scan every 0.18 m
   kShort,    ///< a beam every 1 deg, to 8 m, range noise 15 mm; a scan every 0.18 m
   kThinned,  ///< a beam every 1 deg, to 80 m; a scan every 0.8 m
   kFast,     ///< a beam every 1 deg, to 80 m; 1 m/s, turning by 80 deg/s, a scan every 0.45 m
+  kPeople,   ///< as kFine, with four people who go around the robot, and doors that move
 };
 
-/// fine, short, thinned or fast; false if it is none of them.
+const char* ToString(StudyScanner scanner);
+
+/// fine, short, thinned, fast or people; false if it is none of them.
 bool FromString(const std::string& name, StudyScanner* scanner);
 
 /// One run of the study.

@@ -26,7 +26,8 @@ DEFINE_uint64(study_first_seed, 1,
 DEFINE_string(
     study_scanner, "fine",
     "seeding_study: fine (0.5 deg, 80 m, a scan every 0.18 m), short (1 deg, 8 m), thinned "
-    "(1 deg, a scan every 0.8 m) or fast (1 deg, 1 m/s, a scan every 0.45 m)");
+    "(1 deg, a scan every 0.8 m), fast (1 deg, 1 m/s, a scan every 0.45 m) or people (as fine, "
+    "among four people and doors that move)");
 DEFINE_int32(seeds, 30,
              "synthetic, ablation, adversarial: seeds of buildings and noise, 1 to this");
 DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans, one run each");
@@ -46,7 +47,7 @@ void PrintText(const std::string& title, const std::string& text, HtmlReport* pa
 Status StudyScannerFromFlag(StudyScanner* scanner) {
   if (FromString(FLAGS_study_scanner, scanner)) return Status::Ok();
   return Status::InvalidArgument("--study_scanner=" + FLAGS_study_scanner +
-                                 ": want fine, short, thinned or fast");
+                                 ": want fine, short, thinned, fast or people");
 }
 
 Status SeedingStudy(const OutputFolder& /*output*/, HtmlReport* page) {

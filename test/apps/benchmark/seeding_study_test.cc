@@ -57,6 +57,7 @@ TEST(SeedingStudyTest, OtherScannersTakeOtherScans) {
   EXPECT_NEAR(num_scans("short") / fine, 1.0, 0.01);
   EXPECT_NEAR(num_scans("thinned") / fine, 0.45 / 2.0, 0.01);
   EXPECT_NEAR(num_scans("fast") / fine, 0.4, 0.05);
+  EXPECT_EQ(num_scans("people"), fine);
   StudyScanner scanner;
   EXPECT_FALSE(FromString("long", &scanner));
 }
@@ -146,12 +147,14 @@ TEST(SeedingStudyTest, WritesOneLinePerRun) {
   const std::string path = TempFolder() + "study.csv";
   SeedingOutcome outcome = Outcome(FaultKind::kCarriedInGap, 2.5, true);
   outcome.run.seed = 3;
+  outcome.run.scanner = StudyScanner::kShort;
   outcome.run.fault = {FaultKind::kCarriedInGap, 0.25, 1.25, 5.0, 0.0};
   ASSERT_TRUE(WriteSeedingCsv(path, {outcome}).ok());
   const std::string csv = ReadFile(path);
-  EXPECT_THAT(csv, StartsWith("building,seed,odometry_factor,fault,fault_at_share,"));
+  EXPECT_THAT(csv, StartsWith("scanner,building,seed,odometry_factor,fault,fault_at_share,"));
   EXPECT_THAT(
-      csv, HasSubstr("\nrandom,3,1,carried_in_gap,0.25,1.25,5,0,0,0,0,2.5,0,0,1,0,1.5,0.25,0,1\n"));
+      csv, HasSubstr(
+               "\nshort,random,3,1,carried_in_gap,0.25,1.25,5,0,0,0,0,2.5,0,0,1,0,1.5,0.25,0,1\n"));
 }
 
 // One of the two shortest drives.
