@@ -40,7 +40,8 @@ void BindConsistency(py::module_* module) {
       .Field("contradicted_share", &MapConsistency::contradicted_share,
              "share of stretches with more than 3 times what can be explained")
       .Field("usual_ratio_at_rest", &MapConsistency::usual_ratio_at_rest,
-             "of half of the stretches, without returns of what moves")
+             "half of the stretches have no more than this times what can be explained, without "
+             "returns of what moves")
       .Field("places", &MapConsistency::places, "pairs of scans with many conflicts")
       .Method("ratio", py::overload_cast<>(&MapConsistency::Ratio, py::const_),
               "Conflicts of the worst place over those that can be explained.")

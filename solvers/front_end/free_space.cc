@@ -89,7 +89,7 @@ FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2
     if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
     const bool conflicts = range < shortest - margin;
     (other.Moves(i) ? moving : at_rest) += {1, conflicts ? 1 : 0};
-    if (details != nullptr) {
+    if (details != nullptr && !other.Moves(i)) {
       details->verdicts[i] = conflicts ? ReturnVerdict::kConflicts : ReturnVerdict::kAgrees;
     }
   }

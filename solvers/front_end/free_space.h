@@ -2,6 +2,7 @@
 #define PLUMBLINE_SOLVERS_FRONT_END_FREE_SPACE_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/laser_scan.h"
@@ -20,8 +21,8 @@ enum class ReturnVerdict : char {
 
 /// More about a comparison of two scans.
 struct ComparedReturns {
-  std::vector<ReturnVerdict> verdicts;  ///< per return of the other scan, moving ones included
-  FreeSpaceConflict with_moving;        ///< the counts with these
+  std::vector<ReturnVerdict> verdicts;  ///< per return of the other scan; none on moving ones
+  FreeSpaceConflict with_moving;        ///< the counts with the moving ones
 };
 
 /// A scan made ready to be compared with many others.
@@ -35,7 +36,7 @@ class FreeSpaceScan {
   FreeSpaceConflict Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
                             ComparedReturns* details) const;
 
-  /// The returns that are compared, in the frame of the robot [m].
+  /// The returns that are compared, one per degree at most, in the frame of the robot [m].
   const std::vector<Eigen::Vector2d>& returns() const { return points_in_robot_; }
 
   /// Marks the returns of what moves, by their places in returns().

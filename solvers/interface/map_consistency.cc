@@ -9,7 +9,8 @@ namespace {
 
 // These thresholds were tuned on the simulated floors of the seeding study (apps/benchmark), those
 // that put peaks to what is usual on mit-killian, infinite-corridor, acapulco and fr-clinic. What
-// is said of logs below are the seeds of these, fr079, intel and orebro.
+// is said of logs below are the seeds of these, fr079, intel and orebro, with returns of what
+// moves.
 
 // The share that doors and furniture that moved bring about, and the one of a crowd; see
 // ExplicableShare(). Between passes of sound maps conflict 0.004 (intel) to 0.04 (corridors with
@@ -20,7 +21,7 @@ constexpr double kCrowdShare = 0.1;
 constexpr double kPeakOverUsual = 6.0;
 // ... but what is usual excuses no more than this: on a drive outdoors, between bushes, it does.
 constexpr double kMaxExcuse = 3.0;
-// A map is wrong all over if it is usual to conflict more than can be explained.
+// A map is wrong all over if what is at rest usually conflicts more than can be explained.
 constexpr double kMaxUsualRatio = 1.0;
 // Where this share of the stretches contradict others, what is usual is no excuse.
 constexpr double kMaxContradictedShare = 0.25;

@@ -21,8 +21,8 @@ namespace plumbline {
 /// Of a graph with peers it compares the scans of all; the constructor and Measure are then
 /// collective, and from one thread.
 ///
-/// Chooses the scans once, by one estimate of the poses, and then measures any number of others of
-/// the same drive. Const, so that several threads can measure at a time.
+/// Chooses the scans, and finds what moves, once, by one estimate of the poses, and then measures
+/// any number of others of the same drive. Const, so that several threads can measure at a time.
 class ConsistencyMeter {
  public:
   /// world_from_robot: one finite pose per pose of the graph, which must outlive the meter.

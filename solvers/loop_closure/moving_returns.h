@@ -11,11 +11,13 @@
 
 namespace plumbline {
 
-/// Finds the returns of people and all else that moves: a scan shortly before looks through them,
-/// and so does one shortly after; or one of them does, and none sees anything there. Where the
-/// poses jump, the scans on one side of the jump look through returns that those on the other side
-/// see, so what tells of it is not found. Nor is anything of a scan of which more than two fifths
-/// would be: it is out of place itself.
+/// Finds the returns of people and all else that moves. A scan shortly before looks through them,
+/// and so does one shortly after; or, where there are scans within 1 m on both sides, one of them
+/// does and none sees anything there. At a jump of the poses, the scans on one side look through
+/// returns that those on the other side see, so what tells of it is not found, unless another jump
+/// leads back within a few metres. Nothing is found of a scan of which more than two fifths would
+/// be: it is out of place itself. What one session's end and the next one's beginning see of each
+/// other counts like the rest.
 ///
 /// scans: along the path, by their ids among all. world_from_robot: one finite pose per pose of the
 /// graph. free_space: of those scans that the graph has. Collective if the graph has peers.

@@ -221,6 +221,35 @@ TEST(MapConsistency, APersonWhoStoodThereOnceIsNoContradiction) {
   EXPECT_FALSE(consistency.IsContradictory()) << consistency.Ratio();
 }
 
+TEST(MapConsistency, APersonWhoWalksWithTheRobotCountsOnlyAsUsual) {
+  SlamGraph graph;
+  SyntheticScene scene = Corridor();
+  const std::vector<Pose2> poses = BackAndForth(3);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    scene.poses = {poses[i]};
+    // Ahead of it, from side to side.
+    const Pose2 person = poses[i] * Pose2(2.0, std::sin(1.5 * static_cast<double>(i)), 0.0);
+    scene.discs = {{person.translation(), 0.25}};
+    const SlamGraph one = MakeGraph(scene);
+    int laser = 0, pose = 0;
+    if (i == 0) {
+      ASSERT_TRUE(graph.AddLaser(scene.laser, &laser).ok());
+    }
+    ASSERT_TRUE(graph.AddPose(poses[i], static_cast<double>(i), &pose).ok());
+    ASSERT_TRUE(graph.AddScan(pose, 0, one.RangesOfScan(0, scene.laser.max_range_m)).ok());
+  }
+  const MapConsistency consistency = Measure(graph, poses);
+  EXPECT_GT(consistency.worst_between.usual_ratio, 0.3);
+  EXPECT_LT(consistency.usual_ratio_at_rest, 0.3 * consistency.worst_between.usual_ratio);
+  RunOnParts(graph, 3, [&](const SlamGraph& part) {
+    const MapConsistency shared = Measure(part, poses);
+    EXPECT_EQ(shared.between_passes.num_compared, consistency.between_passes.num_compared);
+    EXPECT_EQ(shared.between_passes.num_conflicting, consistency.between_passes.num_conflicting);
+    EXPECT_EQ(shared.worst_between.usual_ratio, consistency.worst_between.usual_ratio);
+    EXPECT_EQ(shared.usual_ratio_at_rest, consistency.usual_ratio_at_rest);
+  });
+}
+
 TEST(MapConsistency, OnePassIsEnoughToBeRight) {
   SyntheticScene scene = Corridor();
   scene.poses = BackAndForth(1);
@@ -295,6 +324,8 @@ TEST(ConsistencyMeterTest, ProcessesThatShareAGraphMeasureTheSame) {
     ExpectSame(shared.between_passes, expected.between_passes);
     ExpectSame(shared.worst_between.conflict, expected.worst_between.conflict);
     EXPECT_EQ(shared.worst_between.pose, expected.worst_between.pose);
+    EXPECT_EQ(shared.worst_between.usual_ratio, expected.worst_between.usual_ratio);
+    EXPECT_EQ(shared.usual_ratio_at_rest, expected.usual_ratio_at_rest);
     EXPECT_EQ(shared.viewpoints.size(), expected.viewpoints.size());
     ASSERT_EQ(shared.places.size(), expected.places.size());
     for (std::size_t i = 0; i < shared.places.size(); ++i) {
