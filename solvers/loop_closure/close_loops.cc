@@ -123,7 +123,7 @@ Status TestInBatches(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
   return Status::Ok();
 }
 
-// What nearly became a closure.
+// What nearly became a closure, the best first: as much as is weighed at a time.
 void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
   refused.erase(std::remove_if(refused.begin(), refused.end(),
                                [](const TestedCandidate& result) {
@@ -136,6 +136,8 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
                    [](const TestedCandidate& a, const TestedCandidate& b) {
                      return a.inlier_ratio > b.inlier_ratio;
                    });
+  constexpr std::size_t kMostTentative = 8;
+  if (refused.size() > kMostTentative) refused.resize(kMostTentative);
   keys->tentative.clear();
   for (const TestedCandidate& result : refused) keys->tentative.push_back(result.edge);
 }

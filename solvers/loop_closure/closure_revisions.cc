@@ -33,11 +33,9 @@ KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys) {
   return without;
 }
 
-std::vector<Revision> TentativeMatches(const KeyframeGraph& keys, std::size_t most) {
+std::vector<Revision> TentativeMatches(const KeyframeGraph& keys) {
   std::vector<Revision> matches;
-  for (const RelativePoseConstraint& match : keys.tentative) {
-    if (matches.size() < most) matches.push_back({match});
-  }
+  for (const RelativePoseConstraint& match : keys.tentative) matches.push_back({match});
   return matches;
 }
 

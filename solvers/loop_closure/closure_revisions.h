@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_REVISIONS_H_
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_REVISIONS_H_
 
-#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/peers.h"
@@ -20,8 +19,8 @@ KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys);
 /// gets another chance.
 KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys);
 
-/// The matches that nearly became closures, each by itself; the best ones, at most so many.
-std::vector<Revision> TentativeMatches(const KeyframeGraph& keys, std::size_t most);
+/// The matches that nearly became closures, each by itself.
+std::vector<Revision> TentativeMatches(const KeyframeGraph& keys);
 
 /// Moves the keyframes of each graph to its optimum (OptimizeKeyframes). Processes that share the
 /// drive share the work; peers: null if there are none.

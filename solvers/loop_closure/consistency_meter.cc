@@ -327,36 +327,28 @@ FreeSpaceConflict BothWays(const ViewpointPair& pair) {
 
 PlaceConflict ConflictOf(const ViewpointPair& pair) { return {BothWays(pair), pair.with_moving}; }
 
-// The conflicts of stretches over those that can be explained.
-class Ratios {
+// The shares of stretches where much was compared.
+class Shares {
  public:
-  explicit Ratios(double explicable_share) : explicable_share_(explicable_share) {}
-
   void Add(const FreeSpaceConflict& conflict) {
-    if (conflict.num_compared < MapConsistency::kPriorReturns) return;
-    ratios_.push_back(conflict.Share() / explicable_share_);
+    if (conflict.num_compared >= MapConsistency::kPriorReturns) shares_.push_back(conflict.Share());
   }
 
-  // Of half of the stretches where much was compared.
-  double Usual() {
-    if (ratios_.empty()) return 0.0;
-    const auto median = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
-    std::nth_element(ratios_.begin(), median, ratios_.end());
+  double Median() {
+    if (shares_.empty()) return 0.0;
+    const auto median = shares_.begin() + static_cast<std::ptrdiff_t>(shares_.size() / 2);
+    std::nth_element(shares_.begin(), median, shares_.end());
     return *median;
   }
 
  private:
-  double explicable_share_;
-  std::vector<double> ratios_;
+  std::vector<double> shares_;
 };
 
 // Keeps the worst of the conflicts that it is shown.
 class PeakFinder {
  public:
-  explicit PeakFinder(double explicable_share)
-      : explicable_share_(explicable_share),
-        at_rest_(explicable_share),
-        with_moving_(explicable_share) {}
+  explicit PeakFinder(double explicable_share) : explicable_share_(explicable_share) {}
 
   void Try(const PlaceConflict& conflict, int pose) {
     at_rest_.Add(conflict.at_rest);
@@ -375,10 +367,10 @@ class PeakFinder {
     return num_tried_ > 0 ? static_cast<double>(num_contradicted_) / num_tried_ : 0.0;
   }
 
-  double UsualRatioAtRest() { return at_rest_.Usual(); }
+  double UsualRatioAtRest() { return at_rest_.Median() / explicable_share_; }
 
   ConflictPeak TakePeak() {
-    peak_.usual_ratio = with_moving_.Usual();
+    peak_.usual_ratio = with_moving_.Median() / explicable_share_;
     return peak_;
   }
 
@@ -386,7 +378,7 @@ class PeakFinder {
   double explicable_share_;
   double worst_ = 0.0;
   int num_tried_ = 0, num_contradicted_ = 0;
-  Ratios at_rest_, with_moving_;
+  Shares at_rest_, with_moving_;
   ConflictPeak peak_;
 };
 

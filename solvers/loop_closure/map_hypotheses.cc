@@ -32,8 +32,6 @@ namespace {
 // carried robots on the floors of the seeding study (apps/benchmark), kSoundOdometry on
 // mit-killian, infinite-corridor, acapulco and fr-clinic.
 
-// Matches that nearly became closures are weighed, at most so many at a time.
-constexpr std::size_t kMostTentative = 8;
 // At most so often a cluster is found wrong, or such a match right.
 constexpr int kMaxRevisions = 6;
 // At most so often the closures of a session with others at one place are found wrong.
@@ -133,11 +131,14 @@ class HypothesisSearch {
     const bool meets_more = turned.keys.closures.size() > best->keys.closures.size() &&
                             turned.consistency.between_passes.num_compared >
                                 (1.0 + LoopAcceptance::kMinMeetingGain) * met;
-    // What comes to lie on other passes must conflict no more than a part that is right may.
+    // What is compared on top must conflict no more than a part that is right may, and no place
+    // more than one did before.
     FreeSpaceConflict newly_met = turned.consistency.between_passes;
     newly_met -= best->consistency.between_passes;
     const double ratio = MapConsistency::RatioOf(newly_met, explicable_share_);
-    if (meets_more && ratio <= MapConsistency::kMaxRatio) *best = std::move(turned);
+    const bool conflicts_more =
+        ratio > MapConsistency::kMaxRatio || turned.consistency.Ratio() > best->consistency.Ratio();
+    if (meets_more && !conflicts_more) *best = std::move(turned);
     return Status::Ok();
   }
 
@@ -467,9 +468,8 @@ class HypothesisSearch {
           HypothesisKind::kWithoutCluster,
           SuspectClusters(best->keys, best->consistency, explicable_share_), best, &revised));
       if (revised) continue;
-      PLUMBLINE_RETURN_IF_ERROR(Revise(HypothesisKind::kWithMatch,
-                                       TentativeMatches(best->keys, kMostTentative), best,
-                                       &revised));
+      PLUMBLINE_RETURN_IF_ERROR(
+          Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
       if (!revised) break;
     }
     return Status::Ok();

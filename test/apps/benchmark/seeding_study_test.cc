@@ -45,19 +45,24 @@ std::string RowOf(const std::string& table, const std::string& name) {
 }
 
 TEST(SeedingStudyTest, OtherScannersTakeOtherScans) {
-  const auto num_scans = [](const char* name) {
+  const auto outcome_of = [](const char* name) {
     SeedingCase run = SeedingCases(1, 1)[0];
     EXPECT_TRUE(FromString(name, &run.scanner)) << name;
     SeedingOutcome outcome;
     EXPECT_TRUE(RunSeedingCase(run, {}, {}, &outcome).ok()) << name;
     EXPECT_TRUE(outcome.IsRefinedRight()) << name;
-    return static_cast<double>(outcome.num_scans);
+    return outcome;
   };
-  const double fine = num_scans("fine");
+  const auto num_scans = [&](const char* name) {
+    return static_cast<double>(outcome_of(name).num_scans);
+  };
+  const SeedingOutcome usual = outcome_of("fine"), among_people = outcome_of("people");
+  const double fine = usual.num_scans;
   EXPECT_NEAR(num_scans("short") / fine, 1.0, 0.01);
   EXPECT_NEAR(num_scans("thinned") / fine, 0.45 / 2.0, 0.01);
   EXPECT_NEAR(num_scans("fast") / fine, 0.4, 0.05);
-  EXPECT_EQ(num_scans("people"), fine);
+  EXPECT_EQ(among_people.num_scans, usual.num_scans);
+  EXPECT_NE(among_people.mean_error_m, usual.mean_error_m);
   StudyScanner scanner;
   EXPECT_FALSE(FromString("long", &scanner));
 }
