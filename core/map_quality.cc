@@ -234,14 +234,18 @@ std::vector<double> CentersAmongAll(const SlamGraph& graph, const MapPoints& poi
   const std::size_t num_points = graph.num_returns_of_all();
   const std::size_t num_samples = std::min(num_points, kMaxSamples);
   std::vector<double> centers(2 * num_samples);
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t among_all = graph.ReturnIdAmongAll(i);
-    while (k < num_samples && k * num_points / num_samples < among_all) ++k;
-    if (k == num_samples || k * num_points / num_samples != among_all) continue;
-    const Eigen::Vector2d center = points.At(i);
-    centers[2 * k] = center.x();
-    centers[2 * k + 1] = center.y();
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    const ScanEntry& own = graph.scan(s);
+    const ScanEntry& among_all = graph.all_scans()[graph.IdAmongAll(s)];
+    const std::size_t end = among_all.first_return + among_all.num_returns;
+    // The first sample that does not lie before this scan.
+    std::size_t k = (among_all.first_return * num_samples + num_points - 1) / num_points;
+    for (; k < num_samples && k * num_points / num_samples < end; ++k) {
+      const std::size_t in_scan = k * num_points / num_samples - among_all.first_return;
+      const Eigen::Vector2d center = points.At(own.first_return + in_scan);
+      centers[2 * k] = center.x();
+      centers[2 * k + 1] = center.y();
+    }
   }
   SumOverPeers(graph.peers(), &centers);
   return centers;

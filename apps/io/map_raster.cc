@@ -45,10 +45,15 @@ std::vector<double> SampleCoordinates(const SlamGraph& graph, const MapPoints& p
   if (graph.peers() == nullptr) return SampleCoordinates(points, coordinate);
   const std::size_t stride = SampleStride(graph.num_returns_of_all());
   std::vector<double> samples;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (graph.ReturnIdAmongAll(i) % stride != 0) continue;
-    const double value = points.At(i)[coordinate];
-    if (std::isfinite(value)) samples.push_back(value);
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    const ScanEntry& own = graph.scan(s);
+    const std::size_t first_among_all = graph.all_scans()[graph.IdAmongAll(s)].first_return;
+    const std::size_t past_sample = first_among_all % stride;
+    std::size_t in_scan = past_sample == 0 ? 0 : stride - past_sample;
+    for (; in_scan < static_cast<std::size_t>(own.num_returns); in_scan += stride) {
+      const double value = points.At(own.first_return + in_scan)[coordinate];
+      if (std::isfinite(value)) samples.push_back(value);
+    }
   }
   return JoinOverPeers(graph.peers(), std::move(samples));
 }

@@ -23,6 +23,7 @@
 
 DECLARE_bool(help);
 DECLARE_bool(helpshort);
+DECLARE_bool(version);
 DECLARE_string(flagfile);
 
 // Where gflags goes on finding a fault. It is there to be set, but no header of gflags has it.
@@ -100,6 +101,10 @@ ProgramEnd EndOf(const Status& status, ExitCode code) {
   return {bad_output ? kExitCannotWrite : code, status.message()};
 }
 
+std::string VersionText() {
+  return std::string(gflags::ProgramInvocationShortName()) + " " PLUMBLINE_VERSION "\n";
+}
+
 ProgramEnd RunUnstopped(const std::vector<FileFlag>& files,
                         const std::function<Status()>& check_flags,
                         const std::function<Status()>& run) {
@@ -158,13 +163,14 @@ void StartProgram(const std::string& usage, int argc, char** argv) {
   gflags::SetUsageMessage(usage);
   GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitWrongUsage); };
   gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  if (FLAGS_help || FLAGS_helpshort) {
-    std::cout << HelpText(usage);
+  if (FLAGS_help || FLAGS_helpshort || FLAGS_version) {
+    std::cout << (FLAGS_version ? VersionText() : HelpText(usage));
     const Status printed = FlushStandardOutput();
     if (!printed.ok()) PrintFailure(printed.message());
     std::exit(printed.ok() ? kExitDone : kExitCannotWrite);
   }
-  gflags::HandleCommandLineHelpFlags();
+  GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitDone); };
+  gflags::HandleCommandLineHelpFlags();  // the other kinds of help
   if (argc > 1) {
     PrintFailure("unexpected argument '" + std::string(argv[1]) + "'; see --help");
     std::exit(kExitWrongUsage);

@@ -17,6 +17,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::MatchesRegex;
 using testing::Not;
 
 using ProgramsTest = ProgramTest;
@@ -355,6 +356,14 @@ TEST_F(ProgramsTest, HelpShowsTheFlagsOfTheProgram) {
   const Outcome simulate = Run("simulate", "--help");
   EXPECT_EQ(simulate.exit_code, 0);
   EXPECT_THAT(simulate.out, AllOf(HasSubstr("  --speed_m_s="), Not(HasSubstr("--threads"))));
+}
+
+TEST_F(ProgramsTest, VersionIsThatOfTheProject) {
+  const Outcome run = Run("slam", "--version");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, MatchesRegex("plumbline_slam [0-9]+[.][0-9]+[.][0-9]+\n"));
+  EXPECT_EQ(Run("slam", "--helpshort").exit_code, 0);
+  EXPECT_EQ(Run("slam", "--helpfull").exit_code, 0);
 }
 
 }  // namespace
