@@ -22,7 +22,7 @@ void GiveLargeArraysBack() {
 #ifdef __GLIBC__
   // NOLINTBEGIN(concurrency-mt-unsafe)
   mallopt(M_MMAP_MAX, 1 << 16);
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_MMAP_THRESHOLD, 1 << 23);
   // NOLINTEND(concurrency-mt-unsafe)
 #endif
 }
