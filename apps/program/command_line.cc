@@ -19,6 +19,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/program/project_version.h"
 #include "plumbline/apps/program/stop_signal.h"
 
 DECLARE_bool(help);
@@ -102,7 +103,7 @@ ProgramEnd EndOf(const Status& status, ExitCode code) {
 }
 
 std::string VersionText() {
-  return std::string(gflags::ProgramInvocationShortName()) + " " PLUMBLINE_VERSION "\n";
+  return std::string(gflags::ProgramInvocationShortName()) + " " + kProjectVersion + "\n";
 }
 
 ProgramEnd RunUnstopped(const std::vector<FileFlag>& files,
