@@ -236,7 +236,7 @@ Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress,
     const std::size_t num_closures = keys->closures.size();
     for (const TestedCandidate& result : tested) {
       if (is_local && OnlyRepeatsItsEdge(result.edge, *keys)) continue;
-      if (RepeatsRefused(result.edge, keys->refused, *keys)) continue;
+      if (RepeatsOneOf(result.edge, keys->refused, *keys)) continue;
       if (result.outcome == ClosureOutcome::kAccepted) {
         keys->closures.push_back(result.edge);
       } else if (result.outcome != ClosureOutcome::kNoMatch) {

@@ -40,8 +40,8 @@ std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseCo
   return clusters;
 }
 
-bool RepeatsRefused(const RelativePoseConstraint& closure,
-                    const std::vector<RelativePoseConstraint>& refused, const KeyframeGraph& keys) {
+bool RepeatsOneOf(const RelativePoseConstraint& closure,
+                  const std::vector<RelativePoseConstraint>& others, const KeyframeGraph& keys) {
   const auto pose = [&](int key) { return keys.world_from_key[key]; };
   const auto says_the_same = [&](const RelativePoseConstraint& other) {
     const double apart_m =
@@ -54,7 +54,7 @@ bool RepeatsRefused(const RelativePoseConstraint& closure,
     return std::hypot(off.x, off.y) < LoopAcceptance::kSameClosureM &&
            std::abs(off.yaw) < LoopAcceptance::kSameClosureRad;
   };
-  return std::any_of(refused.begin(), refused.end(), says_the_same);
+  return std::any_of(others.begin(), others.end(), says_the_same);
 }
 
 }  // namespace plumbline

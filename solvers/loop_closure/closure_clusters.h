@@ -19,10 +19,10 @@ using ClosureCluster = std::vector<int>;
 std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseConstraint>& closures,
                                                 const KeyframeGraph& keys);
 
-/// Whether a closure says again what one of the refused ones says: the same part of the path at the
-/// same place, by the poses of the graph as they stand.
-bool RepeatsRefused(const RelativePoseConstraint& closure,
-                    const std::vector<RelativePoseConstraint>& refused, const KeyframeGraph& keys);
+/// Whether a closure says again what one of some others says: the same part of the path at the same
+/// place, by the poses of the graph as they stand.
+bool RepeatsOneOf(const RelativePoseConstraint& closure,
+                  const std::vector<RelativePoseConstraint>& others, const KeyframeGraph& keys);
 
 }  // namespace plumbline
 

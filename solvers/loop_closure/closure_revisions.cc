@@ -2,12 +2,22 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 
 namespace plumbline {
+namespace {
+
+bool IsIn(const Revision& cluster, const RelativePoseConstraint& closure) {
+  return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
+    return other.from == closure.from && other.to == closure.to;
+  });
+}
+
+}  // namespace
 
 KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys) {
   KeyframeGraph with = keys;
@@ -17,20 +27,28 @@ KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys) {
 
 KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys) {
   KeyframeGraph without = keys;
-  const auto is_in_cluster = [&](const RelativePoseConstraint& closure) {
-    return std::any_of(cluster.begin(), cluster.end(), [&](const RelativePoseConstraint& other) {
-      return other.from == closure.from && other.to == closure.to;
-    });
-  };
   without.closures.clear();
   for (const RelativePoseConstraint& closure : keys.closures) {
-    (is_in_cluster(closure) ? without.refused : without.closures).push_back(closure);
+    (IsIn(cluster, closure) ? without.refused : without.closures).push_back(closure);
   }
   for (const RelativePoseConstraint& closure : keys.contradicted) {
-    if (!RepeatsRefused(closure, without.refused, keys)) without.closures.push_back(closure);
+    if (!RepeatsOneOf(closure, without.refused, keys)) without.closures.push_back(closure);
   }
   without.contradicted.clear();
   return without;
+}
+
+std::vector<Revision> WithRepetitions(const std::vector<Revision>& clusters,
+                                      const KeyframeGraph& keys) {
+  std::vector<Revision> repeated;
+  for (const Revision& cluster : clusters) {
+    Revision with = cluster;
+    for (const RelativePoseConstraint& closure : keys.closures) {
+      if (!IsIn(cluster, closure) && RepeatsOneOf(closure, cluster, keys)) with.push_back(closure);
+    }
+    if (with.size() > cluster.size()) repeated.push_back(std::move(with));
+  }
+  return repeated;
 }
 
 std::vector<Revision> TentativeMatches(const KeyframeGraph& keys) {

@@ -19,6 +19,12 @@ KeyframeGraph With(const Revision& closures, const KeyframeGraph& keys);
 /// gets another chance.
 KeyframeGraph Without(const Revision& cluster, const KeyframeGraph& keys);
 
+/// Each cluster with the other closures that say what it says (RepeatsOneOf): where two places look
+/// alike for longer than a cluster is, each cluster of them holds the map wrong without the others.
+/// Clusters that no other closure repeats are left out.
+std::vector<Revision> WithRepetitions(const std::vector<Revision>& clusters,
+                                      const KeyframeGraph& keys);
+
 /// The matches that nearly became closures, each by itself.
 std::vector<Revision> TentativeMatches(const KeyframeGraph& keys);
 

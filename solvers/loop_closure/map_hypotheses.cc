@@ -459,17 +459,19 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  // Drops the clusters of closures that the map contradicts, and takes in the matches that it
-  // lacks.
+  // Drops clusters of closures that the map contradicts, and takes in matches that it lacks.
   Status ReviseClosures(MapHypothesis* best) {
     for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
+      const std::vector<Revision> suspects =
+          SuspectClusters(best->keys, best->consistency, explicable_share_);
+      const std::pair<HypothesisKind, std::vector<Revision>> all_revisions[] = {
+          {HypothesisKind::kWithoutCluster, suspects},
+          {HypothesisKind::kWithoutCluster, WithRepetitions(suspects, best->keys)},
+          {HypothesisKind::kWithMatch, TentativeMatches(best->keys)}};
       bool revised = false;
-      PLUMBLINE_RETURN_IF_ERROR(Revise(
-          HypothesisKind::kWithoutCluster,
-          SuspectClusters(best->keys, best->consistency, explicable_share_), best, &revised));
-      if (revised) continue;
-      PLUMBLINE_RETURN_IF_ERROR(
-          Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
+      for (const auto& [kind, revisions] : all_revisions) {
+        if (!revised) PLUMBLINE_RETURN_IF_ERROR(Revise(kind, revisions, best, &revised));
+      }
       if (!revised) break;
     }
     return Status::Ok();
@@ -578,8 +580,7 @@ class HypothesisSearch {
   // Of the matching's map; one for all that are compared.
   double explicable_share_ = 0.06;
   double worth_of_agreement_ = 0.06;
-  // By what the surroundings of a keyframe look like: that depends on the start, and on which steps
-  // are in question.
+  // Surroundings of keyframes depend on the start, and on which steps are in question.
   std::map<HypothesisKind, ClosureMemory> memories_;
   std::map<int, int> num_alternatives_;  // of suspect steps, by the first pose after them
   KeyframeGraph suspected_;              // of the matching, with the evidence against its steps

@@ -48,16 +48,16 @@ TEST(FindClosureClusters, AreNoLongerThanAStretch) {
   EXPECT_EQ(clusters[0].size(), 13u);  // 12 m
 }
 
-TEST(RepeatsRefused, KnowsTheSamePlaceFromNeighbouringKeyframes) {
+TEST(RepeatsOneOf, KnowsTheSamePlaceFromNeighbouringKeyframes) {
   const KeyframeGraph keys = Corridor();
   const Pose2 wrong(3.0, 0.0, 0.0);
   const std::vector<RelativePoseConstraint> refused = {Closure(20, 60, wrong)};
-  EXPECT_TRUE(RepeatsRefused(Closure(20, 60, wrong), refused, keys));
+  EXPECT_TRUE(RepeatsOneOf(Closure(20, 60, wrong), refused, keys));
   // Two metres further on, the place is two metres back.
-  EXPECT_TRUE(RepeatsRefused(Closure(18, 62, wrong), refused, keys));
-  EXPECT_FALSE(RepeatsRefused(Closure(20, 60), refused, keys));        // elsewhere
-  EXPECT_FALSE(RepeatsRefused(Closure(4, 76, wrong), refused, keys));  // later
-  EXPECT_FALSE(RepeatsRefused(Closure(20, 60, wrong), {}, keys));
+  EXPECT_TRUE(RepeatsOneOf(Closure(18, 62, wrong), refused, keys));
+  EXPECT_FALSE(RepeatsOneOf(Closure(20, 60), refused, keys));        // elsewhere
+  EXPECT_FALSE(RepeatsOneOf(Closure(4, 76, wrong), refused, keys));  // later
+  EXPECT_FALSE(RepeatsOneOf(Closure(20, 60, wrong), {}, keys));
 }
 
 }  // namespace
