@@ -1,5 +1,6 @@
 #include "plumbline/solvers/map_log.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/pairwise_icp.h"
+#include "plumbline/solvers/front_end/range_noise.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"
@@ -41,7 +43,7 @@ std::vector<double> Carried(const std::vector<double>& poses, const Pose2& befor
 void MeasureMissingSurface(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
   if (mapping->surface.normals.size() == mapping->graph.num_returns()) return;
   mapping->surface =
-      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
+      MeasureSurface(mapping->graph, NormalOptionsFor(BeamNoise(options, mapping->report)), pool);
 }
 
 void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMapping* mapping) {
@@ -80,7 +82,7 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
   const SlamGraph& graph = lacks_odometry ? with_steps : mapping.graph;
   MapState chain;
   PairwiseIcpReport report;
-  PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(options.solver.factors.beam, metric),
+  PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(BeamNoise(options, mapping.report), metric),
                                        mapping.surface, pool, graph, &chain, &report));
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
@@ -151,10 +153,12 @@ Status TakeLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
     LogMapping prepared;
     prepared.graph = std::move(graph);
     PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser));
+    prepared.report.range_noise_m = MeasureRangeNoise(prepared.graph);
     if (HasSweeps(prepared.graph)) {
       prepared.as_swept = prepared.graph;
-      prepared.report.sweep_order =
-          FindSweepOrder(options.seeding, options.solver, prepared.graph, pool);
+      SolverOptions solver = options.solver;
+      solver.factors.beam = BeamNoise(options, prepared.report);
+      prepared.report.sweep_order = FindSweepOrder(options.seeding, solver, prepared.graph, pool);
       FollowSweeps(prepared.graph.initial_poses(), &prepared);
     }
     prepared.state.poses = prepared.graph.initial_poses();
@@ -231,8 +235,8 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
     if (mapping->as_swept) {
       ThreadPool pool(options.solver.num_threads);
       FollowSweeps(start_poses, mapping);
-      mapping->surface =
-          MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), &pool);
+      mapping->surface = MeasureSurface(
+          mapping->graph, NormalOptionsFor(BeamNoise(options, mapping->report)), &pool);
     }
     mapping->state = {start_poses, {}};
     mapping->start_poses = std::move(start_poses);
@@ -241,9 +245,20 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
   });
 }
 
+RangeBeamOptions BeamNoise(const MapLogOptions& options, const MappingReport& report) {
+  // Twice or half as much changed no map of those that it was tried on.
+  constexpr double kTooMuch = 2.0, kMostM = 0.06;
+  RangeBeamOptions beam = options.solver.factors.beam;
+  if (report.range_noise_m > kTooMuch * beam.sigma_range_m) {
+    beam.sigma_range_m = std::max(beam.sigma_range_m, std::min(kMostM, report.range_noise_m));
+  }
+  return beam;
+}
+
 SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& mapping) {
   const SeedingReport& seeding = mapping.report.seeding;
   SolverOptions solver = options.solver;
+  solver.factors.beam = BeamNoise(options, mapping.report);
   if (seeding.odometry_noise.is_prediction) {
     solver.factors.motion = seeding.odometry_noise.motion;
   } else if (!options.calibration.IsOn()) {

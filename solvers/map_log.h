@@ -11,6 +11,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/interface/map_consistency.h"
@@ -39,6 +40,8 @@ struct MapLogOptions {
 
 /// What was found on the way from a log to a map, and whether to trust it.
 struct MappingReport {
+  /// Standard deviation of a range reading [m], as neighbouring beams show it; 0 if they do not.
+  double range_noise_m = 0.0;
   std::vector<FrozenStretch> frozen_laser;  ///< whose repetitions were left out
   /// How the lasers sweep, as the scans say; empty where they measure all beams at once.
   std::optional<SweepOrder> sweep_order;
@@ -75,14 +78,14 @@ struct LogMapping {
   MappingReport report;     ///< what was found on the way
 };
 
-/// Maps a log: leaves out what a frozen laser repeated, takes out what the robot moved during a
-/// sweep (by its odometry, then by the seed), seeds the poses (SeedGraph), takes the
-/// noise of the odometry from what the scans say of it, estimates poses and points jointly (Solve
-/// or SolveWithCalibration; never worse than the seed by what the returns say), and measures
-/// whether the map contradicts itself. graph: poses in order of time, joined by odometry from each
-/// to the next, or by none at all: the scans alone then tell how the robot moved, and steps that
-/// continue the motion before them take the place of the odometry. progress may be empty. The
-/// result does not depend on the number of threads.
+/// Maps a log: leaves out what a frozen laser repeated, measures its range noise (BeamNoise), takes
+/// out what the robot moved during a sweep (by its odometry, then by the seed), seeds the poses
+/// (SeedGraph), takes the noise of the odometry from what the scans say of it, estimates poses and
+/// points jointly (Solve or SolveWithCalibration; never worse than the seed by what the returns
+/// say), and measures whether the map contradicts itself. graph: poses in order of time, joined by
+/// odometry from each to the next, or by none at all: the scans alone then tell how the robot
+/// moved, and steps that continue the motion before them take the place of the odometry. progress
+/// may be empty. The result does not depend on the number of threads.
 ///
 /// It is PrepareLog, SeedLog and RefineLog in turn, for callers that have nothing to do in between.
 /// Fails like these; *mapping then holds what the steps before had found.
@@ -115,10 +118,15 @@ Status SeedLog(const MapLogOptions& options, const SeedingProgress& progress, Th
 Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_poses,
                      SeedingReport seeding, LogMapping* mapping);
 
-/// What the joint estimation of a seeded log goes by: the options, but with what the scans say of
-/// the noise of the odometry where that is less. A calibration has its own view of that, and keeps
-/// the options'. Without odometry the noise is that of the predicted steps. Steps that the seeding
-/// found broken count no more.
+/// The noise of the beams that a log is mapped with: that of the options, unless neighbouring beams
+/// show more than twice as much range noise. Theirs is then taken, up to 60 mm: what differs by
+/// more is grass, or no laser.
+RangeBeamOptions BeamNoise(const MapLogOptions& options, const MappingReport& report);
+
+/// What the joint estimation of a seeded log goes by: the options, but with BeamNoise, and with
+/// what the scans say of the noise of the odometry where that is less. A calibration has its own
+/// view of that, and keeps the options'. Without odometry the noise is that of the predicted steps.
+/// Steps that the seeding found broken count no more.
 SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& mapping);
 
 /// Refines a log that has a seed. InvalidArgument with the solver's message if it refuses its

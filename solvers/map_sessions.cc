@@ -63,7 +63,7 @@ Status SeedSession(const MapLogOptions& options, const SeedingProgress& progress
                    LogMapping* mapping, SeededDrive* drive) {
   const MotionOptions& motion = options.solver.factors.motion;
   mapping->surface =
-      MeasureSurface(mapping->graph, NormalOptionsFor(options.solver.factors.beam), pool);
+      MeasureSurface(mapping->graph, NormalOptionsFor(BeamNoise(options, mapping->report)), pool);
   SeedingReport seeding;
   if (mapping->graph.peers() == nullptr) {
     PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, motion, mapping->surface, progress, pool,
@@ -130,6 +130,7 @@ class JoinedReport {
       report_.frozen_laser.push_back(stretch);
     }
     if (own.sweep_order) report_.sweep_order = own.sweep_order;
+    report_.range_noise_m = std::max(report_.range_noise_m, own.range_noise_m);
     AddSequential(own.seeding.sequential);
     AddNoise(own.seeding.odometry_noise);
     is_first_ = false;
@@ -255,8 +256,6 @@ class SessionsRun {
       TakeLarger(reports_[session].seeding.odometry_noise.motion, &motion);
     }
     PLUMBLINE_RETURN_IF_ERROR(JoinDrives(set_, group, motion, &drive));
-    MeasuredSurface surface =
-        MeasureSurface(drive.graph, NormalOptionsFor(options_.solver.factors.beam), pool_);
     JoinedReport joined;
     for (std::size_t i = 0; i < group.sessions.size(); ++i) {
       SessionOfMap session;
@@ -269,11 +268,12 @@ class SessionsRun {
       joined.Add(session, drive.graph);
       map->sessions.push_back(std::move(session));
     }
+    map->mapping.report = group.sessions.size() == 1 ? map->sessions.front().report : joined.Take();
+    MeasuredSurface surface = MeasureSurface(
+        drive.graph, NormalOptionsFor(BeamNoise(options_, map->mapping.report)), pool_);
     if (group.sessions.size() == 1) {
-      map->mapping.report = map->sessions.front().report;
       return Start(SeedOf(group.sessions.front()), std::move(drive.graph), std::move(surface), map);
     }
-    map->mapping.report = joined.Take();
     SeedingReport& seeding = map->mapping.report.seeding;
     PLUMBLINE_RETURN_IF_ERROR(CloseLoopsOf(motion, &drive, &surface, &seeding));
     for (const OdometryConstraint& step : drive.graph.odometry()) {

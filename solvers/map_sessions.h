@@ -30,7 +30,7 @@ struct SessionMap {
   std::vector<SessionOfMap> sessions;
   /// As of one log that holds all of the sessions, one after the other, in the frame of the first
   /// one. No odometry leads from one to the next. The noise of its odometry is the largest of
-  /// theirs.
+  /// theirs, and so is that of its ranges.
   LogMapping mapping;
 };
 

@@ -127,8 +127,8 @@ class Experiment {
     options.metric = metric;
     PairwiseIcpReport report;
     const auto start = Clock::now();
-    const MeasuredSurface surface =
-        MeasureSurface(mapping_.graph, NormalOptionsFor(options_.solver.factors.beam), &pool_);
+    const MeasuredSurface surface = MeasureSurface(
+        mapping_.graph, NormalOptionsFor(BeamNoise(options_, mapping_.report)), &pool_);
     PLUMBLINE_RETURN_IF_ERROR(
         plumbline::ChainPairs(options, surface, &pool_, mapping_.graph, chain, &report));
     AddStage(name, *chain, SecondsSince(start));

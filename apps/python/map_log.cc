@@ -71,6 +71,8 @@ void BindMapLog(py::module_* module) {
              "of simulated maps with such an alarm, how many were wrong, or None");
   Fields<MappingReport>(module, "MappingReport",
                         "What was found on the way from a log to a map, and whether to trust it.")
+      .Field("range_noise_m", &MappingReport::range_noise_m,
+             "standard deviation of a reading, as neighbouring beams show it; 0 if they do not")
       .Field("frozen_laser", &MappingReport::frozen_laser, "repetitions that were left out")
       .Field("sweep_order", &MappingReport::sweep_order, "None: all beams at once")
       .Field("seeding", &MappingReport::seeding, "how the start was found")

@@ -121,6 +121,7 @@ Json SeedingJson(const RunSummary& summary) {
           {"closure_outcomes", OutcomesJson(summary.mapping.seeding.loops)},
           {"suspect_steps", SuspectStepsJson(summary.mapping.seeding.loops)},
           {"hypotheses", HypothesesJson(summary.mapping.seeding.hypotheses)},
+          {"range_noise_m", summary.mapping.range_noise_m},
           {"frozen_laser", FrozenLaserJson(summary.mapping.frozen_laser)},
           {"sweep_order", SweepOrderJson(summary.mapping.sweep_order)},
           {"alarm", summary.mapping.seeding.alarm},

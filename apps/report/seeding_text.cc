@@ -254,6 +254,12 @@ std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);
 }
 
+std::string RangeNoiseText(double assumed_m, double taken_m) {
+  if (taken_m <= assumed_m) return "";
+  return Format("  Range noise (one sigma): %.0f mm by neighbouring beams; %.0f mm were assumed.\n",
+                kMmPerM * taken_m, kMmPerM * assumed_m);
+}
+
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency) {
   if (consistency.num_pairs_within + consistency.num_pairs_between == 0) return "";
   if (consistency.within_pass.num_compared + consistency.between_passes.num_compared == 0) {

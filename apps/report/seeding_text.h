@@ -29,6 +29,9 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
                         const std::vector<double>& poses);
 
+/// A line on the range noise [m] that the scans show, if that is taken instead of what was assumed.
+std::string RangeNoiseText(double assumed_m, double taken_m);
+
 /// A line on whether the map contradicts itself, or cannot be checked as no scan sees what others
 /// show; nothing if the robot went too little way for its scans to be compared. name: of the map.
 std::string ConsistencyText(const std::string& name, const MapConsistency& consistency);

@@ -38,8 +38,10 @@ DEFINE_int32(threads, Defaults().num_threads,
              "Threads; the result does not depend on it, but for the last digits of ceres");
 
 // Sensor and surfaces.
-DEFINE_double(sigma_range_m, Defaults().factors.beam.sigma_range_m,
-              "Standard deviation of a range reading [m]");
+DEFINE_double(
+    sigma_range_m, Defaults().factors.beam.sigma_range_m,
+    "Standard deviation of a range reading [m]; if neighbouring beams show more than twice as "
+    "much, theirs is taken, up to 0.06 m");
 DEFINE_double(sigma_bearing_rad, Defaults().factors.beam.sigma_bearing_rad,
               "Standard deviation of a beam's direction, its divergence included [rad]");
 DEFINE_double(sigma_manifold_m, Defaults().factors.manifold.sigma_m,

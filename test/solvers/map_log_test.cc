@@ -30,17 +30,27 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 // A drive through an office that comes back to where it was, with few scans, and with wheels that
-// read 3 % too much. The laser is really turned by mounting_error_rad.
-SimulatedLog OfficeDrive(double mounting_error_rad = 0.0) {
+// read 3 % too much.
+SimulationOptions OfficeSimulation() {
   SimulationOptions options;
   options.scan_period_s = 2.0;
   options.laser.num_beams = 180;
   options.laser.bearing_step_rad = DegToRad(1.0);
   options.odometry_noise.scale_error = 0.03;
-  options.mounting_error.yaw = mounting_error_rad;
+  return options;
+}
+
+SimulatedLog Drive(const SimulationOptions& options) {
   SimulatedLog log;
   EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), options, &log).ok());
   return log;
+}
+
+// The laser is really turned by mounting_error_rad.
+SimulatedLog OfficeDrive(double mounting_error_rad = 0.0) {
+  SimulationOptions options = OfficeSimulation();
+  options.mounting_error.yaw = mounting_error_rad;
+  return Drive(options);
 }
 
 SlamGraph GraphOf(const SimulatedLog& log) {
@@ -388,6 +398,39 @@ TEST(RefinementOptionsTest, TakesTheNoiseOfForwardMotionFromTheReport) {
   options.calibration.odometry_scale = true;
   EXPECT_EQ(refined().translation_per_translation, given.translation_per_translation);
   EXPECT_EQ(refined().translation_floor_m, given.translation_floor_m);
+}
+
+TEST(BeamNoiseTest, IsTheScansWhereTheyShowMoreThanTwiceAsMuch) {
+  MapLogOptions options;
+  const RangeBeamOptions& given = options.solver.factors.beam;
+  MappingReport report;
+  const auto taken_m = [&] { return BeamNoise(options, report).sigma_range_m; };
+  EXPECT_EQ(taken_m(), given.sigma_range_m);  // nothing is known
+  report.range_noise_m = 2.0 * given.sigma_range_m;
+  EXPECT_EQ(taken_m(), given.sigma_range_m);
+  report.range_noise_m = 3.0 * given.sigma_range_m;
+  EXPECT_EQ(taken_m(), report.range_noise_m);
+  EXPECT_EQ(BeamNoise(options, report).sigma_bearing_rad, given.sigma_bearing_rad);
+  report.range_noise_m = 0.3;
+  EXPECT_EQ(taken_m(), 0.06);
+  options.solver.factors.beam.sigma_range_m = 0.1;
+  EXPECT_EQ(taken_m(), 0.1);
+}
+
+TEST(BeamNoiseTest, ANoisyLaserIsMappedAsIfItsNoiseHadBeenTold) {
+  constexpr double kNoiseM = 0.04;
+  SimulationOptions simulation = OfficeSimulation();
+  simulation.laser_noise.sigma_range_m = kNoiseM;
+  const SlamGraph graph = GraphOf(Drive(simulation));
+  LogMapping found, told;
+  ASSERT_TRUE(MapLog(MapLogOptions(), graph, {}, &found).ok());
+  EXPECT_NEAR(found.report.range_noise_m, kNoiseM, 0.1 * kNoiseM);
+  MapLogOptions options;
+  options.solver.factors.beam.sigma_range_m = found.report.range_noise_m;
+  ASSERT_TRUE(MapLog(options, graph, {}, &told).ok());
+  EXPECT_EQ(found.start_poses, told.start_poses);
+  EXPECT_EQ(found.state.poses, told.state.poses);
+  EXPECT_EQ(found.state.points, told.state.points);
 }
 
 TEST(RefineLogTest, AStopOfTheSolverLeavesAMap) {

@@ -675,6 +675,7 @@ class Alarm:
     wrong_share: Final[float | None]
 
 class MappingReport:
+    range_noise_m: Final[float]
     frozen_laser: Final[tuple[FrozenStretch, ...]]
     sweep_order: Final[SweepOrder | None]
     seeding: Final[SeedingReport]

@@ -175,6 +175,12 @@ TEST(SeedingTextTest, FaultsOfTheOdometry) {
   EXPECT_THAT(Text(report), HasSubstr("In 1 step odometry and scans disagree"));
 }
 
+TEST(RangeNoiseTextTest, SaysWhatIsTakenInsteadOfWhatWasAssumed) {
+  EXPECT_EQ(RangeNoiseText(0.012, 0.012), "");
+  EXPECT_EQ(RangeNoiseText(0.012, 0.03),
+            "  Range noise (one sigma): 30 mm by neighbouring beams; 12 mm were assumed.\n");
+}
+
 TEST(ConsistencyTextTest, SaysWhetherTheMapContradictsItself) {
   MapConsistency consistency;
   EXPECT_EQ(ConsistencyText("The seed", consistency), "");
