@@ -108,7 +108,6 @@ Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const Seed
   options.seeding = seeding;
   options.solver = solver;
   options.solver.num_threads = 1;
-  options.solver.factors.beam.sigma_range_m = simulation.laser_noise.sigma_range_m;
   options.solver.factors.shape.enabled = sensor.shape;
   ThreadPool pool(1);
   LogMapping mapping;

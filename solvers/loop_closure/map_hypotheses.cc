@@ -28,9 +28,8 @@
 namespace plumbline {
 namespace {
 
-// The limits on how much is tried bound the work. The other values were tuned: what has to do with
-// carried robots on the floors of the seeding study (apps/benchmark), kSoundOdometry on
-// mit-killian, infinite-corridor, acapulco and fr-clinic.
+// Limits bound the work. What has to do with carried robots was tuned on the floors of the seeding
+// study (apps/benchmark), kSoundOdometry on mit-killian, infinite-corridor, acapulco and fr-clinic.
 
 // At most so often a cluster is found wrong, or such a match right.
 constexpr int kMaxRevisions = 6;
@@ -40,14 +39,12 @@ constexpr int kMostBentPlaces = 12;
 constexpr int kMaxForcedBreaks = 3;
 // At most so many steps are looked at as ones over which the robot may have been carried anywhere.
 constexpr int kMostCarried = 3;
-// Places that are tried with closures of their own where a robot may have been carried to: the best
-// ones by their maps.
+// Places, the best by their maps, that are tried with closures where a robot may have been carried.
 constexpr std::size_t kMostJoins = 4;
 // Places where a robot may have been carried to differ in likelihood by what conflicts, and by how
 // far it would have been: a metre counts as much as this many conflicting returns.
 constexpr double kReturnsPerM = 50.0;
-// Another such place is possible as well if this share of the explicable conflicts, at most, come
-// with it.
+// Another such place is as good if this share of what is explicable, at most, comes with it.
 constexpr double kNoContradiction = 1.0 / 3.0;
 // The odometry is worth a search of its own if its map has no more than this times the conflicts
 // that can be explained.
@@ -294,7 +291,7 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  // The ways to put the parts together that make the best maps, the best first.
+  // Ways to put the parts together, the best by their maps first.
   Status FindJoinsByMap(int step, const MapHypothesis& hypothesis,
                         std::vector<KeyframeGraph>* joins) const {
     PLUMBLINE_RETURN_IF_ERROR(CheckStop());
@@ -342,19 +339,23 @@ class HypothesisSearch {
       const FreeSpaceConflict all = place.consistency.AllConflicts();
       return all.num_conflicting - usual_share * all.num_compared;
     };
-    const Pose2& measured = suspected_.sequential[step].constraint.from_from_to;
+    const SequentialEdge& edge = suspected_.sequential[step];
     const auto cost = [&](const MapHypothesis& place) {
-      const Pose2 carried = Between(measured, StepAt(step, place.keys));
+      const Pose2 carried = Between(edge.constraint.from_from_to, StepAt(step, place.keys));
       return excess(place) + kReturnsPerM * std::hypot(carried.x, carried.y);
     };
     const auto likeliest = std::min_element(
         places->begin(), places->end(),
         [&](const MapHypothesis& a, const MapHypothesis& b) { return cost(a) < cost(b); });
+    const auto compared_of_part = [&](const MapHypothesis& place) {
+      return ComparedOfLesserPart(place.consistency, edge.first_pose_after);
+    };
     // Where nothing shows that the step was wrong, it stays.
     if (!IsOpen(step, *best) && IsSameJoin(step, likeliest->keys, best->keys)) return;
-    int& num_alternatives = num_alternatives_[suspected_.sequential[step].first_pose_after];
+    int& num_alternatives = num_alternatives_[edge.first_pose_after];
     for (auto place = places->begin(); place != places->end(); ++place) {
-      const double explicable = explicable_share_ * place->consistency.between_passes.num_compared;
+      const double explicable =
+          explicable_share_ * std::max(compared_of_part(*place), compared_of_part(*likeliest));
       if (place != likeliest && cost(*place) - cost(*likeliest) <= kNoContradiction * explicable) {
         ++num_alternatives;
       }
@@ -405,8 +406,7 @@ class HypothesisSearch {
                             LoopAcceptance::kMinMapGainReturns;
   }
 
-  // Whether one map lets passes be compared about as much as another: where they have nothing in
-  // common, nothing conflicts.
+  // Whether passes are compared as much, about: where they have nothing in common, none conflicts.
   static bool IsComparable(const MapConsistency& map, const MapConsistency& other) {
     return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
   }

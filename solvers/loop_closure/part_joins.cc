@@ -87,4 +87,12 @@ bool IsSameJoin(int edge, const KeyframeGraph& a, const KeyframeGraph& b) {
   return std::hypot(apart.x, apart.y) < kSameM && std::abs(NormalizeAngle(apart.yaw)) < kSameRad;
 }
 
+int ComparedOfLesserPart(const MapConsistency& consistency, int first_pose_after) {
+  int before = 0, beyond = 0;
+  for (const ViewpointConflict& viewpoint : consistency.viewpoints) {
+    (viewpoint.pose < first_pose_after ? before : beyond) += viewpoint.between_passes.num_compared;
+  }
+  return std::min(before, beyond);
+}
+
 }  // namespace plumbline

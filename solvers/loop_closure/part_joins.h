@@ -6,6 +6,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
+#include "plumbline/solvers/interface/map_consistency.h"
 
 namespace plumbline {
 
@@ -25,6 +26,10 @@ Pose2 StepAt(int edge, const KeyframeGraph& keys);
 /// Whether what lies beyond an edge lies at the same place in two graphs, but for errors of
 /// matching.
 bool IsSameJoin(int edge, const KeyframeGraph& a, const KeyframeGraph& b);
+
+/// Of the parts before and beyond a step, the one that other passes meet less: how many returns are
+/// compared between it and them. What speaks for where it lies is among these.
+int ComparedOfLesserPart(const MapConsistency& consistency, int first_pose_after);
 
 }  // namespace plumbline
 

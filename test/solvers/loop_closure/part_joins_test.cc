@@ -130,5 +130,20 @@ TEST(PartJoins, OtherSessionsStayWhereTheyAre) {
   }
 }
 
+TEST(ComparedOfLesserPart, IsWhatOtherPassesMeetOfIt) {
+  MapConsistency consistency;
+  for (int i = 0; i < 4; ++i) {
+    ViewpointConflict viewpoint;
+    viewpoint.pose = 10 * i;
+    viewpoint.within_pass = {1000, 0};
+    viewpoint.between_passes = {10 + i, 0};
+    consistency.viewpoints.push_back(viewpoint);
+  }
+  EXPECT_EQ(ComparedOfLesserPart(consistency, 30), 13);
+  EXPECT_EQ(ComparedOfLesserPart(consistency, 15), 10 + 11);
+  EXPECT_EQ(ComparedOfLesserPart(consistency, 0), 0);
+  EXPECT_EQ(ComparedOfLesserPart(MapConsistency(), 5), 0);
+}
+
 }  // namespace
 }  // namespace plumbline
