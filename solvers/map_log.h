@@ -123,6 +123,9 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
 /// more is grass, or no laser.
 RangeBeamOptions BeamNoise(const MapLogOptions& options, const MappingReport& report);
 
+/// Measures the surfaces that the scans of the graph saw, with BeamNoise.
+void MeasureSurfaceOf(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping);
+
 /// What the joint estimation of a seeded log goes by: the options, but with BeamNoise, and with
 /// what the scans say of the noise of the odometry where that is less. A calibration has its own
 /// view of that, and keeps the options'. Without odometry the noise is that of the predicted steps.

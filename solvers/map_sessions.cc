@@ -62,8 +62,7 @@ Status CheckSharing(const MapLogOptions& options, const std::vector<LogMapping>&
 Status SeedSession(const MapLogOptions& options, const SeedingProgress& progress, ThreadPool* pool,
                    LogMapping* mapping, SeededDrive* drive) {
   const MotionOptions& motion = options.solver.factors.motion;
-  mapping->surface =
-      MeasureSurface(mapping->graph, NormalOptionsFor(BeamNoise(options, mapping->report)), pool);
+  MeasureSurfaceOf(options, pool, mapping);
   SeedingReport seeding;
   if (mapping->graph.peers() == nullptr) {
     PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, motion, mapping->surface, progress, pool,

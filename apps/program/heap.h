@@ -10,8 +10,8 @@ namespace plumbline {
 void KeepOneHeap();
 
 /// From now on gives arrays of 8 MB and more back as soon as they are freed, where several
-/// processes share the memory of a machine. Were it those of a megabyte, runs of seconds would take
-/// a tenth more time, and long ones a twentieth less memory.
+/// processes share the memory of a machine. With arrays of a megabyte as well, long runs take a
+/// twentieth less memory, and runs of seconds a tenth more time.
 void GiveLargeArraysBack();
 
 /// Gives the system what is freed so far: between stages of which one leaves much that the next

@@ -254,7 +254,9 @@ std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);
 }
 
-std::string RangeNoiseText(double assumed_m, double taken_m) {
+std::string RangeNoiseText(const MapLogOptions& options, const MappingReport& report) {
+  const double assumed_m = options.solver.factors.beam.sigma_range_m;
+  const double taken_m = BeamNoise(options, report).sigma_range_m;
   if (taken_m <= assumed_m) return "";
   return Format("  Range noise (one sigma): %.0f mm by neighbouring beams; %.0f mm were assumed.\n",
                 kMmPerM * taken_m, kMmPerM * assumed_m);

@@ -8,6 +8,7 @@
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/solvers/interface/seeding_report.h"
+#include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
 
@@ -29,8 +30,9 @@ std::vector<const WeighedHypothesis*> RunnersUp(const std::vector<WeighedHypothe
 std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
                         const std::vector<double>& poses);
 
-/// A line on the range noise [m] that the scans show, if that is taken instead of what was assumed.
-std::string RangeNoiseText(double assumed_m, double taken_m);
+/// A line on the range noise that the scans show, if that is taken instead of the options'
+/// (BeamNoise).
+std::string RangeNoiseText(const MapLogOptions& options, const MappingReport& report);
 
 /// A line on whether the map contradicts itself, or cannot be checked as no scan sees what others
 /// show; nothing if the robot went too little way for its scans to be compared. name: of the map.

@@ -136,8 +136,7 @@ class LogRun {
     const std::string grid_text =
         FitGrid(memory_, mapping_.graph, mapping_.state, options_.budget.memory, &outputs_);
     const SeedingReport& seeding = mapping_.report.seeding;
-    std::cout << RangeNoiseText(options_.mapping.solver.factors.beam.sigma_range_m,
-                                BeamNoise(options_.mapping, mapping_.report).sigma_range_m)
+    std::cout << RangeNoiseText(options_.mapping, mapping_.report)
               << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
               << ConsistencyText("The seed", seeding.consistency) << grid_text << std::flush;
     if (options_.checkpoint.empty() || !SpeaksForAll(together)) return Status::Ok();

@@ -235,8 +235,7 @@ class SessionsRun {
     PrintNameOf(*results);
     const LogMapping& mapping = results->map->mapping;
     const SeedingReport& seeding = mapping.report.seeding;
-    std::cout << RangeNoiseText(options_.mapping.solver.factors.beam.sigma_range_m,
-                                BeamNoise(options_.mapping, mapping.report).sigma_range_m)
+    std::cout << RangeNoiseText(options_.mapping, mapping.report)
               << SeedingText(seeding, mapping.graph, mapping.state.poses)
               << ConsistencyText("The seed", seeding.consistency) << std::flush;
     PLUMBLINE_RETURN_IF_ERROR(results->run->RecordStart(nullptr));

@@ -30,10 +30,9 @@ void ShareSeed(const Peers* peers, LogMapping* mapping) {
              &mapping->report.seeding);
 }
 
-void ShareRangeNoise(const Peers* peers, double* range_noise_m) {
-  std::vector<double> noise;
-  if (SpeaksForAll(peers)) noise = {*range_noise_m};
-  *range_noise_m = JoinOverPeers(peers, std::move(noise)).front();
+// Who has not read the log has none.
+void ShareRangeNoise(const Peers* peers, MappingReport* report) {
+  report->range_noise_m = MaxOverPeers(peers, report->range_noise_m);
 }
 
 // A SessionOfMap without its report, and the map that it is a part of.
@@ -75,7 +74,7 @@ bool CanShareSeeding(const Peers& peers, bool says_it_can) {
 
 Status ShareLog(const Peers* peers, LogMapping* mapping) {
   mapping->surface = MeasuredSurface();
-  ShareRangeNoise(peers, &mapping->report.range_noise_m);
+  ShareRangeNoise(peers, &mapping->report);
   std::vector<int> rank_of_pose;
   if (SpeaksForAll(peers)) {
     rank_of_pose = PartitionByTime(mapping->graph.num_poses(), peers->size());
@@ -91,12 +90,11 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
   mapping->as_swept.reset();
   mapping->surface = MeasuredSurface();
   mapping->state = MapState();
-  ShareRangeNoise(peers, &mapping->report.range_noise_m);
+  ShareRangeNoise(peers, &mapping->report);
   ShareSeed(peers, mapping);
   PLUMBLINE_RETURN_IF_ERROR(ShareGraphByPlace(peers, mapping->start_poses, &mapping->graph));
   GiveFreedMemoryBack();  // most of a log
-  mapping->surface =
-      MeasureSurface(mapping->graph, NormalOptionsFor(BeamNoise(options, mapping->report)), pool);
+  MeasureSurfaceOf(options, pool, mapping);
   mapping->state.poses = mapping->start_poses;
   return Status::Ok();
 }

@@ -176,8 +176,13 @@ TEST(SeedingTextTest, FaultsOfTheOdometry) {
 }
 
 TEST(RangeNoiseTextTest, SaysWhatIsTakenInsteadOfWhatWasAssumed) {
-  EXPECT_EQ(RangeNoiseText(0.012, 0.012), "");
-  EXPECT_EQ(RangeNoiseText(0.012, 0.03),
+  MapLogOptions options;
+  options.solver.factors.beam.sigma_range_m = 0.012;
+  MappingReport report;
+  report.range_noise_m = 0.02;
+  EXPECT_EQ(RangeNoiseText(options, report), "");
+  report.range_noise_m = 0.03;
+  EXPECT_EQ(RangeNoiseText(options, report),
             "  Range noise (one sigma): 30 mm by neighbouring beams; 12 mm were assumed.\n");
 }
 

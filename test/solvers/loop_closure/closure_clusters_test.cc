@@ -3,31 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "plumbline/test/solvers/loop_closure/corridor.h"
+
 namespace plumbline {
 namespace {
 
 using testing::ElementsAre;
-
-// A straight corridor there and back, a keyframe per metre.
-KeyframeGraph Corridor() {
-  KeyframeGraph keys;
-  for (int k = 0; k <= 80; ++k) {
-    Keyframe key;
-    key.pose = key.scan = k;
-    key.path_m = k;
-    keys.keyframes.push_back(key);
-    keys.world_from_key.emplace_back(k <= 40 ? k : 80.0 - k, 0.0, 0.0);
-  }
-  return keys;
-}
-
-RelativePoseConstraint Closure(int from, int to, const Pose2& from_from_to = Pose2()) {
-  RelativePoseConstraint closure;
-  closure.from = from;
-  closure.to = to;
-  closure.from_from_to = from_from_to;
-  return closure;
-}
 
 TEST(FindClosureClusters, DividesByPathAndByPlace) {
   const KeyframeGraph keys = Corridor();

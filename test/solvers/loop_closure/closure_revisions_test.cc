@@ -3,38 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "plumbline/test/solvers/loop_closure/corridor.h"
+
 namespace plumbline {
 namespace {
 
 using testing::IsEmpty;
 using testing::SizeIs;
 
-// A straight corridor there and back, a keyframe per metre.
-KeyframeGraph Corridor() {
-  KeyframeGraph keys;
-  for (int k = 0; k <= 80; ++k) {
-    Keyframe key;
-    key.pose = key.scan = k;
-    key.path_m = k;
-    keys.keyframes.push_back(key);
-    keys.world_from_key.emplace_back(k <= 40 ? k : 80.0 - k, 0.0, 0.0);
-  }
-  return keys;
-}
-
-RelativePoseConstraint Closure(int from, int to, double off_m) {
-  RelativePoseConstraint closure;
-  closure.from = from;
-  closure.to = to;
-  closure.from_from_to = Pose2(off_m, 0.0, 0.0);
-  return closure;
-}
+const Pose2 kWrong(3.0, 0.0, 0.0);
 
 TEST(WithRepetitions, AddsWhatSaysTheSameNearBy) {
   KeyframeGraph keys = Corridor();
-  keys.closures = {Closure(20, 60, 3.0), Closure(15, 65, 3.0),  // says the same
-                   Closure(14, 66, 0.0),                        // something else
-                   Closure(2, 78, 3.0)};                        // far from it
+  keys.closures = {Closure(20, 60, kWrong), Closure(15, 65, kWrong),  // says the same
+                   Closure(14, 66),                                   // something else
+                   Closure(2, 78, kWrong)};                           // far from it
   const std::vector<Revision> repeated = WithRepetitions({{keys.closures[0]}}, keys);
   ASSERT_THAT(repeated, SizeIs(1));
   ASSERT_THAT(repeated[0], SizeIs(2));
@@ -44,15 +27,15 @@ TEST(WithRepetitions, AddsWhatSaysTheSameNearBy) {
 
 TEST(WithRepetitions, LeavesOutClustersThatStandAlone) {
   KeyframeGraph keys = Corridor();
-  keys.closures = {Closure(20, 60, 3.0), Closure(18, 62, 3.0), Closure(14, 66, 0.0)};
+  keys.closures = {Closure(20, 60, kWrong), Closure(18, 62, kWrong), Closure(14, 66)};
   EXPECT_THAT(WithRepetitions({{keys.closures[0], keys.closures[1]}, {keys.closures[2]}}, keys),
               IsEmpty());
 }
 
 TEST(Without, RefusesTheClusterAndGivesWhatItContradictedAnotherChance) {
   KeyframeGraph keys = Corridor();
-  keys.closures = {Closure(20, 60, 3.0), Closure(2, 78, 0.0)};
-  keys.contradicted = {Closure(18, 62, 0.0), Closure(18, 62, 3.0)};
+  keys.closures = {Closure(20, 60, kWrong), Closure(2, 78)};
+  keys.contradicted = {Closure(18, 62), Closure(18, 62, kWrong)};
   const KeyframeGraph without = Without({keys.closures[0]}, keys);
   ASSERT_THAT(without.refused, SizeIs(1));
   EXPECT_EQ(without.refused[0].to, 60);
