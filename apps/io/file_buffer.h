@@ -32,6 +32,9 @@ class FileBuffer : public std::streambuf {
   /// error().
   bool SeekTo(std::size_t position);
 
+  /// Writes what is left and lets the disk begin with it. False if that fails, see error().
+  bool Send();
+
   /// Writes what is left, waits until the disk has it, and closes the file. False if this or
   /// anything before has failed, see error().
   bool Close();

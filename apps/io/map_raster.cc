@@ -155,6 +155,24 @@ std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& r
   return hits;
 }
 
+void GatherHits(const Peers* peers, int rank, std::vector<std::uint32_t>* hits) {
+  if (peers == nullptr) return;
+  // Most pixels of a map are white.
+  struct Pixel {
+    std::uint32_t index, count;
+  };
+  std::vector<std::vector<Pixel>> to_rank(peers->size());
+  if (peers->rank() != rank) {
+    for (std::size_t i = 0; i < hits->size(); ++i) {
+      if ((*hits)[i] > 0) to_rank[rank].push_back({static_cast<std::uint32_t>(i), (*hits)[i]});
+    }
+    *hits = std::vector<std::uint32_t>();
+  }
+  for (const std::vector<Pixel>& of_rank : ExchangeValues(*peers, to_rank)) {
+    for (const Pixel& pixel : of_rank) (*hits)[pixel.index] += pixel.count;
+  }
+}
+
 double BlackLevel(const std::vector<std::uint32_t>& hits) {
   std::vector<std::uint32_t> positive;
   for (std::uint32_t count : hits) {

@@ -7,6 +7,7 @@
 
 #include "plumbline/core/map_points.h"
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -64,6 +65,10 @@ Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_s
 
 /// Number of points per pixel, row by row. Points that are not finite fall outside.
 std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster);
+
+/// Adds up what all who work on a graph have per pixel (collective): process `rank` gets the sums,
+/// the others get nothing.
+void GatherHits(const Peers* peers, int rank, std::vector<std::uint32_t>* hits);
 
 /// Number of hits to be drawn black: what the fullest tenth of the pixels that were hit has. Maps
 /// that are to be compared share the level of all their hits together.

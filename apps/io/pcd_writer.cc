@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "plumbline/apps/io/little_endian.h"
-#include "plumbline/apps/io/return_records.h"
 
 namespace plumbline {
 namespace {
@@ -23,7 +22,8 @@ Eigen::Vector2d Offset(const MapState& state) {
 
 }  // namespace
 
-Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state) {
+Status StorePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state,
+                      ReturnRecords* file) {
   const Eigen::Vector2d offset = Offset(state);
   if (!offset.allFinite()) {
     return Status::InvalidArgument("'" + path + "': the first pose is not finite");
@@ -44,7 +44,13 @@ Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const Map
     return StoreLittleEndian(static_cast<std::uint32_t>(scan), out);
   };
   constexpr std::size_t kBytesPerPoint = 3 * sizeof(float) + sizeof(std::uint32_t);
-  return WriteReturnRecords(path, header.str(), graph, kBytesPerPoint, store);
+  return file->Write(path, header.str(), graph, kBytesPerPoint, store);
+}
+
+Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state) {
+  ReturnRecords file;
+  PLUMBLINE_RETURN_IF_ERROR(StorePointsPcd(path, graph, state, &file));
+  return file.Commit();
 }
 
 }  // namespace plumbline

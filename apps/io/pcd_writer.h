@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "plumbline/apps/io/return_records.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -18,6 +19,10 @@ namespace plumbline {
 /// 10 km: zero for a map that begins within 5 km of the origin. The header's VIEWPOINT holds that
 /// offset, world point = VIEWPOINT + point.
 Status WritePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state);
+
+/// Its first step, for the caller to commit.
+Status StorePointsPcd(const std::string& path, const SlamGraph& graph, const MapState& state,
+                      ReturnRecords* file);
 
 }  // namespace plumbline
 

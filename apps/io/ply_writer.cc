@@ -4,11 +4,11 @@
 #include <sstream>
 
 #include "plumbline/apps/io/little_endian.h"
-#include "plumbline/apps/io/return_records.h"
 
 namespace plumbline {
 
-Status WritePointsPly(const std::string& path, const SlamGraph& graph, const MapState& state) {
+Status StorePointsPly(const std::string& path, const SlamGraph& graph, const MapState& state,
+                      ReturnRecords* file) {
   std::ostringstream header;
   header << "ply\nformat binary_little_endian 1.0\n"
          << "comment map points of Plumbline, x y z [m] in the world frame, z = 0\n"
@@ -23,7 +23,13 @@ Status WritePointsPly(const std::string& path, const SlamGraph& graph, const Map
     return StoreLittleEndian(static_cast<std::uint32_t>(scan), out);
   };
   constexpr std::size_t kBytesPerVertex = 3 * sizeof(double) + sizeof(std::int32_t);
-  return WriteReturnRecords(path, header.str(), graph, kBytesPerVertex, store);
+  return file->Write(path, header.str(), graph, kBytesPerVertex, store);
+}
+
+Status WritePointsPly(const std::string& path, const SlamGraph& graph, const MapState& state) {
+  ReturnRecords file;
+  PLUMBLINE_RETURN_IF_ERROR(StorePointsPly(path, graph, state, &file));
+  return file.Commit();
 }
 
 }  // namespace plumbline

@@ -13,7 +13,6 @@
 #include "plumbline/apps/pictures/picture_layout.h"
 #include "plumbline/apps/pictures/scale_bar.h"
 #include "plumbline/core/options_check.h"
-#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -59,61 +58,16 @@ struct Layout {
   int width, height;   // of the canvas
 };
 
-struct Panel {
-  std::string title;
-  std::vector<std::uint32_t> hits;
-};
-
 // The canvas holds one byte per pixel, its whiteness, which takes a third of the time that colours
 // take. Cairo calls it opacity: what is drawn in black takes opacity away.
 constexpr cairo_format_t kGrayFormat = CAIRO_FORMAT_A8;
 constexpr cairo_operator_t kDrawBlack = CAIRO_OPERATOR_DEST_OUT;
-
-void DrawPanels(const Panel (&panels)[2], const MapRaster& raster, const Layout& layout,
-                cairo_surface_t* surface) {
-  std::vector<std::uint32_t> both = panels[0].hits;
-  both.insert(both.end(), panels[1].hits.begin(), panels[1].hits.end());
-  const double black_level = BlackLevel(both);
-  cairo_surface_flush(surface);
-  unsigned char* canvas = cairo_image_surface_get_data(surface);
-  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
-  std::fill(canvas, canvas + stride * layout.height, 255);
-  for (int i = 0; i < 2; ++i) {
-    const std::vector<std::uint8_t> gray = DensityImage(panels[i].hits, black_level);
-    for (int row = 0; row < raster.height; ++row) {
-      const auto first = gray.begin() + static_cast<std::size_t>(row) * raster.width;
-      std::copy(first, first + raster.width,
-                canvas + stride * (layout.Top(i) + row) + layout.Left(i));
-    }
-  }
-  cairo_surface_mark_dirty(surface);
-}
 
 void DrawFrame(const MapRaster& raster, int left, int top, cairo_t* context) {
   cairo_set_source_rgba(context, 0.0, 0.0, 0.0, 0.25);
   cairo_set_line_width(context, 1.0);
   cairo_rectangle(context, left - 0.5, top - 0.5, raster.width + 1.0, raster.height + 1.0);
   cairo_stroke(context);
-}
-
-void DrawCaptions(const Panel (&panels)[2], const MapRaster& raster, const Layout& layout,
-                  cairo_t* context) {
-  cairo_set_operator(context, kDrawBlack);
-  SelectFont(kFontPx, context);
-  for (int i = 0; i < 2; ++i) {
-    DrawFrame(raster, layout.Left(i), layout.Top(i), context);
-    cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
-    DrawText(panels[i].title, layout.Left(i), layout.Top(i) - 0.35 * kTitlePx, TextAnchor::kLeft,
-             context);
-  }
-  const double y = layout.height - 0.5 * kFooterPx;
-  const double bar_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
-  const ScaleBar bar{bar_m, bar_m / raster.pixel_m, kFontPx};
-  DrawScaleBar(bar, kBorderPx, y, context);
-  char resolution[64];
-  std::snprintf(resolution, sizeof(resolution), "%g cm per pixel", 100.0 * raster.pixel_m);
-  DrawText(resolution, kBorderPx + bar.WidthPx(context) + 30.0, y + 0.35 * kFontPx,
-           TextAnchor::kLeft, context);
 }
 
 }  // namespace
@@ -124,30 +78,70 @@ bool BeforeAfterOptions::Check(std::string* error) const {
   return true;
 }
 
-Status WriteBeforeAfterPicture(const std::string& path, const SlamGraph& graph,
-                               const MapState& state, const std::vector<double>& poses_before,
-                               const BeforeAfterOptions& options) {
+Status BeforeAfterPicture::Gather(const SlamGraph& graph, const MapState& state,
+                                  const std::vector<double>& poses_before,
+                                  const BeforeAfterOptions& options, int drawn_by) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, poses_before, options));
-  MapRaster raster;
   PLUMBLINE_RETURN_IF_ERROR(
-      ChooseRaster(graph, state, kCropShare, options.max_side_px, &raster, kPixelM));
-  Panel panels[2] = {{options.before_title, {}}, {options.after_title, {}}};
-  panels[0].hits = CountHits(MapPoints(graph, poses_before), raster);
-  panels[1].hits = CountHits(MapPoints(graph, state), raster);
-  for (Panel& panel : panels) SumOverPeers(graph.peers(), &panel.hits);
-  if (!SpeaksForAll(graph.peers())) return Status::Ok();
+      ChooseRaster(graph, state, kCropShare, options.max_side_px, &raster_, kPixelM));
+  panels_ = {Panel{options.before_title, CountHits(MapPoints(graph, poses_before), raster_)},
+             Panel{options.after_title, CountHits(MapPoints(graph, state), raster_)}};
+  for (Panel& panel : panels_) GatherHits(graph.peers(), drawn_by, &panel.hits);
+  return Status::Ok();
+}
+
+Status BeforeAfterPicture::Draw(const std::string& path) const {
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
-
-  const Layout layout(raster);
+  const Layout layout(raster_);
   const CairoSurface surface(cairo_image_surface_create(kGrayFormat, layout.width, layout.height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
-  DrawPanels(panels, raster, layout, surface.get());
+  DrawPanels(surface.get());
   const CairoContext context(cairo_create(surface.get()));
-  DrawCaptions(panels, raster, layout, context.get());
+  DrawCaptions(context.get());
   return CommitPng(path, surface.get(), context.get(), &file);
+}
+
+void BeforeAfterPicture::DrawPanels(cairo_surface_t* surface) const {
+  const Layout layout(raster_);
+  std::vector<std::uint32_t> both = panels_[0].hits;
+  both.insert(both.end(), panels_[1].hits.begin(), panels_[1].hits.end());
+  const double black_level = BlackLevel(both);
+  cairo_surface_flush(surface);
+  unsigned char* canvas = cairo_image_surface_get_data(surface);
+  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
+  std::fill(canvas, canvas + stride * layout.height, 255);
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<std::uint8_t> gray = DensityImage(panels_[i].hits, black_level);
+    for (int row = 0; row < raster_.height; ++row) {
+      const auto first = gray.begin() + static_cast<std::size_t>(row) * raster_.width;
+      std::copy(first, first + raster_.width,
+                canvas + stride * (layout.Top(i) + row) + layout.Left(i));
+    }
+  }
+  cairo_surface_mark_dirty(surface);
+}
+
+void BeforeAfterPicture::DrawCaptions(cairo_t* context) const {
+  const Layout layout(raster_);
+  cairo_set_operator(context, kDrawBlack);
+  SelectFont(kFontPx, context);
+  for (int i = 0; i < 2; ++i) {
+    DrawFrame(raster_, layout.Left(i), layout.Top(i), context);
+    cairo_set_source_rgb(context, 0.0, 0.0, 0.0);
+    DrawText(panels_[i].title, layout.Left(i), layout.Top(i) - 0.35 * kTitlePx, TextAnchor::kLeft,
+             context);
+  }
+  const double y = layout.height - 0.5 * kFooterPx;
+  const double bar_m = RoundDownToNice(std::max(raster_.width / 6.0, 50.0) * raster_.pixel_m);
+  const ScaleBar bar{bar_m, bar_m / raster_.pixel_m, kFontPx};
+  DrawScaleBar(bar, kBorderPx, y, context);
+  char resolution[64];
+  std::snprintf(resolution, sizeof(resolution), "%g cm per pixel", 100.0 * raster_.pixel_m);
+  DrawText(resolution, kBorderPx + bar.WidthPx(context) + 30.0, y + 0.35 * kFontPx,
+           TextAnchor::kLeft, context);
 }
 
 }  // namespace plumbline

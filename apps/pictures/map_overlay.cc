@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/map_points.h"
-#include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
 
 namespace plumbline {
@@ -91,7 +91,7 @@ void DrawMarks(const MapOverlay& overlay, const std::vector<Eigen::Vector2d>& po
 }  // namespace
 
 std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, const MapState& state,
-                           const MapRaster& raster) {
+                           const MapRaster& raster, int drawn_by) {
   const std::size_t num_pixels = static_cast<std::size_t>(raster.width) * raster.height;
   if (overlay.style == OverlayStyle::kPoints) {
     std::vector<bool> pixels(num_pixels, false);
@@ -102,7 +102,7 @@ std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, co
     return pixels;
   }
   if (overlay.style != OverlayStyle::kScans) return {};
-  std::vector<int> is_hit(num_pixels, 0);
+  std::vector<std::uint32_t> hits(num_pixels, 0);
   const MapPoints points(graph, state);
   const int end = FirstOwnScanFrom(graph, overlay.first_scan + overlay.num_scans);
   for (int scan = FirstOwnScanFrom(graph, overlay.first_scan); scan < end; ++scan) {
@@ -110,12 +110,12 @@ std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, co
     for (std::size_t r = entry.first_return; r < entry.first_return + entry.num_returns; ++r) {
       const Eigen::Vector2d point = points.At(r);
       const std::ptrdiff_t pixel = raster.PixelAt(point.x(), point.y());
-      if (pixel >= 0) is_hit[pixel] = 1;
+      if (pixel >= 0) hits[pixel] = 1;
     }
   }
-  SumOverPeers(graph.peers(), &is_hit);
-  std::vector<bool> pixels(num_pixels);
-  std::transform(is_hit.begin(), is_hit.end(), pixels.begin(), [](int hit) { return hit != 0; });
+  GatherHits(graph.peers(), drawn_by, &hits);
+  std::vector<bool> pixels(hits.size());
+  std::transform(hits.begin(), hits.end(), pixels.begin(), [](auto count) { return count != 0; });
   return pixels;
 }
 

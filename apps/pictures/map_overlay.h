@@ -34,9 +34,9 @@ struct MapOverlay {
 };
 
 /// Which pixels the points of an overlay fall into, row by row; empty but for kPoints and kScans. A
-/// graph with peers gets those of the scans of all (collective).
+/// graph with peers gives process `drawn_by` those of the scans of all (collective).
 std::vector<bool> PixelsOf(const MapOverlay& overlay, const SlamGraph& graph, const MapState& state,
-                           const MapRaster& raster);
+                           const MapRaster& raster, int drawn_by);
 
 /// Draws the marks on a map whose upper left corner is the origin of the context. pixels: PixelsOf
 /// the overlay.

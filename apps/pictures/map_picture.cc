@@ -24,19 +24,20 @@ constexpr int kMinWidthPx = 640;  // room for title and scale bar
 constexpr int kLegendRowPx = 30;
 constexpr double kFadedStrength = 0.75;  // of a map that is the background of overlays
 
-/// Fills the canvas white and puts the density image with its upper left corner at (left, top), its
-/// darkness multiplied by `strength`.
-void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const MapRaster& raster,
-                 int left, int top, cairo_surface_t* surface) {
+/// Fills the canvas white and puts the density image onto an area, its darkness multiplied by
+/// `strength`.
+void DrawDensity(const std::vector<std::uint8_t>& gray, double strength, const MapArea& area,
+                 cairo_surface_t* surface) {
+  const MapRaster& raster = area.raster;
   cairo_surface_flush(surface);
   unsigned char* data = cairo_image_surface_get_data(surface);
   const int stride = cairo_image_surface_get_stride(surface);
   std::fill(data, data + static_cast<std::size_t>(stride) * cairo_image_surface_get_height(surface),
             255);
   for (int row = 0; row < raster.height; ++row) {
-    auto* pixels =
-        reinterpret_cast<std::uint32_t*>(data + static_cast<std::size_t>(stride) * (top + row)) +
-        left;
+    auto* pixels = reinterpret_cast<std::uint32_t*>(data + static_cast<std::size_t>(stride) *
+                                                               (area.top_px + row)) +
+                   area.left_px;
     for (int column = 0; column < raster.width; ++column) {
       const int darkness = 255 - gray[static_cast<std::size_t>(row) * raster.width + column];
       pixels[column] = 0x010101u * (255u - static_cast<std::uint32_t>(strength * darkness));
@@ -81,24 +82,6 @@ void DrawTitle(const SlamGraph& graph, const std::string& title, cairo_t* contex
            TextAnchor::kLeft, context);
 }
 
-/// The lines and marks on the map area, which cuts them off. overlay_pixels: PixelsOf each.
-void DrawMap(const SlamGraph& graph, const MapState& state, const std::vector<MapOverlay>& overlays,
-             const std::vector<std::vector<bool>>& overlay_pixels, const MapRaster& raster,
-             int left, cairo_t* context) {
-  cairo_translate(context, left, kTitlePx);
-  cairo_rectangle(context, 0.0, 0.0, raster.width, raster.height);
-  cairo_clip(context);
-  if (overlays.empty()) {
-    cairo_set_source_rgb(context, 0.85, 0.15, 0.1);
-  } else {
-    cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
-  }
-  DrawTrajectory(graph, state, raster, context);
-  for (std::size_t i = 0; i < overlays.size(); ++i) {
-    DrawOverlay(overlays[i], raster, overlay_pixels[i], context);
-  }
-}
-
 bool HasLegend(const MapOverlay& overlay) { return !overlay.label.empty(); }
 
 /// One row per overlay that has a label, the first one at the top.
@@ -137,49 +120,79 @@ bool MapPictureOptions::Check(std::string* error) const {
   return true;
 }
 
-Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
-                       const MapPictureOptions& options, MapArea* area) {
+Status MapPicture::Gather(const SlamGraph& graph, const MapState& state,
+                          const MapPictureOptions& options, int drawn_by) {
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, options));
-  MapRaster raster;
   PLUMBLINE_RETURN_IF_ERROR(
-      ChooseRaster(graph, state, options.crop_share, options.max_side_px, &raster));
-  std::vector<std::uint32_t> hits = CountHits(MapPoints(graph, state), raster);
-  SumOverPeers(graph.peers(), &hits);
-  std::vector<std::vector<bool>> overlay_pixels;
-  overlay_pixels.reserve(options.overlays.size());
+      ChooseRaster(graph, state, options.crop_share, options.max_side_px, &raster_));
+  graph_ = &graph;
+  state_ = &state;
+  options_ = options;
+  hits_ = CountHits(MapPoints(graph, state), raster_);
+  GatherHits(graph.peers(), drawn_by, &hits_);
+  overlay_pixels_.clear();
   for (const MapOverlay& overlay : options.overlays) {
-    overlay_pixels.push_back(PixelsOf(overlay, graph, state, raster));
+    overlay_pixels_.push_back(PixelsOf(overlay, graph, state, raster_, drawn_by));
   }
-  if (!SpeaksForAll(graph.peers())) return Status::Ok();
+  return Status::Ok();
+}
+
+int MapPicture::LegendHeight() const {
+  const std::vector<MapOverlay>& overlays = options_.overlays;
+  return kLegendRowPx *
+         static_cast<int>(std::count_if(overlays.begin(), overlays.end(), HasLegend));
+}
+
+int MapPicture::Width() const { return std::max(raster_.width + 2 * kBorderPx, kMinWidthPx); }
+
+MapArea MapPicture::area() const { return {raster_, (Width() - raster_.width) / 2, kTitlePx}; }
+
+Status MapPicture::Draw(const std::string& path) const {
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
-
-  const bool has_overlays = !options.overlays.empty();
-  const int width = std::max(raster.width + 2 * kBorderPx, kMinWidthPx);
-  const int num_rows =
-      static_cast<int>(std::count_if(options.overlays.begin(), options.overlays.end(), HasLegend));
-  const int legend_height = kLegendRowPx * num_rows;
-  const int height = kTitlePx + raster.height + kFooterPx + legend_height;
-  const int map_left = (width - raster.width) / 2;
-  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  const int height = kTitlePx + raster_.height + kFooterPx + LegendHeight();
+  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, Width(), height));
   if (cairo_surface_status(surface.get()) != CAIRO_STATUS_SUCCESS) {
     return Status::Unavailable("no memory for the picture '" + path + "'");
   }
-  DrawDensity(DensityImage(hits, BlackLevel(hits)), has_overlays ? kFadedStrength : 1.0, raster,
-              map_left, kTitlePx, surface.get());
+  DrawDensity(DensityImage(hits_, BlackLevel(hits_)),
+              options_.overlays.empty() ? 1.0 : kFadedStrength, area(), surface.get());
 
   const CairoContext context(cairo_create(surface.get()));
   SelectFont(kFontPx, context.get());
-  DrawTitle(graph, options.title, context.get());
-  const int footer_top = kTitlePx + raster.height;
-  const double bar_m = RoundDownToNice(std::max(raster.width / 6.0, 50.0) * raster.pixel_m);
-  DrawScaleBar({bar_m, bar_m / raster.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
+  DrawTitle(*graph_, options_.title, context.get());
+  const int footer_top = kTitlePx + raster_.height;
+  const double bar_m = RoundDownToNice(std::max(raster_.width / 6.0, 50.0) * raster_.pixel_m);
+  DrawScaleBar({bar_m, bar_m / raster_.pixel_m, kFontPx}, kBorderPx, footer_top + 0.5 * kFooterPx,
                context.get());
-  DrawLegend(options.overlays, kBorderPx, footer_top + kFooterPx, context.get());
-  DrawMap(graph, state, options.overlays, overlay_pixels, raster, map_left, context.get());
+  DrawLegend(options_.overlays, kBorderPx, footer_top + kFooterPx, context.get());
+  DrawMap(context.get());
+  return CommitPng(path, surface.get(), context.get(), &file);
+}
 
-  PLUMBLINE_RETURN_IF_ERROR(CommitPng(path, surface.get(), context.get(), &file));
-  if (area != nullptr) *area = {raster, map_left, kTitlePx};
+// The lines and marks on the map area, which cuts them off.
+void MapPicture::DrawMap(cairo_t* context) const {
+  const std::vector<MapOverlay>& overlays = options_.overlays;
+  cairo_translate(context, area().left_px, area().top_px);
+  cairo_rectangle(context, 0.0, 0.0, raster_.width, raster_.height);
+  cairo_clip(context);
+  if (overlays.empty()) {
+    cairo_set_source_rgb(context, 0.85, 0.15, 0.1);
+  } else {
+    cairo_set_source_rgb(context, 0.72, 0.72, 0.72);
+  }
+  DrawTrajectory(*graph_, *state_, raster_, context);
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    DrawOverlay(overlays[i], raster_, overlay_pixels_[i], context);
+  }
+}
+
+Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
+                       const MapPictureOptions& options, MapArea* area) {
+  MapPicture picture;
+  PLUMBLINE_RETURN_IF_ERROR(picture.Gather(graph, state, options));
+  if (SpeaksForAll(graph.peers())) PLUMBLINE_RETURN_IF_ERROR(picture.Draw(path));
+  if (area != nullptr) *area = picture.area();
   return Status::Ok();
 }
 

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_APPS_PICTURES_MAP_PICTURE_H_
 #define PLUMBLINE_APPS_PICTURES_MAP_PICTURE_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+
+typedef struct _cairo cairo_t;
 
 namespace plumbline {
 
@@ -29,8 +32,8 @@ struct MapArea {
   int left_px = 0, top_px = 0;
 };
 
-/// Draws the map points of a state as a PNG picture: x to the right, y up, equal scale. Those of a
-/// state without points are where the measurements put them.
+/// The map points of a state as a PNG picture: x to the right, y up, equal scale. Those of a state
+/// without points are where the measurements put them.
 ///
 /// Points are a density image, the darker the more returns fall into a pixel, on an exposure taken
 /// from the picture itself. The trajectory of the robot is a red line that starts at a green dot.
@@ -39,12 +42,38 @@ struct MapArea {
 /// whole trajectory and all but the farthest points (crop_share). The same input gives the same
 /// bytes.
 ///
-/// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
-/// finite or a map larger than 1e9 m; points that are not finite are left out.
-/// Unavailable if the file cannot be written. Sets *area, if given, on success only.
-///
-/// A graph with peers gets a picture of the returns of all (collective); process 0 draws it, and
-/// the others set no *area.
+/// It takes two steps, so that processes that share a graph gather together what several pictures
+/// show, and then each draw one.
+class MapPicture {
+ public:
+  /// Counts the returns per pixel. A graph with peers gets those of all (collective); only process
+  /// `drawn_by` can draw them. Refers to the graph and the state.
+  ///
+  /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
+  /// finite or a map larger than 1e9 m; points that are not finite are left out.
+  Status Gather(const SlamGraph& graph, const MapState& state, const MapPictureOptions& options,
+                int drawn_by = 0);
+
+  /// Where the map will be in the picture, known to all processes.
+  MapArea area() const;
+
+  /// Writes the file. Unavailable if that fails.
+  Status Draw(const std::string& path) const;
+
+ private:
+  int LegendHeight() const;
+  int Width() const;
+  void DrawMap(cairo_t* context) const;
+
+  const SlamGraph* graph_ = nullptr;
+  const MapState* state_ = nullptr;
+  MapPictureOptions options_;
+  MapRaster raster_;
+  std::vector<std::uint32_t> hits_;                // per pixel
+  std::vector<std::vector<bool>> overlay_pixels_;  // PixelsOf each
+};
+
+/// Both steps, the second one by process 0. Sets *area, if given, on success only.
 Status WriteMapPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
                        const MapPictureOptions& options, MapArea* area = nullptr);
 

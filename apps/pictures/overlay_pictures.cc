@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 
-#include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/palette.h"
 
 namespace plumbline {
@@ -36,8 +36,8 @@ std::vector<Eigen::Vector2d> ThinnedPlaces(const std::vector<SpaceConflict>& pla
 
 }  // namespace
 
-Status WriteClosurePicture(const std::string& path, const SlamGraph& graph, const MapState& state,
-                           const std::vector<LoopClosureRecord>& records, int max_side_px) {
+Status ShowClosures(const MapState& state, const std::vector<LoopClosureRecord>& records,
+                    MapPictureOptions* picture) {
   std::map<ClosureOutcome, MapOverlay> by_outcome;
   by_outcome[ClosureOutcome::kAccepted];  // has its line in the legend also if there is none
   for (const LoopClosureRecord& record : records) {
@@ -48,9 +48,8 @@ Status WriteClosurePicture(const std::string& path, const SlamGraph& graph, cons
       by_outcome[record.outcome].points.push_back(state.WorldFromRobot(pose).translation());
     }
   }
-  MapPictureOptions options;
-  options.title = "Loop closures";
-  options.max_side_px = max_side_px;
+  picture->title = "Loop closures";
+  picture->overlays.clear();
   for (auto& [outcome, overlay] : by_outcome) {
     const bool accepted = outcome == ClosureOutcome::kAccepted;
     const std::size_t count = overlay.points.size() / 2;
@@ -58,13 +57,12 @@ Status WriteClosurePicture(const std::string& path, const SlamGraph& graph, cons
     overlay.color = accepted ? kBlue : kOrange;
     overlay.label =
         accepted ? std::to_string(count) + " loop closures" : RefusedLabel(count, outcome);
-    options.overlays.push_back(overlay);
+    picture->overlays.push_back(std::move(overlay));
   }
-  return WriteMapPicture(path, graph, state, options);
+  return Status::Ok();
 }
 
-Status WriteConflictPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
-                            const MapConsistency& consistency, int max_side_px) {
+MapPictureOptions ShowConflicts(const MapConsistency& consistency) {
   MapOverlay places;
   places.style = OverlayStyle::kRings;
   places.color = kMagenta;
@@ -74,11 +72,10 @@ Status WriteConflictPicture(const std::string& path, const SlamGraph& graph, con
   char title[80];
   std::snprintf(title, sizeof(title), "%s (ratio %.1f)",
                 wrong ? "The map contradicts itself" : "Free-space conflicts", consistency.Ratio());
-  MapPictureOptions options;
-  options.title = title;
-  options.max_side_px = max_side_px;
-  options.overlays = {places};
-  return WriteMapPicture(path, graph, state, options);
+  MapPictureOptions picture;
+  picture.title = title;
+  picture.overlays = {std::move(places)};
+  return picture;
 }
 
 }  // namespace plumbline

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "plumbline/apps/io/number_text.h"
-#include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/palette.h"
 
 namespace plumbline {
@@ -14,11 +13,9 @@ Rgb ColorOf(const SessionMark& session) { return StyleOfSeries(session.number).c
 
 }  // namespace
 
-Status WriteSessionPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
-                           const std::vector<SessionMark>& sessions, int max_side_px) {
-  MapPictureOptions options;
-  options.title = "Sessions";
-  options.max_side_px = max_side_px;
+MapPictureOptions ShowSessions(const std::vector<SessionMark>& sessions) {
+  MapPictureOptions picture;
+  picture.title = "Sessions";
   for (const SessionMark& session : sessions) {
     MapOverlay overlay;
     overlay.style = OverlayStyle::kScans;
@@ -26,17 +23,15 @@ Status WriteSessionPicture(const std::string& path, const SlamGraph& graph, cons
     overlay.label = session.name + ": " + WithThousands(session.num_scans) + " scans";
     overlay.first_scan = session.first_scan;
     overlay.num_scans = session.num_scans;
-    options.overlays.push_back(std::move(overlay));
+    picture.overlays.push_back(std::move(overlay));
   }
-  return WriteMapPicture(path, graph, state, options);
+  return picture;
 }
 
-Status WriteChangesPicture(const std::string& path, const SlamGraph& graph, const MapState& state,
-                           const std::vector<SessionMark>& sessions,
-                           const std::vector<SessionChange>& changes, int max_side_px) {
-  MapPictureOptions options;
-  options.title = "What changed between sessions";
-  options.max_side_px = max_side_px;
+MapPictureOptions ShowChanges(const std::vector<SessionMark>& sessions,
+                              const std::vector<SessionChange>& changes) {
+  MapPictureOptions picture;
+  picture.title = "What changed between sessions";
   for (std::size_t index = 0; index < sessions.size(); ++index) {
     MapOverlay surfaces, rings;
     surfaces.style = OverlayStyle::kPoints;
@@ -49,10 +44,10 @@ Status WriteChangesPicture(const std::string& path, const SlamGraph& graph, cons
     }
     rings.label = std::to_string(rings.points.size()) + " surfaces that " + sessions[index].name +
                   " shows and another session looked through";
-    options.overlays.push_back(std::move(surfaces));
-    options.overlays.push_back(std::move(rings));
+    picture.overlays.push_back(std::move(surfaces));
+    picture.overlays.push_back(std::move(rings));
   }
-  return WriteMapPicture(path, graph, state, options);
+  return picture;
 }
 
 }  // namespace plumbline

@@ -55,21 +55,22 @@ MapRun::MapRun(const MapLogOptions& options, const RunOutputOptions& outputs,
 
 Status MapRun::RecordStart(const Stage* odometry) {
   const bool by_pose_graph = options_.solver.MovesPosesOnly();
+  const MapState given{mapping_->graph.initial_poses(), {}};
   std::vector<WriteTask> tasks;
   if (odometry != nullptr) {
     summary_.stages.push_back(*odometry);
-    maps_.push_back({"Odometry", output_.File("map_odometry.png"), MapArea()});
-    tasks.push_back([this] { return Draw({mapping_->graph.initial_poses(), {}}, &maps_.front()); });
+    tasks.push_back(Draw(given, "Odometry", "map_odometry.png"));
   }
   const std::string title = StartTitle(options_.start, by_pose_graph);
-  maps_.push_back({title, output_.File("map_seed.png"), MapArea()});
   Stage seed;
-  tasks.push_back([&] { return Measure(InLowerCase(title), mapping_->state, &seed); });
-  tasks.push_back([this] { return Draw(mapping_->state, &maps_.back()); });
+  tasks.push_back(Together([&] { return Measure(InLowerCase(title), mapping_->state, &seed); }));
+  tasks.push_back(Draw(mapping_->state, title, "map_seed.png"));
+  std::vector<MapState> refused;
+  if (!by_pose_graph) DrawRefusedMaps(&refused, &tasks);
+  tasks.push_back(WriteTrajectory("trajectory_seed.tum"));
   PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   summary_.stages.push_back(seed);
-  if (!by_pose_graph) PLUMBLINE_RETURN_IF_ERROR(DrawRefusedMaps());
-  return WriteTrajectory("trajectory_seed.tum");
+  return Status::Ok();
 }
 
 Status MapRun::Refine() {
@@ -92,35 +93,32 @@ Status MapRun::Refine() {
 Status MapRun::WriteMap(ExtraResults extras) {
   GiveFreedMemoryBack();  // much of what the estimation left is too small for an array of points
   extras_ = std::move(extras);
-  maps_.push_back({"Refined", output_.File("map_refined.png"), MapArea()});
   std::string map_warning;
   RefinedMap map = RefinedMapOf(*mapping_);
-  map.picture_area = &maps_.back().area;
+  map.picture_area = AddMap("Refined", "map_refined.png");
   map.map_warning = &map_warning;
   std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
   // Long, but not first: at first there is least memory left.
   Stage measured, optimised;
-  tasks.push_back([&] {
+  tasks.push_back(Together([&] {
     const std::string ranges = options_.calibration.IsOn() ? "calibrated" : "raw";
     return Measure("refined, " + ranges + " ranges", {mapping_->state.poses, {}}, &measured);
-  });
+  }));
   tasks.push_back(
-      [&] { return Measure("refined, optimised points", mapping_->state, &optimised); });
+      Together([&] { return Measure("refined, optimised points", mapping_->state, &optimised); }));
   tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
-  tasks.push_back([this] { return WriteTrajectory("trajectory.tum"); });
-  tasks.push_back([this] {
-    return BySpeaker(mapping_->graph.peers(), [this] {
-      return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
-                                   mapping_->report.seeding.pose_graph,
-                                   mapping_->before_from_after);
-    });
-  });
-  tasks.push_back([this] {
-    return WriteClosurePicture(output_.File("closures.png"), mapping_->graph, mapping_->state,
-                               mapping_->report.seeding.loops.matches, outputs_.picture_side_px);
-  });
+  MapPictureOptions closures;
+  PLUMBLINE_RETURN_IF_ERROR(
+      ShowClosures(mapping_->state, mapping_->report.seeding.loops.matches, &closures));
+  tasks.push_back(DrawTask(output_.File("closures.png"), mapping_->graph, mapping_->state, closures,
+                           outputs_.picture_side_px));
+  tasks.push_back(WriteTrajectory("trajectory.tum"));
+  tasks.push_back(ByOne([this] {
+    return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
+                                 mapping_->report.seeding.pose_graph, mapping_->before_from_after);
+  }));
   Status saved;
-  if (outputs_.save_map) tasks.push_back([&] { return SaveMap(&saved); });
+  if (outputs_.save_map) tasks.push_back(Together([&] { return SaveMap(&saved); }));
   PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
   if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());
@@ -147,7 +145,7 @@ Status MapRun::WriteReport(const std::string& signal_name) {
 Status MapRun::WriteReportOfAll(const std::string& signal_name) {
   summary_.stopped_by = signal_name;
   HtmlReport report = MakeRunReport(summary_);
-  report.maps = maps_;
+  report.maps.assign(maps_.begin(), maps_.end());
   report.pictures = extras_.pictures;
   report.pictures.push_back({"Loops closed and refused", output_.File("closures.png")});
   report.pictures.push_back(
@@ -203,26 +201,29 @@ std::string MapRun::RefusedMapsText() const {
 }
 
 // The maps of other explanations of the drive, for people who doubt the one that was adopted.
-Status MapRun::DrawRefusedMaps() {
+void MapRun::DrawRefusedMaps(std::vector<MapState>* states, std::vector<WriteTask>* tasks) {
   constexpr const char* kFiles[] = {"map_runner_up.png", "map_refused.png"};
+  states->reserve(std::size(kFiles));  // the tasks refer to them
   for (const WeighedHypothesis* other :
        RunnersUp(mapping_->report.seeding.hypotheses, PosesOf(mapping_->state.poses),
                  std::size(kFiles))) {
-    MapState state;
-    state.poses = PoseArray(other->world_from_robot);
     const std::string title = num_refused_maps_ == 0 ? "Runner-up" : "Refused";
-    maps_.push_back({title, output_.File(kFiles[num_refused_maps_++]), MapArea()});
-    PLUMBLINE_RETURN_IF_ERROR(Draw(state, &maps_.back()));
+    states->push_back({PoseArray(other->world_from_robot), {}});
+    tasks->push_back(Draw(states->back(), title, kFiles[num_refused_maps_++]));
     maps_.back().name += ": " + HypothesisText(*other);
   }
-  return Status::Ok();
 }
 
-Status MapRun::Draw(const MapState& state, ReportMap* map) const {
-  MapPictureOptions options;
-  options.title = map->name;
-  options.max_side_px = outputs_.picture_side_px;
-  return WriteMapPicture(map->png_path, mapping_->graph, state, options, &map->area);
+MapArea* MapRun::AddMap(const std::string& name, const std::string& file) {
+  maps_.push_back({name, output_.File(file), MapArea()});
+  return &maps_.back().area;
+}
+
+WriteTask MapRun::Draw(const MapState& state, const std::string& title, const std::string& file) {
+  MapPictureOptions picture;
+  picture.title = title;
+  return DrawTask(output_.File(file), mapping_->graph, state, picture, outputs_.picture_side_px,
+                  AddMap(title, file));
 }
 
 Status MapRun::Measure(const std::string& name, const MapState& state, Stage* stage) const {
@@ -231,8 +232,8 @@ Status MapRun::Measure(const std::string& name, const MapState& state, Stage* st
   return Status::Ok();
 }
 
-Status MapRun::WriteTrajectory(const std::string& name) const {
-  return BySpeaker(mapping_->graph.peers(), [&] {
+WriteTask MapRun::WriteTrajectory(const std::string& name) const {
+  return ByOne([this, name] {
     return WriteTumTrajectory(output_.File(name), TrajectoryOf(mapping_->graph, mapping_->state));
   });
 }

@@ -2,17 +2,20 @@
 #define PLUMBLINE_APPS_RUN_MAP_RUN_H_
 
 #include <cstddef>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "plumbline/apps/evaluation/truth.h"
+#include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/run_summary.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/run_outputs.h"
+#include "plumbline/apps/run/write_tasks.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
@@ -56,11 +59,14 @@ class MapRun {
   void PrintResults() const;
 
  private:
-  Status Draw(const MapState& state, ReportMap* map) const;
-  Status DrawRefusedMaps();
+  // One more map of the report; gives where its picture shows it.
+  MapArea* AddMap(const std::string& name, const std::string& file);
+  WriteTask Draw(const MapState& state, const std::string& title, const std::string& file);
+  // Adds tasks, and the states that they refer to.
+  void DrawRefusedMaps(std::vector<MapState>* states, std::vector<WriteTask>* tasks);
   // One of several tasks, each on a thread.
   Status Measure(const std::string& name, const MapState& state, Stage* stage) const;
-  Status WriteTrajectory(const std::string& name) const;
+  WriteTask WriteTrajectory(const std::string& name) const;
   Status SaveMap(Status* saved) const;
   Status WriteReportOfAll(const std::string& signal_name);
   std::string RefusedMapsText() const;
@@ -75,7 +81,7 @@ class MapRun {
   ThreadPool* pool_;
   LogMapping* mapping_;
   ExtraResults extras_;
-  std::vector<ReportMap> maps_;
+  std::deque<ReportMap> maps_;  // tasks refer to them
   std::size_t num_refused_maps_ = 0;
 };
 

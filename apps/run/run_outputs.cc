@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <memory>
 #include <sstream>
 #include <utility>
 
@@ -9,52 +10,63 @@
 #include "plumbline/apps/io/pcd_writer.h"
 #include "plumbline/apps/io/ply_writer.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
+#include "plumbline/apps/io/return_records.h"
 #include "plumbline/apps/io/ros_map.h"
 #include "plumbline/apps/pictures/before_after_picture.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
-#include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
 
-Status WriteRefinedPicture(const std::string& path, const RefinedMap& map, int max_side_px) {
-  MapPictureOptions options;
-  options.title = "Refined";
-  options.max_side_px = max_side_px;
-  return WriteMapPicture(path, *map.graph, *map.state, options, map.picture_area);
-}
-
-Status WriteBeforeAfter(const std::string& path, const RefinedMap& map, int max_side_px) {
+WriteTask BeforeAfterTask(const std::string& path, const RefinedMap& map, int side_px) {
   BeforeAfterOptions options;
   options.before_title = "Before: " + map.before_title;
   options.after_title = "After: refined";
-  options.max_side_px = std::min(max_side_px, BeforeAfterOptions::kLargestSidePx);
-  return WriteBeforeAfterPicture(path, *map.graph, *map.state, *map.poses_before, options);
-}
-
-Status WriteGrid(const std::string& stem, const SlamGraph& graph, const MapState& state,
-                 const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, grid));
-  return SpeaksForAll(graph.peers()) ? WriteRosMap(stem, *grid) : Status::Ok();
+  options.max_side_px = std::min(side_px, BeforeAfterOptions::kLargestSidePx);
+  return [=](int writer, OwnTask* rest) {
+    const auto picture = std::make_shared<BeforeAfterPicture>();
+    *rest = [=] { return picture->Draw(path); };
+    return picture->Gather(*map.graph, *map.state, *map.poses_before, options, writer);
+  };
 }
 
 // A robot can drive with a coarse map, but not without one.
-Status WriteMapThatFits(const std::string& stem, const RefinedMap& map,
-                        const RunOutputOptions& options) {
-  OccupancyGrid grid;
-  PLUMBLINE_RETURN_IF_ERROR(WriteGrid(stem, *map.graph, *map.state, options.GridOptions(), &grid));
-  if (grid.resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
-    std::ostringstream warning;
-    warning << "the map, " << grid.width * grid.resolution_m << " m x "
-            << grid.height * grid.resolution_m << " m, is too large for cells of "
-            << options.map_resolution_m << " m (" << options.map_max_cells
-            << " at most): those of map.pgm are " << grid.resolution_m << " m";
-    *map.map_warning = warning.str();
-  }
-  return Status::Ok();
+WriteTask RobotMapTask(const std::string& stem, const RefinedMap& map,
+                       const RunOutputOptions& options) {
+  return [=](int, OwnTask* rest) {
+    const auto grid = std::make_shared<OccupancyGrid>();
+    PLUMBLINE_RETURN_IF_ERROR(
+        BuildOccupancyGrid(*map.graph, *map.state, options.GridOptions(), grid.get()));
+    *rest = [=] { return WriteRosMap(stem, *grid); };
+    if (grid->resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
+      std::ostringstream warning;
+      warning << "the map, " << grid->width * grid->resolution_m << " m x "
+              << grid->height * grid->resolution_m << " m, is too large for cells of "
+              << options.map_resolution_m << " m (" << options.map_max_cells
+              << " at most): those of map.pgm are " << grid->resolution_m << " m";
+      *map.map_warning = warning.str();
+    }
+    return Status::Ok();
+  };
+}
+
+using StorePoints = Status (*)(const std::string& path, const SlamGraph& graph,
+                               const MapState& state, ReturnRecords* file);
+
+// The disk takes its time. Processes that have to wait for it together do so with the last tasks.
+void AddPointsTasks(StorePoints store, const std::string& path, const RefinedMap& map,
+                    std::vector<WriteTask>* tasks, std::vector<WriteTask>* last) {
+  const auto file = std::make_shared<ReturnRecords>();
+  const OwnTask commit = [file] { return file->Commit(); };
+  const bool is_alone = map.graph->peers() == nullptr;
+  tasks->push_back([=](int, OwnTask* rest) {
+    if (is_alone) *rest = commit;
+    return store(path, *map.graph, *map.state, file.get());
+  });
+  if (!is_alone) last->push_back(Together(commit));
 }
 
 // Pose graphs hang together. Where no odometry leads from a pose to the next, they lie as the map
@@ -108,7 +120,8 @@ Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapS
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
   OccupancyGrid grid;
-  return WriteGrid(stem, graph, state, options, &grid);
+  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, &grid));
+  return SpeaksForAll(graph.peers()) ? WriteRosMap(stem, grid) : Status::Ok();
 }
 
 Status WriteSavedMap(const std::string& path, const SlamGraph& graph,
@@ -126,30 +139,37 @@ RefinedMap RefinedMapOf(const LogMapping& mapping) {
   return map;
 }
 
+WriteTask DrawTask(const std::string& path, const SlamGraph& graph, const MapState& state,
+                   MapPictureOptions picture, int side_px, MapArea* area) {
+  picture.max_side_px = side_px;
+  return [=, &graph, &state](int writer, OwnTask* rest) {
+    const auto gathered = std::make_shared<MapPicture>();
+    PLUMBLINE_RETURN_IF_ERROR(gathered->Gather(graph, state, picture, writer));
+    if (area != nullptr) *area = gathered->area();
+    *rest = [=] { return gathered->Draw(path); };
+    return Status::Ok();
+  };
+}
+
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output) {
   const SlamGraph& graph = *map.graph;
   const MapState& state = *map.state;
-  std::vector<WriteTask> tasks = {
-      [=, &output] {
-        return WriteBeforeAfter(output.File("before_after.png"), map, options.picture_side_px);
-      },
-      [=, &output] {
-        return WriteRefinedPicture(output.File("map_refined.png"), map, options.picture_side_px);
-      },
-      [=, &output] { return WriteMapThatFits(output.File("map"), map, options); },
-      [=, &graph, &state, &output] {
-        return WritePointsPly(output.File("points.ply"), graph, state);
-      },
-      [=, &graph, &state, &output] {
-        return WritePointsPcd(output.File("points.pcd"), graph, state);
-      }};
+  const int side_px = options.picture_side_px;
+  std::vector<WriteTask> tasks, last;
+  AddPointsTasks(&StorePointsPly, output.File("points.ply"), map, &tasks, &last);
+  AddPointsTasks(&StorePointsPcd, output.File("points.pcd"), map, &tasks, &last);
   if (map.consistency != nullptr) {
-    tasks.insert(tasks.begin(), [=, &graph, &state, &output] {
-      return WriteConflictPicture(output.File("conflicts.png"), graph, state, *map.consistency,
-                                  options.picture_side_px);
-    });
+    tasks.push_back(DrawTask(output.File("conflicts.png"), graph, state,
+                             ShowConflicts(*map.consistency), side_px));
   }
+  tasks.push_back(BeforeAfterTask(output.File("before_after.png"), map, side_px));
+  MapPictureOptions refined;
+  refined.title = "Refined";
+  tasks.push_back(
+      DrawTask(output.File("map_refined.png"), graph, state, refined, side_px, map.picture_area));
+  tasks.push_back(RobotMapTask(output.File("map"), map, options));
+  tasks.insert(tasks.end(), last.begin(), last.end());
   return tasks;
 }
 
@@ -164,19 +184,6 @@ std::string MapFilesText(bool with_conflicts) {
          "  map.pgm, map.yaml                                 occupancy grid for robots (ROS, "
          "Nav2)\n"
          "  points.ply, points.pcd                            every return, optimised\n";
-}
-
-Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool, const Peers* peers) {
-  if (peers != nullptr) {
-    for (const WriteTask& task : tasks) PLUMBLINE_RETURN_IF_ERROR(FirstFailure(peers, task()));
-    return Status::Ok();
-  }
-  std::vector<Status> results(tasks.size());
-  pool->ForEachChunk(tasks.size(), 1, [&](std::size_t, std::size_t begin, std::size_t) {
-    results[begin] = CatchExceptions(tasks[begin]);
-  });
-  for (const Status& result : results) PLUMBLINE_RETURN_IF_ERROR(result);
-  return Status::Ok();
 }
 
 }  // namespace plumbline

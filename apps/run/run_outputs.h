@@ -1,18 +1,16 @@
 #ifndef PLUMBLINE_APPS_RUN_RUN_OUTPUTS_H_
 #define PLUMBLINE_APPS_RUN_RUN_OUTPUTS_H_
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/run/write_tasks.h"
 #include "plumbline/core/map_state.h"
-#include "plumbline/core/peers.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
-#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/map_log.h"
 
@@ -48,7 +46,10 @@ struct RefinedMap {
 /// That of a log. Refers to the mapping.
 RefinedMap RefinedMapOf(const LogMapping& mapping);
 
-using WriteTask = std::function<Status()>;
+/// The task that draws a map picture of up to `side_px` pixels. Refers to graph, state and area;
+/// *area, unless null, becomes where the picture shows the map.
+WriteTask DrawTask(const std::string& path, const SlamGraph& graph, const MapState& state,
+                   MapPictureOptions picture, int side_px, MapArea* area = nullptr);
 
 /// The tasks that write map_refined.png, before_after.png, points.ply, points.pcd, map.pgm with
 /// map.yaml and, if the consistency was measured, conflicts.png, the longest first. They refer to
@@ -74,11 +75,6 @@ Status CheckRobotMap(const std::string& input, const SlamGraph& graph, const Map
 
 /// Lines for people: what the files of MapWriteTasks are.
 std::string MapFilesText(bool with_conflicts);
-
-/// Runs all tasks side by side; gives the error of the first one that failed. What a task throws
-/// is such an error too. With peers, which run the same tasks, they run one after the other, since
-/// they talk to each other, and every process gets the same error; what a task throws goes on.
-Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool, const Peers* peers = nullptr);
 
 }  // namespace plumbline
 

@@ -25,6 +25,7 @@
 #include "plumbline/apps/run/map_run.h"
 #include "plumbline/apps/run/memory_estimate.h"
 #include "plumbline/apps/run/progress.h"
+#include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/apps/run/seeding_progress.h"
 #include "plumbline/apps/run/share_mapping.h"
 #include "plumbline/core/over_peers.h"
@@ -245,7 +246,6 @@ class SessionsRun {
   Status WriteMap(MapResults* results) {
     const LogMapping& mapping = results->map->mapping;
     const OutputFolder& folder = FolderOf(*results);
-    const int side_px = outputs_.picture_side_px;
     results->alarm = !mapping.report.alarms.empty();
     ExtraResults extras;
     extras.summary = {{"sessions", SessionsJson(*results)}};
@@ -261,17 +261,13 @@ class SessionsRun {
           "differ\n"
           "  trajectory_1.tum, ...                             pose of the robot per scan of each "
           "log\n";
-      extras.tasks = {[&, side_px] {
-                        return WriteSessionPicture(folder.File("sessions.png"), mapping.graph,
-                                                   mapping.state, results->marks, side_px);
-                      },
-                      [&, side_px] {
-                        return WriteChangesPicture(folder.File("changes.png"), mapping.graph,
-                                                   mapping.state, results->marks, results->changes,
-                                                   side_px);
-                      }};
+      extras.tasks = {
+          DrawTask(folder.File("sessions.png"), mapping.graph, mapping.state,
+                   ShowSessions(results->marks), outputs_.picture_side_px),
+          DrawTask(folder.File("changes.png"), mapping.graph, mapping.state,
+                   ShowChanges(results->marks, results->changes), outputs_.picture_side_px)};
       for (const SessionOfMap& session : results->map->sessions) {
-        extras.tasks.push_back([&] { return WriteTrajectoryOf(session, mapping, folder); });
+        extras.tasks.push_back(ByOne([&] { return WriteTrajectoryOf(session, mapping, folder); }));
       }
     }
     if (is_one_map()) extras.summary.update(RunJson());
@@ -282,11 +278,9 @@ class SessionsRun {
                                   const OutputFolder& folder) {
     const std::vector<TimedPose> all = TrajectoryOf(mapping.graph, mapping.state);
     const auto first = all.begin() + session.first_pose;
-    return BySpeaker(mapping.graph.peers(), [&] {
-      return WriteTumTrajectory(
-          folder.File("trajectory_" + std::to_string(session.session + 1) + ".tum"),
-          {first, first + session.num_poses});
-    });
+    return WriteTumTrajectory(
+        folder.File("trajectory_" + std::to_string(session.session + 1) + ".tum"),
+        {first, first + session.num_poses});
   }
 
   Status WriteReports(const std::string& signal_name) {

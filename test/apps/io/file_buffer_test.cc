@@ -56,6 +56,20 @@ TEST(FileBufferTest, ACopyOfADescriptorWritesOnWhereItStands) {
   EXPECT_FALSE(FileBuffer().OpenCopy(-1));
 }
 
+TEST(FileBufferTest, WhatIsSentIsThereBeforeTheEnd) {
+  const std::string path = TempFolder() + "a.txt";
+  FileBuffer buffer;
+  EXPECT_FALSE(buffer.Send());  // nothing is open
+  ASSERT_TRUE(buffer.OpenNew(path, 0644));
+  std::ostream(&buffer) << "first";
+  EXPECT_EQ(ReadFile(path), "");
+  EXPECT_TRUE(buffer.Send());
+  EXPECT_EQ(ReadFile(path), "first");
+  std::ostream(&buffer) << " second";
+  EXPECT_TRUE(buffer.Close());
+  EXPECT_EQ(ReadFile(path), "first second");
+}
+
 TEST(FileBufferTest, RemembersWhyWritingFailed) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   for (const std::size_t size : {1, 1000000}) {

@@ -3,13 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
 
 using testing::ElementsAre;
+using testing::IsEmpty;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -23,6 +27,22 @@ TEST(MapRasterTest, HitsAreCountedPerPixelAndWhatIsOutsideIsNot) {
   const std::vector<double> points = {10.5, 1.5, 10.9, 1.1, 11.5, 0.5, 9.9,  1.0,
                                       12.0, 1.0, 10.5, 2.1, kNaN, 1.0, 10.5, kNaN};
   EXPECT_THAT(CountHits(points, raster), ElementsAre(2u, 0u, 0u, 1u));
+}
+
+TEST(MapRasterTest, OneProcessGetsTheHitsOfAll) {
+  RunOnPeers(3, [](const Peers& peers) {
+    const auto rank = static_cast<std::uint32_t>(peers.rank());
+    std::vector<std::uint32_t> hits = {rank, 0, 5, 0};
+    GatherHits(&peers, 1, &hits);
+    if (rank == 1) {
+      EXPECT_THAT(hits, ElementsAre(3u, 0u, 15u, 0u));
+    } else {
+      EXPECT_THAT(hits, IsEmpty());
+    }
+  });
+  std::vector<std::uint32_t> alone = {1, 2};
+  GatherHits(nullptr, 0, &alone);
+  EXPECT_THAT(alone, ElementsAre(1u, 2u));
 }
 
 TEST(MapRasterTest, BlackIsWhatTheFullestTenthHas) {

@@ -5,11 +5,13 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/test/core/temp_file.h"
+#include "plumbline/test/core/thread_peers.h"
 
 namespace plumbline {
 namespace {
@@ -65,6 +67,31 @@ TEST(PlyWriterTest, AnEmptyGraphIsAnEmptyCloud) {
   const std::string path = TempFolder() + "points.ply";
   ASSERT_TRUE(WritePointsPly(path, SlamGraph(), MapState()).ok());
   EXPECT_NE(ReadFile(path).find("element vertex 0\n"), std::string::npos);
+}
+
+TEST(PlyWriterTest, StoredPointsAreThereOnceTheyAreCommitted) {
+  const SlamGraph graph = MakeGraph(100);
+  const MapState state = graph.InitialState();
+  const std::string root = TempFolder();
+  for (const int num_processes : {1, 3}) {
+    const std::string folder = root + std::to_string(num_processes) + "/";
+    std::filesystem::create_directory(folder);
+    const auto write = [&](const SlamGraph& part, bool commits) {
+      ReturnRecords file;
+      EXPECT_TRUE(StorePointsPly(folder + "points.ply", part, PartOf(part, state), &file).ok());
+      if (commits) EXPECT_TRUE(file.Commit().ok());
+    };
+    for (const bool commits : {false, true}) {
+      if (num_processes == 1) {
+        write(graph, commits);
+      } else {
+        RunOnParts(graph, num_processes, [&](const SlamGraph& part) { write(part, commits); });
+      }
+      EXPECT_EQ(NumFilesIn(folder), commits ? 1 : 0);
+    }
+    ASSERT_TRUE(WritePointsPly(folder + "whole.ply", graph, state).ok());
+    EXPECT_TRUE(ReadFile(folder + "points.ply") == ReadFile(folder + "whole.ply"));
+  }
 }
 
 TEST(PlyWriterTest, MissingFolderIsUnavailable) {

@@ -34,8 +34,10 @@ class BeforeAfterPictureTest : public testing::Test {
  protected:
   Picture Draw(const SlamGraph& graph, const MapState& state,
                const std::vector<double>& poses_before) {
-    const Status status = WriteBeforeAfterPicture(path_, graph, state, poses_before, options_);
+    BeforeAfterPicture picture;
+    const Status status = picture.Gather(graph, state, poses_before, options_);
     EXPECT_TRUE(status.ok()) << status.message();
+    EXPECT_TRUE(picture.Draw(path_).ok());
     return Picture(path_);
   }
   // Of a map as its graph begins.
@@ -44,9 +46,8 @@ class BeforeAfterPictureTest : public testing::Test {
   }
   std::string ErrorOf(const SlamGraph& graph, const MapState& state,
                       const std::vector<double>& poses_before) const {
-    const Status status = WriteBeforeAfterPicture(path_, graph, state, poses_before, options_);
+    const Status status = BeforeAfterPicture().Gather(graph, state, poses_before, options_);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-    EXPECT_EQ(NumFilesIn(folder_), 0);
     return status.message();
   }
 
@@ -111,7 +112,7 @@ TEST_F(BeforeAfterPictureTest, AGraphWithoutScansAndPointsThatAreNotFiniteAreDra
   EXPECT_NEAR(Draw(graph, state, graph.initial_poses()).width, 550 + 40, 3);
 }
 
-TEST_F(BeforeAfterPictureTest, BadInputIsRefusedAndLeavesNoFile) {
+TEST_F(BeforeAfterPictureTest, BadInputIsRefused) {
   const SlamGraph graph = MakeGraph(Pillar(10.0, 8.0));
   const MapState sound = graph.InitialState();
   MapState bad = sound;
@@ -126,9 +127,9 @@ TEST_F(BeforeAfterPictureTest, BadInputIsRefusedAndLeavesNoFile) {
   bad = sound;
   bad.poses[0] = 1e200;
   EXPECT_THAT(ErrorOf(graph, bad, bad.poses), HasSubstr("from the origin"));
-  EXPECT_EQ(
-      WriteBeforeAfterPicture(folder_ + "none/a.png", graph, sound, sound.poses, options_).code(),
-      StatusCode::kUnavailable);
+  BeforeAfterPicture picture;
+  ASSERT_TRUE(picture.Gather(graph, sound, sound.poses, options_).ok());
+  EXPECT_EQ(picture.Draw(folder_ + "none/a.png").code(), StatusCode::kUnavailable);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "plumbline/test/apps/pictures/picture.h"
@@ -41,15 +42,21 @@ class OverlayPicturesTest : public testing::Test {
     state_ = graph_.InitialState();
   }
   Picture DrawClosures(const std::vector<LoopClosureRecord>& records) {
-    const Status status = WriteClosurePicture(path_, graph_, state_, records, kSidePx);
+    MapPictureOptions closures;
+    const Status status = ShowClosures(state_, records, &closures);
+    EXPECT_TRUE(status.ok()) << status.message();
+    return Draw(closures);
+  }
+  Picture Draw(MapPictureOptions picture) {
+    picture.max_side_px = kSidePx;
+    const Status status = WriteMapPicture(path_, graph_, state_, picture);
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   }
 
   SlamGraph graph_;
   MapState state_;
-  const std::string folder_ = TempFolder();
-  const std::string path_ = folder_ + "a.png";
+  const std::string path_ = TempFolder() + "a.png";
 };
 
 TEST_F(OverlayPicturesTest, AcceptedAndRefusedClosuresAreToldApart) {
@@ -72,24 +79,20 @@ TEST_F(OverlayPicturesTest, AcceptedAndRefusedClosuresAreToldApart) {
 }
 
 TEST_F(OverlayPicturesTest, ClosuresOfUnknownPosesAreRefused) {
-  EXPECT_THAT(
-      WriteClosurePicture(path_, graph_, state_, {Match(0, 4, ClosureOutcome::kAccepted)}, kSidePx)
-          .message(),
-      HasSubstr("no pose 4"));
-  EXPECT_THAT(
-      WriteClosurePicture(path_, graph_, state_, {Match(-1, 2, ClosureOutcome::kAccepted)}, kSidePx)
-          .message(),
-      HasSubstr("no pose -1"));
-  EXPECT_EQ(NumFilesIn(folder_), 0);
+  MapPictureOptions closures;
+  closures.title = "as it was";
+  for (const auto& [from, to, unknown] : {std::tuple(0, 4, "no pose 4"), {-1, 2, "no pose -1"}}) {
+    const LoopClosureRecord record = Match(from, to, ClosureOutcome::kAccepted);
+    EXPECT_THAT(ShowClosures(state_, {record}, &closures).message(), HasSubstr(unknown));
+  }
+  EXPECT_EQ(closures.title, "as it was");
 }
 
 TEST_F(OverlayPicturesTest, ConflictsAreRingsHalfAMetreApart) {
   const auto draw = [this](const std::vector<Eigen::Vector2d>& points) {
     MapConsistency consistency;
     for (const Eigen::Vector2d& point : points) consistency.places.push_back({0, 1, point});
-    const Status status = WriteConflictPicture(path_, graph_, state_, consistency, kSidePx);
-    EXPECT_TRUE(status.ok()) << status.message();
-    return Picture(path_);
+    return Draw(ShowConflicts(consistency));
   };
   const int legend = draw({}).Count(IsMagenta);
   const int one = draw({{0.1, 0.1}}).Count(IsMagenta) - legend;

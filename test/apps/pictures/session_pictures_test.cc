@@ -21,15 +21,18 @@ bool IsRed(std::uint32_t rgb) { return Channel(rgb, 16) > 60 + Channel(rgb, 0); 
 
 class SessionPicturesTest : public testing::Test {
  protected:
+  static Status Draw(const std::string& path, const SlamGraph& graph, MapPictureOptions picture) {
+    picture.max_side_px = kSidePx;
+    return WriteMapPicture(path, graph, graph.InitialState(), picture);
+  }
+
   const std::string path_ = TempFolder() + "a.png";
 };
 
 TEST_F(SessionPicturesTest, EachSessionHasAColour) {
   // A wall that the second session alone shows, on the right.
   const TwoSessions sessions = MakeTwoSessions({}, {{{1.0, 0.5}, {1.0, 2.0}}});
-  ASSERT_TRUE(WriteSessionPicture(path_, sessions.graph, sessions.graph.InitialState(),
-                                  sessions.marks, kSidePx)
-                  .ok());
+  ASSERT_TRUE(Draw(path_, sessions.graph, ShowSessions(sessions.marks)).ok());
   const Picture picture(path_);
   const Box map{0, picture.width, 44, picture.height - 56 - 2 * 30};
   EXPECT_GT(picture.Count(IsBlue), 200);  // what is behind that wall
@@ -39,13 +42,10 @@ TEST_F(SessionPicturesTest, EachSessionHasAColour) {
 
 TEST_F(SessionPicturesTest, ProcessesDrawItTogether) {
   const TwoSessions sessions = MakeTwoSessions({}, {{{1.0, 0.5}, {1.0, 2.0}}});
-  ASSERT_TRUE(WriteSessionPicture(path_, sessions.graph, sessions.graph.InitialState(),
-                                  sessions.marks, kSidePx)
-                  .ok());
+  ASSERT_TRUE(Draw(path_, sessions.graph, ShowSessions(sessions.marks)).ok());
   const std::string of_all = path_ + ".all.png";
   RunOnParts(sessions.graph, 2, [&](const SlamGraph& part) {
-    ASSERT_TRUE(
-        WriteSessionPicture(of_all, part, part.InitialState(), sessions.marks, kSidePx).ok());
+    ASSERT_TRUE(Draw(of_all, part, ShowSessions(sessions.marks)).ok());
   });
   EXPECT_TRUE(ReadFile(of_all) == ReadFile(path_));
 }
@@ -56,10 +56,8 @@ TEST_F(SessionPicturesTest, ChangesHaveRingsInTheColourOfTheirSession) {
   change.shown_by = 1;
   change.looked_through_by = {0};
   change.center = {-1.0, 0.5};
-  const SlamGraph& graph = sessions.graph;
   const auto draw = [&](const std::vector<SessionChange>& changes) {
-    const Status status =
-        WriteChangesPicture(path_, graph, graph.InitialState(), sessions.marks, changes, kSidePx);
+    const Status status = Draw(path_, sessions.graph, ShowChanges(sessions.marks, changes));
     EXPECT_TRUE(status.ok()) << status.message();
     return Picture(path_);
   };

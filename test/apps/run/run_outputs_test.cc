@@ -3,9 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <filesystem>
-#include <new>
 #include <string>
 #include <vector>
 
@@ -106,20 +104,6 @@ TEST_F(RunOutputsTest, NoPictureOfConflictsThatWereNotMeasured) {
   EXPECT_THAT(MapFilesText(false), testing::Not(HasSubstr("conflicts.png")));
 }
 
-TEST_F(RunOutputsTest, AnErrorOfOneTaskLetsTheOthersEnd) {
-  std::atomic<int> num_done{0};
-  const auto fine = [&num_done] {
-    ++num_done;
-    return Status::Ok();
-  };
-  ThreadPool pool(2);
-  const Status status = RunAll({fine, [] { return Status::NotFound("first"); }, fine,
-                                [] { return Status::NotFound("second"); }, fine},
-                               &pool);
-  EXPECT_EQ(status.message(), "first");
-  EXPECT_EQ(num_done, 3);
-}
-
 TEST_F(RunOutputsTest, AMapThatIsTooLargeGetsCoarserCells) {
   options_.map_max_cells = 1000;
   ASSERT_TRUE(Write("out", nullptr, 2).ok());
@@ -134,22 +118,6 @@ TEST_F(RunOutputsTest, ALimitOfMemoryBoundsTheMap) {
   EXPECT_EQ(options_.map_max_cells, 1e8);
   options_.LimitGrid(1e9);
   EXPECT_EQ(options_.map_max_cells, 1e8);
-}
-
-TEST_F(RunOutputsTest, WhatATaskThrowsIsAnError) {
-  std::atomic<int> num_done{0};
-  const auto fine = [&num_done] {
-    ++num_done;
-    return Status::Ok();
-  };
-  const auto no_memory = []() -> Status { throw std::bad_alloc(); };
-  for (const int num_threads : {1, 3}) {
-    ThreadPool pool(num_threads);
-    const Status status = RunAll({fine, no_memory, fine, fine}, &pool);
-    EXPECT_EQ(status.code(), StatusCode::kUnavailable);
-    EXPECT_THAT(status.message(), HasSubstr("out of memory"));
-  }
-  EXPECT_EQ(num_done, 6);
 }
 
 TEST_F(RunOutputsTest, AFileInTheWayLeavesTheOthersWhole) {
