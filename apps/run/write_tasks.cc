@@ -27,7 +27,7 @@ Status RunWithPeers(const std::vector<WriteTask>& tasks, const Peers& peers) {
   int writer = 0;
   for (const WriteTask& task : tasks) {
     OwnTask rest;
-    const Status gathered = FirstFailure(&peers, task(writer, &rest));
+    Status gathered = FirstFailure(&peers, task(writer, &rest));
     if (!gathered.ok()) {
       end_own();
       return gathered;
