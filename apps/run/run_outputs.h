@@ -52,9 +52,9 @@ WriteTask DrawTask(const std::string& path, const SlamGraph& graph, const MapSta
                    MapPictureOptions picture, int side_px, MapArea* area = nullptr);
 
 /// The tasks that write map_refined.png, before_after.png, points.ply, points.pcd, map.pgm with
-/// map.yaml and, if the consistency was measured, conflicts.png, the longest first. They refer to
-/// what they are given and do not change it; each may run on a thread of its own, unless the graph
-/// has peers.
+/// map.yaml and, if the consistency was measured, conflicts.png: the points first, for which the
+/// disk needs time, then the longest ones. They refer to what they are given and do not change it;
+/// each may run on a thread of its own, unless the graph has peers. To be run once.
 std::vector<WriteTask> MapWriteTasks(const RefinedMap& map, const RunOutputOptions& options,
                                      const OutputFolder& output);
 

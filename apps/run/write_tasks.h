@@ -10,6 +10,7 @@
 
 namespace plumbline {
 
+/// What a process does without asking the others. It changes nothing that other tasks use.
 using OwnTask = std::function<Status()>;
 
 /// Writes one of a run's files. Processes that share a graph gather together what goes into it
@@ -25,8 +26,9 @@ WriteTask Together(OwnTask task);
 
 /// Runs all tasks side by side; gives the error of the first one that failed. What a task throws
 /// is such an error too. With peers, which run the same tasks, the collective parts come one after
-/// the other, and what is left of as many tasks as there are processes is done side by side, one by
-/// each. Every process gets the same error; what a task throws goes on.
+/// the other. They take turns as the writer, and what a process has to do by itself goes on
+/// meanwhile on a thread of its own, one task at a time. Every process gets the same error, and no
+/// more is gathered after one in gathering; what a task throws goes on.
 Status RunAll(const std::vector<WriteTask>& tasks, ThreadPool* pool, const Peers* peers = nullptr);
 
 }  // namespace plumbline
