@@ -57,6 +57,22 @@ std::vector<Revision> TentativeMatches(const KeyframeGraph& keys) {
   return matches;
 }
 
+WeighedHypothesis RecordOf(HypothesisKind kind, const Revision& revision,
+                           const KeyframeGraph& keys) {
+  WeighedHypothesis record;
+  record.kind = kind;
+  record.num_closures = static_cast<int>(revision.size());
+  record.first_later_pose = record.first_earlier_pose = keys.keyframes.back().pose;
+  for (const RelativePoseConstraint& closure : revision) {
+    const int earlier = keys.keyframes[closure.from].pose, later = keys.keyframes[closure.to].pose;
+    record.first_later_pose = std::min(record.first_later_pose, later);
+    record.last_later_pose = std::max(record.last_later_pose, later);
+    record.first_earlier_pose = std::min(record.first_earlier_pose, earlier);
+    record.last_earlier_pose = std::max(record.last_earlier_pose, earlier);
+  }
+  return record;
+}
+
 void OptimizeEach(const Peers* peers, ThreadPool* pool, std::vector<KeyframeGraph>* graphs) {
   const std::vector<std::size_t> own = OwnShare(peers, graphs->size());
   pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {

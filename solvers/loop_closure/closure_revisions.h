@@ -6,6 +6,7 @@
 #include "plumbline/core/peers.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/interface/seeding_report.h"
 
 namespace plumbline {
 
@@ -27,6 +28,10 @@ std::vector<Revision> WithRepetitions(const std::vector<Revision>& clusters,
 
 /// The matches that nearly became closures, each by itself.
 std::vector<Revision> TentativeMatches(const KeyframeGraph& keys);
+
+/// What is reported of a revision of a graph, but for the map that it makes.
+WeighedHypothesis RecordOf(HypothesisKind kind, const Revision& revision,
+                           const KeyframeGraph& keys);
 
 /// Moves the keyframes of each graph to its optimum (OptimizeKeyframes). Processes that share the
 /// drive share the work; peers: null if there are none.

@@ -15,6 +15,7 @@
 #include "plumbline/solvers/loop_closure/closure_revisions.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
+#include "plumbline/solvers/loop_closure/map_judge.h"
 #include "plumbline/solvers/loop_closure/part_joins.h"
 #include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
 #include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
@@ -33,6 +34,10 @@ namespace {
 
 // At most so often a cluster is found wrong, or such a match right.
 constexpr int kMaxRevisions = 6;
+// Clusters that are weighed at a time.
+constexpr std::size_t kClustersAtATime = 4;
+// One of them that brings this share of what is enough is followed up before others are weighed.
+constexpr double kPromisingGain = 0.5;
 // At most so often the closures of a session with others at one place are found wrong.
 constexpr int kMostBentPlaces = 12;
 // At most so many steps are taken as wrong without a closure that says so, one at a time.
@@ -64,7 +69,8 @@ class HypothesisSearch {
         matched_(matched),
         ties_(ties),
         weighed_(*weighed),
-        meter_(surfaces.graph(), matched.world_from_robot, pool) {}
+        meter_(surfaces.graph(), matched.world_from_robot, pool),
+        judge_(/*of_one_session=*/ties == nullptr) {}
 
   Status Run(MapHypothesis* best) {
     suspected_ = ties_ != nullptr ? *ties_ : MakeKeyframeGraph(matched_, motion_);
@@ -99,10 +105,11 @@ class HypothesisSearch {
       MapHypothesis closed;
       PLUMBLINE_RETURN_IF_ERROR(Begin(HypothesisKind::kOdometry, odometry,
                                       MakeKeyframeGraph(odometry, motion_), &closed));
-      if (Score(closed.consistency) <= Score(given.consistency)) given = std::move(closed);
+      if (judge_.Score(closed.consistency) <= judge_.Score(given.consistency))
+        given = std::move(closed);
     }
     if (IsComparable(given.consistency, best->consistency) &&
-        IsBetter(given.consistency, best->consistency)) {
+        judge_.IsBetter(given.consistency, best->consistency)) {
       *best = std::move(given);
     }
     return Status::Ok();
@@ -113,7 +120,7 @@ class HypothesisSearch {
   // the one as given: its errors were told from this matching, and would be its drift.
   Status TryOdometryHeadings(MapHypothesis* best) {
     if (LacksOdometry(graph_) || ties_ != nullptr || best->kind != HypothesisKind::kMatching ||
-        !IsSuspicious(best->consistency)) {
+        !judge_.IsSuspicious(best->consistency)) {
       return Status::Ok();
     }
     const SequentialTrajectory start =
@@ -132,7 +139,7 @@ class HypothesisSearch {
     // more than one did before.
     FreeSpaceConflict newly_met = turned.consistency.between_passes;
     newly_met -= best->consistency.between_passes;
-    const double ratio = MapConsistency::RatioOf(newly_met, explicable_share_);
+    const double ratio = MapConsistency::RatioOf(newly_met, judge_.explicable_share());
     const bool conflicts_more =
         ratio > MapConsistency::kMaxRatio || turned.consistency.Ratio() > best->consistency.Ratio();
     if (meets_more && !conflicts_more) *best = std::move(turned);
@@ -156,7 +163,7 @@ class HypothesisSearch {
       other.records.push_back(weighed_.size());
       RecordRevision(HypothesisKind::kWithoutCluster, worst.closures, best->keys,
                      other.consistency);
-      if (IsBetter(best->consistency, other.consistency)) break;
+      if (judge_.IsBetter(best->consistency, other.consistency)) break;
       *best = std::move(other);
     }
     return Status::Ok();
@@ -165,16 +172,16 @@ class HypothesisSearch {
   // Steps of the sequential matching as wrong as closures say, or as it takes.
   Status TryBreaks(MapHypothesis* best) {
     if (best->kind != HypothesisKind::kMatching) return Status::Ok();
-    if (PassesDisagree(best->consistency)) MarkStepAt(best->consistency.worst_within.pose);
+    if (judge_.PassesDisagree(best->consistency)) MarkStepAt(best->consistency.worst_within.pose);
     const std::vector<int> suspects = MostSuspectSteps(suspected_);
     KeyframeGraph in_question = suspected_;
     in_question.refused = best->keys.refused;
     for (const int step : suspects) in_question.sequential[step].in_question = true;
-    if (!suspects.empty() && (IsSuspicious(best->consistency) || best->loops.IsUnresolved() ||
-                              GivesWay(suspects, best->keys))) {
+    if (!suspects.empty() && (judge_.IsSuspicious(best->consistency) ||
+                              best->loops.IsUnresolved() || GivesWay(suspects, best->keys))) {
       PLUMBLINE_RETURN_IF_ERROR(TryBreak(in_question, best));
       for (int i = 0; i < kMaxForcedBreaks && i < static_cast<int>(suspects.size()); ++i) {
-        if (!IsSuspicious(best->consistency)) break;
+        if (!judge_.IsSuspicious(best->consistency)) break;
         KeyframeGraph forced = in_question;
         forced.sequential[suspects[i]].broken = true;
         PLUMBLINE_RETURN_IF_ERROR(TryBreak(forced, best));
@@ -207,7 +214,8 @@ class HypothesisSearch {
   // two closures: no edge is far off then, and the map contradicts itself a little, everywhere.
   Status TrySharedOut(const KeyframeGraph& in_question, MapHypothesis* best) {
     KeyframeGraph marked = in_question;
-    std::vector<int> steps = MostStrainedSteps(best->keys, &marked);
+    std::vector<int> steps =
+        MostStrainedSteps(surfaces_, matched_.world_from_robot, best->keys, &marked);
     std::stable_sort(steps.begin(), steps.end(), [&](int a, int b) {
       return marked.sequential[a].evidence > marked.sequential[b].evidence;
     });
@@ -224,24 +232,10 @@ class HypothesisSearch {
       MapHypothesis broken;
       PLUMBLINE_RETURN_IF_ERROR(MakeBroken(forced, &broken));
       // The graph has spoken against the step: the map need not do it again.
-      if (Score(broken.consistency) < Score(best->consistency)) *best = std::move(broken);
+      if (judge_.Score(broken.consistency) < judge_.Score(best->consistency))
+        *best = std::move(broken);
     }
     return Status::Ok();
-  }
-
-  // Of each stretch between closures that strain it more than noise can, the step whose sides agree
-  // worst; it is marked in `marked`. One that is off alone bends no other.
-  std::vector<int> MostStrainedSteps(const KeyframeGraph& keys, KeyframeGraph* marked) const {
-    const double most_chi2 = MostStrain(keys);
-    std::vector<int> steps;
-    for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
-      const double chi2 = StepsChi2(keys, first, end);
-      if (chi2 <= most_chi2) continue;
-      const int step = MarkWorstEdge(surfaces_, matched_.world_from_robot, first, end, marked);
-      const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);
-      if (marked->sequential[step].evidence > 0.0 && others_chi2 > most_chi2) steps.push_back(step);
-    }
-    return steps;
   }
 
   // What lies beyond a wrong step may be anywhere. One step after the other, the worst first.
@@ -253,7 +247,7 @@ class HypothesisSearch {
     for (const int step : MostSuspectSteps(suspected_)) {
       const bool is_suspect =
           suspected_.sequential[step].evidence >= SuspectStep::kUntrustedEvidence &&
-          IsSuspicious(best->consistency);
+          judge_.IsSuspicious(best->consistency);
       if (!is_suspect && !IsOpen(step, *best)) continue;
       if (++num_tried > kMostCarried) break;
       PLUMBLINE_RETURN_IF_ERROR(TryJoinsAt(step, best));
@@ -283,7 +277,7 @@ class HypothesisSearch {
           [&](const MapHypothesis& other) { return IsSameJoin(step, joined.keys, other.keys); });
       if (is_known) continue;
       WeighJoin(step, *best, &joined);
-      if (is_tied || IsBetter(joined.consistency, best->consistency)) {
+      if (is_tied || judge_.IsBetter(joined.consistency, best->consistency)) {
         places.push_back(std::move(joined));
       }
     }
@@ -300,8 +294,9 @@ class HypothesisSearch {
     const std::vector<MapConsistency> maps = MeasureAll(all, hypothesis.start);
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return Score(maps[a]) < Score(maps[b]); });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return judge_.Score(maps[a]) < judge_.Score(maps[b]);
+    });
     if (order.size() > kMostJoins) order.resize(kMostJoins);
     for (const std::size_t i : order) joins->push_back(std::move(all[i]));
     return Status::Ok();
@@ -354,8 +349,8 @@ class HypothesisSearch {
     if (!IsOpen(step, *best) && IsSameJoin(step, likeliest->keys, best->keys)) return;
     int& num_alternatives = num_alternatives_[edge.first_pose_after];
     for (auto place = places->begin(); place != places->end(); ++place) {
-      const double explicable =
-          explicable_share_ * std::max(compared_of_part(*place), compared_of_part(*likeliest));
+      const double explicable = judge_.explicable_share() *
+                                std::max(compared_of_part(*place), compared_of_part(*likeliest));
       if (place != likeliest && cost(*place) - cost(*likeliest) <= kNoContradiction * explicable) {
         ++num_alternatives;
       }
@@ -381,7 +376,7 @@ class HypothesisSearch {
   Status TryBreak(const KeyframeGraph& keys, MapHypothesis* best) {
     MapHypothesis broken;
     PLUMBLINE_RETURN_IF_ERROR(MakeBroken(keys, &broken));
-    if (IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
+    if (judge_.IsBetter(broken.consistency, best->consistency)) *best = std::move(broken);
     return Status::Ok();
   }
 
@@ -394,18 +389,6 @@ class HypothesisSearch {
     return Status::Ok();
   }
 
-  double Score(const MapConsistency& consistency) const {
-    const FreeSpaceConflict all = consistency.AllConflicts();
-    return all.num_conflicting - worth_of_agreement_ * all.num_compared;
-  }
-
-  // Whether one map is better than another by enough to assume more for it.
-  bool IsBetter(const MapConsistency& map, const MapConsistency& other) const {
-    return Score(map) < Score(other) -
-                            LoopAcceptance::kMinMapGain * other.between_passes.num_conflicting -
-                            LoopAcceptance::kMinMapGainReturns;
-  }
-
   // Whether passes are compared as much, about: where they have nothing in common, none conflicts.
   static bool IsComparable(const MapConsistency& map, const MapConsistency& other) {
     return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
@@ -416,7 +399,7 @@ class HypothesisSearch {
     weighed.kind = hypothesis->kind;
     weighed.num_closures = static_cast<int>(hypothesis->keys.closures.size());
     weighed.conflict = hypothesis->consistency.AllConflicts();
-    weighed.score = Score(hypothesis->consistency);
+    weighed.score = judge_.Score(hypothesis->consistency);
     weighed.world_from_robot = hypothesis->world_from_robot;
     hypothesis->records = {weighed_.size()};
     weighed_.push_back(weighed);
@@ -430,18 +413,8 @@ class HypothesisSearch {
 
   bool IsWorthASearch(const MapConsistency& odometry, const MapHypothesis& best) const {
     return odometry.between_passes.num_compared > 0 &&
-           odometry.between_passes.Share() <= kSoundOdometry * explicable_share_ &&
-           IsSuspicious(best.consistency);
-  }
-
-  bool IsSuspicious(const MapConsistency& consistency) const {
-    return consistency.Ratio() > MapConsistency::kSuspiciousRatio ||
-           consistency.IsContradictory() || PassesDisagree(consistency);
-  }
-
-  // Between days furniture moves.
-  bool PassesDisagree(const MapConsistency& consistency) const {
-    return ties_ == nullptr && consistency.PassesDisagree();
+           odometry.between_passes.Share() <= kSoundOdometry * judge_.explicable_share() &&
+           judge_.IsSuspicious(best.consistency);
   }
 
   // Closes the loops of a start.
@@ -451,26 +424,25 @@ class HypothesisSearch {
     best->start = start;
     best->keys = std::move(keys);
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
-    if (kind == HypothesisKind::kMatching) {
-      explicable_share_ = best->consistency.ExplicableShare();
-      worth_of_agreement_ = best->consistency.WorthOfAgreement();
-    }
+    if (kind == HypothesisKind::kMatching) judge_.TakeMeasure(best->consistency);
     Weigh(best);
     return Status::Ok();
   }
 
   // Drops clusters of closures that the map contradicts, and takes in matches that it lacks.
   Status ReviseClosures(MapHypothesis* best) {
-    for (int i = 0; i < kMaxRevisions && IsSuspicious(best->consistency); ++i) {
+    for (int i = 0; i < kMaxRevisions && judge_.IsSuspicious(best->consistency); ++i) {
       const std::vector<Revision> suspects =
-          SuspectClusters(best->keys, best->consistency, explicable_share_);
-      const std::pair<HypothesisKind, std::vector<Revision>> all_revisions[] = {
-          {HypothesisKind::kWithoutCluster, suspects},
-          {HypothesisKind::kWithoutCluster, WithRepetitions(suspects, best->keys)},
-          {HypothesisKind::kWithMatch, TentativeMatches(best->keys)}};
+          SuspectClusters(best->keys, best->consistency, judge_.explicable_share());
       bool revised = false;
-      for (const auto& [kind, revisions] : all_revisions) {
-        if (!revised) PLUMBLINE_RETURN_IF_ERROR(Revise(kind, revisions, best, &revised));
+      PLUMBLINE_RETURN_IF_ERROR(Revise(HypothesisKind::kWithoutCluster, suspects, best, &revised));
+      if (!revised) {
+        PLUMBLINE_RETURN_IF_ERROR(Revise(HypothesisKind::kWithoutCluster,
+                                         WithRepetitions(suspects, best->keys), best, &revised));
+      }
+      if (!revised) {
+        PLUMBLINE_RETURN_IF_ERROR(
+            Revise(HypothesisKind::kWithMatch, TentativeMatches(best->keys), best, &revised));
       }
       if (!revised) break;
     }
@@ -512,60 +484,80 @@ class HypothesisSearch {
     return maps;
   }
 
+  // A revision of a hypothesis, before loops are closed again.
+  struct Trial {
+    KeyframeGraph keys;
+    MapConsistency map;
+    std::size_t record;
+  };
+
   // Revises the hypothesis in the way that makes its map the best, if one of them makes it better.
-  // Loops are closed again for that one alone.
+  // Loops are closed again for that one alone. Clusters come in order of suspicion, and those that
+  // are wrong are among the first: the others are spared if one of these brings most of what is
+  // enough. Matches are all weighed; they are few, and many of them bring something.
   Status Revise(HypothesisKind kind, const std::vector<Revision>& revisions, MapHypothesis* best,
                 bool* revised) {
+    const bool are_clusters = kind == HypothesisKind::kWithoutCluster;
+    const std::size_t at_a_time = are_clusters ? kClustersAtATime : revisions.size();
+    std::vector<Trial> trials;
+    for (std::size_t begin = 0; begin < revisions.size(); begin += at_a_time) {
+      const std::size_t end = std::min(begin + at_a_time, revisions.size());
+      WeighRevisions(kind, {revisions.begin() + begin, revisions.begin() + end}, *best, &trials);
+      const auto likeliest =
+          std::min_element(trials.begin(), trials.end(), [&](const Trial& a, const Trial& b) {
+            return judge_.Score(a.map) < judge_.Score(b.map);
+          });
+      const double gain = judge_.Gain(likeliest->map, best->consistency);
+      if (end < revisions.size() && gain < kPromisingGain) continue;
+      // A cluster that is wrong shows as soon as it is gone. What a match brings may take the
+      // closures that come into reach with it.
+      if (are_clusters && gain <= 0.0) continue;
+      PLUMBLINE_RETURN_IF_ERROR(FollowUp(std::move(*likeliest), best, revised));
+      if (*revised) break;
+      trials.erase(likeliest);
+    }
+    return Status::Ok();
+  }
+
+  void WeighRevisions(HypothesisKind kind, const std::vector<Revision>& revisions,
+                      const MapHypothesis& best, std::vector<Trial>* trials) {
     std::vector<KeyframeGraph> keys;
     keys.reserve(revisions.size());
     for (const Revision& revision : revisions) {
-      keys.push_back(kind == HypothesisKind::kWithoutCluster ? Without(revision, best->keys)
-                                                             : With(revision, best->keys));
+      keys.push_back(kind == HypothesisKind::kWithoutCluster ? Without(revision, best.keys)
+                                                             : With(revision, best.keys));
     }
     OptimizeEach(graph_.peers(), pool_, &keys);
-    const std::vector<MapConsistency> maps = MeasureAll(keys, best->start);
-    const std::size_t first_record = weighed_.size();
-    std::size_t least = 0;
+    std::vector<MapConsistency> maps = MeasureAll(keys, best.start);
     for (std::size_t i = 0; i < revisions.size(); ++i) {
-      RecordRevision(kind, revisions[i], best->keys, maps[i]);
-      if (Score(maps[i]) < Score(maps[least])) least = i;
+      RecordRevision(kind, revisions[i], best.keys, maps[i]);
+      trials->push_back({std::move(keys[i]), std::move(maps[i]), weighed_.size() - 1});
     }
-    // A cluster that is wrong shows as soon as it is gone. What a match brings may take the
-    // closures that come into reach with it.
-    const bool is_promising = kind == HypothesisKind::kWithMatch ||
-                              (!maps.empty() && Score(maps[least]) < Score(best->consistency));
-    if (revisions.empty() || !is_promising) return Status::Ok();
+  }
+
+  // Closes the loops of a revision, and adopts it if that makes the map better.
+  Status FollowUp(Trial trial, MapHypothesis* best, bool* adopted) {
     MapHypothesis other;
     other.kind = best->kind;
     other.start = best->start;
-    other.keys = std::move(keys[least]);
+    other.keys = std::move(trial.keys);
     PLUMBLINE_RETURN_IF_ERROR(Close(&other));
-    *revised = IsBetter(other.consistency, best->consistency);
-    if (!*revised) return Status::Ok();
+    *adopted = judge_.IsBetter(other.consistency, best->consistency);
+    if (!*adopted) return Status::Ok();
     other.records = best->records;
-    other.records.push_back(first_record + least);
-    weighed_[first_record + least].conflict = other.consistency.AllConflicts();
-    weighed_[first_record + least].score = Score(other.consistency);
+    other.records.push_back(trial.record);
+    weighed_[trial.record].conflict = other.consistency.AllConflicts();
+    weighed_[trial.record].score = judge_.Score(other.consistency);
     *best = std::move(other);
     return Status::Ok();
   }
 
   void RecordRevision(HypothesisKind kind, const Revision& revision, const KeyframeGraph& keys,
                       const MapConsistency& map) {
-    WeighedHypothesis trial;
-    trial.kind = kind;
-    trial.num_closures = static_cast<int>(revision.size());
+    WeighedHypothesis trial = RecordOf(kind, revision, keys);
     trial.conflict = map.AllConflicts();
-    trial.score = Score(map);
-    const auto pose = [&](int key) { return keys.keyframes[key].pose; };
-    trial.first_later_pose = trial.first_earlier_pose = graph_.num_poses();
-    for (const RelativePoseConstraint& closure : revision) {
-      trial.first_later_pose = std::min(trial.first_later_pose, pose(closure.to));
-      trial.last_later_pose = std::max(trial.last_later_pose, pose(closure.to));
-      trial.first_earlier_pose = std::min(trial.first_earlier_pose, pose(closure.from));
-      trial.last_earlier_pose = std::max(trial.last_earlier_pose, pose(closure.from));
-    }
-    weighed_.push_back(trial);
+    trial.score = judge_.Score(map);
+    weighed_.push_back(std::move(trial));
   }
 
   const MotionOptions& motion_;
@@ -577,9 +569,7 @@ class HypothesisSearch {
   const KeyframeGraph* ties_;  // of several sessions; null: the drive is one
   std::vector<WeighedHypothesis>& weighed_;
   const ConsistencyMeter meter_;
-  // Of the matching's map; one for all that are compared.
-  double explicable_share_ = 0.06;
-  double worth_of_agreement_ = 0.06;
+  MapJudge judge_;  // measured by the matching's map
   // Surroundings of keyframes depend on the start, and on which steps are in question.
   std::map<HypothesisKind, ClosureMemory> memories_;
   std::map<int, int> num_alternatives_;  // of suspect steps, by the first pose after them

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
+#include "plumbline/solvers/loop_closure/suspect_edges.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 
 namespace plumbline {
@@ -41,6 +42,21 @@ std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& k
     first = k;
   }
   return stretches;
+}
+
+std::vector<int> MostStrainedSteps(const ScanSurfaces& surfaces,
+                                   const std::vector<Pose2>& world_from_robot,
+                                   const KeyframeGraph& keys, KeyframeGraph* marked) {
+  const double most_chi2 = MostStrain(keys);
+  std::vector<int> steps;
+  for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
+    const double chi2 = StepsChi2(keys, first, end);
+    if (chi2 <= most_chi2) continue;
+    const int step = MarkWorstEdge(surfaces, world_from_robot, first, end, marked);
+    const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);
+    if (marked->sequential[step].evidence > 0.0 && others_chi2 > most_chi2) steps.push_back(step);
+  }
+  return steps;
 }
 
 }  // namespace plumbline

@@ -4,7 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/pose2.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -18,6 +20,14 @@ double MostStrain(const KeyframeGraph& keys);
 
 /// From keyframe to keyframe, between the ends of neighbouring closures.
 std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys);
+
+/// Of each stretch between closures that strain it by more than it may be off, the step whose sides
+/// agree worst. It is marked in `marked` (MarkWorstEdge). Steps that are off alone bend no other,
+/// and are left out.
+/// world_from_robot: per pose, as the sequential matching left it.
+std::vector<int> MostStrainedSteps(const ScanSurfaces& surfaces,
+                                   const std::vector<Pose2>& world_from_robot,
+                                   const KeyframeGraph& keys, KeyframeGraph* marked);
 
 }  // namespace plumbline
 
