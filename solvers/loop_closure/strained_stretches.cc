@@ -17,13 +17,16 @@ double StepsChi2(const KeyframeGraph& keys, int first, int end) {
   return chi2;
 }
 
-double MostStrain(const KeyframeGraph& keys) {
-  double chi2 = StepsChi2(keys, 0, keys.size() - 1);
+double MostStrain(const KeyframeGraph& keys, double chi2) {
+  // What sound drives are off by: few closures may fit better by chance.
+  constexpr double kLeastShare = 0.01;
+  double chi2_of_others = StepsChi2(keys, 0, keys.size() - 1) - chi2;
   for (const RelativePoseConstraint& closure : keys.closures) {
-    chi2 += EdgeChi2(closure, keys.world_from_key);
+    chi2_of_others += EdgeChi2(closure, keys.world_from_key);
   }
   const double degrees_of_freedom = 3.0 * static_cast<double>(keys.closures.size());
-  return LoopAcceptance::kMaxEdgeChi2 * std::min(1.0, chi2 / std::max(1.0, degrees_of_freedom));
+  const double share_of_allowed = chi2_of_others / std::max(1.0, degrees_of_freedom);
+  return LoopAcceptance::kMaxEdgeChi2 * std::clamp(share_of_allowed, kLeastShare, 1.0);
 }
 
 std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys) {
@@ -47,10 +50,10 @@ std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& k
 std::vector<int> MostStrainedSteps(const ScanSurfaces& surfaces,
                                    const std::vector<Pose2>& world_from_robot,
                                    const KeyframeGraph& keys, KeyframeGraph* marked) {
-  const double most_chi2 = MostStrain(keys);
   std::vector<int> steps;
   for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
     const double chi2 = StepsChi2(keys, first, end);
+    const double most_chi2 = MostStrain(keys, chi2);
     if (chi2 <= most_chi2) continue;
     const int step = MarkWorstEdge(surfaces, world_from_robot, first, end, marked);
     const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);

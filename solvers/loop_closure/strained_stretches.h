@@ -14,9 +14,11 @@ namespace plumbline {
 /// broken.
 double StepsChi2(const KeyframeGraph& keys, int first, int end);
 
-/// What a stretch of sequential edges may be off by, in squared errors. Scans match better than
-/// their covariances say: on sound drives the graph is off by a hundredth of what they allow.
-double MostStrain(const KeyframeGraph& keys);
+/// What a stretch of sequential edges may be off by, in squared errors, beside all other edges and
+/// closures. Scans match better than their covariances say: on sound drives the graph is off by a
+/// hundredth of what they allow.
+/// chi2: of the stretch.
+double MostStrain(const KeyframeGraph& keys, double chi2);
 
 /// From keyframe to keyframe, between the ends of neighbouring closures.
 std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys);
