@@ -57,6 +57,9 @@ struct MeasurementCorrections {
   std::vector<Pose2> robot_from_laser;  ///< mounting per laser
   std::vector<double> range_m;          ///< per return [m]
   std::vector<double> bearing_rad;      ///< per return, in the frame of the laser [rad]
+  /// Returns of people and all else that moves, on top of those that were known before: ids among
+  /// all of the graph and its peers, in order.
+  std::vector<std::size_t> moving_returns;
 };
 
 }  // namespace plumbline

@@ -81,6 +81,13 @@ void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNor
                          estimator.EstimateScan(first_scan + static_cast<int>(s), normals);
                        }
                      });
+  DropMovingNormals(graph, normals);
+}
+
+void DropMovingNormals(const SlamGraph& graph, std::vector<ReturnNormal>* normals) {
+  for (std::size_t r = 0; r < normals->size(); ++r) {
+    if (graph.Moves(r)) (*normals)[r] = ReturnNormal();
+  }
 }
 
 }  // namespace plumbline

@@ -22,12 +22,15 @@ struct ReturnNormalOptions {
 
 /// Estimates one surface normal per return of the scans from first_scan on, in the frame of its
 /// robot, turned towards the laser, and adds them to those of the scans before. None where a return
-/// has no surface around it: isolated, at a range jump, or round.
+/// has no surface around it: isolated, at a range jump, or round; nor of what moves.
 ///
 /// Total least squares over the neighbours along the scan that lie within the window and are
 /// joined to the return without a range jump.
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                          ThreadPool* pool, std::vector<ReturnNormal>* normals);
+
+/// Of returns that are known to move (SlamGraph::Moves) by now: they get none.
+void DropMovingNormals(const SlamGraph& graph, std::vector<ReturnNormal>* normals);
 
 }  // namespace plumbline
 

@@ -18,6 +18,12 @@ namespace {
 
 constexpr char kPoseLimits[] = "1e7 m or 1e6 rad";
 
+// Sets one of some flags, of which there are as many as needed so far.
+void Set(std::size_t index, std::vector<bool>* flags) {
+  if (index >= flags->size()) flags->resize(index + 1);
+  (*flags)[index] = true;
+}
+
 }  // namespace
 
 Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
@@ -298,8 +304,16 @@ void SlamGraph::PackScan(int scan_id, std::vector<char>* bytes) const {
   const ScanIndex& index = scan_index_[scan_id];
   const std::size_t num_small = index.first_large_beam - scan.first_return;
   append(&num_small, 1);
-  if (!scan.has_own_bearings) return;
-  append(off_beam_rad_.data() + index.first_own_bearing, scan.num_returns);
+  if (scan.has_own_bearings) {
+    append(off_beam_rad_.data() + index.first_own_bearing, scan.num_returns);
+  }
+  std::vector<std::size_t> moving;  // counted from the scan's first return
+  for (std::size_t i = 0; i < scan.num_returns; ++i) {
+    if (Moves(scan.first_return + i)) moving.push_back(i);
+  }
+  const std::size_t num_moving = moving.size();
+  append(&num_moving, 1);
+  append(moving.data(), num_moving);
 }
 
 const char* SlamGraph::AddPackedScan(const char* bytes) {
@@ -323,6 +337,11 @@ const char* SlamGraph::AddPackedScan(const char* bytes) {
     scan_of_block_.push_back(num_scans());
   }
   if (scan.has_own_bearings) extend(&off_beam_rad_, scan.num_returns);
+  std::size_t num_moving = 0;
+  take(&num_moving, 1);
+  std::vector<std::size_t> moving;
+  extend(&moving, num_moving);
+  for (const std::size_t i : moving) Set(scan.first_return + i, &moves_);
   scans_.push_back(scan);
   return bytes;
 }
@@ -423,6 +442,14 @@ void SlamGraph::Correct(const MeasurementCorrections& corrections) {
   if (!corrections.robot_from_laser.empty()) {
     laser_ids_.clear();
     for (int id = 0; id < num_lasers(); ++id) laser_ids_.emplace(laser(id), id);
+  }
+  const std::vector<std::size_t>& moving = corrections.moving_returns;
+  for (int s = 0; s < num_scans() && !moving.empty(); ++s) {
+    const std::size_t first = all_scans()[IdAmongAll(s)].first_return;
+    auto id = std::lower_bound(moving.begin(), moving.end(), first);
+    for (; id != moving.end() && *id < first + scans_[s].num_returns; ++id) {
+      Set(scans_[s].first_return + (*id - first), &moves_);
+    }
   }
   if (!corrections.range_m.empty()) SetRanges(corrections.range_m);
   if (!corrections.bearing_rad.empty()) SetBearings(corrections.bearing_rad);

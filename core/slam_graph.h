@@ -38,8 +38,7 @@ class SlamGraph {
   /// input_limits.h.
   Status AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id);
 
-  /// Fixes a pose, also if it was fixed elsewhere before. Fails on an unknown id, and on a pose
-  /// that AddPose refuses.
+  /// Fixes a pose, anew if it was fixed before. Fails on an unknown id, and likewise on a pose.
   Status FixPose(int pose_id, const Pose2& world_from_robot);
   /// The same at the pose's initial guess.
   Status FixPose(int pose_id);
@@ -155,6 +154,8 @@ class SlamGraph {
   int Beam(std::size_t return_id) const { return ReturnsNear(return_id).Beam(return_id); }
   /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.
   double Bearing(std::size_t return_id) const { return ReturnsNear(return_id).Bearing(return_id); }
+  /// Whether it is of something that moves: no surface of the map. Corrected says so.
+  bool Moves(std::size_t return_id) const { return return_id < moves_.size() && moves_[return_id]; }
   std::vector<int> ScansOfReturns() const;  ///< of all returns
   std::vector<int> Beams() const;           ///< of all returns
   std::vector<double> Bearings() const;     ///< of all returns
@@ -174,17 +175,16 @@ class SlamGraph {
 
   /// Poses at their initial guesses, and the map points where the measurements put them from there.
   MapState InitialState() const;
-  /// Adds to a state of this graph what came after it: poses at their initial guesses, and map
-  /// points where the measurements put them, seen from the state's poses. Needs a state that has
-  /// nothing which the graph lacks.
+  /// Adds to a state of this graph what came after it, as InitialState has it, but seen from the
+  /// state's poses. Needs a state that has nothing which the graph lacks.
   void ExtendState(MapState* state) const;
   /// Where the measurements put the map points, seen from these poses: x, y [m] in the world, two
   /// numbers per return. poses: three numbers per pose, as MapState has them.
   std::vector<double> MeasuredMap(const std::vector<double>& poses) const;
 
-  /// The same graph with other measurements. Arrays that are not empty need the sizes that
-  /// MeasurementCorrections names, and finite values. A corrected return stays one: beyond what its
-  /// laser takes for a return, the range is the nearest that it does.
+  /// The same graph with other, finite measurements. Arrays that are not empty need the sizes that
+  /// MeasurementCorrections names. A range that its laser takes for none becomes the nearest
+  /// return.
   SlamGraph Corrected(const MeasurementCorrections& corrections) const&;
   /// The same for a graph that is of no more use.
   SlamGraph Corrected(const MeasurementCorrections& corrections) &&;
@@ -199,8 +199,7 @@ class SlamGraph {
     std::size_t first_own_bearing = 0;  // in off_beam_rad_
     std::size_t first_large_beam = 0;   // return id
   };
-  // A number per return would say which sweep it is of. That of one in so many is enough to begin a
-  // search from.
+  // One return of so many is known to be of which sweep: enough to begin a search from.
   static constexpr std::size_t kReturnsPerBlock = 256;
   Status CheckScan(int pose_id, int laser_id) const;
   // The readings that are returns.
@@ -235,6 +234,7 @@ class SlamGraph {
   std::vector<int> scan_of_block_;     // of the first return of each block
   LaserReturns returns_;
   std::vector<std::uint16_t> low_beam_;  // per return: beam modulo ScanReturns::kSmallBeams
+  std::vector<bool> moves_;              // per return, up to the last one that does
   std::vector<float> off_beam_rad_;  // of returns with bearings of their own: off their beams' ones
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;

@@ -7,6 +7,7 @@
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sweep_motion.h"
 #include "plumbline/core/thread_pool.h"
@@ -228,6 +229,7 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
       mapping->graph = std::move(with_edges);
     }
     mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);
+    DropMovingNormals(mapping->graph, &mapping->surface.normals);
     if (LacksOdometry(mapping->graph)) {
       PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
     }

@@ -130,6 +130,7 @@ class JoinedReport {
     }
     if (own.sweep_order) report_.sweep_order = own.sweep_order;
     report_.range_noise_m = std::max(report_.range_noise_m, own.range_noise_m);
+    report_.seeding.moving_share = std::max(report_.seeding.moving_share, own.seeding.moving_share);
     AddSequential(own.seeding.sequential);
     AddNoise(own.seeding.odometry_noise);
     is_first_ = false;

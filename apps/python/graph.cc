@@ -199,6 +199,12 @@ GraphObject Corrected(const GraphObject& graph, const MeasurementCorrections& co
   check("lasers", corrections.robot_from_laser.size(), graph->num_lasers());
   check("ranges", corrections.range_m.size(), graph->num_returns());
   check("bearings", corrections.bearing_rad.size(), graph->num_returns());
+  if (!corrections.moving_returns.empty() &&
+      corrections.moving_returns.back() >= graph->num_returns()) {
+    RaiseIfError(Status::InvalidArgument(
+        "the corrections have return " + std::to_string(corrections.moving_returns.back()) +
+        " as moving, and the graph has " + std::to_string(graph->num_returns()) + " returns"));
+  }
   return GraphObject(graph->Corrected(corrections));
 }
 

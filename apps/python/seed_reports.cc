@@ -159,12 +159,15 @@ void BindSeedReports(py::module_* module) {
   Fields<SeedingReport>(module, "SeedingReport", "How a seed was found, and whether to trust it.")
       .Field("start", &SeedingReport::start, "where the solver starts")
       .Field("sequential", &SeedingReport::sequential, "scan matching")
+      .Field("moving_share", &SeedingReport::moving_share,
+             "of the returns, left out of the matching as people; 0 if so few that they were not")
       .Field("odometry_noise", &SeedingReport::odometry_noise, "by what the scans say")
       .Field("loops", &SeedingReport::loops, "loops closed and refused")
       .Field("consistency", &SeedingReport::consistency, "of the seed")
       .Field("hypotheses", &SeedingReport::hypotheses, "in the order of their weighing")
       .Field("pose_graph", &SeedingReport::pose_graph, "the seed's last pose graph")
-      .Field("corrections", &SeedingReport::corrections, "of the odometry, for SlamGraph.corrected")
+      .Field("corrections", &SeedingReport::corrections,
+             "of the odometry, and what moves, for SlamGraph.corrected")
       .Field("alarm", &SeedingReport::alarm, "the seed is probably wrong")
       .Method("repaired", &SeedingReport::Repaired,
               "Whether a wrong step of the matching was found and put right.");

@@ -122,6 +122,7 @@ Json SeedingJson(const RunSummary& summary) {
           {"suspect_steps", SuspectStepsJson(summary.mapping.seeding.loops)},
           {"hypotheses", HypothesesJson(summary.mapping.seeding.hypotheses)},
           {"range_noise_m", summary.mapping.range_noise_m},
+          {"moving_share", summary.mapping.seeding.moving_share},
           {"frozen_laser", FrozenLaserJson(summary.mapping.frozen_laser)},
           {"sweep_order", SweepOrderJson(summary.mapping.sweep_order)},
           {"alarm", summary.mapping.seeding.alarm},

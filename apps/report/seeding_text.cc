@@ -249,6 +249,12 @@ std::string SeedingText(const SeedingReport& report, const SlamGraph& graph,
   std::string text = report.start == StartType::kSeed ? "" : StartText(report.start);
   text += MatchingText(report.sequential, report.odometry_noise.is_prediction,
                        static_cast<int>(graph.all_scans().size()));
+  if (report.moving_share > 0.0) {
+    text += Format(
+        "  People and all else that moves: %.1f %% of the returns, left out of the map's "
+        "surfaces.\n",
+        kPercent * report.moving_share);
+  }
   if (report.sequential.num_keyframes <= 1) return text + NoPathText(report.sequential);
   return text + OdometryText(report.odometry_noise) + LoopsText(report.loops, report.consistency) +
          HypothesesText(report.hypotheses) + SuspectStepsText(report.loops, graph, poses);

@@ -147,16 +147,16 @@ void Visit(Archive& archive, RelativePoseConstraint* edge) {
 
 template <typename Archive>
 void Visit(Archive& archive, MeasurementCorrections* corrections) {
-  auto& [odometry, robot_from_laser, range_m, bearing_rad] = *corrections;
-  archive(odometry, robot_from_laser, range_m, bearing_rad);
+  auto& [odometry, robot_from_laser, range_m, bearing_rad, moving_returns] = *corrections;
+  archive(odometry, robot_from_laser, range_m, bearing_rad, moving_returns);
 }
 
 template <typename Archive>
 void Visit(Archive& archive, SeedingReport* report) {
-  auto& [start, sequential, odometry_noise, loops, consistency, hypotheses, pose_graph, corrections,
-         poses, alarm] = *report;
-  archive(start, sequential, odometry_noise, loops, consistency, hypotheses, pose_graph,
-          corrections, poses, alarm);
+  auto& [start, sequential, moving_share, odometry_noise, loops, consistency, hypotheses,
+         pose_graph, corrections, poses, alarm] = *report;
+  archive(start, sequential, moving_share, odometry_noise, loops, consistency, hypotheses,
+          pose_graph, corrections, poses, alarm);
 }
 
 template <typename Archive>
@@ -168,7 +168,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 9\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 10\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {
@@ -324,6 +324,13 @@ Status CheckContents(const std::string& path, const Contents& contents, const Sl
                                   graph.odometry().size()));
   PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.sequential_poses'",
                                   contents.seeding.sequential_poses.size(), num_poses));
+  for (const std::size_t id : contents.seeding.corrections.moving_returns) {
+    if (id >= graph.num_returns_of_all()) {
+      return Status::InvalidArgument(path + ": field 'seeding.corrections.moving_returns' has " +
+                                     std::to_string(id) + ", but the log has " +
+                                     std::to_string(graph.num_returns_of_all()) + " returns");
+    }
+  }
   for (const WeighedHypothesis& hypothesis : contents.seeding.hypotheses) {
     if (hypothesis.world_from_robot.empty()) continue;
     PLUMBLINE_RETURN_IF_ERROR(check("field 'seeding.hypotheses.world_from_robot'",

@@ -40,6 +40,12 @@ double BearingOf(const Eigen::Vector2d& point) {
 
 }  // namespace
 
+std::size_t FreeSpaceScan::StrideOf(const LaserModel& laser) {
+  const double beams_per_rad = 1.0 / std::abs(laser.bearing_step_rad);
+  const double num_beams = std::round(beams_per_rad * kReturnSpacingRad);
+  return static_cast<std::size_t>(std::clamp(num_beams, 1.0, 1.0 * laser.num_beams));
+}
+
 FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
     : laser_(graph.LaserOfScan(scan)),
       first_bearing_rad_(NormalizeAngle(laser_.first_bearing_rad)),
@@ -48,12 +54,15 @@ FreeSpaceScan::FreeSpaceScan(const SlamGraph& graph, int scan)
   const ScanEntry& entry = graph.scan(scan);
   const ScanReturns returns = graph.ReturnsOfScan(scan);
   const std::vector<double> range_of_beam = graph.RangesOfScan(scan, 0.0);
-  const auto stride = static_cast<std::size_t>(
-      std::clamp(std::round(beams_per_rad_ * kReturnSpacingRad), 1.0, 1.0 * laser_.num_beams));
+  const std::size_t stride = StrideOf(laser_);
   points_in_robot_.reserve((entry.num_returns + stride - 1) / stride);
+  std::vector<int> moving;
   for (std::size_t k = 0; k < entry.num_returns; k += stride) {
-    points_in_robot_.push_back(returns.PointInRobot(entry.first_return + k));
+    const std::size_t r = entry.first_return + k;
+    if (graph.Moves(r)) moving.push_back(static_cast<int>(points_in_robot_.size()));
+    points_in_robot_.push_back(returns.PointInRobot(r));
   }
+  MarkMoving(moving);
   shortest_range_.reserve(std::max(0, laser_.num_beams + 1 - kNumNeighbours));
   for (int first = 0; first + kNumNeighbours <= laser_.num_beams; ++first) {
     const auto begin = range_of_beam.begin() + first;
@@ -101,7 +110,7 @@ FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2
 }
 
 void FreeSpaceScan::MarkMoving(const std::vector<int>& returns) {
-  moves_.assign(returns.empty() ? 0 : points_in_robot_.size(), 0);
+  if (!returns.empty()) moves_.resize(points_in_robot_.size(), 0);
   for (const int place : returns) moves_[place] = 1;
 }
 

@@ -36,10 +36,14 @@ class FreeSpaceScan {
   FreeSpaceConflict Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
                             ComparedReturns* details) const;
 
-  /// The returns that are compared, one per degree at most, in the frame of the robot [m].
+  /// The returns that are compared, one per degree at most, in the frame of the robot [m]: every
+  /// so many of the sweep's, from the first one on.
   const std::vector<Eigen::Vector2d>& returns() const { return points_in_robot_; }
 
-  /// Marks the returns of what moves, by their places in returns().
+  static std::size_t StrideOf(const LaserModel& laser);  ///< how many; see returns()
+
+  /// Marks returns of what moves, by their places in returns(), on top of those of which the graph
+  /// knows it.
   void MarkMoving(const std::vector<int>& returns);
 
  private:

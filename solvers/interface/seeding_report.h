@@ -143,7 +143,10 @@ struct SeedingReport {
   /// Where the solver starts. Without kSeed only what else needs it was sought: for solvers of pose
   /// graphs all, for the others nothing but the consistency of the start.
   StartType start = StartType::kSeed;
-  SequentialSeedingReport sequential;         ///< scan matching
+  SequentialSeedingReport sequential;  ///< scan matching
+  /// Share of the returns that is of people and all else that moves, if that is so much that it was
+  /// left out of the matching: scans were matched, and surfaces are fitted, without it. Else 0.
+  double moving_share = 0.0;
   OdometryNoiseReport odometry_noise;         ///< how the odometry errs, by what the scans say
   LoopClosingReport loops;                    ///< loops closed and refused, and suspect steps
   MapConsistency consistency;                 ///< of the seed, or of another start
@@ -151,7 +154,8 @@ struct SeedingReport {
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;
   /// What the odometry should have said of the motion, with a lost sign and significant systematic
-  /// errors corrected. SlamGraph::Corrected applies it, and a joint estimation should get that.
+  /// errors corrected, and which returns are of what moves if they were left out of the matching.
+  /// SlamGraph::Corrected applies it, and a joint estimation should get that.
   MeasurementCorrections corrections;
   /// world_from_robot of every pose before loops were closed.
   std::vector<Pose2> sequential_poses;

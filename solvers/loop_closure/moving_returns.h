@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_MOVING_RETURNS_H_
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_MOVING_RETURNS_H_
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/free_space.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
@@ -27,6 +29,20 @@ std::vector<std::vector<int>> FindMovingReturns(
     const SlamGraph& graph, const std::vector<int>& scans,
     const std::vector<Pose2>& world_from_robot,
     const std::vector<std::optional<FreeSpaceScan>>& free_space, ThreadPool* pool);
+
+/// Likewise the returns of what moves in all scans of a drive, as far as they are of objects of a
+/// person's or a cart's size. Finds none unless a sample of the scans has more than kFewMoving:
+/// fewer do not harm the matching.
+///
+/// Returns ids among all returns, those of other processes included, in order; see
+/// MeasurementCorrections. Collective if the graph has peers.
+std::vector<std::size_t> FindMovingReturnsOfDrive(const ScanSurfaces& surfaces,
+                                                  const std::vector<Pose2>& world_from_robot,
+                                                  ThreadPool* pool);
+
+/// fr079, intel, mit-killian, acapulco, orebro, infinite-corridor and fr-clinic have less; with
+/// four people around the robot it is 0.09.
+constexpr double kFewMoving = 0.02;
 
 }  // namespace plumbline
 

@@ -1,11 +1,13 @@
 #include "plumbline/solvers/loop_closure/seed_drive.h"
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/over_peers.h"
+#include "plumbline/core/return_normals.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
@@ -15,6 +17,7 @@
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
+#include "plumbline/solvers/loop_closure/moving_returns.h"
 
 namespace plumbline {
 namespace {
@@ -89,6 +92,19 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
   return Status::Ok();
 }
 
+// People around the robot pull the matching along with them: what moves is left out. Says whether
+// there is so much of it that the drive is to be matched once more.
+bool FindWhatMoves(const ScanSurfaces& surfaces, const SequentialTrajectory& matched,
+                   ThreadPool* pool, SeedingReport* report) {
+  std::vector<std::size_t> moving =
+      FindMovingReturnsOfDrive(surfaces, matched.world_from_robot, pool);
+  if (moving.empty()) return false;
+  report->moving_share = static_cast<double>(moving.size()) /
+                         static_cast<double>(surfaces.graph().num_returns_of_all());
+  report->corrections.moving_returns = std::move(moving);
+  return true;
+}
+
 // Closes the loops of a drive that was matched.
 Status CloseDrive(ScanSurfaces surfaces, const SeedingProgress& progress, ThreadPool* pool,
                   SequentialTrajectory trajectory, SeededDrive* drive, SeedingReport* report) {
@@ -118,7 +134,16 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
   SequentialTrajectory trajectory;
   PLUMBLINE_RETURN_IF_ERROR(
       MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
-  return CloseDrive(std::move(surfaces), progress, pool, std::move(trajectory), drive, report);
+  if (!FindWhatMoves(surfaces, trajectory, pool, report)) {
+    return CloseDrive(std::move(surfaces), progress, pool, std::move(trajectory), drive, report);
+  }
+  const SlamGraph marked = graph.Corrected(report->corrections);
+  MeasuredSurface surface_at_rest = surface;
+  DropMovingNormals(marked, &surface_at_rest.normals);
+  ScanSurfaces at_rest(marked, surface_at_rest);
+  PLUMBLINE_RETURN_IF_ERROR(
+      MatchDrive(options, motion, progress, pool, &at_rest, &trajectory, report));
+  return CloseDrive(std::move(at_rest), progress, pool, std::move(trajectory), drive, report);
 }
 
 Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motion,
@@ -132,6 +157,13 @@ Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motio
     ScanSurfaces of_time(*part, *surface);
     PLUMBLINE_RETURN_IF_ERROR(
         MatchDrive(options, motion, tell, pool, &of_time, &trajectory, report));
+    if (FindWhatMoves(of_time, trajectory, pool, report)) {
+      *part = std::move(*part).Corrected(report->corrections);
+      DropMovingNormals(*part, &surface->normals);
+      ScanSurfaces at_rest(*part, *surface);
+      PLUMBLINE_RETURN_IF_ERROR(
+          MatchDrive(options, motion, tell, pool, &at_rest, &trajectory, report));
+    }
   }
   ShareAnewByPlace(PoseArray(trajectory.world_from_robot), part, surface);
   ScanSurfaces surfaces =

@@ -178,5 +178,26 @@ TEST(ReturnNormals, OptionsAreChecked) {
   EXPECT_FALSE(options.Check(nullptr));
 }
 
+TEST(ReturnNormals, WhatMovesHasNone) {
+  SlamGraph graph;
+  const LaserModel laser = HalfDegreeLaser();
+  int laser_id, pose_id;
+  ASSERT_TRUE(graph.AddLaser(laser, &laser_id).ok());
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose_id).ok());
+  std::vector<double> ranges;
+  for (int b = 0; b < laser.num_beams; ++b) ranges.push_back(WallAhead(2.0, laser.Bearing(b)));
+  ASSERT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
+  ThreadPool pool(1);
+  std::vector<ReturnNormal> before;
+  ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &pool, &before);
+  ASSERT_FALSE(before[100].IsNone());
+  graph = std::move(graph).Corrected({{}, {}, {}, {}, {100}});
+  std::vector<ReturnNormal> after;
+  ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &pool, &after);
+  EXPECT_TRUE(after[100].IsNone());
+  before[100] = ReturnNormal();
+  EXPECT_EQ(after, before);
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -420,7 +420,7 @@ TEST_F(SlamGraphTest, TakesScansOfAnotherGraph) {
 
 TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
   ASSERT_TRUE(graph_.AddOdometry({0, 1, Pose2(1.0, 0.0, 0.0)}).ok());
-  const SlamGraph corrected = graph_.Corrected({{Pose2(-1.0, 0.0, 0.0)}, {}, {}, {}});
+  const SlamGraph corrected = graph_.Corrected({{Pose2(-1.0, 0.0, 0.0)}, {}, {}, {}, {}});
   EXPECT_EQ(corrected.odometry()[0].from_from_to.x, -1.0);
   EXPECT_EQ(corrected.odometry()[0].to, 1);
   EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 1.0);
@@ -428,7 +428,7 @@ TEST_F(SlamGraphTest, OdometryCanBeCorrected) {
 
 TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, kInfinity}).ok());
-  const SlamGraph corrected = graph_.Corrected({{}, {Pose2(0.0, 0.0, 0.0)}, {1.0, 3.0}, {}});
+  const SlamGraph corrected = graph_.Corrected({{}, {Pose2(0.0, 0.0, 0.0)}, {1.0, 3.0}, {}, {}});
   const std::vector<double> points = corrected.InitialState().points;
   ExpectPoint(points, 0, 2.0, 2.0);
   ExpectPoint(points, 1, 1.0, 5.0);
@@ -436,7 +436,7 @@ TEST_F(SlamGraphTest, MountingAndRangesCanBeCorrected) {
   EXPECT_EQ(graph_.laser(laser_).robot_from_laser.x, 0.5);
   EXPECT_THAT(graph_.returns().range_m, ElementsAre(1.0, 2.0));
   // A return stays one.
-  const SlamGraph clamped = graph_.Corrected({{}, {}, {-1.0, 100.0}, {}});
+  const SlamGraph clamped = graph_.Corrected({{}, {}, {-1.0, 100.0}, {}, {}});
   EXPECT_FLOAT_EQ(clamped.returns().range_m[0], clamped.laser(laser_).min_range_m);
   EXPECT_TRUE(clamped.laser(laser_).IsReturn(clamped.returns().range_m[0]));
   EXPECT_TRUE(clamped.laser(laser_).IsReturn(clamped.returns().range_m[1]));
@@ -459,12 +459,12 @@ TEST_F(SlamGraphTest, BearingsCanBeCorrectedAndPutBack) {
   const std::vector<double> by_model = graph_.Bearings();
   std::vector<double> turned = by_model;
   turned[4] += 0.125;  // of the second scan
-  const SlamGraph corrected = graph_.Corrected({{}, {}, {}, turned});
+  const SlamGraph corrected = graph_.Corrected({{}, {}, {}, turned, {}});
   EXPECT_EQ(corrected.Bearings(), turned);
   EXPECT_FALSE(corrected.scan(0).has_own_bearings);
   EXPECT_TRUE(corrected.scan(1).has_own_bearings);
   EXPECT_LT((corrected.PointInLaser(4) - BeamEnd(2.0, turned[4])).norm(), 1e-12);
-  const SlamGraph back = corrected.Corrected({{}, {}, {}, by_model});
+  const SlamGraph back = corrected.Corrected({{}, {}, {}, by_model, {}});
   EXPECT_EQ(back.Bearings(), by_model);
   EXPECT_FALSE(back.scan(1).has_own_bearings);
 }
@@ -485,7 +485,7 @@ TEST_F(SlamGraphTest, LasersAreKnownByTheirPresentMounting) {
   // Two of them come to be alike: the first one counts.
   const Pose2 given = mountings[42];
   mountings[42] = mountings[7];
-  SlamGraph corrected = graph_.Corrected({{}, mountings, {}, {}});
+  SlamGraph corrected = graph_.Corrected({{}, mountings, {}, {}, {}});
   laser.robot_from_laser = mountings[7];
   ASSERT_TRUE(corrected.AddLaser(laser, &id).ok());
   EXPECT_EQ(id, 7);
@@ -493,6 +493,25 @@ TEST_F(SlamGraphTest, LasersAreKnownByTheirPresentMounting) {
   ASSERT_TRUE(corrected.AddLaser(laser, &id).ok());
   EXPECT_EQ(id, 100);
   EXPECT_EQ(corrected.laser(id).robot_from_laser.x, given.x);
+}
+
+TEST_F(SlamGraphTest, ReturnsThatMoveAreKnownWhereverTheScanGoes) {
+  ASSERT_TRUE(graph_.AddScan(first_, laser_, {1.0, 2.0, 3.0}).ok());
+  ASSERT_TRUE(graph_.AddScan(second_, laser_, {1.0, 2.0, 3.0}).ok());
+  EXPECT_FALSE(graph_.Moves(1));
+  graph_ = std::move(graph_).Corrected({{}, {}, {}, {}, {1, 5}});
+  // On top of those that were known.
+  graph_ = std::move(graph_).Corrected({{}, {}, {}, {}, {3}});
+  const std::vector<bool> expected = {false, true, false, true, false, true};
+  for (std::size_t r = 0; r < expected.size(); ++r) EXPECT_EQ(graph_.Moves(r), expected[r]) << r;
+  // None of a scan that comes later.
+  ASSERT_TRUE(graph_.AddScan(second_, laser_, {1.0, 2.0, 3.0}).ok());
+  EXPECT_FALSE(graph_.Moves(7));
+  SlamGraph other;
+  int pose = 0;
+  ASSERT_TRUE(other.AddPose(Pose2(), 0.0, &pose).ok());
+  ASSERT_TRUE(other.AddScanOf(graph_, 1, pose).ok());
+  for (std::size_t r = 0; r < 3; ++r) EXPECT_EQ(other.Moves(r), expected[3 + r]) << r;
 }
 
 TEST_F(SlamGraphTest, WhatIsNotCorrectedStaysAsItIs) {
@@ -506,7 +525,7 @@ TEST_F(SlamGraphTest, WhatIsNotCorrectedStaysAsItIs) {
   EXPECT_EQ(same.fixed_poses()[0].pose, second_);
   EXPECT_EQ(same.timestamp_s(second_), 11.0);
   // In place.
-  graph_ = std::move(graph_).Corrected({{Pose2(2.0, 0.0, 0.0)}, {}, {}, {}});
+  graph_ = std::move(graph_).Corrected({{Pose2(2.0, 0.0, 0.0)}, {}, {}, {}, {}});
   EXPECT_EQ(graph_.InitialState(), state);
   EXPECT_EQ(graph_.odometry()[0].from_from_to.x, 2.0);
 }

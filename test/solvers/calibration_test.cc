@@ -391,7 +391,7 @@ TEST(CalibrationTest, FindsTheMountingOfARealLogFromReferencePoses) {
   EXPECT_NEAR(EstimateLaserMounting(log).robot_from_laser.x, -0.04, 1e-4);
   SlamGraph drive;
   ASSERT_TRUE(BuildGraph(log, 0, &drive).ok());
-  drive = drive.Corrected({{}, {Pose2()}, {}, {}});
+  drive = drive.Corrected({{}, {Pose2()}, {}, {}, {}});
   MapState seed;
   SeedingReport seeding;
   ASSERT_TRUE(SeedGraph(SeedingOptions(), SolverOptions(), drive, &seed, &seeding).ok());

@@ -366,7 +366,7 @@ TEST(SlidingWindowTest, WhatIsIgnoredAndDownweightedIsSoInAWindow) {
   std::vector<Pose2> steps;
   for (const OdometryConstraint& c : slipped.graph.odometry()) steps.push_back(c.from_from_to);
   steps[19].x += 0.3;
-  slipped.graph = slipped.graph.Corrected({steps, {}, {}, {}});
+  slipped.graph = slipped.graph.Corrected({steps, {}, {}, {}, {}});
   options = Options();
   options.factors.motion = {0.0, 0.0, 0.0, 0.0, 1e-3, 1e-3};
   EXPECT_GT(off_m(slipped, options), 0.1);

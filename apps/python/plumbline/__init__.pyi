@@ -572,6 +572,7 @@ class SequentialSeedingReport:
 class SeedingReport:
     start: Final[StartType]
     sequential: Final[SequentialSeedingReport]
+    moving_share: Final[float]
     odometry_noise: Final[OdometryNoiseReport]
     loops: Final[LoopClosingReport]
     consistency: Final[MapConsistency]

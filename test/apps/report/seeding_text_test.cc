@@ -175,6 +175,14 @@ TEST(SeedingTextTest, FaultsOfTheOdometry) {
   EXPECT_THAT(Text(report), HasSubstr("In 1 step odometry and scans disagree"));
 }
 
+TEST(SeedingTextTest, SaysHowMuchMoves) {
+  SeedingReport report = MakeReport();
+  EXPECT_THAT(Text(report), Not(HasSubstr("moves")));
+  report.moving_share = 0.0912;
+  EXPECT_THAT(Text(report),
+              HasSubstr("  People and all else that moves: 9.1 % of the returns, left out of"));
+}
+
 TEST(RangeNoiseTextTest, SaysWhatIsTakenInsteadOfWhatWasAssumed) {
   MapLogOptions options;
   options.solver.factors.beam.sigma_range_m = 0.012;

@@ -43,6 +43,8 @@ SeedingReport MakeReport(const SlamGraph& graph) {
   report.consistency.places.push_back({2, 4, {0.5, -1.0 / 3.0}});
   report.pose_graph.push_back({0, 4, {1.0, 2.0, 3.0}, CorrelatedCovariance()});
   report.corrections.odometry.assign(graph.odometry().size(), {1.0 / 3.0, -0.0, 5e-324});
+  report.moving_share = 1.0 / 11.0;
+  report.corrections.moving_returns = {0, 7, graph.num_returns() - 1};
   report.sequential_poses.assign(num_poses, {1.0 / 7.0, 2.0, 3.0});
   report.alarm = true;
   return report;
@@ -86,6 +88,7 @@ TEST_F(CheckpointTest, GivesBackTheSeedBitForBit) {
   EXPECT_EQ(poses, seed_);
   ASSERT_EQ(report.corrections.odometry.size(), graph_.odometry().size());
   EXPECT_EQ(report.corrections.odometry[2].x, 1.0 / 3.0);
+  EXPECT_EQ(report.corrections.moving_returns, report_.corrections.moving_returns);
   EXPECT_EQ(report.pose_graph[0].covariance, CorrelatedCovariance());
   EXPECT_EQ(report.consistency.places[0].world_point.y(), -1.0 / 3.0);
   EXPECT_EQ(report.loops.matches[0].outcome, ClosureOutcome::kAmbiguous);
@@ -133,7 +136,7 @@ TEST_F(CheckpointTest, RefusesOtherFiles) {
   EXPECT_THAT(ErrorOf().message(), HasSubstr("is no checkpoint"));
   Write();
   std::string other = ReadFile(path_);
-  other[other.find('\n') - 1] = '0';
+  other[other.find('\n') - 1] = 'x';
   WriteFile(path_, other);
   EXPECT_THAT(ErrorOf().message(), HasSubstr("another version"));
 }
@@ -168,6 +171,11 @@ TEST_F(CheckpointTest, RefusesAGraphOfAnotherSize) {
   EXPECT_THAT(
       ErrorOf().message(),
       HasSubstr("field 'seeding.corrections.odometry' has 8 entries, but the log needs 11"));
+  report_ = MakeReport(graph_);
+  report_.corrections.moving_returns.push_back(graph_.num_returns());
+  Write();
+  EXPECT_THAT(ErrorOf().message(), HasSubstr("field 'seeding.corrections.moving_returns' has " +
+                                             std::to_string(graph_.num_returns())));
 }
 
 TEST_F(CheckpointTest, AFingerprintKnowsContentAndOptions) {

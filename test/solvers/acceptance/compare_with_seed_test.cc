@@ -127,7 +127,7 @@ TEST(CompareWithSeedTest, WhatIsHeldOutHasNoSayInTheLinesItIsHeldAgainst) {
     HeldOutReturns::ForEachOf(
         graph, s, [&](std::size_t r) { ranges_m[r] -= 0.02 / std::cos(graph.Bearing(r)); });
   }
-  graph = std::move(graph).Corrected({{}, {}, ranges_m, {}});
+  graph = std::move(graph).Corrected({{}, {}, ranges_m, {}, {}});
   std::vector<double> shifted = graph.initial_poses();
   for (std::size_t i = 0; i < shifted.size(); i += 3) shifted[i] += 1e-3;
   const AcceptanceTest acceptance = Compare(graph, graph.initial_poses(), shifted);

@@ -64,7 +64,7 @@ TEST(ConstraintStartTest, OneStepThatIsFlatlyContradictedSuggestsNothing) {
   NoisyRoom room = MakeNoisyRoom(options);
   std::vector<Pose2> motions = Motions(room.graph);
   motions[20].x += 50.0;
-  room.graph = room.graph.Corrected({motions, {}, {}, {}});
+  room.graph = room.graph.Corrected({motions, {}, {}, {}, {}});
   EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions()));
 }
 
@@ -161,7 +161,7 @@ TEST_P(SolveFromConstraints, ScansThatContradictTheOdometryKeepTheirStart) {
   options.factors.motion.rotation_per_translation_rad_m = 1e-3;
   std::vector<Pose2> motions = Motions(room.graph);
   for (Pose2& motion : motions) motion.yaw += 0.06;
-  room.graph = room.graph.Corrected({motions, {}, {}, {}});
+  room.graph = room.graph.Corrected({motions, {}, {}, {}, {}});
   ASSERT_TRUE(StartFromConstraints(room.graph, room.state.poses, options.factors.motion));
   const SolverSummary summary = Solve(options, room.graph, &room.state);
   EXPECT_FALSE(summary.started_from_constraints);

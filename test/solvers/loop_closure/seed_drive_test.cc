@@ -20,7 +20,7 @@
 namespace plumbline {
 namespace {
 
-enum class Trouble { kNone, kCarried, kSlip, kSignLost };
+enum class Trouble { kNone, kCarried, kSlip, kSignLost, kPeople };
 
 struct Case {
   const char* name;
@@ -40,6 +40,7 @@ SlamGraph DriveWith(const Case& drive) {
     options.odometry_leap = {60.0, 1.5};
     options.odometry_leap_duration_s = 6.0;
   }
+  if (drive.trouble == Trouble::kPeople) options.traffic = {4, false};
   SimulatedLog log;
   EXPECT_TRUE(
       Simulate(World(GenerateBuilding(BuildingKind::kRandom, drive.seed)), options, &log).ok());
@@ -84,6 +85,8 @@ void ExpectSame(const SeedingReport& report, const SeedingReport& expected) {
     EXPECT_EQ(report.hypotheses[i].score, expected.hypotheses[i].score);
   }
   EXPECT_EQ(report.pose_graph.size(), expected.pose_graph.size());
+  EXPECT_EQ(report.moving_share, expected.moving_share);
+  EXPECT_EQ(report.corrections.moving_returns, expected.corrections.moving_returns);
   EXPECT_EQ(report.corrections.odometry.back().x, expected.corrections.odometry.back().x);
   EXPECT_EQ(report.consistency.between_passes.num_compared,
             expected.consistency.between_passes.num_compared);
@@ -128,6 +131,7 @@ TEST_P(SeedSharedDriveTest, IsTheSeedOfOneProcess) {
       ASSERT_TRUE(SeedSharedDrive(SeedingOptions(), MotionOptions(), nullptr, &one_thread, &part,
                                   &surface, &drive, &report)
                       .ok());
+      EXPECT_EQ(report.moving_share > 0.05, GetParam().trouble == Trouble::kPeople);
       ExpectSame(report, expected_report);
       const std::vector<Pose2>& poses = drive.world_from_robot;
       ASSERT_EQ(poses.size(), expected.world_from_robot.size());
@@ -146,7 +150,8 @@ INSTANTIATE_TEST_SUITE_P(Drives, SeedSharedDriveTest,
                          testing::Values(Case{"Sound", 3, Trouble::kNone, 0.15},
                                          Case{"Carried", 5, Trouble::kCarried, 0.5},
                                          Case{"Slip", 7, Trouble::kSlip, 0.5},
-                                         Case{"SignLost", 4, Trouble::kSignLost, 0.5}),
+                                         Case{"SignLost", 4, Trouble::kSignLost, 0.5},
+                                         Case{"People", 6, Trouble::kPeople, 0.45}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
