@@ -24,7 +24,8 @@ class ScanNormalEstimator {
     MeasuredPoints(graph_, scan_id, &points_);
     FindJoinedReturns(graph_, scan_id, points_, options_.half_window_m, &joined_);
     for (std::size_t k = 0; k < scan.num_returns; ++k) {
-      (*normals)[scan.first_return + k] = NormalOf(k);
+      const std::size_t r = scan.first_return + k;
+      (*normals)[r] = graph_.Moves(r) ? ReturnNormal() : NormalOf(k);
     }
   }
 
@@ -81,7 +82,6 @@ void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNor
                          estimator.EstimateScan(first_scan + static_cast<int>(s), normals);
                        }
                      });
-  DropMovingNormals(graph, normals);
 }
 
 void DropMovingNormals(const SlamGraph& graph, std::vector<ReturnNormal>* normals) {

@@ -29,7 +29,7 @@ struct ReturnNormalOptions {
 void ExtendReturnNormals(const SlamGraph& graph, int first_scan, const ReturnNormalOptions& options,
                          ThreadPool* pool, std::vector<ReturnNormal>* normals);
 
-/// Of returns that are known to move (SlamGraph::Moves) by now: they get none.
+/// Takes the normals of returns that are known to move (SlamGraph::Moves) by now.
 void DropMovingNormals(const SlamGraph& graph, std::vector<ReturnNormal>* normals);
 
 }  // namespace plumbline

@@ -318,6 +318,7 @@ void SlamGraph::PackScan(int scan_id, std::vector<char>* bytes) const {
 
 const char* SlamGraph::AddPackedScan(const char* bytes) {
   const auto take = [&bytes](auto* values, std::size_t count) {
+    if (count == 0) return;  // values may be null
     std::memcpy(values, bytes, count * sizeof(*values));
     bytes += count * sizeof(*values);
   };

@@ -38,7 +38,7 @@ class SlamGraph {
   /// input_limits.h.
   Status AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id);
 
-  /// Fixes a pose, anew if it was fixed before. Fails on an unknown id, and likewise on a pose.
+  /// Fixes a pose, anew if it was fixed before. Fails on an unknown id, and on poses like AddPose.
   Status FixPose(int pose_id, const Pose2& world_from_robot);
   /// The same at the pose's initial guess.
   Status FixPose(int pose_id);
@@ -182,9 +182,9 @@ class SlamGraph {
   /// numbers per return. poses: three numbers per pose, as MapState has them.
   std::vector<double> MeasuredMap(const std::vector<double>& poses) const;
 
-  /// The same graph with other, finite measurements. Arrays that are not empty need the sizes that
-  /// MeasurementCorrections names. A range that its laser takes for none becomes the nearest
-  /// return.
+  /// The same graph with other, finite measurements, in arrays that are empty or have the sizes
+  /// that MeasurementCorrections names. A corrected return stays one: a range beyond what its laser
+  /// takes for a return becomes the nearest that it does. Marks of what moves are only added.
   SlamGraph Corrected(const MeasurementCorrections& corrections) const&;
   /// The same for a graph that is of no more use.
   SlamGraph Corrected(const MeasurementCorrections& corrections) &&;

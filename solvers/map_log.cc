@@ -229,7 +229,9 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
       mapping->graph = std::move(with_edges);
     }
     mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);
-    DropMovingNormals(mapping->graph, &mapping->surface.normals);
+    if (!seeding.corrections.moving_returns.empty()) {
+      DropMovingNormals(mapping->graph, &mapping->surface.normals);
+    }
     if (LacksOdometry(mapping->graph)) {
       PLUMBLINE_RETURN_IF_ERROR(AddPredictedSteps(seeding.sequential_poses, &mapping->graph));
     }

@@ -58,10 +58,10 @@ struct MappingReport {
 /// A log on its way to a map: each step of MapLog fills in what it finds.
 struct LogMapping {
   /// The measurements that the estimate is made of. First those of the log without the repetitions
-  /// of a frozen laser; with a seed, its corrections of the odometry and, for solvers that look at
-  /// nothing else, its pose graph come in, and predicted steps if it has no odometry; a calibration
-  /// corrects mountings, ranges and odometry (Calibration::corrections is empty then).
-  /// The motion within the sweeps of a laser is taken out, by the poses of the state.
+  /// of a frozen laser; with a seed, its corrections of the odometry, marks on what moves and, for
+  /// solvers that look at nothing else, its pose graph come in, and predicted steps if it has no
+  /// odometry; a calibration corrects mountings, ranges and odometry (Calibration::corrections is
+  /// empty then). The motion within the sweeps of a laser is taken out, by the poses of the state.
   SlamGraph graph;
   /// The measurements with that motion in them; empty where lasers measure all beams at once.
   std::optional<SlamGraph> as_swept;

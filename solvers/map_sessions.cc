@@ -130,7 +130,7 @@ class JoinedReport {
     }
     if (own.sweep_order) report_.sweep_order = own.sweep_order;
     report_.range_noise_m = std::max(report_.range_noise_m, own.range_noise_m);
-    report_.seeding.moving_share = std::max(report_.seeding.moving_share, own.seeding.moving_share);
+    AddMoving(own.seeding.moving_share, session, graph);
     AddSequential(own.seeding.sequential);
     AddNoise(own.seeding.odometry_noise);
     is_first_ = false;
@@ -151,6 +151,18 @@ class JoinedReport {
     if (own.odometry_sign.sign_lost) sum.odometry_sign.sign_lost = true;
   }
 
+  // Weighted by the numbers of returns.
+  void AddMoving(double share, const SessionOfMap& session, const SlamGraph& graph) {
+    double num_own = 0.0;
+    for (int scan = session.first_scan; scan < session.first_scan + session.num_scans; ++scan) {
+      num_own += static_cast<double>(graph.all_scans()[scan].num_returns);
+    }
+    if (num_own == 0.0) return;
+    double& joined = report_.seeding.moving_share;
+    joined = (joined * num_returns_ + share * num_own) / (num_returns_ + num_own);
+    num_returns_ += num_own;
+  }
+
   void AddNoise(const OdometryNoiseReport& own) {
     OdometryNoiseReport& joined = report_.seeding.odometry_noise;
     joined.num_leaps += own.num_leaps;
@@ -162,6 +174,7 @@ class JoinedReport {
   }
 
   MappingReport report_;
+  double num_returns_ = 0.0;
   bool is_first_ = true;
 };
 

@@ -114,6 +114,18 @@ std::uint8_t GrayLevel(std::uint32_t count, double black_level) {
   return static_cast<std::uint8_t>(std::lround(255.0 * (1.0 - darkness)));
 }
 
+// counts(i): whether a point does.
+template <typename Counts>
+std::vector<std::uint32_t> CountHitsOf(const MapPoints& points, const MapRaster& raster,
+                                       const Counts& counts) {
+  std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
+  points.ForEach([&](std::size_t i, double x, double y) {
+    const std::ptrdiff_t pixel = raster.PixelAt(x, y);
+    if (pixel >= 0 && counts(i)) ++hits[pixel];
+  });
+  return hits;
+}
+
 }  // namespace
 
 double RoundDownToNice(double value) {
@@ -147,12 +159,12 @@ Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_s
 }
 
 std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster) {
-  std::vector<std::uint32_t> hits(static_cast<std::size_t>(raster.width) * raster.height, 0);
-  points.ForEach([&](std::size_t, double x, double y) {
-    const std::ptrdiff_t pixel = raster.PixelAt(x, y);
-    if (pixel >= 0) ++hits[pixel];
-  });
-  return hits;
+  return CountHitsOf(points, raster, [](std::size_t) { return true; });
+}
+
+std::vector<std::uint32_t> CountHitsAtRest(const SlamGraph& graph, const MapPoints& points,
+                                           const MapRaster& raster) {
+  return CountHitsOf(points, raster, [&graph](std::size_t r) { return !graph.Moves(r); });
 }
 
 void GatherHits(const Peers* peers, int rank, std::vector<std::uint32_t>* hits) {

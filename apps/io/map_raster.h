@@ -66,6 +66,10 @@ Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_s
 /// Number of points per pixel, row by row. Points that are not finite fall outside.
 std::vector<std::uint32_t> CountHits(const MapPoints& points, const MapRaster& raster);
 
+/// The same for the points of a graph's returns, without those of what moves (SlamGraph::Moves).
+std::vector<std::uint32_t> CountHitsAtRest(const SlamGraph& graph, const MapPoints& points,
+                                           const MapRaster& raster);
+
 /// Adds up what all who work on a graph have per pixel (collective): process `rank` gets the sums,
 /// the others get nothing.
 void GatherHits(const Peers* peers, int rank, std::vector<std::uint32_t>* hits);

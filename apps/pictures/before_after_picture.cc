@@ -84,8 +84,9 @@ Status BeforeAfterPicture::Gather(const SlamGraph& graph, const MapState& state,
   PLUMBLINE_RETURN_IF_ERROR(CheckInput(state, poses_before, options));
   PLUMBLINE_RETURN_IF_ERROR(
       ChooseRaster(graph, state, kCropShare, options.max_side_px, &raster_, kPixelM));
-  panels_ = {Panel{options.before_title, CountHits(MapPoints(graph, poses_before), raster_)},
-             Panel{options.after_title, CountHits(MapPoints(graph, state), raster_)}};
+  panels_ = {
+      Panel{options.before_title, CountHitsAtRest(graph, MapPoints(graph, poses_before), raster_)},
+      Panel{options.after_title, CountHitsAtRest(graph, MapPoints(graph, state), raster_)}};
   for (Panel& panel : panels_) GatherHits(graph.peers(), drawn_by, &panel.hits);
   return Status::Ok();
 }

@@ -128,7 +128,7 @@ Status MapPicture::Gather(const SlamGraph& graph, const MapState& state,
   graph_ = &graph;
   state_ = &state;
   options_ = options;
-  hits_ = CountHits(MapPoints(graph, state), raster_);
+  hits_ = CountHitsAtRest(graph, MapPoints(graph, state), raster_);
   GatherHits(graph.peers(), drawn_by, &hits_);
   overlay_pixels_.clear();
   for (const MapOverlay& overlay : options.overlays) {

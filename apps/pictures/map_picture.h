@@ -46,8 +46,8 @@ struct MapArea {
 /// show, and then each draw one.
 class MapPicture {
  public:
-  /// Counts the returns per pixel. A graph with peers gets those of all (collective); only process
-  /// `drawn_by` can draw them. Refers to the graph and the state.
+  /// Counts the returns per pixel, without those of what moves. A graph with peers gets those of
+  /// all (collective); only process `drawn_by` can draw them. Refers to the graph and the state.
   ///
   /// InvalidArgument on options out of range, on a graph without poses, and on poses that are not
   /// finite or a map larger than 1e9 m; points that are not finite are left out.

@@ -50,7 +50,7 @@ void AddBlocksOfBareReturns(const SlamGraph& graph, const std::vector<double>& p
     const PoseFrame frame(&poses[3 * scan.pose]);
     const ScanReturns returns = graph.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-      if (!surface.normals[r].IsNone()) continue;
+      if (!surface.normals[r].IsNone() || graph.Moves(r)) continue;
       const Eigen::Vector2d in_grid = grid_axes.RotateBack(frame * returns.PointInRobot(r));
       const SurfaceCellKey key = cells.KeyOf(in_grid.x(), in_grid.y(), 0);
       blocks->insert(CellBlock::Of(key.x, key.y));

@@ -235,6 +235,10 @@ void LandmarkStore::PutIn(int pose, const SlamGraph& graph, const MeasuredSurfac
     const ScanEntry& scan = graph.scan(s);
     const ScanReturns returns = graph.ReturnsOfScan(s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
+      if (graph.Moves(r)) {
+        landmark_of_return_[r] = LineLandmarks::kNone;
+        continue;
+      }
       const ReturnNormal normal = surface.normals[r];
       const Eigen::Vector2d point = returns.PointInRobot(r);
       const Eigen::Vector2d in_grid = frame.Place(point);

@@ -154,8 +154,9 @@ struct SeedingReport {
   /// The seed's last pose graph, by the graph's poses; see seed_pose_graph.h.
   std::vector<RelativePoseConstraint> pose_graph;
   /// What the odometry should have said of the motion, with a lost sign and significant systematic
-  /// errors corrected, and which returns are of what moves if they were left out of the matching.
-  /// SlamGraph::Corrected applies it, and a joint estimation should get that.
+  /// errors corrected, and which returns are of what moves if they were left out of the matching
+  /// (in a map of several sessions, the graph has that). SlamGraph::Corrected applies it, and a
+  /// joint estimation should get that.
   MeasurementCorrections corrections;
   /// world_from_robot of every pose before loops were closed.
   std::vector<Pose2> sequential_poses;

@@ -36,7 +36,7 @@ SharedLandmarks LandmarksIn(const SharedBlocks& blocks,
 }
 
 // Far away or at a grazing angle, a return has too few neighbours for a normal of its own, but
-// says as much of where the laser is as any other.
+// says as much of where the laser is as any other. One of what moves says nothing.
 void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& poses,
                              const MeasuredSurface& surface, const LandmarkQuadtree& quadtree,
                              const SurfaceGrid& grid, ThreadPool* pool, LineLandmarks* result) {
@@ -51,7 +51,7 @@ void AddReturnsWithoutNormal(const SlamGraph& graph, const std::vector<double>& 
           const PoseFrame frame(&poses[3 * scan.pose]);
           const ScanReturns returns = graph.ReturnsOfScan(static_cast<int>(s));
           for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-            if (!surface.normals[r].IsNone()) continue;
+            if (!surface.normals[r].IsNone() || graph.Moves(r)) continue;
             const PlacedBeam beam(returns, r, frame);
             result->landmark_of_return[r] = quadtree.LandmarkAt(
                 grid_axes.RotateBack(beam.end), beam, kMaxSigmas, result->landmarks);

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/loop_closure/moving_returns.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -150,6 +151,13 @@ void ShareOverPeers(const Peers& peers, std::vector<std::vector<int>>* own) {
   }
 }
 
+// Diagonal of the box around some points; at least one.
+double Extent(const Eigen::Vector2d* begin, const Eigen::Vector2d* end) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d* point = begin; point != end; ++point) box.extend(*point);
+  return box.diagonal().norm();
+}
+
 // Finds what moves in any scan of a drive, by witnesses along its path.
 class MovingReturnsOfDrive {
  public:
@@ -162,7 +170,8 @@ class MovingReturnsOfDrive {
   // Every so many scans of all, those of them that the graph has.
   std::vector<int> Sample() const {
     constexpr std::size_t kSampleSize = 200;
-    const std::size_t stride = graph_.all_scans().size() / kSampleSize + 1;
+    // Odd, so as to take the scans of two lasers in turn.
+    const std::size_t stride = (graph_.all_scans().size() / kSampleSize) | 1;
     std::vector<int> sample;
     for (int scan = 0; scan < graph_.num_scans(); ++scan) {
       if (graph_.IdAmongAll(scan) % stride == 0) sample.push_back(scan);
@@ -265,7 +274,7 @@ class MovingReturnsOfDrive {
         if (!joined[end]) begin = end;
       }
       while (end < entry.num_returns && joined[end]) ++end;
-      if ((points[end - 1] - points[begin]).norm() > kLargestM) continue;
+      if (Extent(points.data() + begin, points.data() + end) > kLargestM) continue;
       const std::size_t first = std::max({begin, next, at - std::min(at, stride - 1)});
       next = std::min(end, at + stride);
       for (std::size_t i = first; i < next; ++i) ids.push_back(first_return + i);

@@ -31,8 +31,9 @@ std::vector<std::vector<int>> FindMovingReturns(
     const std::vector<std::optional<FreeSpaceScan>>& free_space, ThreadPool* pool);
 
 /// Likewise the returns of what moves in all scans of a drive, as far as they are of objects of a
-/// person's or a cart's size. Finds none unless a sample of the scans has more than kFewMoving:
-/// fewer do not harm the matching.
+/// person's or a cart's size. Scans before and after are those from other places, so what moves
+/// while the robot stands is found as well. Finds none unless a sample of the scans has more than
+/// kFewMoving: fewer do not harm the matching.
 ///
 /// Returns ids among all returns, those of other processes included, in order; see
 /// MeasurementCorrections. Collective if the graph has peers.

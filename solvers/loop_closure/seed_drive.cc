@@ -130,12 +130,14 @@ Status SeedDrive(const SeedingOptions& options, const MotionOptions& motion,
   if (graph.peers() != nullptr) {
     return Status::InvalidArgument("the graph is a part of one that processes share");
   }
-  ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(
-      MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
-  if (!FindWhatMoves(surfaces, trajectory, pool, report)) {
-    return CloseDrive(std::move(surfaces), progress, pool, std::move(trajectory), drive, report);
+  {
+    ScanSurfaces surfaces(graph, surface);
+    PLUMBLINE_RETURN_IF_ERROR(
+        MatchDrive(options, motion, progress, pool, &surfaces, &trajectory, report));
+    if (!FindWhatMoves(surfaces, trajectory, pool, report)) {
+      return CloseDrive(std::move(surfaces), progress, pool, std::move(trajectory), drive, report);
+    }
   }
   const SlamGraph marked = graph.Corrected(report->corrections);
   MeasuredSurface surface_at_rest = surface;
@@ -153,17 +155,19 @@ Status SeedSharedDrive(const SeedingOptions& options, const MotionOptions& motio
   PLUMBLINE_RETURN_IF_ERROR(FirstFailure(part->peers(), CheckSurface(*surface, *part)));
   const SeedingProgress tell = Unstoppable(progress);
   SequentialTrajectory trajectory;
+  bool moves = false;
   {
     ScanSurfaces of_time(*part, *surface);
     PLUMBLINE_RETURN_IF_ERROR(
         MatchDrive(options, motion, tell, pool, &of_time, &trajectory, report));
-    if (FindWhatMoves(of_time, trajectory, pool, report)) {
-      *part = std::move(*part).Corrected(report->corrections);
-      DropMovingNormals(*part, &surface->normals);
-      ScanSurfaces at_rest(*part, *surface);
-      PLUMBLINE_RETURN_IF_ERROR(
-          MatchDrive(options, motion, tell, pool, &at_rest, &trajectory, report));
-    }
+    moves = FindWhatMoves(of_time, trajectory, pool, report);
+  }
+  if (moves) {
+    *part = std::move(*part).Corrected(report->corrections);
+    DropMovingNormals(*part, &surface->normals);
+    ScanSurfaces at_rest(*part, *surface);
+    PLUMBLINE_RETURN_IF_ERROR(
+        MatchDrive(options, motion, tell, pool, &at_rest, &trajectory, report));
   }
   ShareAnewByPlace(PoseArray(trajectory.world_from_robot), part, surface);
   ScanSurfaces surfaces =

@@ -1,6 +1,7 @@
 #include "plumbline/solvers/loop_closure/strained_stretches.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
@@ -17,14 +18,18 @@ double StepsChi2(const KeyframeGraph& keys, int first, int end) {
   return chi2;
 }
 
-double MostStrain(const KeyframeGraph& keys, double chi2) {
+double GraphChi2(const KeyframeGraph& keys) {
+  double chi2 = StepsChi2(keys, 0, keys.size() - 1);
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    chi2 += EdgeChi2(closure, keys.world_from_key);
+  }
+  return chi2;
+}
+
+double MostStrain(double chi2_of_others, std::size_t num_closures) {
   // What sound drives are off by: few closures may fit better by chance.
   constexpr double kLeastShare = 0.01;
-  double chi2_of_others = StepsChi2(keys, 0, keys.size() - 1) - chi2;
-  for (const RelativePoseConstraint& closure : keys.closures) {
-    chi2_of_others += EdgeChi2(closure, keys.world_from_key);
-  }
-  const double degrees_of_freedom = 3.0 * static_cast<double>(keys.closures.size());
+  const double degrees_of_freedom = 3.0 * static_cast<double>(num_closures);
   const double share_of_allowed = chi2_of_others / std::max(1.0, degrees_of_freedom);
   return LoopAcceptance::kMaxEdgeChi2 * std::clamp(share_of_allowed, kLeastShare, 1.0);
 }
@@ -50,10 +55,11 @@ std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& k
 std::vector<int> MostStrainedSteps(const ScanSurfaces& surfaces,
                                    const std::vector<Pose2>& world_from_robot,
                                    const KeyframeGraph& keys, KeyframeGraph* marked) {
+  const double chi2_of_graph = GraphChi2(keys);
   std::vector<int> steps;
   for (const auto& [first, end] : StretchesBetweenClosures(keys)) {
     const double chi2 = StepsChi2(keys, first, end);
-    const double most_chi2 = MostStrain(keys, chi2);
+    const double most_chi2 = MostStrain(chi2_of_graph - chi2, keys.closures.size());
     if (chi2 <= most_chi2) continue;
     const int step = MarkWorstEdge(surfaces, world_from_robot, first, end, marked);
     const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_STRAINED_STRETCHES_H_
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_STRAINED_STRETCHES_H_
 
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -14,11 +15,13 @@ namespace plumbline {
 /// broken.
 double StepsChi2(const KeyframeGraph& keys, int first, int end);
 
-/// What a stretch of sequential edges may be off by, in squared errors, beside all other edges and
-/// closures. Scans match better than their covariances say: on sound drives the graph is off by a
-/// hundredth of what they allow.
-/// chi2: of the stretch.
-double MostStrain(const KeyframeGraph& keys, double chi2);
+/// Squared error of all of them and of the closures.
+double GraphChi2(const KeyframeGraph& keys);
+
+/// What a stretch of sequential edges may be off by, in squared errors, in a graph with so many
+/// closures whose other edges and closures are off by chi2_of_others. Scans match better than their
+/// covariances say: on sound drives the graph is off by a hundredth of what they allow.
+double MostStrain(double chi2_of_others, std::size_t num_closures);
 
 /// From keyframe to keyframe, between the ends of neighbouring closures.
 std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "plumbline/test/core/thread_peers.h"
@@ -27,6 +28,29 @@ TEST(MapRasterTest, HitsAreCountedPerPixelAndWhatIsOutsideIsNot) {
   const std::vector<double> points = {10.5, 1.5, 10.9, 1.1, 11.5, 0.5, 9.9,  1.0,
                                       12.0, 1.0, 10.5, 2.1, kNaN, 1.0, 10.5, kNaN};
   EXPECT_THAT(CountHits(points, raster), ElementsAre(2u, 0u, 0u, 1u));
+}
+
+TEST(MapRasterTest, WhatMovesCanBeLeftOut) {
+  LaserModel laser;
+  laser.num_beams = 3;
+  laser.first_bearing_rad = -0.5;
+  laser.bearing_step_rad = 0.5;
+  SlamGraph graph;
+  int laser_id = 0, pose = 0;
+  ASSERT_TRUE(graph.AddLaser(laser, &laser_id).ok());
+  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+  ASSERT_TRUE(graph.AddScan(pose, laser_id, {5.0, 5.0, 5.0}).ok());
+  graph = std::move(graph).Corrected({{}, {}, {}, {}, {1}});
+  MapRaster raster;
+  raster.pixel_m = 2.0;
+  raster.left_m = 4.0;
+  raster.top_m = 3.0;
+  raster.width = 1;
+  raster.height = 3;
+  const MapState state = graph.InitialState();
+  const MapPoints points(graph, state);
+  EXPECT_THAT(CountHits(points, raster), ElementsAre(1u, 1u, 1u));
+  EXPECT_THAT(CountHitsAtRest(graph, points, raster), ElementsAre(1u, 0u, 1u));
 }
 
 TEST(MapRasterTest, OneProcessGetsTheHitsOfAll) {

@@ -391,6 +391,14 @@ TEST_F(ReturnsWithoutNormalTest, StayAloneIfTheyAreNotAskedFor) {
   }
 }
 
+TEST_F(ReturnsWithoutNormalTest, StayAloneIfTheyMove) {
+  MeasurementCorrections corrections;
+  corrections.moving_returns = TakeNormals();
+  scene_.graph = scene_.graph.Corrected(corrections);
+  scene_.Cut();
+  for (const std::size_t r : corrections.moving_returns) EXPECT_FALSE(scene_.HasLandmark(r));
+}
+
 TEST_F(ReturnsWithoutNormalTest, StayAloneMoreThanThreeSigmasOff) {
   const std::vector<std::size_t> taken = TakeNormals();
   ScaleRanges(taken, 1.0 - 8.0 * scene_.noise.StandardDeviation());  // 1 m away or more

@@ -154,6 +154,13 @@ TEST(MovingReturnsTest, WallsThatTellOfAJumpAreNotLeftOutOfADrive) {
   EXPECT_LT(num_on_walls, graph.num_returns() / 300);
 }
 
+TEST(MovingReturnsTest, ARoomThatIsOutOfPlaceForAWhileDoesNotMove) {
+  const SlamGraph graph = Drive(Nobody());
+  std::vector<Pose2> poses = PosesOfDrive(graph);
+  for (int i = 6; i < 9; ++i) poses[i].y += 1.0;
+  EXPECT_TRUE(FindMovingOfDrive(graph, poses).empty());
+}
+
 TEST(MovingReturnsTest, ProcessesThatShareADriveFindTheSame) {
   const SlamGraph graph = DriveAmongPeople();
   const std::vector<Pose2> poses = PosesOfDrive(graph);
