@@ -13,6 +13,7 @@
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/loop_closure/moving_returns.h"
+#include "plumbline/solvers/loop_closure/scans_along_path.h"
 
 namespace plumbline {
 namespace {
@@ -41,22 +42,6 @@ struct Viewpoint {
   double path_m;  // straight from viewpoint to viewpoint: noise of a robot at rest adds nothing
   Pose2 world_from_robot;
 };
-
-// The scans that are compared, by their ids among all: one per stretch of the path.
-std::vector<int> ChooseScans(const SlamGraph& graph, const std::vector<Pose2>& poses) {
-  const std::vector<ScanEntry>& all = graph.all_scans();
-  std::vector<int> scans;
-  for (int scan = 0; scan < static_cast<int>(all.size()); ++scan) {
-    if (all[scan].num_returns == 0) continue;
-    if (!scans.empty()) {
-      const Pose2 step = Between(poses[all[scans.back()].pose], poses[all[scan].pose]);
-      if (step.translation().norm() < kViewpointSpacingM && std::abs(step.yaw) < kSpacingRad)
-        continue;
-    }
-    scans.push_back(scan);
-  }
-  return scans;
-}
 
 std::vector<Viewpoint> PlaceViewpoints(const SlamGraph& graph, const std::vector<int>& scans,
                                        const std::vector<Pose2>& poses) {
@@ -430,7 +415,8 @@ void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
 
 ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
                                    const std::vector<Pose2>& world_from_robot, ThreadPool* pool)
-    : graph_(graph), scans_(ChooseScans(graph, world_from_robot)) {
+    : graph_(graph),
+      scans_(ScansAlongPath(graph, world_from_robot, kViewpointSpacingM, kSpacingRad)) {
   const DefaultFloatEnvironment float_environment;
   free_space_.resize(scans_.size());
   std::size_t viewpoint = 0;

@@ -15,12 +15,15 @@
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sort_unique.h"
+#include "plumbline/solvers/loop_closure/scans_along_path.h"
 
 namespace plumbline {
 namespace {
 
 // Scans on either side that may look through what moves. Tuned on simulated floors with people.
 constexpr int kNeighbours = 6;
+// Of a drive, one scan per so much of its path may look through what moves.
+constexpr double kWitnessSpacingM = 0.1, kWitnessSpacingRad = DegToRad(10.0);
 // Farther away, what is seen is another part of the building.
 constexpr double kNeighbourReachM = 5.0;
 // What is at rest is seen again from the next scan, if that is no farther away.
@@ -162,8 +165,10 @@ double Extent(const Eigen::Vector2d* begin, const Eigen::Vector2d* end) {
 class MovingReturnsOfDrive {
  public:
   MovingReturnsOfDrive(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot)
-      : graph_(surfaces.graph()), poses_(world_from_robot), surfaces_(surfaces) {
-    ChooseWitnesses();
+      : graph_(surfaces.graph()),
+        poses_(world_from_robot),
+        witnesses_(ScansAlongPath(graph_, poses_, kWitnessSpacingM, kWitnessSpacingRad)),
+        surfaces_(surfaces) {
     if (graph_.peers() != nullptr) FetchWitnesses();
   }
 
@@ -196,19 +201,6 @@ class MovingReturnsOfDrive {
 
  private:
   const Pose2& PoseOf(int scan) const { return poses_[graph_.all_scans()[scan].pose]; }
-
-  void ChooseWitnesses() {
-    constexpr double kSpacingM = 0.1, kSpacingRad = DegToRad(10.0);
-    const std::vector<ScanEntry>& all = graph_.all_scans();
-    for (int scan = 0; scan < static_cast<int>(all.size()); ++scan) {
-      if (all[scan].num_returns == 0) continue;
-      if (!witnesses_.empty()) {
-        const Pose2 step = Between(PoseOf(witnesses_.back()), PoseOf(scan));
-        if (step.translation().norm() < kSpacingM && std::abs(step.yaw) < kSpacingRad) continue;
-      }
-      witnesses_.push_back(scan);
-    }
-  }
 
   void FetchWitnesses() {
     std::vector<int> needed;
@@ -284,8 +276,8 @@ class MovingReturnsOfDrive {
 
   const SlamGraph& graph_;
   const std::vector<Pose2>& poses_;
-  std::vector<int> witnesses_;  // by ids among all, in order
-  ScanSurfaces surfaces_;       // knows the witnesses of the graph's scans
+  const std::vector<int> witnesses_;  // by ids among all, in order
+  ScanSurfaces surfaces_;             // knows the witnesses of the graph's scans
 };
 
 }  // namespace

@@ -41,12 +41,7 @@ TEST(MapRasterTest, WhatMovesCanBeLeftOut) {
   ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
   ASSERT_TRUE(graph.AddScan(pose, laser_id, {5.0, 5.0, 5.0}).ok());
   graph = std::move(graph).Corrected({{}, {}, {}, {}, {1}});
-  MapRaster raster;
-  raster.pixel_m = 2.0;
-  raster.left_m = 4.0;
-  raster.top_m = 3.0;
-  raster.width = 1;
-  raster.height = 3;
+  const MapRaster raster{2.0, 4.0, 3.0, 1, 3};
   const MapState state = graph.InitialState();
   const MapPoints points(graph, state);
   EXPECT_THAT(CountHits(points, raster), ElementsAre(1u, 1u, 1u));
