@@ -18,6 +18,7 @@
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/match_covariance.h"
+#include "plumbline/solvers/front_end/match_profile.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
@@ -143,9 +144,11 @@ class CandidateTester {
     prediction.world_from_robot = start;
     ScanMatchOptions matching;
     matching.coarse_gate_m = kFineGateStartM;
-    const ScanMatch fine = MatchScan(map, scan.points(), prediction, matching);
+    ScanMatch fine = MatchScan(map, scan.points(), prediction, matching);
+    tested.edge.covariance = fine.inlier_ratio >= LoopAcceptance::kTentativeInlierRatio
+                                 ? ProfileMatch(map, scan.points(), matching, &fine)
+                                 : MatchCovariance(fine.information);
     tested.edge.from_from_to = fine.world_from_robot;
-    tested.edge.covariance = MatchCovariance(fine.information);
     tested.inlier_ratio = fine.inlier_ratio;
     if (tested.inlier_ratio >= LoopAcceptance::kTentativeInlierRatio) {
       tested.conflict = ConflictShare(tested.edge);

@@ -2,7 +2,6 @@
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_STRAINED_STRETCHES_H_
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
@@ -20,11 +19,19 @@ double GraphChi2(const KeyframeGraph& keys);
 
 /// What a stretch of sequential edges may be off by, in squared errors, in a graph with so many
 /// closures whose other edges and closures are off by chi2_of_others. Scans match better than their
-/// covariances say: on sound drives the graph is off by a hundredth of what they allow.
-double MostStrain(double chi2_of_others, std::size_t num_closures);
+/// covariances say: on sound drives the graph is off by a hundredth of what they allow. Closures
+/// that end inside the stretch strain it as well, as much as closures do elsewhere.
+double MostStrain(double chi2_of_others, std::size_t num_closures, int num_ends_inside);
 
-/// From keyframe to keyframe, between the ends of neighbouring closures.
-std::vector<std::pair<int, int>> StretchesBetweenClosures(const KeyframeGraph& keys);
+/// Sequential edges from keyframe `first` to keyframe `end`.
+struct StretchOfSteps {
+  int first = 0, end = 0;
+  int num_ends_inside = 0;  ///< of closures, in between
+};
+
+/// Those between the ends of neighbouring closures that are known to a decimetre. Others, along a
+/// corridor, give way like the steps do.
+std::vector<StretchOfSteps> StretchesBetweenClosures(const KeyframeGraph& keys);
 
 /// Of each stretch between closures that strain it by more than it may be off, the step whose sides
 /// agree worst. It is marked in `marked` (MarkWorstEdge). Steps that are off alone bend no other,

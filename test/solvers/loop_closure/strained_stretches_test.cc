@@ -8,8 +8,14 @@
 namespace plumbline {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
-using testing::Pair;
+using testing::Field;
+
+auto IsStretch(int first, int end, int num_ends_inside) {
+  return AllOf(Field(&StretchOfSteps::first, first), Field(&StretchOfSteps::end, end),
+               Field(&StretchOfSteps::num_ends_inside, num_ends_inside));
+}
 
 // Six keyframes a metre apart, each edge with sigmas of 0.1. The step before keyframe 3 is two
 // sigmas off; a closure leads from keyframe 4 back to keyframe 1.
@@ -30,20 +36,32 @@ KeyframeGraph SixKeys() {
   closure.from = 1;
   closure.to = 4;
   closure.from_from_to = {3.0, 0.0, 0.0};
+  closure.covariance = 0.05 * 0.05 * Eigen::Matrix3d::Identity();
   keys.closures.push_back(closure);
   return keys;
 }
 
 TEST(StrainedStretches, LieBetweenTheEndsOfClosures) {
-  const KeyframeGraph keys = SixKeys();
-  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(Pair(0, 1), Pair(1, 4)));
+  EXPECT_THAT(StretchesBetweenClosures(SixKeys()),
+              ElementsAre(IsStretch(0, 1, 0), IsStretch(1, 4, 0)));
+}
+
+TEST(StrainedStretches, GoOnWhereAClosureIsHardlyKnownInOneDirection) {
+  KeyframeGraph keys = SixKeys();
+  RelativePoseConstraint along = keys.closures.front();
+  along.from = 2;
+  along.covariance(1, 1) = 0.3 * 0.3;
+  keys.closures.push_back(along);
+  along.to = 3;
+  keys.closures.push_back(along);
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 1, 0), IsStretch(1, 4, 3)));
 }
 
 TEST(StrainedStretches, EndWhereASessionDoes) {
   KeyframeGraph keys = SixKeys();
   keys.sequential[2].between_sessions = true;
-  EXPECT_THAT(StretchesBetweenClosures(keys),
-              ElementsAre(Pair(0, 1), Pair(1, 2), Pair(2, 3), Pair(3, 4)));
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 1, 0), IsStretch(1, 2, 0),
+                                                          IsStretch(2, 3, 0), IsStretch(3, 4, 0)));
 }
 
 TEST(StrainedStretches, AreOffByWhatTheirEdgesAreButBrokenOnes) {
@@ -58,10 +76,12 @@ TEST(StrainedStretches, MayBeOffByLessWhereTheRestIsLessOff) {
   KeyframeGraph keys = SixKeys();
   EXPECT_NEAR(GraphChi2(keys), 4.0, 1e-9);
   // Four squared sigmas for three degrees of freedom: as much as covariances allow.
-  EXPECT_NEAR(MostStrain(4.0, 1), LoopAcceptance::kMaxEdgeChi2, 1e-9);
-  EXPECT_NEAR(MostStrain(1.0, 1), LoopAcceptance::kMaxEdgeChi2 / 3.0, 1e-9);
+  EXPECT_NEAR(MostStrain(4.0, 1, 0), LoopAcceptance::kMaxEdgeChi2, 1e-9);
+  EXPECT_NEAR(MostStrain(1.0, 1, 0), LoopAcceptance::kMaxEdgeChi2 / 3.0, 1e-9);
   // A hundredth of what the covariances allow is always granted.
-  EXPECT_NEAR(MostStrain(0.0, 1), 0.01 * LoopAcceptance::kMaxEdgeChi2, 1e-9);
+  EXPECT_NEAR(MostStrain(0.0, 1, 0), 0.01 * LoopAcceptance::kMaxEdgeChi2, 1e-9);
+  // Two ends of closures inside are worth three degrees of freedom each.
+  EXPECT_NEAR(MostStrain(1.0, 1, 2), (LoopAcceptance::kMaxEdgeChi2 + 6.0) / 3.0, 1e-9);
 }
 
 }  // namespace

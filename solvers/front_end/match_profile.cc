@@ -1,0 +1,150 @@
+#include "plumbline/solvers/front_end/match_profile.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/match_covariance.h"
+
+namespace plumbline {
+namespace {
+
+// Distances along the direction [m], either way: apart by a maximum's width at first.
+constexpr std::array<double, 9> kShiftsM = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6};
+// Beyond a pose that is less likely than the best one by exp(-kNegligible / 2) none is asked.
+constexpr double kNegligible = 16.0;
+// A profile that is worse by less than this at its ends may go on beyond them.
+constexpr double kUnlikely = 6.0;
+// Holds a pose along one direction to a fraction of a millimetre [1/m^2].
+constexpr double kHeld = 1e7;
+// Across a corridor, the poses along it differ by millimetres.
+constexpr int kIterationsHeld = 3;
+
+struct Sample {
+  double shift_m = 0.0;
+  ScanMatch match;
+};
+
+bool IsLessLikely(const Sample& a, const Sample& b) { return a.match.chi2 > b.match.chi2; }
+
+// As chi-square of independent errors.
+double WorseBy(const Sample& sample, const Sample& best) {
+  return (sample.match.chi2 - best.match.chi2) / kPointsPerError;
+}
+
+class Profile {
+ public:
+  // along: unit vector in the frame of the map.
+  Profile(const LocalMap& map, const SurfacePoints& scan, const ScanMatchOptions& options,
+          const ScanMatch& match, const Eigen::Vector2d& along)
+      : map_(map), scan_(scan), at_fine_gate_(options), along_(along) {
+    at_fine_gate_.coarse_gate_m = options.fine_gate_m;
+    const Eigen::Vector2d in_robot = Pose2(0.0, 0.0, -match.world_from_robot.yaw) * along;
+    held_information_.topLeftCorner<2, 2>() = kHeld * in_robot * in_robot.transpose();
+    samples_.push_back({0.0, match});
+    AddSamples(-1.0);
+    std::reverse(samples_.begin(), samples_.end());
+    AddSamples(1.0);
+    best_ = *std::max_element(samples_.begin(), samples_.end(), IsLessLikely);
+  }
+
+  // The most likely pose, free to come to rest between the samples.
+  ScanMatch Best() const {
+    PosePrediction start;
+    start.world_from_robot = best_.match.world_from_robot;
+    const ScanMatch rested = MatchScan(map_, scan_, start, at_fine_gate_);
+    return rested.chi2 < best_.match.chi2 ? rested : best_.match;
+  }
+
+  // Whether the most likely poses are known to lie between its ends.
+  bool FallsOff() const {
+    return WorseBy(samples_.front(), best_) > kUnlikely &&
+           WorseBy(samples_.back(), best_) > kUnlikely;
+  }
+
+  // Second moment [m^2] about the best sample, by the trapezoidal rule.
+  double SecondMoment() const {
+    double total = 0.0, moment = 0.0;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const double width_m = samples_[std::min(i + 1, samples_.size() - 1)].shift_m -
+                             samples_[i == 0 ? 0 : i - 1].shift_m;
+      const double weight = width_m * std::exp(-0.5 * WorseBy(samples_[i], best_));
+      const double off_m = samples_[i].shift_m - best_.shift_m;
+      total += weight;
+      moment += weight * off_m * off_m;
+    }
+    return moment / total;
+  }
+
+ private:
+  void AddSamples(double way) {
+    Sample best = *std::max_element(samples_.begin(), samples_.end(), IsLessLikely);
+    for (const double distance_m : kShiftsM) {
+      samples_.push_back({way * distance_m, MatchHeldAt(way * distance_m, samples_.back())});
+      if (IsLessLikely(best, samples_.back())) best = samples_.back();
+      if (WorseBy(samples_.back(), best) > kNegligible) break;
+    }
+  }
+
+  // neighbour: the sample next to it, from which the iterations start.
+  ScanMatch MatchHeldAt(double shift_m, const Sample& neighbour) const {
+    const Eigen::Vector2d step = (shift_m - neighbour.shift_m) * along_;
+    PosePrediction held;
+    held.information = held_information_;
+    held.world_from_robot = neighbour.match.world_from_robot;
+    held.world_from_robot.x += step.x();
+    held.world_from_robot.y += step.y();
+    ScanMatchOptions options = at_fine_gate_;
+    options.max_iterations = kIterationsHeld;
+    return MatchScan(map_, scan_, held, options);
+  }
+
+  const LocalMap& map_;
+  const SurfacePoints& scan_;
+  ScanMatchOptions at_fine_gate_;
+  Eigen::Vector2d along_;
+  Eigen::Matrix3d held_information_ = Eigen::Matrix3d::Zero();  // in the frame of the robot
+  std::vector<Sample> samples_;                                 // by shift
+  Sample best_;
+};
+
+// The covariance with another variance along a unit vector: noise is added, or an observation.
+Eigen::Matrix3d WithVarianceAlong(const Eigen::Vector3d& axis, double variance,
+                                  const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix3d outer = axis * axis.transpose();
+  const double before = axis.dot(covariance * axis);
+  if (variance >= before) return covariance + (variance - before) * outer;
+  const Eigen::Matrix3d information =
+      covariance.inverse() + (1.0 / variance - 1.0 / before) * outer;
+  const Eigen::Matrix3d less = information.inverse();
+  return 0.5 * (less + less.transpose());
+}
+
+}  // namespace
+
+Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
+                             const ScanMatchOptions& options, ScanMatch* match) {
+  const Eigen::Matrix3d by_information = MatchCovariance(match->information);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(by_information.topLeftCorner<2, 2>());
+  const Eigen::Vector2d along = axes.eigenvectors().col(1);
+  const Profile profile(map, scan, options, *match, along);
+  const double reach_m = kShiftsM.back();
+  if (!profile.FallsOff() && axes.eigenvalues()(1) > reach_m * reach_m) return by_information;
+  *match = profile.Best();
+  const Eigen::Matrix3d local = MatchCovariance(match->information);
+  const Eigen::Vector3d axis(along.x(), along.y(), 0.0);
+  const double local_variance = axis.dot(local * axis);
+  // A maximum narrower than the distance of the samples is told by the information, if at all.
+  const double spacing_m = kShiftsM.front();
+  const double narrowest =
+      profile.FallsOff() ? std::min(local_variance, spacing_m * spacing_m) : local_variance;
+  return WithVarianceAlong(axis, std::max(profile.SecondMoment(), narrowest), local);
+}
+
+}  // namespace plumbline
