@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/front_end/match_covariance.h"
 
@@ -20,6 +21,8 @@ constexpr std::array<double, 9> kShiftsM = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 
 constexpr double kNegligible = 16.0;
 // A profile that is worse by less than this at its ends may go on beyond them.
 constexpr double kUnlikely = 6.0;
+// The pose moves no farther than this [m]: what else is near is asked by those who looked for it.
+constexpr double kFarthestMoveM = 0.6;
 // Holds a pose along one direction to a fraction of a millimetre [1/m^2].
 constexpr double kHeld = 1e7;
 // Across a corridor, the poses along it differ by millimetres.
@@ -53,12 +56,17 @@ class Profile {
     best_ = *std::max_element(samples_.begin(), samples_.end(), IsLessLikely);
   }
 
-  // The most likely pose, free to come to rest between the samples.
+  // The most likely pose near the match, free to come to rest between the samples.
   ScanMatch Best() const {
+    const Sample* best = nullptr;
+    for (const Sample& sample : samples_) {
+      if (std::abs(sample.shift_m) > kFarthestMoveM) continue;
+      if (best == nullptr || IsLessLikely(*best, sample)) best = &sample;
+    }
     PosePrediction start;
-    start.world_from_robot = best_.match.world_from_robot;
+    start.world_from_robot = best->match.world_from_robot;
     const ScanMatch rested = MatchScan(map_, scan_, start, at_fine_gate_);
-    return rested.chi2 < best_.match.chi2 ? rested : best_.match;
+    return rested.chi2 < best->match.chi2 ? rested : best->match;
   }
 
   // Whether the most likely poses are known to lie between its ends.
@@ -67,18 +75,21 @@ class Profile {
            WorseBy(samples_.back(), best_) > kUnlikely;
   }
 
-  // Second moment [m^2] about the best sample, by the trapezoidal rule.
-  double SecondMoment() const {
-    double total = 0.0, moment = 0.0;
+  // Second moments (x, y [m], yaw [rad]) of its poses about this one, by the trapezoidal rule.
+  Eigen::Matrix3d MomentsAbout(const Pose2& pose) const {
+    double total = 0.0;
+    Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const double width_m = samples_[std::min(i + 1, samples_.size() - 1)].shift_m -
                              samples_[i == 0 ? 0 : i - 1].shift_m;
       const double weight = width_m * std::exp(-0.5 * WorseBy(samples_[i], best_));
-      const double off_m = samples_[i].shift_m - best_.shift_m;
+      const Pose2& sample = samples_[i].match.world_from_robot;
+      const Eigen::Vector3d off(sample.x - pose.x, sample.y - pose.y,
+                                NormalizeAngle(sample.yaw - pose.yaw));
       total += weight;
-      moment += weight * off_m * off_m;
+      moments += weight * off * off.transpose();
     }
-    return moment / total;
+    return moments / total;
   }
 
  private:
@@ -113,16 +124,10 @@ class Profile {
   Sample best_;
 };
 
-// The covariance with another variance along a unit vector: noise is added, or an observation.
-Eigen::Matrix3d WithVarianceAlong(const Eigen::Vector3d& axis, double variance,
-                                  const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix3d outer = axis * axis.transpose();
-  const double before = axis.dot(covariance * axis);
-  if (variance >= before) return covariance + (variance - before) * outer;
-  const Eigen::Matrix3d information =
-      covariance.inverse() + (1.0 / variance - 1.0 / before) * outer;
-  const Eigen::Matrix3d less = information.inverse();
-  return 0.5 * (less + less.transpose());
+// The covariance with an observation of this variance along a unit vector.
+Eigen::Matrix3d WithObservation(const Eigen::Vector3d& axis, double variance,
+                                const Eigen::Matrix3d& covariance) {
+  return (covariance.inverse() + axis * axis.transpose() / variance).inverse();
 }
 
 }  // namespace
@@ -137,14 +142,14 @@ Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
   const double reach_m = kShiftsM.back();
   if (!profile.FallsOff() && axes.eigenvalues()(1) > reach_m * reach_m) return by_information;
   *match = profile.Best();
-  const Eigen::Matrix3d local = MatchCovariance(match->information);
-  const Eigen::Vector3d axis(along.x(), along.y(), 0.0);
-  const double local_variance = axis.dot(local * axis);
-  // A maximum narrower than the distance of the samples is told by the information, if at all.
-  const double spacing_m = kShiftsM.front();
-  const double narrowest =
-      profile.FallsOff() ? std::min(local_variance, spacing_m * spacing_m) : local_variance;
-  return WithVarianceAlong(axis, std::max(profile.SecondMoment(), narrowest), local);
+  Eigen::Matrix3d at_rest = MatchCovariance(match->information);
+  if (profile.FallsOff()) {
+    // A maximum is not much wider than the distance of the samples, or they would tell.
+    const double spacing_m = kShiftsM.front();
+    at_rest = WithObservation({along.x(), along.y(), 0.0}, spacing_m * spacing_m, at_rest);
+  }
+  const Eigen::Matrix3d covariance = at_rest + profile.MomentsAbout(match->world_from_robot);
+  return 0.5 * (covariance + covariance.transpose());
 }
 
 }  // namespace plumbline

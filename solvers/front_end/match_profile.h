@@ -16,10 +16,10 @@ namespace plumbline {
 /// likelihood many local maxima there, decimetres from each other and nearly as high. Gauss-Newton
 /// information describes the one in which the iterations ended, a few centimetres wide, and not
 /// the others. So the likelihood is profiled in that direction: the match is repeated at fixed
-/// distances along it up to 1.6 m, each pose held there and free otherwise. The variance in that
-/// direction is the second moment of this profile about its best pose. The information decides
-/// where the profile is narrower than its samples, and where it does not fall off within its ends.
-/// A match that the profile and the information know nothing of stays where it is.
+/// distances along it, up to 1.6 m or until it is hopeless, each pose held there and free
+/// otherwise. The best one within 0.6 m becomes the match, and the second moments of all about it
+/// add to its covariance. Where the profile falls off within its ends, the information need not say
+/// so. A match that the profile and the information know nothing of stays where it is.
 ///
 /// options: those of the match; it is repeated with their fine gate.
 Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,

@@ -123,7 +123,8 @@ Status TestInBatches(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
   return Status::Ok();
 }
 
-// What nearly became a closure, the best first: as much as is weighed at a time.
+// What nearly became a closure, the best first and of each place once: as much as is weighed at a
+// time.
 void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
   refused.erase(std::remove_if(refused.begin(), refused.end(),
                                [](const TestedCandidate& result) {
@@ -137,9 +138,11 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
                      return a.inlier_ratio > b.inlier_ratio;
                    });
   constexpr std::size_t kMostTentative = 8;
-  if (refused.size() > kMostTentative) refused.resize(kMostTentative);
   keys->tentative.clear();
-  for (const TestedCandidate& result : refused) keys->tentative.push_back(result.edge);
+  for (const TestedCandidate& result : refused) {
+    if (keys->tentative.size() == kMostTentative) break;
+    if (!RepeatsOneOf(result.edge, keys->tentative, *keys)) keys->tentative.push_back(result.edge);
+  }
 }
 
 // Where the laser sees too little again and again, as outdoors, that says nothing of a single step.

@@ -40,41 +40,40 @@ double GraphChi2(const KeyframeGraph& keys) {
   return chi2;
 }
 
-double MostStrain(double chi2_of_others, std::size_t num_closures, int num_ends_inside) {
+double MostStrain(double chi2_of_others, std::size_t num_closures, int num_closures_inside) {
   // What sound drives are off by: few closures may fit better by chance.
   constexpr double kLeastShare = 0.01;
   constexpr double kDegreesOfFreedom = 3.0;  // of a closure
   const double share_of_allowed =
       chi2_of_others / std::max(1.0, kDegreesOfFreedom * static_cast<double>(num_closures));
-  return (LoopAcceptance::kMaxEdgeChi2 + kDegreesOfFreedom * num_ends_inside) *
+  return (LoopAcceptance::kMaxEdgeChi2 + kDegreesOfFreedom * num_closures_inside) *
          std::clamp(share_of_allowed, kLeastShare, 1.0);
 }
 
 std::vector<StretchOfSteps> StretchesBetweenClosures(const KeyframeGraph& keys) {
   std::vector<char> is_end(keys.size(), 0);
-  std::vector<int> num_ends(keys.size(), 0);  // of closures that are not firm
+  int last = 0;
   for (const RelativePoseConstraint& closure : keys.closures) {
-    for (const int key : {closure.from, closure.to}) {
-      if (IsFirm(closure)) {
-        is_end[key] = 1;
-      } else {
-        ++num_ends[key];
-      }
-    }
+    last = std::max({last, closure.from, closure.to});
+    if (IsFirm(closure)) is_end[closure.from] = is_end[closure.to] = 1;
   }
+  is_end[last] = 1;  // beyond it nothing strains the steps
   for (int k = 0; k + 1 < keys.size(); ++k) {
     if (keys.sequential[k].between_sessions) is_end[k] = is_end[k + 1] = 1;
   }
   std::vector<StretchOfSteps> stretches;
-  StretchOfSteps stretch;
+  std::vector<int> inside(keys.size(), -1);  // of keyframes, the stretch that they do not end
+  int first = 0;
   for (int k = 1; k < keys.size(); ++k) {
-    if (is_end[k] == 0) {
-      stretch.num_ends_inside += num_ends[k];
-      continue;
-    }
-    stretch.end = k;
-    stretches.push_back(stretch);
-    stretch = {k, k, 0};
+    if (is_end[k] == 0) continue;
+    for (int i = first + 1; i < k; ++i) inside[i] = static_cast<int>(stretches.size());
+    stretches.push_back({first, k, 0});
+    first = k;
+  }
+  for (const RelativePoseConstraint& closure : keys.closures) {
+    const int from = inside[closure.from], to = inside[closure.to];
+    if (from >= 0) ++stretches[from].num_closures_inside;
+    if (to >= 0 && to != from) ++stretches[to].num_closures_inside;
   }
   return stretches;
 }
@@ -87,7 +86,7 @@ std::vector<int> MostStrainedSteps(const ScanSurfaces& surfaces,
   for (const StretchOfSteps& stretch : StretchesBetweenClosures(keys)) {
     const double chi2 = StepsChi2(keys, stretch.first, stretch.end);
     const double most_chi2 =
-        MostStrain(chi2_of_graph - chi2, keys.closures.size(), stretch.num_ends_inside);
+        MostStrain(chi2_of_graph - chi2, keys.closures.size(), stretch.num_closures_inside);
     if (chi2 <= most_chi2) continue;
     const int step = MarkWorstEdge(surfaces, world_from_robot, stretch.first, stretch.end, marked);
     const double others_chi2 = chi2 - StepsChi2(keys, step, step + 1);

@@ -21,12 +21,12 @@ double GraphChi2(const KeyframeGraph& keys);
 /// closures whose other edges and closures are off by chi2_of_others. Scans match better than their
 /// covariances say: on sound drives the graph is off by a hundredth of what they allow. Closures
 /// that end inside the stretch strain it as well, as much as closures do elsewhere.
-double MostStrain(double chi2_of_others, std::size_t num_closures, int num_ends_inside);
+double MostStrain(double chi2_of_others, std::size_t num_closures, int num_closures_inside);
 
 /// Sequential edges from keyframe `first` to keyframe `end`.
 struct StretchOfSteps {
   int first = 0, end = 0;
-  int num_ends_inside = 0;  ///< of closures, in between
+  int num_closures_inside = 0;  ///< that end in between
 };
 
 /// Those between the ends of neighbouring closures that are known to a decimetre. Others, along a

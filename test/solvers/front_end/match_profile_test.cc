@@ -90,6 +90,7 @@ TEST(MatchProfile, TellsHowBadlyAPoseAlongACorridorIsKnown) {
     squares_by_information += std::pow(ErrorAlong(match, made.truth), 2) / by_information;
     const Eigen::Matrix3d covariance =
         ProfileMatch(made.map, made.scan, ScanMatchOptions(), &match);
+    EXPECT_LT(VarianceAlong(covariance), 0.5 * 0.5);
     squares_by_profile += std::pow(ErrorAlong(match, made.truth), 2) / VarianceAlong(covariance);
   }
   EXPECT_GT(std::sqrt(squares_by_information / kCases), 3.0);

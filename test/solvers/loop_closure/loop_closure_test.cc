@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -43,6 +45,27 @@ TEST(LoopClosure, MeasuresARevisit) {
     EXPECT_LT(DistanceM(tested.edge.from_from_to, scene.poses[1]), 0.01);
     EXPECT_NEAR(tested.edge.from_from_to.yaw, 0.3, 3e-3);
   }
+}
+
+// Steps of 5 cm in the walls of a corridor tell where it is to some decimetres.
+TEST(LoopClosure, SaysHowBadlyAPoseAlongACorridorIsKnown) {
+  SyntheticScene scene;
+  scene.range_sigma_m = 0.02;
+  scene.laser.max_range_m = 8.0;
+  for (const double side : {-1.0, 1.0}) {
+    const double step = 3.0 + side;
+    scene.faces.push_back({{-50.0, side}, {step, side}});
+    scene.faces.push_back({{step, side}, {step, 1.05 * side}});
+    scene.faces.push_back({{step, 1.05 * side}, {50.0, 1.05 * side}});
+  }
+  scene.poses = {Pose2(), Pose2(1.0, 0.0, 0.0), Pose2(1.2, 0.0, 0.0)};
+  const TestedCandidate tested = TestLast(scene, Pose2(0.3, 0.0, 0.0), 0.5, /*wide=*/false);
+  ASSERT_EQ(tested.outcome, ClosureOutcome::kAccepted);
+  const Eigen::Matrix3d& covariance = tested.edge.covariance;
+  EXPECT_GT(covariance(0, 0), 0.1 * 0.1);
+  EXPECT_LT(covariance(0, 0), 1.0);
+  EXPECT_LT(covariance(1, 1), 0.02 * 0.02);
+  EXPECT_LT(std::abs(tested.edge.from_from_to.x - 0.2), 2.0 * std::sqrt(covariance(0, 0)));
 }
 
 TEST(LoopClosure, RejectsARoomOfAnotherShape) {

@@ -12,9 +12,9 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::Field;
 
-auto IsStretch(int first, int end, int num_ends_inside) {
+auto IsStretch(int first, int end, int num_closures_inside) {
   return AllOf(Field(&StretchOfSteps::first, first), Field(&StretchOfSteps::end, end),
-               Field(&StretchOfSteps::num_ends_inside, num_ends_inside));
+               Field(&StretchOfSteps::num_closures_inside, num_closures_inside));
 }
 
 // Six keyframes a metre apart, each edge with sigmas of 0.1. The step before keyframe 3 is two
@@ -54,7 +54,13 @@ TEST(StrainedStretches, GoOnWhereAClosureIsHardlyKnownInOneDirection) {
   keys.closures.push_back(along);
   along.to = 3;
   keys.closures.push_back(along);
-  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 1, 0), IsStretch(1, 4, 3)));
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 1, 0), IsStretch(1, 4, 2)));
+}
+
+TEST(StrainedStretches, ReachToTheLastClosureOfAnyKind) {
+  KeyframeGraph keys = SixKeys();
+  keys.closures.front().covariance(1, 1) = 0.3 * 0.3;
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 4, 1)));
 }
 
 TEST(StrainedStretches, EndWhereASessionDoes) {
@@ -80,7 +86,7 @@ TEST(StrainedStretches, MayBeOffByLessWhereTheRestIsLessOff) {
   EXPECT_NEAR(MostStrain(1.0, 1, 0), LoopAcceptance::kMaxEdgeChi2 / 3.0, 1e-9);
   // A hundredth of what the covariances allow is always granted.
   EXPECT_NEAR(MostStrain(0.0, 1, 0), 0.01 * LoopAcceptance::kMaxEdgeChi2, 1e-9);
-  // Two ends of closures inside are worth three degrees of freedom each.
+  // Two closures inside are worth three degrees of freedom each.
   EXPECT_NEAR(MostStrain(1.0, 1, 2), (LoopAcceptance::kMaxEdgeChi2 + 6.0) / 3.0, 1e-9);
 }
 
