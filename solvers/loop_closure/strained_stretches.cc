@@ -51,6 +51,7 @@ double MostStrain(double chi2_of_others, std::size_t num_closures, int num_closu
 }
 
 std::vector<StretchOfSteps> StretchesBetweenClosures(const KeyframeGraph& keys) {
+  if (keys.size() == 0) return {};
   std::vector<char> is_end(keys.size(), 0);
   int last = 0;
   for (const RelativePoseConstraint& closure : keys.closures) {

@@ -63,6 +63,13 @@ TEST(StrainedStretches, ReachToTheLastClosureOfAnyKind) {
   EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre(IsStretch(0, 4, 1)));
 }
 
+TEST(StrainedStretches, NeedKeyframesAndClosures) {
+  EXPECT_THAT(StretchesBetweenClosures(KeyframeGraph()), ElementsAre());
+  KeyframeGraph keys = SixKeys();
+  keys.closures.clear();
+  EXPECT_THAT(StretchesBetweenClosures(keys), ElementsAre());
+}
+
 TEST(StrainedStretches, EndWhereASessionDoes) {
   KeyframeGraph keys = SixKeys();
   keys.sequential[2].between_sessions = true;
