@@ -245,24 +245,6 @@ TEST(CloseLoops, ReportsTheLocalClosuresThatWereRefused) {
   EXPECT_EQ(std::count_if(report.matches.begin(), report.matches.end(), is_local), 1);
 }
 
-// A place that is seen anew from several keyframes, with too much else to become closures.
-TEST(CloseLoops, KeepsWhatNearlyBecameAClosureOncePerPlace) {
-  Lap lap = MakeLap();
-  for (int k = 38; k < lap.keys.size(); ++k) {
-    for (int i = 0; i < 300; ++i) {
-      const Eigen::Vector2d point(9.0 + 0.1 * (i % 12), 0.1 * (i / 12));
-      lap.surfaces[k].push_back({point, Eigen::Vector2d::UnitX()});
-    }
-  }
-  const LoopClosingReport report = lap.Close();
-  const auto has_low_overlap = [](const LoopClosureRecord& match) {
-    return match.outcome == ClosureOutcome::kLowOverlap;
-  };
-  EXPECT_EQ(report.num_closures, 0);
-  EXPECT_GE(std::count_if(report.matches.begin(), report.matches.end(), has_low_overlap), 3);
-  EXPECT_EQ(lap.keys.tentative.size(), 1u);
-}
-
 TEST(CloseLoops, StopsWhenItsCallerSaysSo) {
   Lap lap = MakeLap();
   ThreadPool pool(1);
