@@ -134,7 +134,7 @@ Eigen::Matrix3d WithObservation(const Eigen::Vector3d& axis, double variance,
 
 Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
                              const ScanMatchOptions& options, ScanMatch* match) {
-  const Eigen::Matrix3d by_information = MatchCovariance(match->information);
+  Eigen::Matrix3d by_information = MatchCovariance(match->information);
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(by_information.topLeftCorner<2, 2>());
   const Eigen::Vector2d along = axes.eigenvectors().col(1);
