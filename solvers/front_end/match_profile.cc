@@ -49,11 +49,11 @@ class Profile {
     at_fine_gate_.coarse_gate_m = options.fine_gate_m;
     const Eigen::Vector2d in_robot = Pose2(0.0, 0.0, -match.world_from_robot.yaw) * along;
     held_information_.topLeftCorner<2, 2>() = kHeld * in_robot * in_robot.transpose();
-    samples_.push_back({0.0, match});
+    best_ = {0.0, match};
+    samples_.push_back(best_);
     AddSamples(-1.0);
     std::reverse(samples_.begin(), samples_.end());
     AddSamples(1.0);
-    best_ = *std::max_element(samples_.begin(), samples_.end(), IsLessLikely);
   }
 
   // The most likely pose near the match, free to come to rest between the samples.
@@ -94,11 +94,10 @@ class Profile {
 
  private:
   void AddSamples(double way) {
-    Sample best = *std::max_element(samples_.begin(), samples_.end(), IsLessLikely);
     for (const double distance_m : kShiftsM) {
       samples_.push_back({way * distance_m, MatchHeldAt(way * distance_m, samples_.back())});
-      if (IsLessLikely(best, samples_.back())) best = samples_.back();
-      if (WorseBy(samples_.back(), best) > kNegligible) break;
+      if (IsLessLikely(best_, samples_.back())) best_ = samples_.back();
+      if (WorseBy(samples_.back(), best_) > kNegligible) break;
     }
   }
 
@@ -139,11 +138,12 @@ Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
   axes.computeDirect(by_information.topLeftCorner<2, 2>());
   const Eigen::Vector2d along = axes.eigenvectors().col(1);
   const Profile profile(map, scan, options, *match, along);
+  const bool falls_off = profile.FallsOff();
   const double reach_m = kShiftsM.back();
-  if (!profile.FallsOff() && axes.eigenvalues()(1) > reach_m * reach_m) return by_information;
+  if (!falls_off && axes.eigenvalues()(1) > reach_m * reach_m) return by_information;
   *match = profile.Best();
   Eigen::Matrix3d at_rest = MatchCovariance(match->information);
-  if (profile.FallsOff()) {
+  if (falls_off) {
     // A maximum is not much wider than the distance of the samples, or they would tell.
     const double spacing_m = kShiftsM.front();
     at_rest = WithObservation({along.x(), along.y(), 0.0}, spacing_m * spacing_m, at_rest);
