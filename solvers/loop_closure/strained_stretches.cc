@@ -1,7 +1,5 @@
 #include "plumbline/solvers/loop_closure/strained_stretches.h"
 
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstddef>
 
@@ -12,14 +10,9 @@
 namespace plumbline {
 namespace {
 
-// Whether a closure holds both coordinates. One along a corridor gives way like the steps do.
-bool IsFirm(const RelativePoseConstraint& closure) {
-  constexpr double kFirmM = 0.1;
-  const Eigen::Matrix2d position = closure.covariance.topLeftCorner<2, 2>();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(position, Eigen::EigenvaluesOnly);
-  return axes.eigenvalues()(1) < kFirmM * kFirmM;
-}
+// A closure that is known to this [m] holds both coordinates. One along a corridor gives way like
+// the steps do.
+constexpr double kFirmSigmaM = 0.1;
 
 }  // namespace
 
@@ -56,7 +49,7 @@ std::vector<StretchOfSteps> StretchesBetweenClosures(const KeyframeGraph& keys) 
   int last = 0;
   for (const RelativePoseConstraint& closure : keys.closures) {
     last = std::max({last, closure.from, closure.to});
-    if (IsFirm(closure)) is_end[closure.from] = is_end[closure.to] = 1;
+    if (WorstSigmaM(closure) < kFirmSigmaM) is_end[closure.from] = is_end[closure.to] = 1;
   }
   is_end[last] = 1;  // beyond it nothing strains the steps
   for (int k = 0; k + 1 < keys.size(); ++k) {

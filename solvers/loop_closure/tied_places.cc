@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/solvers/loop_closure/close_loops.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
@@ -46,7 +47,7 @@ class TiedPlaces {
     }
     const double bent = Chi2Around(place, keys_.world_from_key);
     // No more than all of it can go.
-    if (bent <= LoopAcceptance::kMaxEdgeChi2) return tested;
+    if (bent <= TiedPlace::kMaxRelief) return tested;
     OptimizeKeyframes(&without);
     tested.relief = bent - Chi2Around(place, without.world_from_key);
     return tested;

@@ -6,7 +6,6 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
 namespace plumbline {
 
@@ -20,8 +19,10 @@ struct TiedPlace {
   /// are right, chi-squared with three degrees of freedom.
   double relief = 0.0;
 
-  /// They bend the graph by more than noise does.
-  bool is_bent() const { return relief > LoopAcceptance::kMaxEdgeChi2; }
+  /// They bend the graph by more than noise does: one right place in a thousand.
+  bool is_bent() const { return relief > kMaxRelief; }
+
+  static constexpr double kMaxRelief = 16.3;
 };
 
 /// Tests the closures from keyframes `first` to before `end` to all others, place by place. The

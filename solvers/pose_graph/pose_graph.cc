@@ -3,8 +3,10 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "plumbline/core/float_environment.h"
@@ -140,6 +142,13 @@ double EdgeChi2(const RelativePoseConstraint& edge, const Pose2& world_from_from
   Eigen::Vector3d error;
   residual.Evaluate(block_a.data(), block_b.data(), error.data(), nullptr, nullptr);
   return error.squaredNorm();
+}
+
+double WorstSigmaM(const RelativePoseConstraint& edge) {
+  const Eigen::Matrix2d position = edge.covariance.topLeftCorner<2, 2>();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(position, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
 }
 
 double GraphChi2(const std::vector<RelativePoseConstraint>& edges,

@@ -40,7 +40,10 @@ double EdgeChi2(const RelativePoseConstraint& edge, const Pose2& world_from_from
                 const Pose2& world_from_to);
 double EdgeChi2(const RelativePoseConstraint& edge, const std::vector<Pose2>& world_from_pose);
 
-/// The sum of it over all edges.
+/// Standard deviation of an edge's position in the direction in which it is known worst [m].
+double WorstSigmaM(const RelativePoseConstraint& edge);
+
+/// The sum of EdgeChi2 over all edges.
 double GraphChi2(const std::vector<RelativePoseConstraint>& edges,
                  const std::vector<Pose2>& world_from_pose);
 
