@@ -33,8 +33,8 @@ struct Alarm {
   /// wrong. None if too few had it.
   std::optional<double> wrong_share;
 
-  /// More likely than not.
-  bool IsProbable() const { return wrong_share.value_or(1.0) > 0.5; }
+  /// More likely than not, by the maps that had such an alarm.
+  bool IsProbable() const { return wrong_share.value_or(0.0) > 0.5; }
   /// For people: why, and how sure that is.
   std::string Text() const;
 };
