@@ -47,7 +47,7 @@ class TiedPlaces {
     }
     const double bent = Chi2Around(place, keys_.world_from_key);
     // No more than all of it can go.
-    if (bent <= TiedPlace::kMaxRelief) return tested;
+    if (bent <= TiedPlace::kLeastRelief) return tested;
     OptimizeKeyframes(&without);
     tested.relief = bent - Chi2Around(place, without.world_from_key);
     return tested;

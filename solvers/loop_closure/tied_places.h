@@ -19,10 +19,12 @@ struct TiedPlace {
   /// are right, chi-squared with three degrees of freedom.
   double relief = 0.0;
 
-  /// They bend the graph by more than noise does: one right place in a thousand.
-  bool is_bent() const { return relief > kMaxRelief; }
+  /// They bend the graph by more than noise does: at one right place in a thousand, or in twenty.
+  bool is_bent() const { return relief > 16.3; }
+  bool may_be_bent() const { return relief > kLeastRelief; }
 
-  static constexpr double kMaxRelief = 16.3;
+  /// A relief of less than this is not told.
+  static constexpr double kLeastRelief = 7.8;
 };
 
 /// Tests the closures from keyframes `first` to before `end` to all others, place by place. The

@@ -65,7 +65,7 @@ TEST(TiedPlacesTest, ClosuresThatAreRightBendNothing) {
   EXPECT_THAT(places, SizeIs(10));  // 60 m
   std::size_t num_closures = 0;
   for (const TiedPlace& place : places) {
-    EXPECT_FALSE(place.is_bent());
+    EXPECT_FALSE(place.may_be_bent());
     num_closures += place.closures.size();
   }
   EXPECT_EQ(num_closures, keys.closures.size());
@@ -97,12 +97,12 @@ TEST(TiedPlacesTest, DriftThatTiesTakeOutIsNoBend) {
   Tie(kNumKeys - 2, kNumKeys, 0.0, &keys);
   const std::vector<TiedPlace> places = TestedSecond(keys);
   EXPECT_THAT(places, SizeIs(2));
-  for (const TiedPlace& place : places) EXPECT_FALSE(place.is_bent()) << place.relief;
+  for (const TiedPlace& place : places) EXPECT_FALSE(place.may_be_bent()) << place.relief;
 }
 
 int NumBent(const std::vector<TiedPlace>& places) {
   int num_bent = 0;
-  for (const TiedPlace& place : places) num_bent += place.is_bent() ? 1 : 0;
+  for (const TiedPlace& place : places) num_bent += place.may_be_bent() ? 1 : 0;
   return num_bent;
 }
 
@@ -115,11 +115,11 @@ TEST(TiedPlacesTest, ABuildingOfOtherDimensionsIsBentAtMostPlaces) {
   EXPECT_GT(2 * NumBent(places), static_cast<int>(places.size()));
 }
 
-// Closures that give way relieve less: three quarters of these places by 15 to 24.
+// Closures that give way relieve less: eight of these ten places by 8 to 14.
 TEST(TiedPlacesTest, ClosuresThatAreKnownLessWellShowItToo) {
   KeyframeGraph keys = TwoSessions();
   for (int room = 0; room < 10; ++room) {
-    Tie(15 * room + room % 2, 15 * room + 15, 0.4 * room, &keys, 0.02);
+    Tie(15 * room + room % 2, 15 * room + 15, 0.4 * room, &keys, 0.03);
   }
   const std::vector<TiedPlace> places = TestedSecond(keys);
   EXPECT_GT(2 * NumBent(places), static_cast<int>(places.size()));
