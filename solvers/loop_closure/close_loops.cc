@@ -137,12 +137,10 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
                    [](const TestedCandidate& a, const TestedCandidate& b) {
                      return a.inlier_ratio > b.inlier_ratio;
                    });
+  std::vector<RelativePoseConstraint> matches;
+  for (const TestedCandidate& result : refused) matches.push_back(result.edge);
   constexpr std::size_t kMostTentative = 8;
-  keys->tentative.clear();
-  for (const TestedCandidate& result : refused) {
-    if (keys->tentative.size() == kMostTentative) break;
-    if (!RepeatsOneOf(result.edge, keys->tentative, *keys)) keys->tentative.push_back(result.edge);
-  }
+  keys->tentative = WithoutRepetitions(matches, kMostTentative, *keys);
 }
 
 // Where the laser sees too little again and again, as outdoors, that says nothing of a single step.

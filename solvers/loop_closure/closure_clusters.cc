@@ -57,4 +57,15 @@ bool RepeatsOneOf(const RelativePoseConstraint& closure,
   return std::any_of(others.begin(), others.end(), says_the_same);
 }
 
+std::vector<RelativePoseConstraint> WithoutRepetitions(
+    const std::vector<RelativePoseConstraint>& closures, std::size_t most,
+    const KeyframeGraph& keys) {
+  std::vector<RelativePoseConstraint> kept;
+  for (const RelativePoseConstraint& closure : closures) {
+    if (kept.size() == most) break;
+    if (!RepeatsOneOf(closure, kept, keys)) kept.push_back(closure);
+  }
+  return kept;
+}
+
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_CLUSTERS_H_
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_CLOSURE_CLUSTERS_H_
 
+#include <cstddef>
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
@@ -23,6 +24,11 @@ std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseCo
 /// place, by the poses of the graph as they stand.
 bool RepeatsOneOf(const RelativePoseConstraint& closure,
                   const std::vector<RelativePoseConstraint>& others, const KeyframeGraph& keys);
+
+/// Of closures in their order those that repeat none before them, `most` at most.
+std::vector<RelativePoseConstraint> WithoutRepetitions(
+    const std::vector<RelativePoseConstraint>& closures, std::size_t most,
+    const KeyframeGraph& keys);
 
 }  // namespace plumbline
 

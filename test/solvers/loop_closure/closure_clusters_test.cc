@@ -41,5 +41,18 @@ TEST(RepeatsOneOf, KnowsTheSamePlaceFromNeighbouringKeyframes) {
   EXPECT_FALSE(RepeatsOneOf(Closure(20, 60, wrong), {}, keys));
 }
 
+TEST(WithoutRepetitions, KeepsTheFirstOfEachPlace) {
+  const KeyframeGraph keys = Corridor();
+  const Pose2 wrong(3.0, 0.0, 0.0);
+  const std::vector<RelativePoseConstraint> closures = {
+      Closure(15, 65, wrong), Closure(20, 60, wrong), Closure(2, 78), Closure(20, 60)};
+  const std::vector<RelativePoseConstraint> kept = WithoutRepetitions(closures, 8, keys);
+  ASSERT_EQ(kept.size(), 3u);
+  EXPECT_EQ(kept[0].to, 65);
+  EXPECT_EQ(kept[1].to, 78);
+  EXPECT_EQ(kept[2].from_from_to.x, 0.0);  // the same keyframes, elsewhere
+  EXPECT_EQ(WithoutRepetitions(closures, 2, keys).size(), 2u);
+}
+
 }  // namespace
 }  // namespace plumbline
