@@ -51,7 +51,7 @@ struct MappingReport {
   SolverSummary solver;        ///< how the joint estimation went
   Calibration calibration;     ///< empty if none was asked for
   MapConsistency consistency;  ///< of the map
-  /// Where the map is probably wrong, and why; empty if nothing speaks against it.
+  /// Where the map may be wrong, and why; empty if nothing speaks against it.
   std::vector<Alarm> alarms;
 };
 

@@ -36,7 +36,7 @@ std::string OutcomeText(const SessionTie& tie) {
     case TieOutcome::kBent:
       return "not tied: " + std::to_string(tie.num_bent_places) + " of the " +
              std::to_string(tie.num_places) +
-             " places that match fit only if the sessions are bent";
+             " places that match seem to fit only if the sessions are bent";
     case TieOutcome::kAmbiguous:
       return "not tied: several ways to put them together fit as well";
   }

@@ -34,7 +34,7 @@ struct SessionTie {
   /// Places of the second group that closures tie to the first one. Counted where nothing else
   /// speaks against the tie.
   int num_places = 0;
-  int num_bent_places = 0;  ///< those of them where they bend the groups by more than noise does
+  int num_bent_places = 0;  ///< those of them that bend the groups more than right ones do
   /// Of scans of the one with scans of the other.
   FreeSpaceConflict conflict;
 };

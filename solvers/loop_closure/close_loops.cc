@@ -138,6 +138,7 @@ void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
                      return a.inlier_ratio > b.inlier_ratio;
                    });
   std::vector<RelativePoseConstraint> matches;
+  matches.reserve(refused.size());
   for (const TestedCandidate& result : refused) matches.push_back(result.edge);
   constexpr std::size_t kMostTentative = 8;
   keys->tentative = WithoutRepetitions(matches, kMostTentative, *keys);

@@ -25,7 +25,7 @@ std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseCo
 bool RepeatsOneOf(const RelativePoseConstraint& closure,
                   const std::vector<RelativePoseConstraint>& others, const KeyframeGraph& keys);
 
-/// Of closures in their order those that repeat none before them, `most` at most.
+/// The closures, in their order, that repeat none of those already taken; no more than `most`.
 std::vector<RelativePoseConstraint> WithoutRepetitions(
     const std::vector<RelativePoseConstraint>& closures, std::size_t most,
     const KeyframeGraph& keys);

@@ -79,6 +79,12 @@ struct LoopAcceptance {
   static constexpr double kSameClosureM = 1.0;
   static constexpr double kSameClosureRad = 0.3;
 
+  /// Closures between sessions at one place are taken out if the squared error of the edges around
+  /// it is lower by more than this without them: the 99.9 % point of chi-squared, three degrees of
+  /// freedom. Scans fit better than their covariances say: right places have 7.7 at most, 122 of
+  /// fr079, intel and mit-killian cut into three and 1988 of simulated days.
+  static constexpr double kMaxRelief = 16.3;
+
   // 7. Does the map agree better without it, or with it? (map_hypotheses, suspect_clusters)
   // Asked only of a map that contradicts itself: MapConsistency says from where on it does.
 

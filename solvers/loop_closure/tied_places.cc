@@ -37,7 +37,7 @@ class TiedPlaces {
 
   std::size_t size() const { return places_.size(); }
 
-  TiedPlace Test(std::size_t index) const {
+  TiedPlace Test(std::size_t index, double least_relief) const {
     const Place& place = places_[index];
     TiedPlace tested;
     KeyframeGraph without = keys_;
@@ -47,7 +47,7 @@ class TiedPlaces {
     }
     const double bent = Chi2Around(place, keys_.world_from_key);
     // No more than all of it can go.
-    if (bent <= TiedPlace::kLeastRelief) return tested;
+    if (bent <= least_relief) return tested;
     OptimizeKeyframes(&without);
     tested.relief = bent - Chi2Around(place, without.world_from_key);
     return tested;
@@ -90,18 +90,20 @@ class TiedPlaces {
 }  // namespace
 
 std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int end,
-                                      ThreadPool* pool) {
+                                      double least_relief, ThreadPool* pool) {
   const TiedPlaces places(keys, first, end);
   std::vector<TiedPlace> tested(places.size());
-  pool->ForEachChunk(places.size(), 1,
-                     [&](std::size_t i, std::size_t, std::size_t) { tested[i] = places.Test(i); });
+  pool->ForEachChunk(places.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    tested[i] = places.Test(i, least_relief);
+  });
   return tested;
 }
 
 TiedPlace MostBentPlace(const KeyframeGraph& keys, ThreadPool* pool) {
   TiedPlace worst;
   for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
-    for (TiedPlace& place : TestTiedPlaces(keys, first, keys.EndOfSession(first), pool)) {
+    for (TiedPlace& place :
+         TestTiedPlaces(keys, first, keys.EndOfSession(first), LoopAcceptance::kMaxRelief, pool)) {
       if (place.relief > worst.relief) worst = std::move(place);
     }
   }

@@ -6,6 +6,7 @@
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
 namespace plumbline {
 
@@ -16,21 +17,18 @@ namespace plumbline {
 struct TiedPlace {
   std::vector<RelativePoseConstraint> closures;
   /// How much lower the squared error of the other edges around the place is without them. If they
-  /// are right, chi-squared with three degrees of freedom.
+  /// are right, chi-squared with three degrees of freedom at most.
   double relief = 0.0;
 
-  /// They bend the graph by more than noise does: at one right place in a thousand, or in twenty.
-  bool is_bent() const { return relief > 16.3; }
-  bool may_be_bent() const { return relief > kLeastRelief; }
-
-  /// A relief of less than this is not told.
-  static constexpr double kLeastRelief = 7.8;
+  /// They bend the graph by more than noise does.
+  bool is_bent() const { return relief > LoopAcceptance::kMaxRelief; }
 };
 
 /// Tests the closures from keyframes `first` to before `end` to all others, place by place. The
-/// graph has to be at its optimum.
+/// graph has to be at its optimum. A place that cannot be relieved by more than least_relief is not
+/// tested: its relief is 0.
 std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int end,
-                                      ThreadPool* pool);
+                                      double least_relief, ThreadPool* pool);
 
 /// The place whose closures bend the sessions of a graph most, of all between one and the others;
 /// without closures if there is none.

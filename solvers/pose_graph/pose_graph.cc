@@ -148,7 +148,7 @@ double WorstSigmaM(const RelativePoseConstraint& edge) {
   const Eigen::Matrix2d position = edge.covariance.topLeftCorner<2, 2>();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
   axes.computeDirect(position, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+  return std::sqrt(std::max(axes.eigenvalues()(1), 0.0));
 }
 
 double GraphChi2(const std::vector<RelativePoseConstraint>& edges,

@@ -43,10 +43,14 @@ constexpr int kMinWitnesses = 3;
 constexpr double kRivalShare = 0.5;
 constexpr double kSameConflict = 0.01;
 // Furniture that was moved bends sessions at some of the places where they are tied. A building
-// that is merely much like this one bends them at nearly all: they have other dimensions. But the
-// closures that give way there, as along corridors, show little of it. That half of the places
-// exceed what one right place in twenty does is no chance.
+// that is merely much like this one bends them at nearly all: they have other dimensions.
 constexpr double kMaxBentShare = 0.5;
+// A place counts as bent if its relief (TiedPlace) is more than this. Closures along corridors give
+// way, and show little of a bend: so it is the 95 % point of chi-squared, three degrees of freedom,
+// and not as much as takes closures out at a single place ...
+constexpr double kMaxRelief = 7.8;
+// ... where it takes this many places or more to refuse a tie.
+constexpr std::size_t kMinPlaces = 3;
 // Ways that are tried with closures of their own.
 constexpr std::size_t kMaxAlignments = 4;
 
@@ -192,9 +196,12 @@ class AlignmentSearch {
 
   void CountBentPlaces(SessionAlignment* alignment) const {
     const KeyframeGraph& keys = alignment->group.keys;
-    for (const TiedPlace& place : TestTiedPlaces(keys, first_of_b(), keys.size(), pool_)) {
-      ++alignment->num_places;
-      if (place.may_be_bent()) ++alignment->num_bent_places;
+    const std::vector<TiedPlace> places =
+        TestTiedPlaces(keys, first_of_b(), keys.size(), kMaxRelief, pool_);
+    alignment->num_places = static_cast<int>(places.size());
+    for (const TiedPlace& place : places) {
+      const bool is_bent = places.size() < kMinPlaces ? place.is_bent() : place.relief > kMaxRelief;
+      if (is_bent) ++alignment->num_bent_places;
     }
   }
 

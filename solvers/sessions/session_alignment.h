@@ -39,7 +39,7 @@ struct SessionAlignment {
   FreeSpaceConflict conflict;  ///< of scans of the one with scans of the other
   int num_closures = 0;        ///< between the two
   int num_witnesses = 0;       ///< clusters of these closures: one place is one witness
-  /// Places of the second group that are tied to the first one, and those where that bends them.
+  /// Places of the second group that are tied to the first one, and those that count as bent by it.
   /// Counted for the best alignment, if nothing else speaks against it.
   int num_places = 0, num_bent_places = 0;
   double votes = 0.0;  ///< of the places that were found before loops were closed

@@ -92,5 +92,13 @@ TEST(PoseGraph, LeavesPosesWithoutEdgesAsTheyAre) {
   EXPECT_EQ(poses[0].y, 2.0);
 }
 
+TEST(PoseGraph, KnowsTheDirectionInWhichAnEdgeIsKnownWorst) {
+  RelativePoseConstraint edge = Edge(0, 1, Pose2(), 0.01);
+  const Eigen::Vector2d along(0.6, 0.8);
+  edge.covariance.topLeftCorner<2, 2>() += (0.25 - 1e-4) * along * along.transpose();
+  edge.covariance(2, 2) = 4.0;
+  EXPECT_NEAR(WorstSigmaM(edge), 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace plumbline
