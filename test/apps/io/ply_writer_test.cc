@@ -79,7 +79,9 @@ TEST(PlyWriterTest, StoredPointsAreThereOnceTheyAreCommitted) {
     const auto write = [&](const SlamGraph& part, bool commits) {
       ReturnRecords file;
       EXPECT_TRUE(StorePointsPly(folder + "points.ply", part, PartOf(part, state), &file).ok());
-      if (commits) EXPECT_TRUE(file.Commit().ok());
+      if (commits) {
+        EXPECT_TRUE(file.Commit().ok());
+      }
     };
     for (const bool commits : {false, true}) {
       if (num_processes == 1) {

@@ -86,7 +86,9 @@ TEST_F(WriteTasksTest, ProcessesTakeTurnsInWritingAndGatherTogether) {
     };
     const auto picture = [&](const std::string& file) -> WriteTask {
       return [&, file](int writer, OwnTask* rest) {
-        if (peers.rank() == 0) note(&gathered, file, writer);
+        if (peers.rank() == 0) {
+          EXPECT_TRUE(note(&gathered, file, writer).ok());
+        }
         *rest = [&, file] { return note(&written, file, peers.rank()); };
         return Status::Ok();
       };
