@@ -11,6 +11,7 @@
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
+#include "plumbline/solvers/loop_closure/loop_acceptance.h"
 #include "plumbline/solvers/loop_closure/loop_closure.h"
 #include "plumbline/solvers/loop_closure/tied_places.h"
 
@@ -45,12 +46,12 @@ constexpr double kSameConflict = 0.01;
 // Furniture that was moved bends sessions at some of the places where they are tied. A building
 // that is merely much like this one bends them at nearly all: they have other dimensions.
 constexpr double kMaxBentShare = 0.5;
-// A place counts as bent if its relief (TiedPlace) is more than this. Closures along corridors give
-// way, and show little of a bend: so it is the 95 % point of chi-squared, three degrees of freedom,
-// and not as much as takes closures out at a single place ...
-constexpr double kMaxRelief = 7.8;
-// ... where it takes this many places or more to refuse a tie.
-constexpr std::size_t kMinPlaces = 3;
+// A place counts as bent if its relief (TiedPlace) is more than this: the 95 % point of
+// chi-squared, three degrees of freedom. Closures along corridors give way, and show little of a
+// bend.
+constexpr double kBentRelief = 7.8;
+// Fewer places count only from LoopAcceptance::kMaxRelief on, or chance would refuse a tie.
+constexpr std::size_t kEnoughPlaces = 3;
 // Ways that are tried with closures of their own.
 constexpr std::size_t kMaxAlignments = 4;
 
@@ -197,12 +198,13 @@ class AlignmentSearch {
   void CountBentPlaces(SessionAlignment* alignment) const {
     const KeyframeGraph& keys = alignment->group.keys;
     const std::vector<TiedPlace> places =
-        TestTiedPlaces(keys, first_of_b(), keys.size(), kMaxRelief, pool_);
+        TestTiedPlaces(keys, first_of_b(), keys.size(), kBentRelief, pool_);
+    const double limit = places.size() < kEnoughPlaces ? LoopAcceptance::kMaxRelief : kBentRelief;
     alignment->num_places = static_cast<int>(places.size());
-    for (const TiedPlace& place : places) {
-      const bool is_bent = places.size() < kMinPlaces ? place.is_bent() : place.relief > kMaxRelief;
-      if (is_bent) ++alignment->num_bent_places;
-    }
+    alignment->num_bent_places =
+        static_cast<int>(std::count_if(places.begin(), places.end(), [&](const TiedPlace& place) {
+          return place.relief > limit;
+        }));
   }
 
   // Whether loops were closed to the same result from another way: most of b lies where it does
