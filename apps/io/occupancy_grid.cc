@@ -193,6 +193,40 @@ void DropStrayReturns(const OccupancyScores& scores, OccupancyGrid* grid) {
   }
 }
 
+// Whether this process gets what is gathered at process `rank`, or at every one.
+bool IsFor(const Peers* peers, int rank) {
+  return peers == nullptr || rank == OccupancyScores::kEveryRank || rank == peers->rank();
+}
+
+Status BuildAt(const SlamGraph& graph, const MapState& state, int first_scan, int num_scans,
+               const OccupancyGridOptions& options, int rank, OccupancyGrid* grid) {
+  std::string error;
+  if (!options.Check(&error)) return Status::InvalidArgument("occupancy grid options: " + error);
+  if (state.poses.empty()) {
+    return Status::InvalidArgument("occupancy grid: the graph has no poses");
+  }
+  for (int pose = 0; pose < state.num_poses(); ++pose) {
+    if (IsFinite(state.WorldFromRobot(pose))) continue;
+    return Status::InvalidArgument("occupancy grid: pose " + std::to_string(pose) +
+                                   " is not finite");
+  }
+  MapExtent extent;
+  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, kCropShare, &extent));
+  OccupancyGrid result;
+  PLUMBLINE_RETURN_IF_ERROR(LayGrid(extent, options, &result));
+  OccupancyScores scores(result.width, result.height);
+  ScanScorer scorer(graph, state, result, &scores);
+  const int end = FirstOwnScanFrom(graph, first_scan + num_scans);
+  for (int scan = FirstOwnScanFrom(graph, first_scan); scan < end; ++scan) scorer.Add(scan);
+  scores.AddThoseOf(graph.peers(), rank);
+  if (IsFor(graph.peers(), rank)) {
+    Classify(scores, &result);
+    DropStrayReturns(scores, &result);
+  }
+  *grid = std::move(result);
+  return Status::Ok();
+}
+
 }  // namespace
 
 bool OccupancyGridOptions::Check(std::string* error) const {
@@ -214,35 +248,18 @@ Status CheckGridSize(const SlamGraph& graph, const MapState& state,
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  const auto num_scans = static_cast<int>(graph.all_scans().size());
-  return BuildOccupancyGrid(graph, state, 0, num_scans, options, grid);
+  return GatherOccupancyGrid(graph, state, options, OccupancyScores::kEveryRank, grid);
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
                           int num_scans, const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  std::string error;
-  if (!options.Check(&error)) return Status::InvalidArgument("occupancy grid options: " + error);
-  if (state.poses.empty()) {
-    return Status::InvalidArgument("occupancy grid: the graph has no poses");
-  }
-  for (int pose = 0; pose < state.num_poses(); ++pose) {
-    if (IsFinite(state.WorldFromRobot(pose))) continue;
-    return Status::InvalidArgument("occupancy grid: pose " + std::to_string(pose) +
-                                   " is not finite");
-  }
-  MapExtent extent;
-  PLUMBLINE_RETURN_IF_ERROR(FindExtent(graph, state, kCropShare, &extent));
-  OccupancyGrid result;
-  PLUMBLINE_RETURN_IF_ERROR(LayGrid(extent, options, &result));
-  OccupancyScores scores(result.width, result.height);
-  ScanScorer scorer(graph, state, result, &scores);
-  const int end = FirstOwnScanFrom(graph, first_scan + num_scans);
-  for (int scan = FirstOwnScanFrom(graph, first_scan); scan < end; ++scan) scorer.Add(scan);
-  scores.AddThoseOf(graph.peers());
-  Classify(scores, &result);
-  DropStrayReturns(scores, &result);
-  *grid = std::move(result);
-  return Status::Ok();
+  return BuildAt(graph, state, first_scan, num_scans, options, OccupancyScores::kEveryRank, grid);
+}
+
+Status GatherOccupancyGrid(const SlamGraph& graph, const MapState& state,
+                           const OccupancyGridOptions& options, int rank, OccupancyGrid* grid) {
+  const auto num_scans = static_cast<int>(graph.all_scans().size());
+  return BuildAt(graph, state, 0, num_scans, options, rank, grid);
 }
 
 }  // namespace plumbline

@@ -27,7 +27,7 @@ struct OccupancyGrid {
 };
 
 struct OccupancyGridOptions {
-  static constexpr double kBytesPerCell = 5.0;  ///< what a cell takes while the grid is built
+  static constexpr double kBytesPerCell = 5.0;  ///< what a cell takes at most while it is built
 
   double resolution_m = 0.05;  ///< from a millimetre to 100 m, a cell of which holds a building
   /// Most cells of a grid.
@@ -74,6 +74,11 @@ Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
 /// so that grids of different scans have the same cells.
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,
                           int num_scans, const OccupancyGridOptions& options, OccupancyGrid* grid);
+
+/// The same as the first for process `rank` alone (collective): the others get a grid without cells
+/// and keep nothing of it. `rank` does not matter for a graph without peers.
+Status GatherOccupancyGrid(const SlamGraph& graph, const MapState& state,
+                           const OccupancyGridOptions& options, int rank, OccupancyGrid* grid);
 
 }  // namespace plumbline
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+
+#include "plumbline/core/over_peers.h"
 
 namespace plumbline {
 namespace {
@@ -28,18 +31,20 @@ struct Crossings {
 }  // namespace
 
 OccupancyScores::OccupancyScores(int width, int height)
-    : width_(width), height_(height), differences_(static_cast<std::size_t>(width + 1) * height) {
+    : width_(width),
+      height_(height),
+      blocks_per_row_(width / kBlockSide + 1),
+      blocks_(blocks_per_row_ * (height / kBlockSide + 1)) {
   BeginScan();
 }
 
 void OccupancyScores::Add(std::int64_t x, std::int64_t y, std::int32_t amount) {
   if (x < 0 || x >= width_ || y < 0 || y >= height_) return;
-  const std::size_t cell = static_cast<std::size_t>(y) * (width_ + 1) + x;
+  const std::size_t cell = static_cast<std::size_t>(y) * width_ + x;
   if (std::find(recent_.begin(), recent_.end(), cell) != recent_.end()) return;
   recent_[num_added_++ % recent_.size()] = cell;
-  std::int32_t* difference = &differences_[cell];
-  difference[0] += amount;
-  difference[1] -= amount;
+  Difference(static_cast<int>(x), static_cast<int>(y)) += amount;
+  Difference(static_cast<int>(x) + 1, static_cast<int>(y)) -= amount;
 }
 
 void OccupancyScores::AddToCell(const Eigen::Vector2d& point, std::int32_t amount) {
@@ -74,19 +79,57 @@ void OccupancyScores::AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d
   const std::int32_t amount = up ? 1 : -1;
   const double slope = (high.x() - low.x()) / (high.y() - low.y());
   double x = low.x() + (row + 0.5 - low.y()) * slope;
-  std::int32_t* differences = &differences_[static_cast<std::size_t>(row) * (width_ + 1)];
   for (; row < end; ++row) {
-    differences[FirstCentre(x, width_)] += amount;
-    differences += width_ + 1;
+    Difference(FirstCentre(x, width_), row) += amount;
     x += slope;
   }
 }
 
+std::vector<std::int32_t> OccupancyScores::Packed() const {
+  std::vector<std::int32_t> packed;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    if (blocks_[i].empty()) continue;
+    packed.push_back(static_cast<std::int32_t>(i));
+    packed.insert(packed.end(), blocks_[i].begin(), blocks_[i].end());
+  }
+  return packed;
+}
+
+void OccupancyScores::AddPacked(const std::vector<std::int32_t>& packed) {
+  constexpr std::size_t kCells = kBlockSide * kBlockSide;
+  for (auto from = packed.begin(); from != packed.end(); from += kCells) {
+    Block& block = blocks_[*from++];
+    block.resize(kCells);
+    std::transform(block.begin(), block.end(), from, block.begin(), std::plus<>());
+  }
+}
+
+void OccupancyScores::AddThoseOf(const Peers* peers, int rank) {
+  if (peers == nullptr) return;
+  std::vector<std::vector<std::int32_t>> to_rank(peers->size());
+  for (int other = 0; other < peers->size(); ++other) {
+    if (other != peers->rank() && (rank == other || rank == kEveryRank)) to_rank[other] = Packed();
+  }
+  if (rank != peers->rank() && rank != kEveryRank) blocks_.assign(blocks_.size(), Block());
+  for (const std::vector<std::int32_t>& of_rank : ExchangeValues(*peers, to_rank)) {
+    AddPacked(of_rank);
+  }
+}
+
 void OccupancyScores::Row(int y, std::vector<std::int32_t>* scores) const {
-  const std::int32_t* differences = &differences_[static_cast<std::size_t>(y) * (width_ + 1)];
   scores->resize(width_);
+  const Block* block = &blocks_[y / kBlockSide * blocks_per_row_];
   std::int32_t sum = 0;
-  for (int x = 0; x < width_; ++x) (*scores)[x] = sum += differences[x];
+  for (int first = 0; first < width_; first += kBlockSide, ++block) {
+    const auto to = scores->begin() + first;
+    const int count = std::min(kBlockSide, width_ - first);
+    if (block->empty()) {
+      std::fill_n(to, count, sum);
+      continue;
+    }
+    const auto from = block->begin() + y % kBlockSide * kBlockSide;
+    for (int x = 0; x < count; ++x) to[x] = sum += from[x];
+  }
 }
 
 }  // namespace plumbline

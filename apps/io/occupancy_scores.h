@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "plumbline/core/over_peers.h"
+#include "plumbline/core/peers.h"
 
 namespace plumbline {
 
@@ -16,7 +16,9 @@ namespace plumbline {
 /// Coordinates are in cells from the lower left corner: cell (x, y) has its centre at
 /// (x + 0.5, y + 0.5). What lies outside is cut off. Coordinates are finite, at most 1e12.
 ///
-/// Kept as differences along each row, so that an area costs as much as its outline is long.
+/// Kept as differences along each row, so that an area costs as much as its outline is long, and in
+/// blocks of which only those take memory that an outline or a line goes through: most of a large
+/// map is unknown.
 class OccupancyScores {
  public:
   OccupancyScores(int width, int height);
@@ -36,21 +38,38 @@ class OccupancyScores {
   /// go around clockwise and -1 where they go around counter-clockwise.
   void AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
-  /// Adds what other processes have added to scores of a grid of the same size (collective).
-  void AddThoseOf(const Peers* peers) { SumOverPeers(peers, &differences_); }
+  /// Adds what other processes have added to scores of a grid of the same size (collective): to
+  /// those of process `rank`, or of all where it is kEveryRank. The others are empty afterwards.
+  void AddThoseOf(const Peers* peers, int rank = kEveryRank);
+  static constexpr int kEveryRank = -1;
 
   /// The scores of a row, one per cell.
   void Row(int y, std::vector<std::int32_t>* scores) const;
 
  private:
+  static constexpr int kBlockSide = 64;
+  // Row by row; none where nothing was added.
+  using Block = std::vector<std::int32_t>;
+
   void Add(std::int64_t x, std::int64_t y, std::int32_t amount);
+  // x: up to width_. That of the last column is never read.
+  std::int32_t& Difference(int x, int y) {
+    Block& block =
+        blocks_[static_cast<std::size_t>(y / kBlockSide) * blocks_per_row_ + x / kBlockSide];
+    if (block.empty()) block.resize(kBlockSide * kBlockSide);
+    return block[y % kBlockSide * kBlockSide + x % kBlockSide];
+  }
+  // The number of each block that is not empty, and what it holds.
+  std::vector<std::int32_t> Packed() const;
+  void AddPacked(const std::vector<std::int32_t>& packed);
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
   const int width_, height_;
+  const std::size_t blocks_per_row_;
   std::array<std::size_t, 4> recent_;  // the cells that were added to last
   std::size_t num_added_ = 0;
-  std::vector<std::int32_t> differences_;  // width_ + 1 per row: the last one is never read
+  std::vector<Block> blocks_;
 };
 
 }  // namespace plumbline

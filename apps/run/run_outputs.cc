@@ -36,10 +36,10 @@ WriteTask BeforeAfterTask(const std::string& path, const RefinedMap& map, int si
 // A robot can drive with a coarse map, but not without one.
 WriteTask RobotMapTask(const std::string& stem, const RefinedMap& map,
                        const RunOutputOptions& options) {
-  return [=](int, OwnTask* rest) {
+  return [=](int writer, OwnTask* rest) {
     const auto grid = std::make_shared<OccupancyGrid>();
     PLUMBLINE_RETURN_IF_ERROR(
-        BuildOccupancyGrid(*map.graph, *map.state, options.GridOptions(), grid.get()));
+        GatherOccupancyGrid(*map.graph, *map.state, options.GridOptions(), writer, grid.get()));
     *rest = [=] { return WriteRosMap(stem, *grid); };
     if (grid->resolution_m > options.map_resolution_m && map.map_warning != nullptr) {
       std::ostringstream warning;
@@ -120,7 +120,7 @@ Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapS
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
   OccupancyGrid grid;
-  PLUMBLINE_RETURN_IF_ERROR(BuildOccupancyGrid(graph, state, options, &grid));
+  PLUMBLINE_RETURN_IF_ERROR(GatherOccupancyGrid(graph, state, options, 0, &grid));
   return SpeaksForAll(graph.peers()) ? WriteRosMap(stem, grid) : Status::Ok();
 }
 

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "plumbline/test/core/thread_peers.h"
+
 namespace plumbline {
 namespace {
 
@@ -86,20 +88,23 @@ TEST(OccupancyScoresTest, AnOutlineCountsTheCentresInIt) {
 }
 
 TEST(OccupancyScoresTest, OutlinesOfAnyShapeFillWhatIsInside) {
+  constexpr int kSides[] = {20, 130};  // less than a block, and more than two
   std::mt19937 engine(6);
-  std::uniform_real_distribution<double> uniform(-5.0, 25.0);
   for (int i = 0; i < 100; ++i) {
+    const int size = kSides[i % 2];
+    std::uniform_real_distribution<double> uniform(-0.25 * size, 1.25 * size);
     const Eigen::Vector2d a(uniform(engine), uniform(engine)), b(uniform(engine), uniform(engine)),
         c(uniform(engine), uniform(engine));
-    OccupancyScores scores(20, 20);
+    OccupancyScores scores(size, size);
     AddOutline({a, b, c}, &scores);
     const auto side = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q,
                          const Eigen::Vector2d& r) {
       return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
     };
-    for (int y = 0; y < 20; ++y) {
+    for (int y = 0; y < size; ++y) {
       const std::vector<std::int32_t> row = Row(scores, y);
-      for (int x = 0; x < 20; ++x) {
+      ASSERT_EQ(row.size(), static_cast<std::size_t>(size));
+      for (int x = 0; x < size; ++x) {
         const Eigen::Vector2d centre(x + 0.5, y + 0.5);
         const double ab = side(a, b, centre), bc = side(b, c, centre), ca = side(c, a, centre);
         const int expected = ab < 0 && bc < 0 && ca < 0 ? 1 : ab > 0 && bc > 0 && ca > 0 ? -1 : 0;
@@ -107,6 +112,34 @@ TEST(OccupancyScoresTest, OutlinesOfAnyShapeFillWhatIsInside) {
       }
     }
   }
+}
+
+// What a process with a share of the outlines, or with all of them, has.
+OccupancyScores SomeOutlines(int first, int step) {
+  OccupancyScores scores(200, 100);
+  for (int i = first; i < 12; i += step) {
+    const double x = 15.0 * i, y = 5.0 * i;
+    AddOutline({{x, y}, {x, y + 40.0}, {x + 30.0, y + 40.0}, {x + 30.0, y}}, &scores);
+    scores.BeginScan();
+    scores.AddToLine({x, y}, {x + 30.0, y + 20.0}, 3);
+  }
+  return scores;
+}
+
+TEST(OccupancyScoresTest, ProcessesAddUpTheirsForAllOrForOne) {
+  const OccupancyScores whole = SomeOutlines(0, 1);
+  const std::vector<std::int32_t> nothing(200, 0);
+  for (const int receiver : {OccupancyScores::kEveryRank, 0, 2}) {
+    RunOnPeers(3, [&](const Peers& peers) {
+      OccupancyScores scores = SomeOutlines(peers.rank(), 3);
+      scores.AddThoseOf(&peers, receiver);
+      const bool receives = receiver == OccupancyScores::kEveryRank || receiver == peers.rank();
+      for (int y = 0; y < 100; ++y) {
+        EXPECT_EQ(Row(scores, y), receives ? Row(whole, y) : nothing) << y;
+      }
+    });
+  }
+  EXPECT_NE(Row(whole, 50), nothing);
 }
 
 }  // namespace
