@@ -86,7 +86,9 @@ void OccupancyScores::AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d
 }
 
 std::vector<std::int32_t> OccupancyScores::Packed() const {
+  const std::size_t num_empty = std::count(blocks_.begin(), blocks_.end(), Block());
   std::vector<std::int32_t> packed;
+  packed.reserve((blocks_.size() - num_empty) * (1 + kCellsPerBlock));
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     if (blocks_[i].empty()) continue;
     packed.push_back(static_cast<std::int32_t>(i));
@@ -96,10 +98,9 @@ std::vector<std::int32_t> OccupancyScores::Packed() const {
 }
 
 void OccupancyScores::AddPacked(const std::vector<std::int32_t>& packed) {
-  constexpr std::size_t kCells = kBlockSide * kBlockSide;
-  for (auto from = packed.begin(); from != packed.end(); from += kCells) {
+  for (auto from = packed.begin(); from != packed.end(); from += kCellsPerBlock) {
     Block& block = blocks_[*from++];
-    block.resize(kCells);
+    block.resize(kCellsPerBlock);
     std::transform(block.begin(), block.end(), from, block.begin(), std::plus<>());
   }
 }

@@ -48,6 +48,7 @@ class OccupancyScores {
 
  private:
   static constexpr int kBlockSide = 64;
+  static constexpr std::ptrdiff_t kCellsPerBlock = kBlockSide * kBlockSide;
   // Row by row; none where nothing was added.
   using Block = std::vector<std::int32_t>;
 
@@ -56,7 +57,7 @@ class OccupancyScores {
   std::int32_t& Difference(int x, int y) {
     Block& block =
         blocks_[static_cast<std::size_t>(y / kBlockSide) * blocks_per_row_ + x / kBlockSide];
-    if (block.empty()) block.resize(kBlockSide * kBlockSide);
+    if (block.empty()) block.resize(kCellsPerBlock);
     return block[y % kBlockSide * kBlockSide + x % kBlockSide];
   }
   // The number of each block that is not empty, and what it holds.

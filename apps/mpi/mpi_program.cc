@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "plumbline/apps/io/temporary_files.h"
-#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/stop_signal.h"
 
 namespace plumbline {
@@ -94,10 +93,7 @@ MpiProgram::~MpiProgram() {
 
 int MpiProgram::Run(const std::vector<FileFlag>& files, const std::function<Status()>& check_flags,
                     const std::function<Status()>& run) {
-  const ProgramEnd end = RunQuietly(files, check_flags, [&] {
-    if (peers_->size() > 1) GiveLargeArraysBack();
-    return run();
-  });
+  const ProgramEnd end = RunQuietly(files, check_flags, run);
   const bool has_failed = !end.message.empty();
   std::cerr.rdbuf(errors_);
   const std::string with_rank = "rank " + std::to_string(peers_->rank()) + ": " + end.message;

@@ -45,7 +45,8 @@ Status ReadCarmen(const std::string& path, const LogReadOptions& options, LogNot
   }
   WarnOfOtherMountings(path, EstimateLaserMounting(log), notes);
   notes->counts = {log.num_issues, log.num_out_of_order};
-  const Status built = BuildGraph(std::move(log), options.max_scans, GiveFreedMemoryBack, graph);
+  const Status built = BuildGraph(
+      std::move(log), options.max_scans, [] { GiveFreedMemoryBack(); }, graph);
   return built.ok() ? built : Status::InvalidArgument(path + ": " + built.message());
 }
 

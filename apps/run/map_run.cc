@@ -74,7 +74,8 @@ Status MapRun::RecordStart(const Stage* odometry) {
 }
 
 Status MapRun::Refine() {
-  GiveFreedMemoryBack();  // much of what the seeding left is too small for what comes now
+  // Much of what the seeding left is too small for what comes now.
+  GiveFreedMemoryBack(mapping_->graph.num_returns_of_all());
   std::cout << ProgressHeader() << '\n';
   options_.solver.callback = [](const IterationSummary& iteration) {
     std::cout << ProgressRow(iteration) << '\n' << std::flush;
@@ -91,13 +92,29 @@ Status MapRun::Refine() {
 }
 
 Status MapRun::WriteMap(ExtraResults extras) {
-  GiveFreedMemoryBack();  // much of what the estimation left is too small for an array of points
+  // Much of what the estimation left is too small for an array of points.
+  GiveFreedMemoryBack(mapping_->graph.num_returns_of_all());
   extras_ = std::move(extras);
   std::string map_warning;
   RefinedMap map = RefinedMapOf(*mapping_);
   map.picture_area = AddMap("Refined", "map_refined.png");
   map.map_warning = &map_warning;
-  std::vector<WriteTask> tasks = MapWriteTasks(map, outputs_, output_);
+  MapPictureOptions closures;
+  PLUMBLINE_RETURN_IF_ERROR(
+      ShowClosures(mapping_->state, mapping_->report.seeding.loops.matches, &closures));
+  // Processes take turns: this order gives two of them about as much to draw.
+  std::vector<WriteTask> tasks = {WriteTrajectory("trajectory.tum"),
+                                  DrawTask(output_.File("closures.png"), mapping_->graph,
+                                           mapping_->state, closures, outputs_.picture_side_px)};
+  const std::vector<WriteTask> of_map = MapWriteTasks(map, outputs_, output_);
+  tasks.insert(tasks.end(), of_map.begin(), of_map.end());
+  tasks.push_back(ByOne([this] {
+    return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
+                                 mapping_->report.seeding.pose_graph, mapping_->before_from_after);
+  }));
+  tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
+  Status saved;
+  if (outputs_.save_map) tasks.push_back(Together([&] { return SaveMap(&saved); }));
   // Long, but not first: at first there is least memory left.
   Stage measured, optimised;
   tasks.push_back(Together([&] {
@@ -106,19 +123,6 @@ Status MapRun::WriteMap(ExtraResults extras) {
   }));
   tasks.push_back(
       Together([&] { return Measure("refined, optimised points", mapping_->state, &optimised); }));
-  tasks.insert(tasks.end(), extras_.tasks.begin(), extras_.tasks.end());
-  MapPictureOptions closures;
-  PLUMBLINE_RETURN_IF_ERROR(
-      ShowClosures(mapping_->state, mapping_->report.seeding.loops.matches, &closures));
-  tasks.push_back(DrawTask(output_.File("closures.png"), mapping_->graph, mapping_->state, closures,
-                           outputs_.picture_side_px));
-  tasks.push_back(WriteTrajectory("trajectory.tum"));
-  tasks.push_back(ByOne([this] {
-    return WriteRefinedPoseGraph(output_.File("graph.g2o"), mapping_->state.poses,
-                                 mapping_->report.seeding.pose_graph, mapping_->before_from_after);
-  }));
-  Status saved;
-  if (outputs_.save_map) tasks.push_back(Together([&] { return SaveMap(&saved); }));
   PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
   if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
   if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());

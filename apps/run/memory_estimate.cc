@@ -246,8 +246,8 @@ std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, cons
   const double results = expected.results + grid;
   constexpr double kMuchMore = 1.25;
   if (expected.uses_disk || results <= kMuchMore * expected.Peak()) return "";
-  return "The results need more memory than that, about " + MbText(results) +
-         ": the occupancy grid takes " + MbText(grid) + '\n';
+  return "The results may need more memory than that, up to " + MbText(results) +
+         ": the occupancy grid takes up to " + MbText(grid) + '\n';
 }
 
 Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,

@@ -21,6 +21,7 @@
 #include "plumbline/apps/report/seeding_text.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/memory_estimate.h"
+#include "plumbline/apps/run/share_mapping.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
@@ -85,6 +86,7 @@ class PoseGraphRun {
         JoinOverPeers(options_.peers, std::vector<int>{file_.num_robot_poses}).front();
     PLUMBLINE_RETURN_IF_ERROR(
         ShareGraphByPlace(options_.peers, file_.graph.initial_poses(), &file_.graph));
+    SaveMemory(file_.graph.num_returns_of_all());
     state_ = file_.graph.InitialState();
     return Status::Ok();
   }

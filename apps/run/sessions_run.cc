@@ -157,8 +157,10 @@ class SessionsRun {
       PLUMBLINE_RETURN_IF_ERROR(BySpeaker(peers(), [this] { return Seed(); }));
       return ShareSessions(peers(), options_.mapping, &pool_, &mapping_);
     }
+    std::size_t num_returns = 0;
     for (LogMapping& session : sessions_) {
       PLUMBLINE_RETURN_IF_ERROR(ShareLog(peers(), &session));
+      SaveMemory(num_returns += session.graph.num_returns_of_all());
     }
     return Seed();
   }

@@ -302,6 +302,8 @@ bool AreSoughtAlike(const LoopCandidate& a, const LoopCandidate& b) {
 }
 
 // Of the candidates, by index: those with the same earlier keyframe, and each wide one by itself.
+// Large groups come first, so that threads and processes that share them end at about the same
+// time.
 std::vector<std::vector<std::size_t>> GroupBySurroundings(
     const std::vector<LoopCandidate>& candidates) {
   std::vector<std::vector<std::size_t>> groups;
@@ -316,6 +318,8 @@ std::vector<std::vector<std::size_t>> GroupBySurroundings(
       groups[group->second].push_back(i);
     }
   }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
   return groups;
 }
 

@@ -93,8 +93,9 @@ TEST_F(MemoryEstimateTest, TheGridIsMadeToFitAndToldOf) {
   ASSERT_GT(num_cells, 2e6);
   const auto text_of = [](double cells) {
     std::ostringstream text;
-    text << std::fixed << std::setprecision(0) << "The results need more memory than that, about "
-         << 10.0 + 5e-6 * cells << " MB: the occupancy grid takes " << 5e-6 * cells << " MB\n";
+    text << std::fixed << std::setprecision(0)
+         << "The results may need more memory than that, up to " << 10.0 + 5e-6 * cells
+         << " MB: the occupancy grid takes up to " << 5e-6 * cells << " MB\n";
     return text.str();
   };
   EXPECT_EQ(FitGrid(expected, graph_, state_, 0.0, &outputs), text_of(num_cells));
