@@ -19,7 +19,8 @@ namespace plumbline {
 ///                       bytes per return   kB per scan
 ///   seeding                    24               5
 ///   results                    40               2      and 20 bytes per pixel of a picture,
-///                                                      up to 5 per cell of the occupancy grid (FitGrid)
+///                                                      up to 5 per cell of the occupancy grid
+///                                                      (FitGrid)
 ///   pose_graph, sgd            24               5
 ///   reduced                    40               2
 ///   alternating_cg            500               2
