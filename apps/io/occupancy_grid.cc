@@ -193,11 +193,6 @@ void DropStrayReturns(const OccupancyScores& scores, OccupancyGrid* grid) {
   }
 }
 
-// Whether this process gets what is gathered at process `rank`, or at every one.
-bool IsFor(const Peers* peers, int rank) {
-  return peers == nullptr || rank == OccupancyScores::kEveryRank || rank == peers->rank();
-}
-
 Status BuildAt(const SlamGraph& graph, const MapState& state, int first_scan, int num_scans,
                const OccupancyGridOptions& options, int rank, OccupancyGrid* grid) {
   std::string error;
@@ -218,8 +213,7 @@ Status BuildAt(const SlamGraph& graph, const MapState& state, int first_scan, in
   ScanScorer scorer(graph, state, result, &scores);
   const int end = FirstOwnScanFrom(graph, first_scan + num_scans);
   for (int scan = FirstOwnScanFrom(graph, first_scan); scan < end; ++scan) scorer.Add(scan);
-  scores.AddThoseOf(graph.peers(), rank);
-  if (IsFor(graph.peers(), rank)) {
+  if (scores.AddThoseOf(graph.peers(), rank)) {
     Classify(scores, &result);
     DropStrayReturns(scores, &result);
   }
@@ -248,7 +242,8 @@ Status CheckGridSize(const SlamGraph& graph, const MapState& state,
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state,
                           const OccupancyGridOptions& options, OccupancyGrid* grid) {
-  return GatherOccupancyGrid(graph, state, options, OccupancyScores::kEveryRank, grid);
+  const auto num_scans = static_cast<int>(graph.all_scans().size());
+  return BuildOccupancyGrid(graph, state, 0, num_scans, options, grid);
 }
 
 Status BuildOccupancyGrid(const SlamGraph& graph, const MapState& state, int first_scan,

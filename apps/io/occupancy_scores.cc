@@ -85,11 +85,9 @@ void OccupancyScores::AddEdge(const Eigen::Vector2d& from, const Eigen::Vector2d
   }
 }
 
-std::vector<std::int32_t> OccupancyScores::Packed() const {
-  const std::size_t num_empty = std::count(blocks_.begin(), blocks_.end(), Block());
+std::vector<std::int32_t> OccupancyScores::Packed(std::size_t begin, std::size_t end) const {
   std::vector<std::int32_t> packed;
-  packed.reserve((blocks_.size() - num_empty) * (1 + kCellsPerBlock));
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     if (blocks_[i].empty()) continue;
     packed.push_back(static_cast<std::int32_t>(i));
     packed.insert(packed.end(), blocks_[i].begin(), blocks_[i].end());
@@ -105,16 +103,24 @@ void OccupancyScores::AddPacked(const std::vector<std::int32_t>& packed) {
   }
 }
 
-void OccupancyScores::AddThoseOf(const Peers* peers, int rank) {
-  if (peers == nullptr) return;
-  std::vector<std::vector<std::int32_t>> to_rank(peers->size());
-  for (int other = 0; other < peers->size(); ++other) {
-    if (other != peers->rank() && (rank == other || rank == kEveryRank)) to_rank[other] = Packed();
+bool OccupancyScores::AddThoseOf(const Peers* peers, int rank) {
+  if (peers == nullptr) return true;
+  const bool receives = rank == kEveryRank || rank == peers->rank();
+  // In pieces of 4 MB: what is on its way takes memory once more.
+  constexpr std::size_t kBlocksAtOnce = 256;
+  for (std::size_t begin = 0; begin < blocks_.size(); begin += kBlocksAtOnce) {
+    const std::size_t end = std::min(begin + kBlocksAtOnce, blocks_.size());
+    const std::vector<std::int32_t> own = Packed(begin, end);
+    std::vector<std::vector<std::int32_t>> to_rank(peers->size());
+    for (int other = 0; other < peers->size(); ++other) {
+      if (other != peers->rank() && (rank == kEveryRank || rank == other)) to_rank[other] = own;
+    }
+    if (!receives) std::fill(blocks_.begin() + begin, blocks_.begin() + end, Block());
+    for (const std::vector<std::int32_t>& of_rank : ExchangeValues(*peers, to_rank)) {
+      AddPacked(of_rank);
+    }
   }
-  if (rank != peers->rank() && rank != kEveryRank) blocks_.assign(blocks_.size(), Block());
-  for (const std::vector<std::int32_t>& of_rank : ExchangeValues(*peers, to_rank)) {
-    AddPacked(of_rank);
-  }
+  return receives;
 }
 
 void OccupancyScores::Row(int y, std::vector<std::int32_t>* scores) const {

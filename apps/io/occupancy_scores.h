@@ -40,7 +40,8 @@ class OccupancyScores {
 
   /// Adds what other processes have added to scores of a grid of the same size (collective): to
   /// those of process `rank`, or of all where it is kEveryRank. The others are empty afterwards.
-  void AddThoseOf(const Peers* peers, int rank = kEveryRank);
+  /// Whether this process has got the sum; true without peers.
+  bool AddThoseOf(const Peers* peers, int rank);
   static constexpr int kEveryRank = -1;
 
   /// The scores of a row, one per cell.
@@ -60,8 +61,8 @@ class OccupancyScores {
     if (block.empty()) block.resize(kCellsPerBlock);
     return block[y % kBlockSide * kBlockSide + x % kBlockSide];
   }
-  // The number of each block that is not empty, and what it holds.
-  std::vector<std::int32_t> Packed() const;
+  // Of the blocks from `begin` to before `end` that are not empty, the number and what they hold.
+  std::vector<std::int32_t> Packed(std::size_t begin, std::size_t end) const;
   void AddPacked(const std::vector<std::int32_t>& packed);
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

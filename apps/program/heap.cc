@@ -14,8 +14,8 @@ namespace {
 bool gives_large_arrays_back = false;
 
 #ifdef __GLIBC__
-// The heap grows by much at once, so that its pages can be large from the start: the system hands
-// out as many bytes in a tenth of the time. No memory is taken before it is used.
+// The heap grows by much at once, so that its pages can be large from the start. No memory is taken
+// before it is used.
 void UseLargePages() {
   constexpr std::size_t kBytes = std::size_t{1} << 30, kPage = std::size_t{1} << 21;
   void* const grown = std::malloc(kBytes);

@@ -86,7 +86,7 @@ class PoseGraphRun {
         JoinOverPeers(options_.peers, std::vector<int>{file_.num_robot_poses}).front();
     PLUMBLINE_RETURN_IF_ERROR(
         ShareGraphByPlace(options_.peers, file_.graph.initial_poses(), &file_.graph));
-    SaveMemory(file_.graph.num_returns_of_all());
+    SaveMemory(*options_.peers, file_.graph.num_returns_of_all());
     state_ = file_.graph.InitialState();
     return Status::Ok();
   }

@@ -160,8 +160,9 @@ class SessionsRun {
     std::size_t num_returns = 0;
     for (LogMapping& session : sessions_) {
       PLUMBLINE_RETURN_IF_ERROR(ShareLog(peers(), &session));
-      SaveMemory(num_returns += session.graph.num_returns_of_all());
+      num_returns += session.graph.num_returns_of_all();
     }
+    SaveMemory(*peers(), num_returns);
     return Seed();
   }
 

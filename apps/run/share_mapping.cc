@@ -65,16 +65,16 @@ bool ComputeAlike(const Peers& peers) {
 }
 
 // Of the whole log, of which each process now has a part.
-void SaveMemoryOfLog(const SlamGraph& part) {
+void SaveMemoryOfLog(const Peers& peers, const SlamGraph& part) {
   const std::size_t num_returns = part.num_returns_of_all();
-  SaveMemory(num_returns);
+  SaveMemory(peers, num_returns);
   GiveFreedMemoryBack(num_returns);
 }
 
 }  // namespace
 
-void SaveMemory(std::size_t num_returns) {
-  if (num_returns >= kManyReturns) GiveLargeArraysBack();
+void SaveMemory(const Peers& peers, std::size_t num_returns) {
+  if (peers.size() > 1 && num_returns >= kManyReturns) GiveLargeArraysBack();
 }
 
 bool CanShareSeeding(const Peers& peers, bool says_it_can) {
@@ -91,7 +91,7 @@ Status ShareLog(const Peers* peers, LogMapping* mapping) {
     rank_of_pose = PartitionByTime(mapping->graph.num_poses(), peers->size());
   }
   PLUMBLINE_RETURN_IF_ERROR(ShareGraph(peers, std::move(rank_of_pose), &mapping->graph));
-  SaveMemoryOfLog(mapping->graph);
+  SaveMemoryOfLog(*peers, mapping->graph);
   mapping->state = {mapping->graph.initial_poses(), {}};
   return Status::Ok();
 }
@@ -104,7 +104,7 @@ Status ShareMapping(const Peers* peers, const MapLogOptions& options, ThreadPool
   ShareRangeNoise(peers, &mapping->report);
   ShareSeed(peers, mapping);
   PLUMBLINE_RETURN_IF_ERROR(ShareGraphByPlace(peers, mapping->start_poses, &mapping->graph));
-  SaveMemoryOfLog(mapping->graph);
+  SaveMemoryOfLog(*peers, mapping->graph);
   MeasureSurfaceOf(options, pool, mapping);
   mapping->state.poses = mapping->start_poses;
   return Status::Ok();

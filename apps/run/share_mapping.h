@@ -15,8 +15,8 @@ namespace plumbline {
 /// take the decisions of the seeding for itself. Collective.
 bool CanShareSeeding(const Peers& peers, bool says_it_can);
 
-/// Takes less memory and more time from now on, if the processes share many returns.
-void SaveMemory(std::size_t num_returns_of_all);
+/// From now on takes less memory and more time, if several processes share many returns.
+void SaveMemory(const Peers& peers, std::size_t num_returns_of_all);
 
 /// Divides a log that process 0 has taken over (TakeLog) among all processes by time, for SeedLog;
 /// process 0 keeps the rest of its report. Collective. What *mapping was elsewhere does not matter.

@@ -132,8 +132,8 @@ TEST(OccupancyScoresTest, ProcessesAddUpTheirsForAllOrForOne) {
   for (const int receiver : {OccupancyScores::kEveryRank, 0, 2}) {
     RunOnPeers(3, [&](const Peers& peers) {
       OccupancyScores scores = SomeOutlines(peers.rank(), 3);
-      scores.AddThoseOf(&peers, receiver);
       const bool receives = receiver == OccupancyScores::kEveryRank || receiver == peers.rank();
+      EXPECT_EQ(scores.AddThoseOf(&peers, receiver), receives);
       for (int y = 0; y < 100; ++y) {
         EXPECT_EQ(Row(scores, y), receives ? Row(whole, y) : nothing) << y;
       }
