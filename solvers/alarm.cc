@@ -155,6 +155,16 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
   return alarms;
 }
 
+std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const SlamGraph& graph,
+                                       const std::vector<double>& poses) {
+  if (misplaced.empty()) return {};
+  const std::string scans = misplaced.size() == 1
+                                ? "this scan lies"
+                                : std::to_string(misplaced.size()) + " scans, from here on, lie";
+  return {{PlaceOfPose(graph, poses, misplaced.front()),
+           scans + " some decimetres beside where the map shows what they saw", std::nullopt}};
+}
+
 std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,
                                      const std::vector<double>& poses) {
   std::vector<Alarm> alarms;

@@ -51,6 +51,11 @@ std::vector<Alarm> MapAlarms(const MapConsistency& consistency, const SlamGraph&
 std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
                                      const SlamGraph& graph, const std::vector<double>& poses);
 
+/// Where scans fit the map, but not where they lie (FindMisplacedScans): at most one alarm.
+/// misplaced: such poses.
+std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const SlamGraph& graph,
+                                       const std::vector<double>& poses);
+
 /// Where one of several sessions was bent to fit the others.
 std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,
                                      const std::vector<double>& poses);

@@ -20,6 +20,7 @@
 #include "plumbline/solvers/front_end/range_noise.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
+#include "plumbline/solvers/loop_closure/misplaced_scans.h"
 #include "plumbline/solvers/loop_closure/seed_drive.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/sweep_order.h"
@@ -57,6 +58,52 @@ void Calibrate(const MapLogOptions& options, const SolverOptions& solver, LogMap
   calibration.corrections = MeasurementCorrections();  // the graph has them, and they are large
   mapping->before_from_after = mounting * mapping->graph.laser(0).robot_from_laser.Inverse();
   mapping->start_poses = Carried(mapping->start_poses, mapping->before_from_after);
+}
+
+std::vector<MisplacedScan> FindMisplaced(const MotionOptions& motion, ThreadPool* pool,
+                                         const LogMapping& mapping,
+                                         const std::vector<double>& state_poses) {
+  const std::vector<Pose2> poses = PosesOf(state_poses);
+  std::vector<Pose2> odometry(poses.size());
+  // Between sessions there is none: nothing is odd there.
+  for (std::size_t p = 1; p < poses.size(); ++p) odometry[p] = Between(poses[p - 1], poses[p]);
+  for (const OdometryConstraint& step : mapping.graph.odometry()) {
+    if (step.to == step.from + 1) odometry[step.to] = step.from_from_to;
+  }
+  return FindMisplacedScans(ScanSurfaces(mapping.graph, mapping.surface), odometry, motion, poses,
+                            pool);
+}
+
+// Begins the estimation again where scans lie beside where they fit, and keeps what it finds if
+// fewer do then. Gives the poses that still do.
+std::vector<int> PutScansWhereTheyFit(const SolverOptions& solver, ThreadPool* pool,
+                                      LogMapping* mapping) {
+  const auto find = [&](const std::vector<double>& poses) {
+    return FindMisplaced(solver.factors.motion, pool, *mapping, poses);
+  };
+  const auto poses_of = [](const std::vector<MisplacedScan>& scans) {
+    std::vector<int> poses;
+    for (const MisplacedScan& scan : scans) poses.push_back(scan.pose);
+    return poses;
+  };
+  const std::vector<MisplacedScan> before = find(mapping->state.poses);
+  if (before.empty()) return {};
+  std::vector<Pose2> poses = PosesOf(mapping->state.poses);
+  for (const MisplacedScan& scan : before) poses[scan.pose] = scan.world_from_robot;
+  MapState state{PoseArray(poses), {}};
+  SolverSummary summary = Solve(solver, mapping->surface, mapping->graph, &state);
+  if (!summary.IsSolutionUsable()) return poses_of(before);
+  const std::vector<MisplacedScan> after = find(state.poses);
+  if (after.size() >= before.size()) return poses_of(before);
+  const SolverSummary& first = mapping->report.solver;
+  summary.association_time_s += first.association_time_s;
+  summary.setup_time_s += first.setup_time_s;
+  summary.solve_time_s += first.solve_time_s;
+  summary.total_time_s += first.total_time_s;
+  mapping->state = std::move(state);
+  mapping->report.solver = std::move(summary);
+  mapping->report.misplaced_poses = poses_of(before);
+  return poses_of(after);
 }
 
 // The poses of the odometry, or of a chain of scan matches.
@@ -286,11 +333,17 @@ SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& 
 Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
   return CatchExceptions([&] {
     const SolverOptions solver = RefinementOptions(options, *mapping);
+    std::vector<int> misplaced;
     if (options.calibration.IsOn()) {
       Calibrate(options, solver, mapping);
     } else {
       MeasureMissingSurface(options, pool, mapping);
-      mapping->report.solver = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
+      SolverSummary& summary = mapping->report.solver;
+      summary = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
+      if (summary.IsSolutionUsable() && summary.termination != TerminationType::kUserStopped &&
+          !options.solver.MovesPosesOnly()) {
+        misplaced = PutScansWhereTheyFit(solver, pool, mapping);
+      }
     }
     mapping->surface = MeasuredSurface();  // as large as what comes next
     if (!mapping->report.solver.IsSolutionUsable()) {
@@ -303,6 +356,9 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
         MeasureMapConsistency(mapping->graph, PosesOf(mapping->state.poses), pool);
     mapping->report.alarms = RunAlarms(mapping->report.seeding, mapping->report.consistency,
                                        mapping->graph, mapping->state.poses);
+    for (Alarm& alarm : MisplacedScanAlarms(misplaced, mapping->graph, mapping->state.poses)) {
+      mapping->report.alarms.push_back(std::move(alarm));
+    }
     for (Alarm& alarm :
          BentStretchAlarms(mapping->report.bent_stretches, mapping->graph, mapping->state.poses)) {
       mapping->report.alarms.push_back(std::move(alarm));

@@ -48,7 +48,10 @@ struct MappingReport {
   SeedingReport seeding;  ///< how the start was found
   /// Of several sessions (MapSessions): where the seed bends one of them to fit the others.
   std::vector<BentStretch> bent_stretches;
-  SolverSummary solver;        ///< how the joint estimation went
+  SolverSummary solver;  ///< how the joint estimation went
+  /// Poses that it had left some decimetres beside where their scans fit: it began again with them
+  /// there, which is what `solver` tells of.
+  std::vector<int> misplaced_poses;
   Calibration calibration;     ///< empty if none was asked for
   MapConsistency consistency;  ///< of the map
   /// Where the map may be wrong, and why; empty if nothing speaks against it.
@@ -132,8 +135,10 @@ void MeasureSurfaceOf(const MapLogOptions& options, ThreadPool* pool, LogMapping
 /// Steps that the seeding found broken count no more.
 SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& mapping);
 
-/// Refines a log that has a seed. InvalidArgument with the solver's message if it refuses its
-/// input.
+/// Refines a log that has a seed. Where scans then lie beside where the map shows what they saw
+/// (FindMisplacedScans), it refines again with them there, and keeps that if fewer do; an alarm
+/// tells of the others. Not after a calibration, nor with a solver of poses only. InvalidArgument
+/// with the solver's message if it refuses its input.
 Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping);
 
 }  // namespace plumbline

@@ -77,6 +77,8 @@ void BindMapLog(py::module_* module) {
       .Field("sweep_order", &MappingReport::sweep_order, "None: all beams at once")
       .Field("seeding", &MappingReport::seeding, "how the start was found")
       .Field("solver", &MappingReport::solver, "how the joint estimation went")
+      .Field("misplaced_poses", &MappingReport::misplaced_poses,
+             "left beside where their scans fit: the estimation began again with them there")
       .Field("calibration", &MappingReport::calibration, "empty if none was asked for")
       .Field("consistency", &MappingReport::consistency, "of the map")
       .Field("alarms", &MappingReport::alarms, "empty if nothing speaks against the map");

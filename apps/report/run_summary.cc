@@ -175,6 +175,7 @@ Json RunSummaryJson(const RunSummary& summary) {
             {"refined", ConsistencyJson(summary.mapping.consistency)}}},
           {"seeding", SeedingJson(summary)},
           {"solver", SolverJson(summary.mapping.solver)},
+          {"misplaced_poses", summary.mapping.misplaced_poses},
           {"calibration", CalibrationJson(summary.mapping.calibration)},
           {"stages", StagesJson(summary.stages)},
           {"stopped_by", StoppedByJson(summary.stopped_by)},

@@ -85,9 +85,12 @@ Status MapRun::Refine() {
   const PeersTraffic before = peers != nullptr ? peers->traffic() : PeersTraffic();
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, pool_, mapping_));
   if (peers != nullptr) estimation_traffic_ = peers->traffic() - before;
-  std::cout << '\n'
-            << mapping_->report.solver.FullReport() << '\n'
-            << CalibrationText(mapping_->report.calibration);
+  std::cout << '\n' << mapping_->report.solver.FullReport() << '\n';
+  if (const std::size_t num_scans = mapping_->report.misplaced_poses.size(); num_scans > 0) {
+    std::cout << "The estimation began again, for it had left " << num_scans
+              << (num_scans == 1 ? " scan" : " scans") << " beside where the map shows the same.\n";
+  }
+  std::cout << CalibrationText(mapping_->report.calibration);
   return Status::Ok();
 }
 

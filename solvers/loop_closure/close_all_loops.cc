@@ -1,8 +1,11 @@
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
 
 #include <utility>
+#include <vector>
 
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/map_hypotheses.h"
+#include "plumbline/solvers/loop_closure/misplaced_scans.h"
 #include "plumbline/solvers/loop_closure/seed_pose_graph.h"
 
 namespace plumbline {
@@ -23,6 +26,14 @@ Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
   MapHypothesis best;
   PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, surfaces, progress, pool, *trajectory, ties,
                                                 &best, &report->hypotheses));
+  const std::vector<MisplacedScan> misplaced =
+      FindMisplacedScans(surfaces, best.start.odometry, motion, best.world_from_robot, pool);
+  for (const MisplacedScan& scan : misplaced) {
+    best.world_from_robot[scan.pose] = scan.world_from_robot;
+  }
+  if (!misplaced.empty()) {
+    best.consistency = MeasureMapConsistency(surfaces.graph(), best.world_from_robot, pool);
+  }
   report->pose_graph = SeedPoseGraph(best.keys, best.start, motion);
   // Between sessions things move.
   report->alarm = IsAlarming(best.loops, best.consistency) ||

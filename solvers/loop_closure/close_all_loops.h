@@ -16,9 +16,9 @@
 namespace plumbline {
 
 /// The second half of the seeding: makes a trajectory of the sequential matching globally
-/// consistent by closing its loops. motion: the noise of its odometry. surfaces: per scan, in the
-/// frame of the robot. ties: see SearchMapHypotheses. keys: becomes the pose graph that its poses
-/// follow.
+/// consistent by closing its loops, and puts scans where they fit (FindMisplacedScans). motion: the
+/// noise of its odometry. surfaces: per scan, in the frame of the robot. ties: see
+/// SearchMapHypotheses. keys: becomes the pose graph that its poses follow.
 Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
                      const SeedingProgress& progress, const KeyframeGraph* ties, ThreadPool* pool,
                      SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report);

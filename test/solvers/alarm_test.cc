@@ -196,6 +196,20 @@ TEST(RunAlarmsTest, SessionsMayDisagree) {
       RunAlarms(SeedingReport(), DisagreeingPasses(), graph, graph.initial_poses()).empty());
 }
 
+TEST(MisplacedScanAlarmsTest, OneSpeaksForAll) {
+  const SlamGraph graph = MakeScans(4);
+  EXPECT_TRUE(MisplacedScanAlarms({}, graph, graph.initial_poses()).empty());
+  const std::vector<Alarm> one = MisplacedScanAlarms({2}, graph, graph.initial_poses());
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].place.scan, 2);
+  EXPECT_THAT(one[0].reason, HasSubstr("this scan lies some decimetres beside"));
+  EXPECT_FALSE(one[0].IsProbable());
+  const std::vector<Alarm> two = MisplacedScanAlarms({1, 3}, graph, graph.initial_poses());
+  ASSERT_EQ(two.size(), 1u);
+  EXPECT_EQ(two[0].place.scan, 1);
+  EXPECT_THAT(two[0].reason, HasSubstr("2 scans, from here on, lie some decimetres beside"));
+}
+
 TEST(AlarmTextTest, ShowsTheFirstFew) {
   EXPECT_EQ(AlarmText({}), "");
   std::vector<Alarm> alarms(5, Alarm{{3, 1.0, {2.0, 0.0}}, "reasons", std::nullopt});

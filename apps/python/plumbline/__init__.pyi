@@ -681,6 +681,7 @@ class MappingReport:
     sweep_order: Final[SweepOrder | None]
     seeding: Final[SeedingReport]
     solver: Final[SolverSummary]
+    misplaced_poses: Final[tuple[int, ...]]
     calibration: Final[Calibration]
     consistency: Final[MapConsistency]
     alarms: Final[tuple[Alarm, ...]]

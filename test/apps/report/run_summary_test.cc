@@ -122,6 +122,7 @@ TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
   Json json = WriteAndRead(summary);
   EXPECT_EQ(json["alarm"], false);
   EXPECT_TRUE(json["alarm_reasons"].empty());
+  EXPECT_TRUE(json["misplaced_poses"].empty());
   EXPECT_EQ(json["consistency"]["seed"]["between_passes"]["share"], 0.25);
   const Json& refined = json["consistency"]["refined"];
   EXPECT_EQ(refined["within_pass"]["share"], 0.05);
@@ -129,8 +130,10 @@ TEST(RunSummaryTest, TellsWhetherTheMapIsTrusted) {
   EXPECT_EQ(refined["worst_over_explicable"], 1.0);
   EXPECT_EQ(refined["contradictory"], false);
 
+  summary.mapping.misplaced_poses = {4, 5};
   summary.mapping.alarms = {{{7, 1.5, {2.0, -3.0}}, "it leaps", 0.25}};
   json = WriteAndRead(summary);
+  EXPECT_EQ(json["misplaced_poses"], Json({4, 5}));
   EXPECT_EQ(json["alarm"], true);
   EXPECT_EQ(json["alarm_reasons"],
             Json::parse(R"([{"scan": 7, "time_s": 1.5, "x_m": 2.0, "y_m": -3.0,
