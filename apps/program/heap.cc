@@ -13,7 +13,8 @@ namespace {
 
 bool gives_large_arrays_back = false;
 
-#ifdef __GLIBC__
+// Sanitizers have an allocator of their own, which writes down what it hands out.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // The heap grows by much at once, so that its pages can be large from the start. No memory is taken
 // before it is used.
 void UseLargePages() {
@@ -25,6 +26,8 @@ void UseLargePages() {
   if (std::align(kPage, kPage, pages, size) != nullptr) madvise(pages, size, MADV_HUGEPAGE);
   std::free(grown);
 }
+#else
+void UseLargePages() {}
 #endif
 
 }  // namespace
@@ -36,8 +39,8 @@ void KeepOneHeap() {
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, -1);
   // NOLINTEND(concurrency-mt-unsafe)
-  UseLargePages();
 #endif
+  UseLargePages();
 }
 
 void GiveLargeArraysBack() {
