@@ -82,8 +82,9 @@ std::vector<int> PutScansWhereTheyFit(const SolverOptions& solver, ThreadPool* p
     return FindMisplaced(solver.factors.motion, pool, *mapping, poses);
   };
   const auto poses_of = [](const std::vector<MisplacedScan>& scans) {
-    std::vector<int> poses;
-    for (const MisplacedScan& scan : scans) poses.push_back(scan.pose);
+    std::vector<int> poses(scans.size());
+    std::transform(scans.begin(), scans.end(), poses.begin(),
+                   [](const MisplacedScan& scan) { return scan.pose; });
     return poses;
   };
   const std::vector<MisplacedScan> before = find(mapping->state.poses);

@@ -228,8 +228,9 @@ LocalMap MapOf(const ScanSurfaces& surfaces, const std::vector<int>& references,
     scans.push_back(surfaces.Of(surfaces.scan_of_pose()[pose]));
     places.push_back(poses[pose]);
   }
-  std::vector<const SurfacePoints*> pointers;
-  for (const SurfacePoints& scan : scans) pointers.push_back(&scan);
+  std::vector<const SurfacePoints*> pointers(scans.size());
+  std::transform(scans.begin(), scans.end(), pointers.begin(),
+                 [](const SurfacePoints& scan) { return &scan; });
   LocalMap map;
   map.Rebuild(pointers, places);
   return map;
