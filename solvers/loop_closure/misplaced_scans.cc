@@ -43,9 +43,9 @@ constexpr std::array<double, 5> kStartsM = {0.15, 0.3, 0.45, 0.6, 0.75};
 constexpr double kStartGateM = 0.3;
 constexpr double kFarthestM = 0.9;
 // A series of scans is moved only if its steps then differ from the odometry by no more than
-// before, but for this much [m] a scan: each speaks for it. One that fits at another door by chance
-// would leap there and back.
-constexpr double kDifferencePerScanM = 0.04;
+// before, but for this much [m] a scan, as each speaks for it, and for kMisplacedM, by which the
+// poses beside it may be off. One that fits at another door by chance would leap there and back.
+constexpr double kDifferencePerScanM = 0.05;
 // Poses in doubt are compared with the same map if they lie so near to each other in time.
 constexpr int kPosesAtATime = 32;
 
@@ -259,7 +259,7 @@ std::vector<MisplacedScan> WithoutLeaps(const std::vector<MisplacedScan>& scans,
     const double before_m = SumDifferences(first, last_step, odometry, poses);
     for (auto scan = begin; scan != end; ++scan) poses[scan->pose] = scan->world_from_robot;
     const double after_m = SumDifferences(first, last_step, odometry, poses);
-    const double allowed_m = kDifferencePerScanM * static_cast<double>(end - begin);
+    const double allowed_m = kMisplacedM + kDifferencePerScanM * static_cast<double>(end - begin);
     if (after_m <= before_m + allowed_m) {
       kept.insert(kept.end(), begin, end);
     } else {

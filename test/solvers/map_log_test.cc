@@ -21,6 +21,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/core/thread_peers.h"
+#include "plumbline/test/solvers/doorway_drive.h"
 
 namespace plumbline {
 namespace {
@@ -462,6 +463,40 @@ TEST(RefineLogTest, RefusesALogWithoutReturns) {
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     EXPECT_THAT(status.message(), HasSubstr("no laser returns"));
   }
+}
+
+// A robot was carried forward by 0.3 m, unknown to the odometry, and the start shares that out
+// among the ten steps before: they are a little long, one by one within the noise.
+LogMapping StartedBeforeACarriedRobot(const MapLogOptions& options) {
+  DoorwayDrive drive = DriveAlongDoors();
+  drive.odometry[35].x -= 0.3;
+  SeedingReport seeding;
+  for (int p = 1; p < DoorwayDrive::kNumPoses; ++p) {
+    EXPECT_TRUE(drive.graph.AddOdometry({p - 1, p, drive.odometry[p]}).ok());
+    seeding.corrections.odometry.push_back(drive.odometry[p]);
+  }
+  for (int p = 25; p < 35; ++p) drive.Misplace(p, 34, 0.03);
+  LogMapping mapping = Prepared(options, drive.graph);
+  EXPECT_TRUE(StartFromSeed(options, PoseArray(drive.poses), seeding, &mapping).ok());
+  return mapping;
+}
+
+TEST(RefineLogTest, BeginsAgainWhereScansLieBesideWhereTheyFit) {
+  MapLogOptions options;
+  options.solver.factors.motion.translation_per_translation = 0.03;  // good wheels
+  LogMapping mapping = StartedBeforeACarriedRobot(options);
+  MapState once = mapping.state;
+  ASSERT_TRUE(Solve(RefinementOptions(options, mapping), mapping.surface, mapping.graph, &once)
+                  .IsSolutionUsable());
+  Refine(options, &mapping);
+  const std::vector<int>& misplaced = mapping.report.misplaced_poses;
+  EXPECT_GE(misplaced.size(), 3u);
+  for (const int pose : misplaced) {
+    const Pose2 right = mapping.graph.InitialPose(pose);
+    EXPECT_GT(DistanceM(Pose2(&once.poses[3 * pose]), right), 0.1) << pose;
+    EXPECT_LT(DistanceM(Pose2(&mapping.state.poses[3 * pose]), right), 0.03) << pose;
+  }
+  EXPECT_THAT(mapping.report.alarms, IsEmpty());
 }
 
 TEST(MapLogTest, ProcessesEndUpWithThePlacesThatTheSeedGivesThem) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/test/core/thread_peers.h"
+#include "plumbline/test/solvers/doorway_drive.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
@@ -14,108 +15,68 @@ namespace {
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr int kNumPoses = 120;  // there and back
-
-// A corridor along x, 30 m long. Its ends are too far off to see; frames of doors stand out from
-// its walls by 25 cm.
-struct Drive {
-  SlamGraph graph;  // initial guesses at the true poses
-  std::vector<Pose2> odometry, poses;
-
-  // Poses first to last lie beside where they belong.
-  void Misplace(int first, int last, double along_m) {
-    for (int p = first; p <= last; ++p) poses[p] = poses[p] * Pose2(along_m, 0.0, 0.0);
-  }
-  double ErrorM(const MisplacedScan& scan) const {
-    return DistanceM(scan.world_from_robot, graph.InitialPose(scan.pose));
-  }
-};
-
-Drive DriveThere(const std::vector<double>& frames_x) {
-  SyntheticScene scene;
-  scene.faces = Rectangle({-15.0, -1.0}, {15.0, 1.0});
-  for (const double x : frames_x) {
-    for (const double side : {-1.0, 1.0}) {
-      scene.faces.push_back({{x, side}, {x, 0.75 * side}});
-      scene.faces.push_back({{x, 0.75 * side}, {x + 0.2, 0.75 * side}});
-      scene.faces.push_back({{x + 0.2, 0.75 * side}, {x + 0.2, side}});
-    }
-  }
-  scene.laser.max_range_m = 5.0;
-  scene.range_sigma_m = 0.01;
-  for (int i = 0; i < kNumPoses; ++i) {
-    const int there = i < kNumPoses / 2 ? i : kNumPoses - 1 - i;
-    scene.poses.emplace_back(0.15 * there - 4.5, 0.0, i < kNumPoses / 2 ? 0.0 : kPi);
-  }
-  Drive drive;
-  drive.graph = MakeGraph(scene);
-  drive.poses = scene.poses;
-  drive.odometry.emplace_back();
-  for (int i = 1; i < kNumPoses; ++i) {
-    drive.odometry.push_back(Between(scene.poses[i - 1], scene.poses[i]));
-  }
-  return drive;
+double ErrorM(const MisplacedScan& scan, const DoorwayDrive& drive) {
+  return DistanceM(scan.world_from_robot, drive.graph.InitialPose(scan.pose));
 }
 
-Drive DriveAmongFrames() { return DriveThere({-8.1, -5.2, -3.4, -0.3, 1.9, 3.1, 6.2, 8.3}); }
-
-std::vector<MisplacedScan> Find(const SlamGraph& graph, const Drive& drive, int num_threads = 2) {
+std::vector<MisplacedScan> Find(const SlamGraph& graph, const DoorwayDrive& drive,
+                                int num_threads = 2) {
   const MeasuredSurface surface = SurfaceOf(graph);
   ThreadPool pool(num_threads);
   return FindMisplacedScans(ScanSurfaces(graph, surface), drive.odometry, MotionOptions(),
                             drive.poses, &pool);
 }
 
-std::vector<MisplacedScan> Find(const Drive& drive) { return Find(drive.graph, drive); }
+std::vector<MisplacedScan> Find(const DoorwayDrive& drive) { return Find(drive.graph, drive); }
 
 TEST(MisplacedScansTest, ASingleScanIsFoundEitherWay) {
   for (const double along_m : {-0.25, 0.25, 0.6}) {
-    Drive drive = DriveAmongFrames();
+    DoorwayDrive drive = DriveAlongDoors();
     drive.Misplace(30, 30, along_m);
     const std::vector<MisplacedScan> found = Find(drive);
     ASSERT_THAT(found, SizeIs(1)) << along_m;
     EXPECT_EQ(found[0].pose, 30);
-    EXPECT_LT(drive.ErrorM(found[0]), 0.02);
+    EXPECT_LT(ErrorM(found[0], drive), 0.02);
   }
 }
 
 TEST(MisplacedScansTest, ScansThatAgreeWithEachOtherAreFoundByThoseOfAnotherPass) {
-  Drive drive = DriveAmongFrames();
+  DoorwayDrive drive = DriveAlongDoors();
   drive.Misplace(25, 34, -0.3);
   const std::vector<MisplacedScan> found = Find(drive);
   ASSERT_THAT(found, SizeIs(10));
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(found[i].pose, 25 + i);
-    EXPECT_LT(drive.ErrorM(found[i]), 0.02) << found[i].pose;
+    EXPECT_LT(ErrorM(found[i], drive), 0.02) << found[i].pose;
   }
 }
 
 TEST(MisplacedScansTest, ARightMapHasNone) {
-  EXPECT_THAT(Find(DriveAmongFrames()), IsEmpty());
+  EXPECT_THAT(Find(DriveAlongDoors()), IsEmpty());
   // Not even where the odometry says otherwise.
-  Drive slipped = DriveAmongFrames();
+  DoorwayDrive slipped = DriveAlongDoors();
   for (int p = 25; p < 35; ++p) slipped.odometry[p] = Pose2(0.02, 0.0, 0.0);
   EXPECT_THAT(Find(slipped), IsEmpty());
 }
 
 TEST(MisplacedScansTest, WhereNothingTellsNothingIsFound) {
-  Drive bare = DriveThere({});
+  DoorwayDrive bare = DriveAlongDoors({});
   bare.Misplace(30, 30, 0.3);
   EXPECT_THAT(Find(bare), IsEmpty());
   // Nor where nobody else has been.
-  Drive lonely = DriveAmongFrames();
-  for (int p = 0; p < kNumPoses; ++p) lonely.odometry[p] = Pose2();
+  DoorwayDrive lonely = DriveAlongDoors();
+  for (int p = 0; p < DoorwayDrive::kNumPoses; ++p) lonely.odometry[p] = Pose2();
   lonely.Misplace(30, 30, 0.3);
   EXPECT_THAT(Find(lonely), IsEmpty());
 }
 
 TEST(MisplacedScansTest, AScanThatIsTurnedOrAsideIsNotMovedAlongABareCorridor) {
-  Drive bare = DriveThere({});
+  DoorwayDrive bare = DriveAlongDoors({});
   bare.odometry[30] = Pose2(0.45, 0.0, 0.0);
   for (const Pose2& off : {Pose2(0.0, 0.0, 0.05), Pose2(0.0, 0.15, 0.0), Pose2(0.0, -0.2, 0.03)}) {
     const Pose2 right = bare.poses[30];
     bare.poses[30] = right * off;
-    for (const MisplacedScan& scan : Find(bare)) EXPECT_LT(bare.ErrorM(scan), 0.05);
+    for (const MisplacedScan& scan : Find(bare)) EXPECT_LT(ErrorM(scan, bare), 0.05);
     bare.poses[30] = right;
   }
 }
@@ -123,9 +84,9 @@ TEST(MisplacedScansTest, AScanThatIsTurnedOrAsideIsNotMovedAlongABareCorridor) {
 TEST(MisplacedScansTest, AScanThatFitsElsewhereDoesNotLeapThereAndBack) {
   // The frames that a scan of a corridor saw were seen again 0.4 m farther: somebody moved them, or
   // it is another door. The steps around it are longer than by the odometry, but even.
-  Drive drive = DriveAmongFrames();
+  DoorwayDrive drive = DriveAlongDoors();
   for (int p = 20; p < 40; ++p) drive.odometry[p].x -= 0.03;
-  const Drive elsewhere = DriveThere({-7.7, -4.8, -3.0, 0.1, 2.3, 3.5, 6.6, 8.7});
+  const DoorwayDrive elsewhere = DriveAlongDoors({-7.7, -4.8, -3.0, 0.1, 2.3, 3.5, 6.6, 8.7});
   std::vector<SurfacePoints> surfaces = SurfacesOf(drive.graph);
   const std::vector<SurfacePoints> others = SurfacesOf(elsewhere.graph);
   const auto find = [&] {
@@ -142,7 +103,7 @@ TEST(MisplacedScansTest, AScanThatFitsElsewhereDoesNotLeapThereAndBack) {
 }
 
 TEST(MisplacedScansTest, AFixedPoseStays) {
-  Drive drive = DriveAmongFrames();
+  DoorwayDrive drive = DriveAlongDoors();
   drive.Misplace(30, 31, 0.3);
   ASSERT_TRUE(drive.graph.FixPose(30, drive.poses[30]).ok());
   const std::vector<MisplacedScan> found = Find(drive);
@@ -151,7 +112,7 @@ TEST(MisplacedScansTest, AFixedPoseStays) {
 }
 
 TEST(MisplacedScansTest, ThreadsAndProcessesFindTheSame) {
-  Drive drive = DriveAmongFrames();
+  DoorwayDrive drive = DriveAlongDoors();
   drive.Misplace(30, 33, 0.3);
   drive.Misplace(90, 90, -0.3);
   const std::vector<MisplacedScan> expected = Find(drive);
