@@ -166,6 +166,7 @@ bool FitsClearlyBetter(const ScanMatch& match, const ScanMatch& than) {
 std::optional<Pose2> WhereItFits(const LocalMap& map, const SurfacePoints& scan,
                                  const Pose2& world_from_robot) {
   const ScanMatch as_it_is = MeasureFit(map, scan, world_from_robot, ScanMatchOptions());
+  if (as_it_is.inlier_ratio > 1.0 - kMinFittingMore) return std::nullopt;  // nothing fits better
   // From bare walls a match may come to rest anywhere along them: elsewhere must be better than at
   // rest here.
   const ScanMatch at_rest = MatchFrom(map, scan, world_from_robot);
@@ -203,10 +204,7 @@ std::vector<Comparison> PlanComparisons(const ScanSurfaces& surfaces,
   std::vector<Comparison> comparisons;
   int begin = -kPosesAtATime;  // of the last comparison
   for (int p = 0; p < static_cast<int>(poses.size()); ++p) {
-    if (is_in_doubt[p] == 0 || is_fixed[p] != 0 || surfaces.scan_of_pose()[p] < 0 ||
-        !graph.HasScansOf(p)) {
-      continue;
-    }
+    if (is_in_doubt[p] == 0 || is_fixed[p] != 0 || surfaces.scan_of_pose()[p] < 0) continue;
     if (p >= begin + kPosesAtATime) {
       comparisons.emplace_back();
       begin = p;
@@ -214,10 +212,17 @@ std::vector<Comparison> PlanComparisons(const ScanSurfaces& surfaces,
     comparisons.back().poses.push_back(p);
   }
   const References references(surfaces.scan_of_pose(), is_in_doubt, poses);
+  std::vector<Comparison> own;
   for (Comparison& comparison : comparisons) {
-    comparison.references = references.Near(comparison.poses);
+    std::vector<int>& of_all = comparison.poses;
+    // The same map whoever has the scans.
+    comparison.references = references.Near(of_all);
+    of_all.erase(
+        std::remove_if(of_all.begin(), of_all.end(), [&](int p) { return !graph.HasScansOf(p); }),
+        of_all.end());
+    if (!of_all.empty()) own.push_back(std::move(comparison));
   }
-  return comparisons;
+  return own;
 }
 
 LocalMap MapOf(const ScanSurfaces& surfaces, const std::vector<int>& references,
