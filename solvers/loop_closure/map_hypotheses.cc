@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "plumbline/solvers/front_end/motion_prediction.h"
@@ -81,6 +82,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(DropBentPlaces(best));
     PLUMBLINE_RETURN_IF_ERROR(TryBreaks(best));
     PLUMBLINE_RETURN_IF_ERROR(TryJoins(best));
+    TakeBestWeighed(best);
     PLUMBLINE_RETURN_IF_ERROR(TryOdometryHeadings(best));
     for (SuspectStep& suspect : best->loops.suspect_steps) {
       const auto found = num_alternatives_.find(suspect.first_pose_after);
@@ -386,12 +388,31 @@ class HypothesisSearch {
     broken->keys = keys;
     PLUMBLINE_RETURN_IF_ERROR(Close(broken));
     Weigh(broken);
+    KeepIfBest(*broken);
     return Status::Ok();
   }
 
   // Whether passes are compared as much, about: where they have nothing in common, none conflicts.
   static bool IsComparable(const MapConsistency& map, const MapConsistency& other) {
     return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
+  }
+
+  // The steps above compare each hypothesis with the best one before it, so the result depends on
+  // their order. The score compares all of them. Where a robot was relocated among places that look
+  // alike, the score does not decide, so relocated segments are no candidates.
+  void KeepIfBest(const MapHypothesis& hypothesis) {
+    if (ties_ != nullptr) return;
+    if (!best_weighed_ ||
+        judge_.Score(hypothesis.consistency) < judge_.Score(best_weighed_->consistency)) {
+      best_weighed_ = hypothesis;
+    }
+  }
+
+  void TakeBestWeighed(MapHypothesis* best) {
+    if (best_weighed_ &&
+        judge_.Score(best_weighed_->consistency) < judge_.Score(best->consistency)) {
+      *best = std::move(*best_weighed_);
+    }
   }
 
   void Weigh(MapHypothesis* hypothesis) {
@@ -426,6 +447,7 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
     if (kind == HypothesisKind::kMatching) judge_.TakeMeasure(best->consistency);
     Weigh(best);
+    if (kind == HypothesisKind::kMatching) KeepIfBest(*best);
     return Status::Ok();
   }
 
@@ -548,6 +570,7 @@ class HypothesisSearch {
     other.records.push_back(trial.record);
     weighed_[trial.record].conflict = other.consistency.AllConflicts();
     weighed_[trial.record].score = judge_.Score(other.consistency);
+    if (other.kind == HypothesisKind::kMatching) KeepIfBest(other);
     *best = std::move(other);
     return Status::Ok();
   }
@@ -572,8 +595,9 @@ class HypothesisSearch {
   MapJudge judge_;  // measured by the matching's map
   // Surroundings of keyframes depend on the start, and on which steps are in question.
   std::map<HypothesisKind, ClosureMemory> memories_;
-  std::map<int, int> num_alternatives_;  // of suspect steps, by the first pose after them
-  KeyframeGraph suspected_;              // of the matching, with the evidence against its steps
+  std::optional<MapHypothesis> best_weighed_;  // by the score; matching and broken steps
+  std::map<int, int> num_alternatives_;        // of suspect steps, by the first pose after them
+  KeyframeGraph suspected_;  // of the matching, with the evidence against its steps
 };
 
 }  // namespace
