@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Usage: test/check.sh [--resume] CHECK...
+# Usage: test/check.sh [--resume] [--commit=REVISION] CHECK...
 # Checks that are too slow for every change. CHECK is one of
 #   sanitizers  all tests under AddressSanitizer and UndefinedBehaviorSanitizer: clang, Debug
 #   threads     all tests under ThreadSanitizer: gcc, Debug
@@ -12,8 +12,9 @@
 #   fuzz        every fuzz target for 600 s of processor time
 #   NAME_fuzz   that fuzz target
 #   all         all of these in the background
-# It checks the last commit, not the working tree, so that work can go on meanwhile, and writes the
-# results to test/checks.md. --resume skips what has passed since its sources last changed.
+# It checks a commit (HEAD), not the working tree, so that work can go on meanwhile, and writes the
+# results to test/checks.md. --resume skips what has passed at that commit or at one with the same
+# sources.
 # Builds are in build-checks/, and so are logs. Warnings are errors everywhere. Tests on real logs
 # run if PLUMBLINE_DATASETS names their folder. Needs clang, clang-tidy and gcovr besides what
 # cmake/bootstrap.sh all installs; takes ninja where there is one.
@@ -145,7 +146,10 @@ fuzz() {
 inputs_of() {
   case $1 in
     headers | tidy) echo '*.h' '*.cc' '*.clang-tidy' ;;
-    *_fuzz) echo core factors solvers apps test/fuzz test/corpus ;;
+    *_fuzz)  # the readers, and what they call
+      echo core factors solvers/pose_graph apps/{io,bags,saved_maps,evaluation,program,simulation} \
+        test/fuzz test/corpus
+      ;;
     *) echo . ':!*.md' ;;
   esac
 }
@@ -181,55 +185,61 @@ run_check() {
   [[ $result == passed ]]
 }
 
-resume=no
-if [[ ${1:-} == --resume ]]; then
-  resume=yes
-  shift
-fi
-wanted=()
-for check; do
-  case $check in
-    headers | tidy | coverage | compilers | sanitizers | threads | kills | *_fuzz) wanted+=("$check") ;;
-    fuzz) mapfile -t -O "${#wanted[@]}" wanted < <(sed 's/ .*//' <<<"$fuzz_targets") ;;
-    all)
-      mkdir -p "$work"
-      options=()
-      if [[ $resume == yes ]]; then options=(--resume); fi
-      setsid --fork "$script" "${options[@]}" headers tidy coverage compilers sanitizers threads kills \
-        fuzz </dev/null >"$work/log" 2>&1
-      echo "check.sh: runs in the background, see $work/log"
-      exit
-      ;;
-    *) wanted=() && break ;;
-  esac
-done
-if ((${#wanted[@]} == 0)); then
+# parse ARGUMENT...: sets wanted, commit, options and background.
+parse() {
+  local revision=HEAD check
+  wanted=()
+  options=()
+  background=no
+  for check; do
+    case $check in
+      --resume) options=(--resume) ;;
+      --commit=*) revision=${check#--commit=} ;;
+      headers | tidy | coverage | compilers | sanitizers | threads | kills | *_fuzz) wanted+=("$check") ;;
+      fuzz) mapfile -t -O "${#wanted[@]}" wanted < <(sed 's/ .*//' <<<"$fuzz_targets") ;;
+      all)
+        background=yes
+        wanted=(headers tidy coverage compilers sanitizers threads kills fuzz)
+        ;;
+      *) usage ;;
+    esac
+  done
+  if ((${#wanted[@]} == 0)); then usage; fi
+  commit=$(git -C "$root" rev-parse --verify "$revision^{commit}")
+}
+
+usage() {
   sed -n '2,/^set /s/^# \{0,1\}//p' "$script" | head -n -1 >&2
   exit 2
-fi
+}
 
-commit=$(git -C "$root" rev-parse HEAD)
-if [[ -n $(git -C "$root" status --porcelain) ]]; then
-  echo "check.sh: what is not committed is not checked" >&2
-fi
-mkdir -p "$work"
-if [[ ! -d $source ]]; then git clone --quiet --shared --no-checkout "$root" "$source"; fi
-git -C "$source" fetch --quiet origin HEAD
-git -C "$source" checkout --quiet --detach "$commit"
+main() {
+  local check failed=0
+  parse "$@"
+  mkdir -p "$work"
+  if [[ $background == yes ]]; then
+    setsid --fork "$script" "${options[@]}" --commit="$commit" "${wanted[@]}" \
+      </dev/null >"$work/log" 2>&1
+    echo "check.sh: runs in the background, see $work/log"
+    return
+  fi
+  if [[ ! -d $source ]]; then git clone --quiet --shared --no-checkout "$root" "$source"; fi
+  git -C "$source" fetch --quiet origin "$commit"
+  git -C "$source" checkout --quiet --detach "$commit"
 
-failed=0
-for check in "${wanted[@]}"; do
-  if [[ $resume == yes ]] && has_passed "$check"; then
-    echo "$check: has passed, and nothing has changed"
-    continue
-  fi
-  # Fuzz targets run side by side, everything else alone.
-  if [[ $check == *_fuzz ]]; then
-    while (($(jobs -rp | wc -l) >= jobs)); do wait -n || failed=1; done
-    run_check "$check" &
-  else
-    run_check "$check" || failed=1
-  fi
-done
-while (($(jobs -p | wc -l) > 0)); do wait -n || failed=1; done
-exit "$failed"
+  for check in "${wanted[@]}"; do
+    if [[ ${options[*]} == --resume ]] && has_passed "$check"; then
+      echo "$check: has passed, and nothing has changed"
+    elif [[ $check == *_fuzz ]]; then  # as many at a time as there are processors
+      while (($(jobs -rp | wc -l) >= jobs)); do wait -n || failed=1; done
+      run_check "$check" &
+    else
+      run_check "$check" || failed=1
+    fi
+  done
+  while (($(jobs -p | wc -l) > 0)); do wait -n || failed=1; done
+  return "$failed"
+}
+
+main "$@"
+exit

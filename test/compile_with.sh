@@ -1,8 +1,13 @@
 #!/usr/bin/env bash
-# Usage: compile_with.sh OTHER_COMPILER COMPILER ARGUMENT...
-# A compiler launcher of CMake that compiles one target with clang instead of the project's gcc.
+# Usage: compile_with.sh COMMAND... -- COMPILER ARGUMENT...
+# A compiler launcher of CMake that compiles one target with COMMAND, which calls clang, instead of
+# with the project's gcc.
 set -euo pipefail
-compiler=$1
+command=()
+while [[ $1 != -- ]]; do
+  command+=("$1")
+  shift
+done
 shift 2
 # clang would read a precompiled header that it is about to write.
 if [[ " $* " == *" -x c++-header "* ]]; then
@@ -10,4 +15,4 @@ if [[ " $* " == *" -x c++-header "* ]]; then
     if [[ $argument == *.gch ]]; then rm -f "$argument"; fi
   done
 fi
-exec "$compiler" -std=c++17 -Qunused-arguments "$@"
+exec "${command[@]}" -std=c++17 -Qunused-arguments "$@"

@@ -1,4 +1,5 @@
-# Included by ctest with PROGRAM set: adds an entry for every test suite of that GoogleTest program.
+# Included by ctest: adds an entry for every test suite of the GoogleTest program PROGRAM.
+cmake_minimum_required(VERSION 3.18)
 if(NOT EXISTS "${PROGRAM}")
   add_test(NOT_BUILT "${PROGRAM}")  # fails, and its name says why
   return()
@@ -14,4 +15,7 @@ foreach(suite IN LISTS suites)
   add_test("${suite}" "${PROGRAM}" "--gtest_filter=${suite}.*")
   set_tests_properties("${suite}" PROPERTIES
     ENVIRONMENT "LSAN_OPTIONS=suppressions=${LEAKS_OF_OTHERS}:print_suppressions=0")
+  if(suite IN_LIST SLOW_SUITES)
+    set_tests_properties("${suite}" PROPERTIES LABELS slow COST 100)
+  endif()
 endforeach()
