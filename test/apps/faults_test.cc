@@ -262,7 +262,7 @@ TEST_F(FaultsTest, ARunWithItsArraysOnDiskGivesTheSameBytesInLessMemory) {
   if (PLUMBLINE_SANITIZED) GTEST_SKIP() << "sanitizers take memory of their own";
   const Status usable = DiskArrays().Open(folder_);
   if (!usable.ok()) GTEST_SKIP() << usable.message();
-  SimulateLog(300, "--num_beams=1440 --bearing_step_deg=0.25");
+  SimulateLog(300, "--scan_period_s=0.7 --num_beams=1440 --bearing_step_deg=0.25");
   const std::string flags =
       "--solver=alternating_cg --coarse_rounds=0 --fine_rounds=1 --picture_side_px=400";
   const Outcome in_memory = Slam("a.clf", flags);

@@ -6,8 +6,10 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -57,16 +59,30 @@ class ProgramTest : public testing::Test {
                "--log=" + folder_ + log + " --output_dir=" + folder_ + output_dir + " " + flags);
   }
 
-  // The first scans of a drive through the small building, and the truth of the whole.
+  // The first scans of a drive through the small building, and the truth of the whole. Tests of one
+  // process share the drive.
   void SimulateLog(int num_scans, const std::string& flags = "") {
-    const Outcome run = Run("simulate", "--world=" PLUMBLINE_WORLD " --log=" + folder_ +
-                                            "all.clf --truth=" + folder_ +
-                                            "a.tum --hits=" + folder_ + "a.hits " + flags);
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_THAT(run.out, testing::HasSubstr(" scans, "));
-    EXPECT_THAT(run.err, testing::IsEmpty());
-    log_lines_ = Lines(ReadFile(folder_ + "all.clf"));
-    log_lines_.resize(2 + 2 * num_scans);  // two PARAM, then ODOM and FLASER by turns
+    static const std::vector<std::string> names = {"all.clf", "a.tum", "a.hits"};
+    static std::map<std::string, std::vector<std::string>> drives;  // their files, by the flags
+    std::vector<std::string>& files = drives[flags];
+    if (files.empty()) {
+      const Outcome run = Run("simulate", "--world=" PLUMBLINE_WORLD " --log=" + folder_ +
+                                              "all.clf --truth=" + folder_ +
+                                              "a.tum --hits=" + folder_ + "a.hits " + flags);
+      ASSERT_EQ(run.exit_code, 0) << run.err;
+      EXPECT_THAT(run.out, testing::HasSubstr(" scans, "));
+      EXPECT_THAT(run.err, testing::IsEmpty());
+      for (const std::string& name : names) files.push_back(ReadFile(folder_ + name));
+    } else {
+      for (std::size_t i = 0; i < names.size(); ++i) WriteFile(folder_ + names[i], files[i]);
+    }
+    log_lines_.clear();
+    std::istringstream lines(files[0]);
+    const std::size_t num_lines = 2 + 2 * num_scans;  // two PARAM, then ODOM and FLASER by turns
+    for (std::string line; log_lines_.size() < num_lines && std::getline(lines, line);) {
+      log_lines_.push_back(line);
+    }
+    ASSERT_EQ(log_lines_.size(), num_lines);
     WriteLog();
   }
   void WriteLog() const {

@@ -21,13 +21,16 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
+// Made-up buildings with short drives.
+constexpr int kHomeSeed = 43, kElsewhereSeed = 34;
+
 class SessionsTest : public ProgramTest {
  protected:
   // A drive through a made-up building, on some day: NAME.clf with NAME.tum, its truth.
   void Simulate(const std::string& name, int seed, int visit) const {
     const Outcome run =
         Run("simulate",
-            "--building=random --num_beams=180 --bearing_step_deg=2 "
+            "--building=random --scan_period_s=0.9 --num_beams=180 --bearing_step_deg=2 "
             "--seed=" +
                 std::to_string(seed) + " --visit=" + std::to_string(visit) + " --log=" + folder_ +
                 name + ".clf --truth=" + folder_ + name + ".tum");
@@ -58,8 +61,8 @@ class SessionsTest : public ProgramTest {
 };
 
 TEST_F(SessionsTest, LogsOfOneBuildingBecomeOneMap) {
-  Simulate("a", 31, 1);
-  Simulate("b", 31, 2);
+  Simulate("a", kHomeSeed, 1);
+  Simulate("b", kHomeSeed, 2);
   const Outcome run = Map({"a.clf", "b.clf"});
   ASSERT_EQ(run.exit_code, kExitDone) << run.err;
   EXPECT_THAT(run.err, IsEmpty());
@@ -84,8 +87,8 @@ TEST_F(SessionsTest, LogsOfOneBuildingBecomeOneMap) {
 }
 
 TEST_F(SessionsTest, LogsOfDifferentBuildingsGetMapsOfTheirOwn) {
-  Simulate("a", 31, 1);
-  Simulate("b", 44, 0);
+  Simulate("a", kHomeSeed, 1);
+  Simulate("b", kElsewhereSeed, 0);
   // Of an earlier run.
   std::filesystem::create_directories(folder_ + "out/map_3");
   WriteFile(folder_ + "out/map_3/points.ply", "old");
@@ -109,8 +112,8 @@ TEST_F(SessionsTest, LogsOfDifferentBuildingsGetMapsOfTheirOwn) {
 }
 
 TEST_F(SessionsTest, ASavedMapWithScansMayBeASession) {
-  Simulate("a", 31, 1);
-  Simulate("b", 31, 2);
+  Simulate("a", kHomeSeed, 1);
+  Simulate("b", kHomeSeed, 2);
   const Outcome converted = Run("convert", "--input=" + folder_ + "b.clf --trajectory=" + folder_ +
                                                "b.tum --output=" + folder_ + "b.g2o");
   ASSERT_EQ(converted.exit_code, kExitDone) << converted.err;
@@ -121,8 +124,8 @@ TEST_F(SessionsTest, ASavedMapWithScansMayBeASession) {
 }
 
 TEST_F(SessionsTest, ALogIsLocalisedInAMapThatStaysAsItIs) {
-  Simulate("a", 31, 1);
-  Simulate("b", 31, 2);
+  Simulate("a", kHomeSeed, 1);
+  Simulate("b", kHomeSeed, 2);
   const std::string flags = " --picture_side_px=400 --output_dir=" + folder_;
   const Outcome mapped = Run("slam", "--log=" + folder_ + "a.clf --save_map" + flags + "map");
   ASSERT_EQ(mapped.exit_code, kExitDone) << mapped.err;

@@ -27,9 +27,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
+// Two of the buildings with the shortest drives.
+constexpr std::uint64_t kHome = 43, kElsewhere = 34;
+
 // A drive through a building on one of several days, from where nobody knows.
 SimulatedLog Visit(BuildingKind kind, std::uint64_t building, std::uint64_t visit,
-                   int num_beams = 180) {
+                   int num_beams = 90) {
   SimulationOptions options;
   options.seed = 10 * building + visit;
   options.scan_period_s = 1.0;
@@ -63,7 +66,7 @@ std::vector<SlamGraph> GraphsOf(const std::vector<SimulatedLog>& logs) {
 }
 
 std::vector<SimulatedLog> TwoVisits() {
-  return {Visit(BuildingKind::kRandom, 1, 0), Visit(BuildingKind::kRandom, 1, 1)};
+  return {Visit(BuildingKind::kRandom, kHome, 0), Visit(BuildingKind::kRandom, kHome, 1)};
 }
 
 SessionsMapping Mapped(std::vector<SlamGraph> sessions, int num_threads = 2) {
@@ -145,9 +148,9 @@ void ExpectSame(const Pose2& actual, const Pose2& expected) {
 }
 
 TEST(MapSessionsTest, VisitsOfOneBuildingMakeOneMapInAnyOrder) {
-  const std::vector<SimulatedLog> logs{Visit(BuildingKind::kRandom, 1, 2),
-                                       Visit(BuildingKind::kRandom, 1, 0),
-                                       Visit(BuildingKind::kRandom, 1, 1, 240)};
+  const std::vector<SimulatedLog> logs{Visit(BuildingKind::kRandom, kHome, 2),
+                                       Visit(BuildingKind::kRandom, kHome, 0),
+                                       Visit(BuildingKind::kRandom, kHome, 1, 120)};
   const SessionsMapping mapping = Mapped(GraphsOf(logs));
   ASSERT_THAT(mapping.maps, SizeIs(1));
   const SessionMap& map = mapping.maps.front();
@@ -173,9 +176,9 @@ TEST(MapSessionsTest, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 TEST(MapSessionsTest, OtherBuildingsGetMapsOfTheirOwn) {
-  const std::vector<SimulatedLog> logs{Visit(BuildingKind::kRandom, 1, 0),
-                                       Visit(BuildingKind::kRandom, 2, 0),
-                                       Visit(BuildingKind::kRandom, 1, 1)};
+  const std::vector<SimulatedLog> logs{Visit(BuildingKind::kRandom, kHome, 0),
+                                       Visit(BuildingKind::kRandom, kElsewhere, 0),
+                                       Visit(BuildingKind::kRandom, kHome, 1)};
   const SessionsMapping mapping = Mapped(GraphsOf(logs));
   ASSERT_THAT(mapping.maps, SizeIs(2));
   EXPECT_THAT(SessionsOf(mapping.maps[0]), ElementsAre(0, 2));
@@ -216,7 +219,7 @@ TEST(MapSessionsTest, WhatFitsInTwoWaysIsNotTied) {
 }
 
 TEST(MapSessionsTest, OneSessionIsMappedAsALog) {
-  const SlamGraph session = GraphOf(Visit(BuildingKind::kRandom, 1, 0));
+  const SlamGraph session = GraphOf(Visit(BuildingKind::kRandom, kHome, 0));
   LogMapping alone;
   ASSERT_TRUE(MapLog(MapLogOptions(), session, nullptr, &alone).ok());
   const SessionsMapping mapping = Mapped({session});
@@ -246,7 +249,7 @@ TEST(MapSessionsTest, BadInputIsRefused) {
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
     return status.message();
   };
-  const SlamGraph good = GraphOf(Visit(BuildingKind::kRandom, 1, 0));
+  const SlamGraph good = GraphOf(Visit(BuildingKind::kRandom, kHome, 0));
   EXPECT_THAT(refusal(MapLogOptions(), {}), HasSubstr("no session"));
   EXPECT_THAT(refusal(MapLogOptions(), {good, SlamGraph()}), HasSubstr("session 2"));
   SlamGraph blank;
@@ -308,50 +311,47 @@ TEST(MapSessionsTest, AMapMayNotBeHeldInPart) {
 // Also of three sessions that do not all become one map.
 TEST(MapSessionsTest, ProcessesFindTheSeedsOfOneProcess) {
   std::vector<SimulatedLog> logs = TwoVisits();
-  logs.push_back(Visit(BuildingKind::kRandom, 2, 0));
-  const std::vector<SlamGraph> sessions = GraphsOf(logs);
+  logs.push_back(Visit(BuildingKind::kRandom, kElsewhere, 0));
   ThreadPool pool(1);
+  const std::vector<LogMapping> taken = TakenOver(GraphsOf(logs), &pool);
   SessionsMapping expected;
-  ASSERT_TRUE(
-      SeedSessions(MapLogOptions(), TakenOver(sessions, &pool), nullptr, &pool, &expected).ok());
+  ASSERT_TRUE(SeedSessions(MapLogOptions(), taken, nullptr, &pool, &expected).ok());
   ASSERT_THAT(expected.maps, SizeIs(2));
-  for (const int size : {2, 3}) {
-    RunOnPeers(size, [&](const Peers& peers) {
-      ThreadPool one_thread(1);
-      std::vector<LogMapping> parts = TakenOver(sessions, &one_thread);
-      for (LogMapping& part : parts) {
-        ASSERT_TRUE(
-            ShareGraph(&peers, PartitionByTime(part.graph.num_poses(), size), &part.graph).ok());
-      }
-      SessionsMapping mapping;
-      const auto stop = [](SeedingPhase, int, int) { return false; };  // others would wait
+  constexpr int kSize = 3;
+  RunOnPeers(kSize, [&](const Peers& peers) {
+    ThreadPool one_thread(1);
+    std::vector<LogMapping> parts = taken;
+    for (LogMapping& part : parts) {
       ASSERT_TRUE(
-          SeedSessions(MapLogOptions(), std::move(parts), stop, &one_thread, &mapping).ok());
-      ASSERT_EQ(mapping.ties.size(), expected.ties.size());
-      for (std::size_t i = 0; i < mapping.ties.size(); ++i) {
-        EXPECT_EQ(mapping.ties[i].outcome, expected.ties[i].outcome);
-        EXPECT_EQ(mapping.ties[i].num_closures, expected.ties[i].num_closures);
-        EXPECT_EQ(mapping.ties[i].conflict.num_compared, expected.ties[i].conflict.num_compared);
+          ShareGraph(&peers, PartitionByTime(part.graph.num_poses(), kSize), &part.graph).ok());
+    }
+    SessionsMapping mapping;
+    const auto stop = [](SeedingPhase, int, int) { return false; };  // others would wait
+    ASSERT_TRUE(SeedSessions(MapLogOptions(), std::move(parts), stop, &one_thread, &mapping).ok());
+    ASSERT_EQ(mapping.ties.size(), expected.ties.size());
+    for (std::size_t i = 0; i < mapping.ties.size(); ++i) {
+      EXPECT_EQ(mapping.ties[i].outcome, expected.ties[i].outcome);
+      EXPECT_EQ(mapping.ties[i].num_closures, expected.ties[i].num_closures);
+      EXPECT_EQ(mapping.ties[i].conflict.num_compared, expected.ties[i].conflict.num_compared);
+    }
+    ASSERT_EQ(mapping.maps.size(), expected.maps.size());
+    for (std::size_t i = 0; i < mapping.maps.size(); ++i) {
+      const LogMapping &own = mapping.maps[i].mapping, &of_one = expected.maps[i].mapping;
+      EXPECT_EQ(SessionsOf(mapping.maps[i]), SessionsOf(expected.maps[i]));
+      EXPECT_EQ(own.start_poses, of_one.start_poses);
+      EXPECT_EQ(own.graph.rank_of_pose(),
+                PartitionByPlace(of_one.start_poses, ReturnsPerPose(of_one.graph), kSize));
+      EXPECT_EQ(own.graph.num_lasers(), of_one.graph.num_lasers());
+      ASSERT_EQ(own.graph.all_scans().size(), of_one.graph.all_scans().size());
+      EXPECT_EQ(own.graph.num_returns_of_all(), of_one.graph.num_returns());
+      EXPECT_EQ(own.surface.normals.size(), own.graph.num_returns());
+      for (int scan = 0; scan < own.graph.num_scans(); ++scan) {
+        const int id = own.graph.IdAmongAll(scan);
+        EXPECT_EQ(own.graph.scan(scan).pose, of_one.graph.scan(id).pose);
+        EXPECT_EQ(own.graph.scan(scan).num_returns, of_one.graph.scan(id).num_returns);
       }
-      ASSERT_EQ(mapping.maps.size(), expected.maps.size());
-      for (std::size_t i = 0; i < mapping.maps.size(); ++i) {
-        const LogMapping &own = mapping.maps[i].mapping, &of_one = expected.maps[i].mapping;
-        EXPECT_EQ(SessionsOf(mapping.maps[i]), SessionsOf(expected.maps[i]));
-        EXPECT_EQ(own.start_poses, of_one.start_poses);
-        EXPECT_EQ(own.graph.rank_of_pose(),
-                  PartitionByPlace(of_one.start_poses, ReturnsPerPose(of_one.graph), size));
-        EXPECT_EQ(own.graph.num_lasers(), of_one.graph.num_lasers());
-        ASSERT_EQ(own.graph.all_scans().size(), of_one.graph.all_scans().size());
-        EXPECT_EQ(own.graph.num_returns_of_all(), of_one.graph.num_returns());
-        EXPECT_EQ(own.surface.normals.size(), own.graph.num_returns());
-        for (int scan = 0; scan < own.graph.num_scans(); ++scan) {
-          const int id = own.graph.IdAmongAll(scan);
-          EXPECT_EQ(own.graph.scan(scan).pose, of_one.graph.scan(id).pose);
-          EXPECT_EQ(own.graph.scan(scan).num_returns, of_one.graph.scan(id).num_returns);
-        }
-      }
-    });
-  }
+    }
+  });
 }
 
 TEST(MapSessionsTest, ItsCallerStopsIt) {

@@ -17,15 +17,15 @@ namespace {
 
 constexpr double kSweepS = 0.15;
 
-// A fast drive; the laser sweeps or measures all beams at once.
+// A fast drive; the laser sweeps in half of its turns, or measures all beams at once.
 SimulatedLog FastDrive(bool sweeps) {
   SimulationOptions options;
-  options.scan_period_s = kSweepS;
+  options.scan_period_s = 2.0 * kSweepS;
   options.drive.speed_m_s = 0.7;
   options.drive.turn_rate_rad_s = DegToRad(60.0);
   if (sweeps) options.laser.beam_period_s = kSweepS / options.laser.num_beams;
   SimulatedLog log;
-  EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 2)), options, &log).ok());
+  EXPECT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 43)), options, &log).ok());
   return log;
 }
 

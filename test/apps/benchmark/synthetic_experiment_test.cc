@@ -37,7 +37,7 @@ TEST(SyntheticExperiment, CountsFailuresAndKeepsThem) {
 TEST(SyntheticExperiment, TheJointEstimateIsBetterThanMatchingScans) {
   ThreadPool pool(2);
   std::vector<SyntheticOutcome> outcomes;
-  constexpr int kNumSeeds = 30;
+  constexpr int kNumSeeds = 15;
   ASSERT_TRUE(RunSyntheticExperiment(kNumSeeds, {kNoise}, FewPasses(), &pool, &outcomes).ok());
   ASSERT_EQ(outcomes.size(), static_cast<std::size_t>(kNumSeeds * kNumMappers));
   const std::vector<SyntheticSummary> summaries = SummariseOutcomes(outcomes);

@@ -58,6 +58,27 @@ struct LinedRoom {
            GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas).Rho(distance * distance);
   }
 
+  /// The least of Cost on a way from the measured end, sampled. Plain numbers: Eigen's expressions
+  /// take twenty times as long without optimisation.
+  double LeastCost(std::size_t r, const Eigen::Vector2d& way, const FactorOptions& factors) const {
+    const Eigen::Matrix2d precision = Covariance(r, factors).inverse();
+    const double xx = precision(0, 0), xy = precision(0, 1), yy = precision(1, 1);
+    const double end_x = Measured(r).x(), end_y = Measured(r).y(), way_x = way.x(), way_y = way.y();
+    const double sigma_m = factors.manifold.sigma_m;
+    const GemanMcClure robust = GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas);
+    const TangentLine line = lines[r];
+    double least = std::numeric_limits<double>::infinity();
+    for (double share = 0.0; share <= 1.0; share += 1e-3) {
+      const double x = share * way_x, y = share * way_y;
+      const double distance =
+          (line.normal_x * (end_x + x) + line.normal_y * (end_y + y) - line.offset) / sigma_m;
+      const double cost =
+          x * (xx * x + xy * y) + y * (xy * x + yy * y) + robust.Rho(distance * distance);
+      if (cost < least) least = cost;
+    }
+    return least;
+  }
+
   Eigen::Vector2d Measured(std::size_t r) const {
     return room.state.WorldFromRobot(room.graph.scan(room.graph.ScanOfReturn(r)).pose) *
            room.graph.PointInRobot(r);
@@ -104,11 +125,7 @@ TEST(PointRecoveryTest, EachPointIsAtTheMinimumOfItsTerms) {
     const Eigen::Vector2d way =
         lined.Covariance(r, factors) * normal / (normal.dot(lined.Covariance(r, factors) * normal));
     const double distance = normal.dot(lined.Measured(r)) - lined.lines[r].offset;
-    double least = std::numeric_limits<double>::infinity();
-    for (double share = 0.0; share <= 1.0; share += 1e-3) {
-      least = std::min(least, lined.Cost(r, lined.Measured(r) - share * distance * way, factors));
-    }
-    EXPECT_LE(cost, least + 1e-3) << r << ": " << distance;
+    EXPECT_LE(cost, lined.LeastCost(r, -distance * way, factors) + 1e-3) << r << ": " << distance;
     const double share = -normal.dot(lined.Moved(r)) / distance;
     (share < 0.2 ? num_outliers : num_on_line) += 1;
   }

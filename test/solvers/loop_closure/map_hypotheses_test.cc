@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -25,7 +27,7 @@ struct SimulatedDrive {
   SequentialTrajectory matched;
 };
 
-SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building = BuildingKind::kRandom) {
+SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building) {
   SimulationOptions options;
   options.seed = seed;
   options.scan_period_s = 0.6;
@@ -42,6 +44,15 @@ SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building = BuildingKin
   drive.surfaces = std::move(surfaces).TakeKept();
   for (const SimulatedScan& scan : log.scans) drive.truth.push_back(scan.world_from_robot);
   return drive;
+}
+
+// Tests share the drives.
+const SimulatedDrive& DriveOf(std::uint64_t seed, BuildingKind building = BuildingKind::kRandom) {
+  static auto* drives = new std::map<std::pair<std::uint64_t, BuildingKind>, SimulatedDrive>;
+  const auto key = std::pair(seed, building);
+  const auto drive = drives->find(key);
+  if (drive != drives->end()) return drive->second;
+  return (*drives)[key] = MakeDrive(seed, building);
 }
 
 void SetOdometry(const std::vector<Pose2>& poses, SimulatedDrive* drive) {
@@ -89,7 +100,7 @@ double WorstM(const SimulatedDrive& drive, const std::vector<Pose2>& poses) {
 }
 
 TEST(MapHypotheses, ASoundDriveNeedsNoOtherExplanation) {
-  const SimulatedDrive drive = MakeDrive(1);
+  const SimulatedDrive drive = DriveOf(1);
   const Found found = Search(drive);
   EXPECT_EQ(found.best.kind, HypothesisKind::kMatching);
   EXPECT_EQ(found.NumAdopted(), 1);
@@ -103,7 +114,7 @@ TEST(MapHypotheses, ASoundDriveNeedsNoOtherExplanation) {
 }
 
 TEST(MapHypotheses, AnOdometryThatIsRightBeatsAMatchingThatIsTorn) {
-  SimulatedDrive drive = MakeDrive(2);
+  SimulatedDrive drive = DriveOf(2);
   SetOdometry(drive.truth, &drive);
   Tear(Pose2(4.0, 3.0, 0.7), &drive.matched);
   EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 2.0);
@@ -124,7 +135,7 @@ TEST(MapHypotheses, AnOdometryThatIsRightBeatsAMatchingThatIsTorn) {
 // Outdoors, among few and rough surfaces, the heading of the matching drifts until no closure is in
 // reach.
 TEST(MapHypotheses, HeadingsOfTheOdometryBringBackAMatchingThatTurnedOff) {
-  SimulatedDrive drive = MakeDrive(2);
+  SimulatedDrive drive = DriveOf(2);
   // The wheels know the headings, but not how far.
   std::vector<Pose2> odometry = drive.truth, turned = drive.matched.world_from_robot;
   const int num_poses = drive.graph.num_poses();
@@ -145,7 +156,7 @@ TEST(MapHypotheses, HeadingsOfTheOdometryBringBackAMatchingThatTurnedOff) {
 }
 
 TEST(MapHypotheses, AWrongStepIsPutRight) {
-  SimulatedDrive drive = MakeDrive(3);
+  SimulatedDrive drive = DriveOf(3);
   Tear(Pose2(1.5, 0.0, 0.0), &drive.matched);
   SetOdometry(drive.matched.world_from_robot, &drive);  // which is torn as well
   EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 1.0);
@@ -160,7 +171,7 @@ TEST(MapHypotheses, AStepThatSharesItsErrorOutIsPutRight) {
   // it: the map is not clearly better without the step.
   for (const auto& [seed, building] :
        {std::pair(5, BuildingKind::kRepetitive), std::pair(7, BuildingKind::kRandom)}) {
-    SimulatedDrive drive = MakeDrive(seed, building);
+    SimulatedDrive drive = DriveOf(seed, building);
     Tear(Pose2(0.45, 0.0, 0.0), &drive.matched);
     const Found found = Search(drive);
     EXPECT_EQ(found.best.kind, HypothesisKind::kBrokenSteps) << seed;
@@ -170,7 +181,7 @@ TEST(MapHypotheses, AStepThatSharesItsErrorOutIsPutRight) {
 
 TEST(MapHypotheses, ARobotThatWasCarriedIsFoundWhereItIs) {
   // Farther than a slip, and turned round: no closure is looked for there.
-  SimulatedDrive drive = MakeDrive(3);
+  SimulatedDrive drive = DriveOf(3);
   Tear(Pose2(4.0, -9.0, 2.8), &drive.matched);
   SetOdometry(drive.matched.world_from_robot, &drive);
   EXPECT_GT(WorstM(drive, drive.matched.world_from_robot), 9.0);
@@ -187,7 +198,7 @@ TEST(MapHypotheses, ARobotThatWasCarriedIsFoundWhereItIs) {
 }
 
 TEST(MapHypotheses, AreTheSameForAnyNumberOfThreads) {
-  SimulatedDrive drive = MakeDrive(2);
+  SimulatedDrive drive = DriveOf(2);
   Tear(Pose2(4.0, 3.0, 0.7), &drive.matched);
   const Found one = Search(drive, 1), three = Search(drive, 3);
   ASSERT_EQ(one.weighed.size(), three.weighed.size());
@@ -201,7 +212,7 @@ TEST(MapHypotheses, AreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(MapHypotheses, StopWhenTheirCallerSaysSo) {
-  const SimulatedDrive drive = MakeDrive(1);
+  const SimulatedDrive drive = DriveOf(1);
   ThreadPool pool(1);
   MapHypothesis best;
   std::vector<WeighedHypothesis> weighed;
