@@ -71,6 +71,8 @@ void BindOdometryReport(py::module_* module) {
       .Field("sigma_per_sqrt_rad", &RandomError::sigma_per_sqrt_rad, "[m or rad / sqrt(rad)]");
   Fields<OdometryNoiseReport>(module, "OdometryNoiseReport",
                               "What the scan matching says of the odometry.")
+      .Field("gross_translation_scale", &OdometryNoiseReport::gross_translation_scale,
+             "of the odometry as given; 1 if it is near 1, 0 if it was not used")
       .Field("clock_offset", &OdometryNoiseReport::clock_offset, "to the laser")
       .Field("translation_scale", &OdometryNoiseReport::translation_scale, "[m per m]")
       .Field("rotation_scale", &OdometryNoiseReport::rotation_scale, "[rad per rad]")
@@ -80,7 +82,7 @@ void BindOdometryReport(py::module_* module) {
       .Field("num_leaps", &OdometryNoiseReport::num_leaps,
              "steps that odometry and matching disagree on")
       .Field("motion", &OdometryNoiseReport::motion, "the same as noise of a single step")
-      .Field("is_prediction", &OdometryNoiseReport::is_prediction, "there was no odometry");
+      .Field("is_prediction", &OdometryNoiseReport::is_prediction, "no odometry was used");
 }
 
 void BindLoops(py::module_* module) {

@@ -26,7 +26,8 @@ Json SystematicJson(const SystematicError& error) {
 }
 
 Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
-  return {{"clock_offset_s",
+  return {{"gross_translation_scale", noise.gross_translation_scale},
+          {"clock_offset_s",
            {{"value", noise.clock_offset.value_s},
             {"sigma", noise.clock_offset.sigma_s},
             {"significant", noise.clock_offset.IsSignificant()}}},

@@ -68,12 +68,20 @@ std::string RandomText(const RandomError& error, double factor, const char* unit
 
 std::string OdometryText(const OdometryNoiseReport& noise) {
   if (noise.is_prediction) {
-    return Format(
-        "  There was no odometry: each step was predicted from those before, to %.0f mm and %.1f "
-        "deg (one sigma).\n",
-        kMmPerM * noise.motion.translation_floor_m, RadToDeg(noise.motion.rotation_floor_rad));
+    return (noise.gross_translation_scale == 0.0
+                ? std::string("  The odometry contradicts the scans and was not used: ")
+                : std::string("  There was no odometry: ")) +
+           Format(
+               "each step was predicted from those before, to %.0f mm and %.1f deg (one sigma).\n",
+               kMmPerM * noise.motion.translation_floor_m,
+               RadToDeg(noise.motion.rotation_floor_rad));
   }
-  std::string text =
+  std::string text;
+  if (noise.gross_translation_scale != 1.0) {
+    text += Format("  The odometry's distances are %.2f times the true ones and are corrected.\n",
+                   noise.gross_translation_scale);
+  }
+  text +=
       ClockText(noise.clock_offset) +
       FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +
       FaultText(noise.rotation_scale, kPercent, "reads %+.2f +- %.2f %% in turns") +

@@ -72,10 +72,10 @@ void Visit(Archive& archive, MotionOptions* motion) {
 
 template <typename Archive>
 void Visit(Archive& archive, OdometryNoiseReport* report) {
-  auto& [clock_offset, translation_scale, rotation_scale, drift, translation, rotation, leaps,
-         motion, is_prediction] = *report;
-  archive(clock_offset, translation_scale, rotation_scale, drift, translation, rotation, leaps,
-          motion, is_prediction);
+  auto& [gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation, rotation,
+         leaps, motion, is_prediction] = *report;
+  archive(gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation,
+          rotation, leaps, motion, is_prediction);
 }
 
 template <typename Archive>

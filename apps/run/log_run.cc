@@ -186,8 +186,9 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(
         BySpeaker(options_.peers, [this] { return output_.RemoveOldResults(); }));
     const Stage stage = OdometryStage();
-    const bool is_prediction = mapping_.report.seeding.odometry_noise.is_prediction;
-    return map->RecordStart(is_prediction ? nullptr : &stage);
+    const OdometryNoiseReport& noise = mapping_.report.seeding.odometry_noise;
+    const bool is_given = !noise.is_prediction || noise.gross_translation_scale == 0.0;
+    return map->RecordStart(is_given ? &stage : nullptr);
   }
 
   Stage OdometryStage() {

@@ -298,22 +298,34 @@ void AddCounts(const SequentialSeedingReport& more, SequentialSeedingReport* rep
 
 }  // namespace
 
+Status OdometrySteps(const SlamGraph& graph, std::vector<Pose2>* steps) {
+  steps->clear();
+  if (LacksOdometry(graph)) return Status::Ok();
+  std::vector<int> step_to_pose;
+  PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
+  steps->resize(graph.num_poses());
+  for (int pose = 1; pose < graph.num_poses(); ++pose) {
+    (*steps)[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
+  }
+  return Status::Ok();
+}
+
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
+  std::vector<Pose2> steps;
+  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &steps));
+  return SeedSequentially(options, motion, steps, progress, pool, surfaces, trajectory, report);
+}
+
+Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+                        const std::vector<Pose2>& steps, const SeedingProgress& progress,
+                        ThreadPool* pool, ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        SequentialSeedingReport* report) {
   const SlamGraph& graph = surfaces->graph();
   const std::vector<int>& scan_of_pose = surfaces->scan_of_pose();
-  std::vector<Pose2> odometry;
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
-  if (!LacksOdometry(graph)) {
-    std::vector<int> step_to_pose;
-    PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
-    odometry.resize(graph.num_poses());
-    for (int pose = 1; pose < graph.num_poses(); ++pose) {
-      odometry[pose] = graph.odometry()[step_to_pose[pose]].from_from_to;
-    }
-    stretches = CutIntoStretches(odometry, scan_of_pose);
-  }
+  if (!steps.empty()) stretches = CutIntoStretches(steps, scan_of_pose);
   SequentialSeedingReport counts;
   counts.odometry_sign = CheckOdometrySign(*surfaces, pool);
 
@@ -323,7 +335,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
     if (graph.HasScansOf(stretches[i].begin)) own.push_back(i);
   }
   const ScanSurfaces at_hand = surfaces->With(ScansAlong(stretches, own, scan_of_pose));
-  const DriveMatcher matcher(options, motion, at_hand, odometry, counts.odometry_sign.sign_lost);
+  const DriveMatcher matcher(options, motion, at_hand, steps, counts.odometry_sign.sign_lost);
   ProgressMeter meter(progress, NumPosesAlong(stretches, own), graph.num_poses());
   meter.Begin();
   std::vector<MatchedStretch> matched(stretches.size());

@@ -37,6 +37,17 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
+/// The same with other steps than those of the graph's odometry: one per pose, from the pose before
+/// (entry 0 is unused), or none, to be predicted.
+Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+                        const std::vector<Pose2>& steps, const SeedingProgress& progress,
+                        ThreadPool* pool, ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        SequentialSeedingReport* report);
+
+/// The steps of a graph's odometry, one per pose, from the pose before (entry 0 is unused); empty
+/// if it has none. InvalidArgument if it leaves out a step.
+Status OdometrySteps(const SlamGraph& graph, std::vector<Pose2>* steps);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_SEEDING_H_

@@ -27,7 +27,7 @@ struct SystematicError {
   double sigma = 0.0;  ///< its standard deviation
 
   /// Beyond four standard deviations: chance makes less than one log in ten thousand look so. Not
-  /// from 0.5 on: such an odometry does not measure, and no factor mends it.
+  /// from 0.5 on: it would have misled the matching that it was estimated with.
   bool IsSignificant() const;
 };
 
@@ -53,6 +53,10 @@ struct RandomError {
 
 /// What the scan matching says of the odometry, in the frame of the robot.
 struct OdometryNoiseReport {
+  /// Translation of the odometry as given, per unit of the true motion, where that is too far from
+  /// 1 for wheels that are in order: a wrong unit or sign. The rest is of the odometry divided by
+  /// it. 0: the odometry reports no translation, or contradicts the scans, and was not used.
+  double gross_translation_scale = 1.0;
   ClockOffset clock_offset;             ///< the rest is of the odometry in time with the scans
   SystematicError translation_scale;    ///< [m per m]
   SystematicError rotation_scale;       ///< [rad per rad]
@@ -64,8 +68,8 @@ struct OdometryNoiseReport {
   int num_leaps = 0;
   /// The random errors as noise of a single step of this log.
   MotionOptions motion;
-  /// There was no odometry: `motion` is the noise of steps that were predicted from those before,
-  /// and the other fields say nothing.
+  /// No odometry was given or used: `motion` is the noise of steps that were predicted from those
+  /// before, and the other fields say nothing.
   bool is_prediction = false;
 };
 

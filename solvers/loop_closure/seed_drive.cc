@@ -9,11 +9,8 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/share_graph.h"
-#include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
-#include "plumbline/solvers/front_end/motion_prediction.h"
-#include "plumbline/solvers/front_end/odometry_clock.h"
-#include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/match_drive.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/loop_closure/close_all_loops.h"
@@ -31,37 +28,6 @@ std::vector<Pose2> OdometryOf(const SequentialTrajectory& trajectory, const Slam
   return motions;
 }
 
-// Whether an offset of the clocks makes the turns of odometry and scans agree better. What looks
-// like one may be the jitter of the stamps: the odometry of intel's first third fits best 50 ms
-// later, and is then in error by half as much again.
-bool Explains(const OdometryNoiseReport& in_time, const OdometryNoiseReport& as_given) {
-  return !in_time.rotation.estimated || !as_given.rotation.estimated ||
-         in_time.motion.rotation_per_rotation < as_given.motion.rotation_per_rotation;
-}
-
-// Takes the errors that stay the same for the whole log out of the odometry.
-OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions& motion,
-                                    SequentialTrajectory* trajectory) {
-  const ClockOffset clock_offset = EstimateClockOffset(graph, *trajectory);
-  OdometryNoiseReport report = EstimateOdometryNoise(*trajectory, motion);
-  std::vector<Pose2> odometry = trajectory->odometry;
-  if (clock_offset.IsSignificant()) {
-    SequentialTrajectory in_time = *trajectory;
-    in_time.odometry = OdometryInTime(graph, odometry, clock_offset.value_s);
-    const OdometryNoiseReport report_in_time = EstimateOdometryNoise(in_time, motion);
-    if (Explains(report_in_time, report)) {
-      report = report_in_time;
-      report.clock_offset = clock_offset;
-      odometry = std::move(in_time.odometry);
-    }
-  } else {
-    report.clock_offset = clock_offset;
-  }
-  for (Pose2& step : odometry) step = CorrectStep(step, report);
-  CorrectOdometry(std::move(odometry), motion, trajectory);
-  return report;
-}
-
 Status CheckOptions(const SeedingOptions& options, const MotionOptions& motion) {
   std::string error;
   const bool good = options.Check(&error) && motion.Check(&error);
@@ -73,23 +39,6 @@ Status CheckSurface(const MeasuredSurface& surface, const SlamGraph& graph) {
   return Status::InvalidArgument("seeding needs one normal per return, " +
                                  std::to_string(graph.num_returns()) + ", but got " +
                                  std::to_string(surface.normals.size()));
-}
-
-// From scan to scan.
-Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
-                  const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
-                  SequentialTrajectory* trajectory, SeedingReport* report) {
-  const SlamGraph& graph = surfaces->graph();
-  const bool is_prediction = LacksOdometry(graph);
-  PLUMBLINE_RETURN_IF_ERROR(
-      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion,
-                       progress, pool, surfaces, trajectory, &report->sequential));
-  if (is_prediction) {
-    report->odometry_noise = MeasurePredictionNoise(graph, trajectory->world_from_robot, motion);
-  } else {
-    report->odometry_noise = MeasureOdometry(graph, motion, trajectory);
-  }
-  return Status::Ok();
 }
 
 // People around the robot pull the matching along with them: what moves is left out. Says whether

@@ -502,6 +502,7 @@ class RandomError:
     sigma_per_sqrt_rad: Final[float]
 
 class OdometryNoiseReport:
+    gross_translation_scale: Final[float]
     clock_offset: Final[ClockOffset]
     translation_scale: Final[SystematicError]
     rotation_scale: Final[SystematicError]

@@ -1,0 +1,154 @@
+#include "plumbline/solvers/front_end/match_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/front_end/odometry_clock.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
+
+namespace plumbline {
+namespace {
+
+// Largest error of the scale of translations that wheels in order have, as a share: worn tyres and
+// a wrong wheel radius. What is larger is a wrong unit, gear or sign.
+constexpr double kMaxScaleError = 0.2;
+// Scale below which the odometry is taken to report no translation.
+constexpr double kMinScale = 0.05;
+// Path [m] from which on a missing translation shows.
+constexpr double kMinPathM = 1.0;
+// Share of the scans with trouble from which on the odometry may have misled the matching. Logs
+// with odometry in order have up to 0.025 (fr079, intel, aces, mit-killian, fr-clinic and others).
+constexpr double kMaxTroubleShare = 0.03;
+
+// Whether an offset of the clocks makes the turns of odometry and scans agree better. What looks
+// like one may be the jitter of the stamps: the odometry of intel's first third fits best 50 ms
+// later, and is then in error by half as much again.
+bool Explains(const OdometryNoiseReport& in_time, const OdometryNoiseReport& as_given) {
+  return !in_time.rotation.estimated || !as_given.rotation.estimated ||
+         in_time.motion.rotation_per_rotation < as_given.motion.rotation_per_rotation;
+}
+
+// Takes the errors that stay the same for the whole log out of the odometry.
+OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions& motion,
+                                    SequentialTrajectory* trajectory) {
+  const ClockOffset clock_offset = EstimateClockOffset(graph, *trajectory);
+  OdometryNoiseReport report = EstimateOdometryNoise(*trajectory, motion);
+  std::vector<Pose2> odometry = trajectory->odometry;
+  if (clock_offset.IsSignificant()) {
+    SequentialTrajectory in_time = *trajectory;
+    in_time.odometry = OdometryInTime(graph, odometry, clock_offset.value_s);
+    const OdometryNoiseReport report_in_time = EstimateOdometryNoise(in_time, motion);
+    if (Explains(report_in_time, report)) {
+      report = report_in_time;
+      report.clock_offset = clock_offset;
+      odometry = std::move(in_time.odometry);
+    }
+  } else {
+    report.clock_offset = clock_offset;
+  }
+  for (Pose2& step : odometry) step = CorrectStep(step, report);
+  CorrectOdometry(std::move(odometry), motion, trajectory);
+  return report;
+}
+
+Status Match(const SeedingOptions& options, const MotionOptions& motion,
+             const std::vector<Pose2>& steps, const SeedingProgress& progress, ThreadPool* pool,
+             ScanSurfaces* surfaces, SequentialTrajectory* trajectory, SeedingReport* report) {
+  const bool is_prediction = steps.empty();
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, steps,
+                       progress, pool, surfaces, trajectory, &report->sequential));
+  report->odometry_noise =
+      is_prediction
+          ? MeasurePredictionNoise(surfaces->graph(), trajectory->world_from_robot, motion)
+          : MeasureOdometry(surfaces->graph(), motion, trajectory);
+  return Status::Ok();
+}
+
+// Translations of the odometry over those of the matching, from keyframe to keyframe, which leaves
+// out the jitter of a robot that stands. 1 on less than kMinPathM.
+double ReportedShare(const SequentialTrajectory& trajectory) {
+  double reported_m = 0.0, driven_m = 0.0;
+  for (std::size_t k = 1; k < trajectory.keyframes.size(); ++k) {
+    const int from = trajectory.keyframes[k - 1].pose, to = trajectory.keyframes[k].pose;
+    Pose2 step;
+    for (int pose = from + 1; pose <= to; ++pose) step = step * trajectory.odometry[pose];
+    reported_m += step.translation().norm();
+    driven_m += Between(trajectory.world_from_robot[from], trajectory.world_from_robot[to])
+                    .translation()
+                    .norm();
+  }
+  return driven_m < kMinPathM ? 1.0 : reported_m / driven_m;
+}
+
+// What the odometry's translations are per unit of the true motion: 1 within kMaxScaleError, 0 if
+// it reports none.
+double GrossScale(const OdometryNoiseReport& noise, const SequentialTrajectory& trajectory) {
+  if (!noise.translation.estimated) return ReportedShare(trajectory) < kMinScale ? 0.0 : 1.0;
+  const SystematicError& error = noise.translation_scale;
+  if (std::abs(error.value) <= std::max(kMaxScaleError, 4.0 * error.sigma)) return 1.0;
+  const double scale = 1.0 + error.value;
+  return std::abs(scale) < kMinScale ? 0.0 : scale;
+}
+
+// Share of the scans that fit nothing near by, fit only well off the odometry, or contradict it.
+double TroubleShare(const SeedingReport& report, std::size_t num_steps) {
+  const int num_troubles = report.sequential.num_unmatched + report.sequential.num_recovered +
+                           report.odometry_noise.num_leaps;
+  return num_troubles / static_cast<double>(num_steps);
+}
+
+// GrossScale of the steps against a matching that does not use them.
+Status MeasureGrossScale(const SeedingOptions& options, const MotionOptions& motion,
+                         const std::vector<Pose2>& steps, const SeedingProgress& progress,
+                         ThreadPool* pool, ScanSurfaces* surfaces, double* scale) {
+  const MotionOptions prior = PredictionPrior(motion);
+  SequentialTrajectory trajectory;
+  SequentialSeedingReport report;
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, prior, {}, progress, pool,
+                                             surfaces, &trajectory, &report));
+  trajectory.odometry = steps;
+  *scale = GrossScale(EstimateOdometryNoise(trajectory, prior), trajectory);
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
+                  const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+                  SequentialTrajectory* trajectory, SeedingReport* report) {
+  std::vector<Pose2> steps;
+  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &steps));
+  const auto match = [&] {
+    return Match(options, motion, steps, progress, pool, surfaces, trajectory, report);
+  };
+  PLUMBLINE_RETURN_IF_ERROR(match());
+  if (steps.empty()) return Status::Ok();
+  double scale = GrossScale(report->odometry_noise, *trajectory);
+  // Odometry that misled the matching cannot be measured by it.
+  if (scale == 1.0 && !report->odometry_noise.translation.estimated &&
+      TroubleShare(*report, steps.size()) > kMaxTroubleShare) {
+    PLUMBLINE_RETURN_IF_ERROR(
+        MeasureGrossScale(options, motion, steps, progress, pool, surfaces, &scale));
+  }
+  if (scale == 1.0) return Status::Ok();
+  if (scale != 0.0) {
+    for (Pose2& step : steps) step = Pose2(step.x / scale, step.y / scale, step.yaw);
+    PLUMBLINE_RETURN_IF_ERROR(match());
+    if (GrossScale(report->odometry_noise, *trajectory) != 1.0) scale = 0.0;
+  }
+  if (scale == 0.0) {
+    steps.clear();
+    PLUMBLINE_RETURN_IF_ERROR(match());
+  }
+  report->odometry_noise.gross_translation_scale = scale;
+  return Status::Ok();
+}
+
+}  // namespace plumbline

@@ -1,0 +1,92 @@
+#include "plumbline/solvers/front_end/match_drive.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/test/solvers/seeding_testing.h"
+
+namespace plumbline {
+namespace {
+
+const SimulatedLog& Log() {
+  static const SimulatedLog log = [] {
+    SimulationOptions options;
+    options.scan_period_s = 0.5;
+    options.laser.num_beams = 90;
+    options.laser.bearing_step_rad = DegToRad(2.0);
+    SimulatedLog simulated;
+    EXPECT_TRUE(
+        Simulate(World(GenerateBuilding(BuildingKind::kRandom, 43)), options, &simulated).ok());
+    return simulated;
+  }();
+  return log;
+}
+
+struct Matched {
+  SequentialTrajectory trajectory;
+  OdometryNoiseReport noise;
+  double worst_step_m = 0.0;  // error of a step, against the truth
+};
+
+// The drive with all positions of its odometry multiplied by a factor.
+Matched MatchWithScale(double factor) {
+  SimulatedLog log = Log();
+  for (SimulatedScan& scan : log.scans) {
+    scan.odom_from_robot.x *= factor;
+    scan.odom_from_robot.y *= factor;
+  }
+  SlamGraph graph;
+  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+  ScanSurfaces surfaces(graph, Packed(SurfacesOf(graph)));
+  ThreadPool pool(2);
+  Matched matched;
+  SeedingReport report;
+  EXPECT_TRUE(MatchDrive(SeedingOptions(), MotionOptions(), nullptr, &pool, &surfaces,
+                         &matched.trajectory, &report)
+                  .ok());
+  matched.noise = report.odometry_noise;
+  const std::vector<Pose2>& poses = matched.trajectory.world_from_robot;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose2 step = Between(poses[i - 1], poses[i]);
+    const Pose2 truth = Between(log.scans[i - 1].world_from_robot, log.scans[i].world_from_robot);
+    matched.worst_step_m =
+        std::max(matched.worst_step_m, Between(truth, step).translation().norm());
+  }
+  return matched;
+}
+
+TEST(MatchDriveTest, OdometryInOrderIsTakenAsItIs) {
+  for (const double factor : {1.0, 0.9, 1.1}) {
+    const Matched matched = MatchWithScale(factor);
+    EXPECT_EQ(matched.noise.gross_translation_scale, 1.0) << factor;
+    EXPECT_NEAR(matched.noise.translation_scale.value, factor - 1.0, 0.03) << factor;
+  }
+}
+
+// A wrong unit or gear, and wheels that count backwards.
+TEST(MatchDriveTest, AFactorOfTheOdometryIsTakenOut) {
+  for (const double factor : {0.25, 0.3, 3.0, -1.0}) {
+    const Matched matched = MatchWithScale(factor);
+    EXPECT_NEAR(matched.noise.gross_translation_scale, factor, 0.05 * std::abs(factor)) << factor;
+    EXPECT_FALSE(matched.noise.is_prediction) << factor;
+    EXPECT_LT(std::abs(matched.noise.translation_scale.value), 0.05) << factor;
+    EXPECT_LT(matched.worst_step_m, 0.05) << factor;
+  }
+}
+
+TEST(MatchDriveTest, OdometryThatReportsNoTranslationIsNotUsed) {
+  const Matched matched = MatchWithScale(0.0);
+  EXPECT_EQ(matched.noise.gross_translation_scale, 0.0);
+  EXPECT_TRUE(matched.noise.is_prediction);
+  EXPECT_LT(matched.worst_step_m, 0.05);
+}
+
+}  // namespace
+}  // namespace plumbline
