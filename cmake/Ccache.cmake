@@ -1,11 +1,11 @@
-# ccache, where it is installed: a source that was compiled before is not compiled again, in whatever
-# build folder of this tree. Never in the build of those who take the tree in.
+# Uses ccache if it is installed, for all build folders of this tree. A project that takes the source
+# tree in chooses its own compiler launcher.
 find_program(PLUMBLINE_CCACHE ccache DOC "Compiler cache; empty: none")
 if(NOT PLUMBLINE_TOP_LEVEL OR NOT PLUMBLINE_CCACHE OR CMAKE_CXX_COMPILER_LAUNCHER)
   return()
 endif()
-# What a compilation has read is known from its list of dependencies, which spares preprocessing.
-# Precompiled headers need the rest: see "Precompiled headers" in ccache's manual.
+# CCACHE_DEPEND finds the inputs of a compilation in its dependency file and skips the preprocessor.
+# The sloppiness and the flags below are needed for precompiled headers, see ccache's manual.
 set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
     CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime

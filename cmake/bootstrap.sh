@@ -67,7 +67,7 @@ install_missing() {
     "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"
 }
 
-# optional LOSS PACKAGE...: LOSS says what goes on without these packages.
+# optional MESSAGE PACKAGE...: prints MESSAGE if the packages cannot be installed.
 optional() { install_missing "${@:2}" || echo "bootstrap: $1" >&2; }
 
 if [[ $wanted != all ]]; then
@@ -75,7 +75,7 @@ if [[ $wanted != all ]]; then
   exit
 fi
 tools=(doxygen git clang-tidy-14 clang-format-14 locales)
-# All at once takes half the time of one set after the other.
+# One call of apt-get takes half the time of one call per set.
 if install_missing "${packages[@]}" "${tools[@]}" "${python[@]}" "${browser[@]}" "${plugin[@]}" \
   "${mpi[@]}" "${rosbag[@]}"; then
   exit

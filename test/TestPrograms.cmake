@@ -2,8 +2,8 @@
 # time on starting processes. ctest lists the suites when it starts, so new tests need no new
 # configuration. A failing entry prints the whole suite, with the names of the failed tests.
 
-# plumbline_add_suites(PROGRAM): those in SLOW_SUITES are labelled `slow` and go first, so that none of
-# them runs alone at the end.
+# plumbline_add_suites(PROGRAM): adds the suites of PROGRAM. The ones in SLOW_SUITES are labelled
+# `slow` and start first, so that none of them runs alone at the end.
 function(plumbline_add_suites program)
   set(suites ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.cmake)
   file(GENERATE OUTPUT ${suites} CONTENT "\

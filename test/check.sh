@@ -12,12 +12,11 @@
 #   fuzz        every fuzz target for 600 s of processor time
 #   NAME_fuzz   that fuzz target
 #   all         all of these in the background
-# It checks a commit (HEAD), not the working tree, so that work can go on meanwhile, and writes the
-# results to test/checks.md. --resume skips what has passed at that commit or at one with the same
-# sources.
-# Builds are in build-checks/, and so are logs. Warnings are errors everywhere. Tests on real logs
-# run if PLUMBLINE_DATASETS names their folder. Needs clang, clang-tidy and gcovr besides what
-# cmake/bootstrap.sh all installs; takes ninja where there is one.
+# Checks the given commit (default: HEAD), not the working tree, so that work can go on meanwhile,
+# and writes the results to test/checks.md. --resume skips a check that has passed at that commit or
+# at one with the same sources. Builds are in build-checks/, and so are logs. Warnings are errors
+# everywhere. Tests on real logs run if PLUMBLINE_DATASETS names their folder. Needs clang,
+# clang-tidy and gcovr besides what cmake/bootstrap.sh all installs; takes ninja where there is one.
 set -euo pipefail
 
 script=$(readlink -f "${BASH_SOURCE[0]}")
@@ -30,7 +29,7 @@ kills=500
 fuzz_s=600
 # Fast enough for the tests, with asserts and the lines of what is found.
 debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
-# Sanitizers have nothing to say to what compiles, installs or shows something elsewhere.
+# Tests without code of the library, or with a compiler of their own.
 elsewhere='^(un)?install|^(shared_)?consumer_|^(public_headers|readme_code|shared_library|headers)$'
 elsewhere+='|^(api_reference|report_browser|packages|bootstrap|slam_toolbox_package|format|tidy)$'
 
@@ -142,7 +141,7 @@ fuzz() {
   done
 }
 
-# inputs_of CHECK: what its result depends on, for git.
+# inputs_of CHECK: the paths that its result depends on, for git.
 inputs_of() {
   case $1 in
     headers | tidy) echo '*.h' '*.cc' '*.clang-tidy' ;;
@@ -154,7 +153,7 @@ inputs_of() {
   esac
 }
 
-# has_passed CHECK: and what it depends on is still the same.
+# has_passed CHECK: whether it has passed and its inputs are still the same.
 has_passed() {
   local passed inputs
   read -ra inputs <<<"$(inputs_of "$1")"

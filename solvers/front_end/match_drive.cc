@@ -15,15 +15,15 @@
 namespace plumbline {
 namespace {
 
-// Largest error of the scale of translations that wheels in order have, as a share: worn tyres and
-// a wrong wheel radius. What is larger is a wrong unit, gear or sign.
+// Largest relative scale error of wheels in order, from worn tyres or a wrong wheel radius. A
+// larger error is a wrong unit, gear or sign.
 constexpr double kMaxScaleError = 0.2;
-// Scale below which the odometry is taken to report no translation.
+// Smallest scale of an odometry that reports translations at all.
 constexpr double kMinScale = 0.05;
-// Path [m] from which on a missing translation shows.
+// Shortest path [m] over which a missing translation is recognised.
 constexpr double kMinPathM = 1.0;
-// Share of the scans with trouble from which on the odometry may have misled the matching. Logs
-// with odometry in order have up to 0.025 (fr079, intel, aces, mit-killian, fr-clinic and others).
+// Largest TroubleShare of odometry in order: 0.025 on orebro, 0.016 on fr-clinic, at most 0.002 on
+// fr079, intel, aces and mit-killian.
 constexpr double kMaxTroubleShare = 0.03;
 
 // Whether an offset of the clocks makes the turns of odometry and scans agree better. What looks
@@ -71,8 +71,8 @@ Status Match(const SeedingOptions& options, const MotionOptions& motion,
   return Status::Ok();
 }
 
-// Translations of the odometry over those of the matching, from keyframe to keyframe, which leaves
-// out the jitter of a robot that stands. 1 on less than kMinPathM.
+// Path length of the odometry divided by that of the matching, both from keyframe to keyframe,
+// which leaves out the jitter of a standing robot. 1 if the path is shorter than kMinPathM.
 double ReportedShare(const SequentialTrajectory& trajectory) {
   double reported_m = 0.0, driven_m = 0.0;
   for (std::size_t k = 1; k < trajectory.keyframes.size(); ++k) {
@@ -87,8 +87,8 @@ double ReportedShare(const SequentialTrajectory& trajectory) {
   return driven_m < kMinPathM ? 1.0 : reported_m / driven_m;
 }
 
-// What the odometry's translations are per unit of the true motion: 1 within kMaxScaleError, 0 if
-// it reports none.
+// Translation of the odometry per unit of the true motion: 1 if it is within kMaxScaleError of 1,
+// and 0 if the odometry reports no translation.
 double GrossScale(const OdometryNoiseReport& noise, const SequentialTrajectory& trajectory) {
   if (!noise.translation.estimated) return ReportedShare(trajectory) < kMinScale ? 0.0 : 1.0;
   const SystematicError& error = noise.translation_scale;
@@ -97,14 +97,15 @@ double GrossScale(const OdometryNoiseReport& noise, const SequentialTrajectory& 
   return std::abs(scale) < kMinScale ? 0.0 : scale;
 }
 
-// Share of the scans that fit nothing near by, fit only well off the odometry, or contradict it.
+// Share of the scans that match nothing near by, match only far from the odometry, or contradict
+// it.
 double TroubleShare(const SeedingReport& report, std::size_t num_steps) {
   const int num_troubles = report.sequential.num_unmatched + report.sequential.num_recovered +
                            report.odometry_noise.num_leaps;
   return num_troubles / static_cast<double>(num_steps);
 }
 
-// GrossScale of the steps against a matching that does not use them.
+// GrossScale of the odometry steps, compared with a matching without odometry.
 Status MeasureGrossScale(const SeedingOptions& options, const MotionOptions& motion,
                          const std::vector<Pose2>& steps, const SeedingProgress& progress,
                          ThreadPool* pool, ScanSurfaces* surfaces, double* scale) {

@@ -11,17 +11,17 @@
 
 namespace plumbline {
 
-/// Matches a drive from scan to scan, measures the errors of its odometry, and takes the systematic
-/// ones out of `trajectory->odometry`.
+/// Matches a drive from scan to scan, measures the errors of its odometry, and removes the
+/// systematic errors from `trajectory->odometry`.
 ///
-/// Odometry whose translations are off by a factor, or turned round, pulls the matching along: the
-/// factor is estimated from the scans, taken out, and the drive is matched again. If the odometry
-/// still contradicts the scans then, or reports no translation at all, the drive is matched as one
-/// without odometry.
+/// Odometry with a wrong factor or sign of its translations misleads the matching. The factor is
+/// estimated from the scans and removed, and the drive is matched again. If the odometry
+/// contradicts the scans even then, or reports no translation, the drive is matched without
+/// odometry.
 ///
-/// motion: noise of the odometry as a prior of the matching. surfaces: of the drive; keeps those of
-/// the keyframes, see SeedSequentially. Sets the `sequential` and `odometry_noise` of the report.
-/// Unavailable if progress stopped it. Collective if processes share the drive.
+/// motion: noise of the odometry, the prior of the matching. surfaces: surfaces of the drive; keeps
+/// the surfaces of the keyframes, see SeedSequentially. Sets `sequential` and `odometry_noise` of
+/// the report. Returns Unavailable if progress stopped it. Collective if processes share the drive.
 Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
                   const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                   SequentialTrajectory* trajectory, SeedingReport* report);

@@ -37,15 +37,15 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
-/// The same with other steps than those of the graph's odometry: one per pose, from the pose before
-/// (entry 0 is unused), or none, to be predicted.
+/// Finds the poses with the given odometry in place of the graph's. steps: one per pose, from the
+/// pose before (entry 0 is unused), or empty: steps are predicted.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const std::vector<Pose2>& steps, const SeedingProgress& progress,
                         ThreadPool* pool, ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
                         SequentialSeedingReport* report);
 
-/// The steps of a graph's odometry, one per pose, from the pose before (entry 0 is unused); empty
-/// if it has none. InvalidArgument if it leaves out a step.
+/// Returns the steps of a graph's odometry, one per pose, from the pose before (entry 0 is unused),
+/// or nothing if the graph has no odometry. InvalidArgument if a step is missing.
 Status OdometrySteps(const SlamGraph& graph, std::vector<Pose2>* steps);
 
 }  // namespace plumbline

@@ -53,9 +53,9 @@ struct RandomError {
 
 /// What the scan matching says of the odometry, in the frame of the robot.
 struct OdometryNoiseReport {
-  /// Translation of the odometry as given, per unit of the true motion, where that is too far from
-  /// 1 for wheels that are in order: a wrong unit or sign. The rest is of the odometry divided by
-  /// it. 0: the odometry reports no translation, or contradicts the scans, and was not used.
+  /// Translation of the given odometry per unit of the true motion. 1 if it is within 20 % of 1; a
+  /// larger error is a wrong unit or sign, and the other fields describe the odometry divided by
+  /// it. 0 if the odometry reports no translation or contradicts the scans: it was not used.
   double gross_translation_scale = 1.0;
   ClockOffset clock_offset;             ///< the rest is of the odometry in time with the scans
   SystematicError translation_scale;    ///< [m per m]
@@ -68,8 +68,8 @@ struct OdometryNoiseReport {
   int num_leaps = 0;
   /// The random errors as noise of a single step of this log.
   MotionOptions motion;
-  /// No odometry was given or used: `motion` is the noise of steps that were predicted from those
-  /// before, and the other fields say nothing.
+  /// No odometry was given or used: `motion` is the noise of the predicted steps, and the errors
+  /// above are not estimated.
   bool is_prediction = false;
 };
 

@@ -239,7 +239,7 @@ TEST_F(SlamMpiTest, MapsSeveralLogsAsOneProcessDoes) {
     const std::string flags =
         std::string("--picture_side_px=400 ") + (is_swept ? simulated : "--save_map");
     ASSERT_EQ(Slam(logs, flags, "one").exit_code, 0);
-    // Two where one seeds: those that wait for it take a processor each.
+    // Two processes where one seeds for all: a waiting process takes a processor.
     const Outcome run = SlamMpi(is_swept ? 2 : 3, logs, flags, "several");
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_EQ(FilesOf("several"), FilesOf("one"));
