@@ -27,6 +27,7 @@
 #include "plumbline/apps/benchmark/solver_comparison.h"
 #include "plumbline/apps/benchmark/stage_profile.h"
 #include "plumbline/apps/benchmark/studies.h"
+#include "plumbline/apps/benchmark/study_flags.h"
 #include "plumbline/apps/benchmark/synthetic_report.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"

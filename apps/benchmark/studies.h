@@ -1,19 +1,12 @@
 #ifndef PLUMBLINE_APPS_BENCHMARK_STUDIES_H_
 #define PLUMBLINE_APPS_BENCHMARK_STUDIES_H_
 
-#include <gflags/gflags_declare.h>
-
 #include <string>
 
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/core/status.h"
-
-DECLARE_string(csv);
-DECLARE_int32(buildings);
-DECLARE_int32(seeds);
-DECLARE_string(scans);
 
 namespace plumbline {
 
