@@ -56,14 +56,15 @@ const plumbline::ComparisonOptions& Defaults() {
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, sessions_study, "
-              "solver_comparison, scaling, log, synthetic, ablation, replay, scan_solver, "
-              "adversarial, sensors, profile");
+              "variations, solver_comparison, scaling, log, synthetic, ablation, replay, "
+              "scan_solver, adversarial, sensors, profile");
 DEFINE_string(
     log, "",
     "solver_comparison, log, ablation, replay, profile: CARMEN log, plain or .gz (empty: a "
     "simulated "
-    "building; ablation: none); scan_solver: the log of --graph, whose odometry leads from node to "
-    "node");
+    "building; ablation: none); variations: CARMEN logs separated by commas, or @FILE with one per "
+    "line, each with its relations beside it (a.relations for a.clf.gz); scan_solver: the log of "
+    "--graph, whose odometry leads from node to node");
 DEFINE_string(
     graph, "",
     "scan_solver: pose graph with scans, its vertices in the order in which a mapper made "
@@ -81,7 +82,7 @@ DEFINE_double(time_limit_s, Defaults().time_limit_s,
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
-    "for seeding_study, sessions_study, scaling, scan_solver and adversarial only)");
+    "for seeding_study, sessions_study, variations, scaling, scan_solver and adversarial only)");
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
 DEFINE_string(online_solver, "incremental",
               "replay: what refines the map while it grows: incremental (landmarks are kept from "
@@ -347,6 +348,10 @@ Status Profile(const OutputFolder& output, HtmlReport* page) {
   return WriteProfileCsv(output.File("profile.csv"), profile);
 }
 
+Status Variations(const OutputFolder& /*output*/, HtmlReport* page) {
+  return StudyVariations(FLAGS_log, page);
+}
+
 struct Experiment {
   const char* name;
   Status (*run)(const OutputFolder& output, HtmlReport* page);
@@ -360,6 +365,7 @@ struct Experiment {
 constexpr Experiment kExperiments[] = {
     {"seeding_study", SeedingStudy, "", false, false, false, "solver start shape", true},
     {"sessions_study", SessionsStudy, "", false, false, false, "start", true},
+    {"variations", Variations, "", true, false, false, "start relations sweep_time_s", true},
     {"solver_comparison", CompareAllSolvers,
      "solver_comparison.json solver_comparison.csv solver_comparison.png", false, true, true,
      "solver start"},
@@ -413,6 +419,18 @@ std::vector<std::string> FilesInFolder(const std::string& folder) {
   return files;
 }
 
+// True if one of the wanted experiments is this one.
+bool IsWanted(Status (*run)(const OutputFolder&, HtmlReport*)) {
+  std::vector<const Experiment*> wanted;
+  if (!FindExperiments(&wanted).ok()) return false;
+  return std::any_of(wanted.begin(), wanted.end(),
+                     [run](const Experiment* wants) { return wants->run == run; });
+}
+
+std::vector<std::string> FilesOfLogFlag(const std::string& value) {
+  return IsWanted(Variations) ? FilesOfVariedLogs(value) : LogFiles(value);
+}
+
 // Each experiment that writes the table writes it anew.
 std::vector<std::string> TablesOfExperiments(const std::string& csv) {
   std::vector<const Experiment*> wanted;
@@ -424,7 +442,7 @@ std::vector<std::string> TablesOfExperiments(const std::string& csv) {
 
 const std::vector<FileFlag>& FileFlags() {
   static const std::vector<FileFlag> flags = {
-      {"log", &FLAGS_log, FileUse::kInput, LogFiles},
+      {"log", &FLAGS_log, FileUse::kInput, FilesOfLogFlag},
       {"graph", &FLAGS_graph, FileUse::kInput},
       {"relations", &FLAGS_relations, FileUse::kInput},
       {"corrected_log", &FLAGS_corrected_log, FileUse::kInput},
@@ -450,7 +468,8 @@ Status CheckFlags() {
   constexpr int kMostRuns = 1000000;  // more would take years
   for (const auto& [name, value] :
        {std::pair("buildings", FLAGS_buildings == 0 ? 1 : FLAGS_buildings),
-        std::pair("seeds", FLAGS_seeds), std::pair("sensor_seeds", FLAGS_sensor_seeds)}) {
+        std::pair("seeds", FLAGS_seeds), std::pair("sensor_seeds", FLAGS_sensor_seeds),
+        std::pair("variation_seeds", FLAGS_variation_seeds)}) {
     if (value >= 1 && value <= kMostRuns) continue;
     return Status::InvalidArgument("--" + std::string(name) + " must be from 1 to " +
                                    std::to_string(kMostRuns));
@@ -459,6 +478,8 @@ Status CheckFlags() {
   PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&replay));
   StudyScanner scanner;
   PLUMBLINE_RETURN_IF_ERROR(StudyScannerFromFlag(&scanner));
+  std::vector<const LogVariation*> variations;
+  PLUMBLINE_RETURN_IF_ERROR(VariationsFromFlag(&variations));
   std::vector<int> counts;
   const Status status = ParseScanCounts(FLAGS_scans, &counts);
   if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
@@ -492,7 +513,9 @@ Status CheckFlags() {
 
 // So that no experiment leaves its results, or a folder for them, before one refuses a file.
 Status CheckInputFiles() {
-  for (const std::string& path : {FLAGS_log, FLAGS_corrected_log}) {
+  if (IsWanted(Variations)) PLUMBLINE_RETURN_IF_ERROR(CheckVariedLogs(FLAGS_log));
+  const bool takes_list = FLAGS_experiment == "variations";
+  for (const std::string& path : {takes_list ? "" : FLAGS_log, FLAGS_corrected_log}) {
     if (path.empty()) continue;
     CarmenLog log;
     SlamGraph graph;

@@ -11,11 +11,20 @@
 #include "plumbline/apps/benchmark/seeding_study.h"
 #include "plumbline/apps/benchmark/sessions_study.h"
 #include "plumbline/apps/benchmark/study_flags.h"
+#include "plumbline/apps/benchmark/variations_study.h"
+#include "plumbline/apps/program/log_list.h"
 #include "plumbline/apps/run/flags.h"
 #include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
 namespace {
+
+// Reads a list of logs and their relations.
+Status ReadLogList(const std::string& list, std::vector<KnownLog>* logs) {
+  std::vector<std::string> paths;
+  PLUMBLINE_RETURN_IF_ERROR(ParseLogList(list, &paths));
+  return ReadKnownLogs(paths, logs);
+}
 
 int NumBuildings(int by_default) { return FLAGS_buildings > 0 ? FLAGS_buildings : by_default; }
 
@@ -63,6 +72,50 @@ Status SessionsStudy(const OutputFolder& /*output*/, HtmlReport* page) {
       SessionsCases(NumBuildings(24), FLAGS_study_first_seed), options, &pool, &outcomes));
   if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteSessionsCsv(FLAGS_csv, outcomes));
   PrintText("Several days in one building", SessionsTable(outcomes), page);
+  return Status::Ok();
+}
+
+Status VariationsFromFlag(std::vector<const LogVariation*>* variations) {
+  const Status status = ParseVariations(FLAGS_variations, variations);
+  return status.ok() ? status : Status::InvalidArgument("--variations: " + status.message());
+}
+
+std::vector<std::string> FilesOfVariedLogs(const std::string& logs) {
+  std::vector<std::string> files = FilesOfLogList(logs), paths;
+  if (!ParseLogList(logs, &paths).ok()) return files;
+  for (const std::string& path : paths) files.push_back(RelationsBeside(path));
+  return files;
+}
+
+Status CheckVariedLogs(const std::string& logs) {
+  std::vector<KnownLog> ignored;
+  return ReadLogList(logs, &ignored);
+}
+
+Status StudyVariations(const std::string& log_list, HtmlReport* page) {
+  MapLogOptions options;
+  std::vector<const LogVariation*> variations;
+  std::vector<KnownLog> logs;
+  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&options.solver));
+  PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
+  PLUMBLINE_RETURN_IF_ERROR(VariationsFromFlag(&variations));
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogList(log_list, &logs));
+  ThreadPool pool(options.solver.num_threads);
+  std::string rows = VariationHeader();
+  std::cout << rows << std::flush;
+  std::vector<VariationOutcome> outcomes;
+  PLUMBLINE_RETURN_IF_ERROR(RunVariationsStudy(
+      logs, VariationCases(logs.size(), variations, FLAGS_variation_seeds, FLAGS_study_first_seed),
+      options,
+      [&](const VariationOutcome& outcome) {
+        const std::string row = VariationRow(outcome);
+        std::cout << row << std::flush;
+        rows += row;
+      },
+      &pool, &outcomes));
+  if (!FLAGS_csv.empty()) PLUMBLINE_RETURN_IF_ERROR(WriteVariationsCsv(FLAGS_csv, outcomes));
+  page->texts.push_back({"Runs over variations of logs", rows});
+  PrintText("Variations of logs", VariationsTable(outcomes), page);
   return Status::Ok();
 }
 

@@ -9,6 +9,8 @@ DECLARE_int32(buildings);
 DECLARE_uint64(study_first_seed);
 DECLARE_string(study_scanner);
 DECLARE_int32(seeds);
+DECLARE_string(variations);
+DECLARE_int32(variation_seeds);
 DECLARE_string(scans);
 
 #endif  // PLUMBLINE_APPS_BENCHMARK_STUDY_FLAGS_H_

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/benchmark/log_variations.h"
 #include "plumbline/test/apps/program_testing.h"
 #include "plumbline/test/apps/room_as_g2o.h"
 
@@ -261,6 +262,28 @@ TEST_F(ProgramsTest, StudiesTheSeeding) {
   ExpectUsageError(Run("benchmark", "--experiment=seeding_study --study_scanner=long"),
                    "--study_scanner=long");
   ExpectUsageError(Run("benchmark", "--experiment=log --output_dir=" + folder_ + "out"), "--log");
+}
+
+TEST_F(ProgramsTest, MapsVariationsOfLogs) {
+  SimulateLog(20);
+  const std::string study =
+      "--experiment=variations --variations=mirror --log=" + folder_ + "a.clf ";
+  EXPECT_THAT(Run("benchmark", study).err, HasSubstr("want '" + folder_ + "a.relations'"));
+  WriteFile(folder_ + "a.relations", "0 3 0.5 0 0 0 0 0\n");
+  const Outcome run = Run("benchmark", study + "--csv=" + folder_ + "variations.csv");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+  EXPECT_THAT(run.out, AllOf(HasSubstr("\na                mirror "), HasSubstr("wrong, SILENT")));
+  EXPECT_EQ(Lines(ReadFile(folder_ + "variations.csv")).size(), 3u);
+  ExpectUsageError(Run("benchmark", study + "--csv=" + folder_ + "a.relations"), "--csv");
+  ExpectUsageError(Run("benchmark", study + "--variations=sideways"),
+                   "--variations: there is no variation 'sideways'; want some of all, same, late");
+  ExpectUsageError(Run("benchmark", study + "--relations=" + folder_ + "a.relations"),
+                   "--relations is ignored by --experiment=variations");
+  ExpectUsageError(Run("benchmark", "--experiment=variations"), "--log is missing");
+  std::string names;
+  for (const LogVariation& variation : LogVariations()) names += variation.name + std::string(", ");
+  EXPECT_NE(Run("benchmark", "--help").out.find(names + "or all"), std::string::npos) << names;
 }
 
 TEST_F(ProgramsTest, ReplaysAMapper) {
