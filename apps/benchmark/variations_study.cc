@@ -148,7 +148,7 @@ class VariationsStudy {
         [&](std::size_t number, char*) { return RunOne(number, &(*result)[number]); }, &ignored);
   }
 
-  // The map of the unvaried log is there, unless it is what is run.
+  // Maps one log. The map of the log without variation is made before the others.
   Status RunOne(std::size_t number, VariationOutcome* outcome) {
     const VariationCase& run = cases_[number];
     VariedLog varied;
