@@ -59,9 +59,10 @@ struct VariationOutcome {
   double reference_error_m = 0.0;  ///< of the map of the unvaried log, over the same relations
   bool has_alarm = false;          ///< of the whole run
   bool has_seed_alarm = false;     ///< of the seeding
-  double matching_s = 0.0;         ///< wall time of the sequential matching, on one thread
-  double seeding_s = 0.0;          ///< wall time of the seeding, matching included
-  double time_s = 0.0;             ///< wall time of the run, without reading and varying the log
+  /// Wall time on one thread from the graph to the first search for loops: surfaces and matching.
+  double matching_s = 0.0;
+  double seeding_s = 0.0;  ///< wall time of the seeding, matching included
+  double time_s = 0.0;     ///< wall time of the run, without reading and varying the log
 
   bool IsRight() const { return error_m <= kMaxErrorRatio * reference_error_m + kMaxExcessM; }
 };
