@@ -14,6 +14,13 @@ namespace {
 constexpr double kWrongIfContradictory = 0.94;
 constexpr double kWrongIfUnresolved = 0.07;
 
+// Smallest share of returns with a normal on which matching can rest. Real logs have 0.58 (bushes)
+// to 0.98, 4 beams over 360 deg have 0.01.
+constexpr double kMinSurfaceShare = 0.1;
+// Largest share of scans that match nothing near by. Real logs have 0.017 at most, 4 beams over 360
+// deg have 0.8.
+constexpr double kMaxUnmatchedShare = 0.25;
+
 constexpr char kBeforeRefinement[] = " before the refinement, though not after it";
 
 // The alarm of one peak, if that peak by itself is a contradiction.
@@ -163,6 +170,21 @@ std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const 
                                 : std::to_string(misplaced.size()) + " scans, from here on, lie";
   return {{PlaceOfPose(graph, poses, misplaced.front()),
            scans + " some decimetres beside where the map shows what they saw", std::nullopt}};
+}
+
+std::vector<Alarm> UncheckedMapAlarms(double surface_share, double unmatched_share,
+                                      const SlamGraph& graph, const std::vector<double>& poses) {
+  const bool lacks_surfaces = surface_share < kMinSurfaceShare;
+  if (poses.empty() || (!lacks_surfaces && unmatched_share <= kMaxUnmatchedShare)) return {};
+  std::ostringstream reason;
+  reason << std::fixed << std::setprecision(1);
+  if (lacks_surfaces) {
+    reason << "only " << 100.0 * surface_share << " % of the returns show a surface";
+  } else {
+    reason << 100.0 * unmatched_share << " % of the scans match nothing near by";
+  }
+  reason << ", so many poses are the odometry's, and nothing tells whether they are right";
+  return {{PlaceOfPose(graph, poses, 0), reason.str(), std::nullopt}};
 }
 
 std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,

@@ -56,6 +56,12 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
 std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const SlamGraph& graph,
                                        const std::vector<double>& poses);
 
+/// At most one alarm, if hardly any return shows a surface or many scans match nothing near by:
+/// then poses are the odometry's, and no comparison of scans tells whether they are right.
+/// surface_share: share of the returns with a normal. unmatched_share: share of the scans.
+std::vector<Alarm> UncheckedMapAlarms(double surface_share, double unmatched_share,
+                                      const SlamGraph& graph, const std::vector<double>& poses);
+
 /// Where one of several sessions was bent to fit the others.
 std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const SlamGraph& graph,
                                      const std::vector<double>& poses);

@@ -7,6 +7,7 @@
 #include "plumbline/core/catch_exceptions.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/core/over_peers.h"
 #include "plumbline/core/return_normals.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sweep_motion.h"
@@ -105,6 +106,17 @@ std::vector<int> PutScansWhereTheyFit(const SolverOptions& solver, ThreadPool* p
   mapping->report.solver = std::move(summary);
   mapping->report.misplaced_poses = poses_of(before);
   return poses_of(after);
+}
+
+// Share of the returns with a normal; 1 if no normals were measured. Collective if processes share
+// the graph.
+double SurfaceShare(const SlamGraph& graph, const MeasuredSurface& surface) {
+  std::vector<double> counts = {static_cast<double>(std::count_if(
+                                    surface.normals.begin(), surface.normals.end(),
+                                    [](const ReturnNormal& normal) { return !normal.IsNone(); })),
+                                static_cast<double>(surface.normals.size())};
+  SumOverPeers(graph.peers(), &counts);
+  return counts[1] > 0.0 ? counts[0] / counts[1] : 1.0;
 }
 
 // The poses of the odometry, or of a chain of scan matches.
@@ -346,6 +358,7 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
         misplaced = PutScansWhereTheyFit(solver, pool, mapping);
       }
     }
+    const double surface_share = SurfaceShare(mapping->graph, mapping->surface);
     mapping->surface = MeasuredSurface();  // as large as what comes next
     if (!mapping->report.solver.IsSolutionUsable()) {
       if (mapping->state.points.empty()) {
@@ -357,6 +370,13 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
         MeasureMapConsistency(mapping->graph, PosesOf(mapping->state.poses), pool);
     mapping->report.alarms = RunAlarms(mapping->report.seeding, mapping->report.consistency,
                                        mapping->graph, mapping->state.poses);
+    const double unmatched_share =
+        mapping->report.seeding.sequential.num_unmatched /
+        std::max(1.0, static_cast<double>(mapping->graph.all_scans().size()));
+    for (Alarm& alarm :
+         UncheckedMapAlarms(surface_share, unmatched_share, mapping->graph, mapping->state.poses)) {
+      mapping->report.alarms.push_back(std::move(alarm));
+    }
     for (Alarm& alarm : MisplacedScanAlarms(misplaced, mapping->graph, mapping->state.poses)) {
       mapping->report.alarms.push_back(std::move(alarm));
     }

@@ -469,6 +469,20 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   return consistency;
 }
 
+std::vector<MapConsistency> ConsistencyMeter::MeasureEach(
+    const std::vector<std::vector<Pose2>>& maps, ThreadPool* pool) const {
+  std::vector<MapConsistency> consistencies(maps.size());
+  if (graph_.peers() != nullptr) {
+    for (std::size_t i = 0; i < maps.size(); ++i) consistencies[i] = Measure(maps[i], pool);
+    return consistencies;
+  }
+  pool->ForEachChunk(maps.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+    ThreadPool one_thread(1);
+    consistencies[i] = Measure(maps[i], &one_thread);
+  });
+  return consistencies;
+}
+
 MapConsistency MeasureMapConsistency(const SlamGraph& graph,
                                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool) {
   return ConsistencyMeter(graph, world_from_robot, pool).Measure(world_from_robot, pool);

@@ -31,6 +31,10 @@ class ConsistencyMeter {
 
   MapConsistency Measure(const std::vector<Pose2>& world_from_robot, ThreadPool* pool) const;
 
+  /// Measures several maps, one per thread; processes measure each map together.
+  std::vector<MapConsistency> MeasureEach(const std::vector<std::vector<Pose2>>& maps,
+                                          ThreadPool* pool) const;
+
  private:
   const SlamGraph& graph_;
   std::vector<int> scans_;                                // by their ids among all

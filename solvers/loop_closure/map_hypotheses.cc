@@ -95,7 +95,8 @@ class HypothesisSearch {
  private:
   Status TryOdometry(MapHypothesis* best) {
     if (LacksOdometry(graph_) || ties_ != nullptr) return Status::Ok();
-    const SequentialTrajectory odometry = OdometryAsGiven();
+    SequentialTrajectory odometry = matched_;
+    odometry.world_from_robot = PosesOf(graph_.initial_poses());
     MapHypothesis given;
     given.kind = HypothesisKind::kOdometryAlone;
     given.start = odometry;
@@ -388,7 +389,6 @@ class HypothesisSearch {
     broken->keys = keys;
     PLUMBLINE_RETURN_IF_ERROR(Close(broken));
     Weigh(broken);
-    KeepIfBest(*broken);
     return Status::Ok();
   }
 
@@ -397,11 +397,13 @@ class HypothesisSearch {
     return 2.0 * map.between_passes.num_compared >= other.between_passes.num_compared;
   }
 
-  // The steps above compare each hypothesis with the best one before it, so the result depends on
-  // their order. The score compares all of them. Where a robot was relocated among places that look
-  // alike, the score does not decide, so relocated segments are no candidates.
+  // The steps above compare each hypothesis with the best one before it, so their order matters.
+  // The score compares all. Among places that look alike it does not decide: no relocated segments
+  // here.
   void KeepIfBest(const MapHypothesis& hypothesis) {
-    if (ties_ != nullptr) return;
+    const bool is_candidate = hypothesis.kind == HypothesisKind::kMatching ||
+                              hypothesis.kind == HypothesisKind::kBrokenSteps;
+    if (ties_ != nullptr || !is_candidate) return;
     if (!best_weighed_ ||
         judge_.Score(hypothesis.consistency) < judge_.Score(best_weighed_->consistency)) {
       best_weighed_ = hypothesis;
@@ -409,10 +411,8 @@ class HypothesisSearch {
   }
 
   void TakeBestWeighed(MapHypothesis* best) {
-    if (best_weighed_ &&
-        judge_.Score(best_weighed_->consistency) < judge_.Score(best->consistency)) {
-      *best = std::move(*best_weighed_);
-    }
+    const auto score = [this](const MapHypothesis& h) { return judge_.Score(h.consistency); };
+    if (best_weighed_ && score(*best_weighed_) < score(*best)) *best = std::move(*best_weighed_);
   }
 
   void Weigh(MapHypothesis* hypothesis) {
@@ -424,12 +424,7 @@ class HypothesisSearch {
     weighed.world_from_robot = hypothesis->world_from_robot;
     hypothesis->records = {weighed_.size()};
     weighed_.push_back(weighed);
-  }
-
-  SequentialTrajectory OdometryAsGiven() const {
-    SequentialTrajectory odometry = matched_;
-    odometry.world_from_robot = PosesOf(graph_.initial_poses());
-    return odometry;
+    KeepIfBest(*hypothesis);
   }
 
   bool IsWorthASearch(const MapConsistency& odometry, const MapHypothesis& best) const {
@@ -447,7 +442,6 @@ class HypothesisSearch {
     PLUMBLINE_RETURN_IF_ERROR(Close(best));
     if (kind == HypothesisKind::kMatching) judge_.TakeMeasure(best->consistency);
     Weigh(best);
-    if (kind == HypothesisKind::kMatching) KeepIfBest(*best);
     return Status::Ok();
   }
 
@@ -491,19 +485,11 @@ class HypothesisSearch {
   // The maps of graphs of the start's keyframes.
   std::vector<MapConsistency> MeasureAll(const std::vector<KeyframeGraph>& keys,
                                          const SequentialTrajectory& start) const {
-    std::vector<MapConsistency> maps(keys.size());
-    if (graph_.peers() != nullptr) {  // who measure each map together
-      for (std::size_t i = 0; i < keys.size(); ++i) {
-        maps[i] = meter_.Measure(PosesFollowingKeyframes(keys[i], start.world_from_robot), pool_);
-      }
-      return maps;
+    std::vector<std::vector<Pose2>> maps;
+    for (const KeyframeGraph& graph : keys) {
+      maps.push_back(PosesFollowingKeyframes(graph, start.world_from_robot));
     }
-    pool_->ForEachChunk(keys.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-      ThreadPool one_thread(1);
-      maps[i] =
-          meter_.Measure(PosesFollowingKeyframes(keys[i], start.world_from_robot), &one_thread);
-    });
-    return maps;
+    return meter_.MeasureEach(maps, pool_);
   }
 
   // A revision of a hypothesis, before loops are closed again.
@@ -570,7 +556,7 @@ class HypothesisSearch {
     other.records.push_back(trial.record);
     weighed_[trial.record].conflict = other.consistency.AllConflicts();
     weighed_[trial.record].score = judge_.Score(other.consistency);
-    if (other.kind == HypothesisKind::kMatching) KeepIfBest(other);
+    KeepIfBest(other);
     *best = std::move(other);
     return Status::Ok();
   }

@@ -196,6 +196,20 @@ TEST(RunAlarmsTest, SessionsMayDisagree) {
       RunAlarms(SeedingReport(), DisagreeingPasses(), graph, graph.initial_poses()).empty());
 }
 
+TEST(UncheckedMapAlarmsTest, TellIfHardlyAnyScanCouldBeMatched) {
+  const SlamGraph graph = MakeScans(4);
+  const std::vector<double>& poses = graph.initial_poses();
+  EXPECT_TRUE(UncheckedMapAlarms(0.58, 0.02, graph, poses).empty());
+  const std::vector<Alarm> bare = UncheckedMapAlarms(0.0125, 0.0, graph, poses);
+  ASSERT_EQ(bare.size(), 1u);
+  EXPECT_EQ(bare[0].place.scan, 0);
+  EXPECT_THAT(bare[0].reason, HasSubstr("only 1.2 % of the returns show a surface"));
+  EXPECT_FALSE(bare[0].IsProbable());
+  const std::vector<Alarm> lost = UncheckedMapAlarms(0.58, 0.79, graph, poses);
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_THAT(lost[0].reason, HasSubstr("79.0 % of the scans match nothing near by"));
+}
+
 TEST(MisplacedScanAlarmsTest, OneSpeaksForAll) {
   const SlamGraph graph = MakeScans(4);
   EXPECT_TRUE(MisplacedScanAlarms({}, graph, graph.initial_poses()).empty());
