@@ -49,20 +49,21 @@ folders_of() {
   fi
 }
 
-checks=()
+# A unity build includes sources.
+checks=-bugprone-suspicious-include
 if [[ $extent == changed ]] && changed_since tidy >"$work/changed"; then
   sed 's|/[^/]*$||' "$work/changed" | sort -u >"$work/changed_folders"
   while read -r unit; do
     if folders_of "$unit" | grep -qxFf "$work/changed_folders"; then echo "$unit"; fi
   done <"$work/units" >"$work/selected"
   # The checks that take longest and find least wait for the whole tree: a quarter of the time.
-  checks=(--checks=-bugprone-suspicious-include,-bugprone-reserved-identifier,-bugprone-stringview-nullptr)
+  checks+=,-bugprone-reserved-identifier,-bugprone-stringview-nullptr
 else
   mv "$work/units" "$work/selected"
 fi
 
 # The largest first, so that both processors are busy to the end.
 xargs --no-run-if-empty --delimiter='\n' ls -S <"$work/selected" | tee "$work/log" |
-  xargs --no-run-if-empty --delimiter='\n' --max-procs=2 --max-args=1 "$tidy" --quiet "${checks[@]}" \
-    --extra-arg-before=-std=c++17 -p "$unity"
+  xargs --no-run-if-empty --delimiter='\n' --max-procs=2 --max-args=1 "$tidy" --quiet \
+    --checks="$checks" --extra-arg-before=-std=c++17 -p "$unity"
 cat "$work/log"

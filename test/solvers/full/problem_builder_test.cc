@@ -166,7 +166,7 @@ TEST(ProblemBuilderTest, FixedPosesAreConstants) {
 struct LandmarkScene {
   LandmarkScene() {
     landmarks.resize(3);
-    const auto see = [&](int pose, int landmark, double weight) {
+    const auto see = [&](int pose, int landmark, float weight) {
       LineObservation observation;
       observation.pose = pose;
       observation.landmark = landmark;
