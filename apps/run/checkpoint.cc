@@ -168,7 +168,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 10\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 11\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {
