@@ -485,9 +485,9 @@ class HypothesisSearch {
   // The maps of graphs of the start's keyframes.
   std::vector<MapConsistency> MeasureAll(const std::vector<KeyframeGraph>& keys,
                                          const SequentialTrajectory& start) const {
-    std::vector<std::vector<Pose2>> maps;
-    for (const KeyframeGraph& graph : keys) {
-      maps.push_back(PosesFollowingKeyframes(graph, start.world_from_robot));
+    std::vector<std::vector<Pose2>> maps(keys.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      maps[i] = PosesFollowingKeyframes(keys[i], start.world_from_robot);
     }
     return meter_.MeasureEach(maps, pool_);
   }
