@@ -162,9 +162,10 @@ has_passed() {
     git -C "$root" diff --quiet "$passed" "$commit" -- "${inputs[@]}"
 }
 
-# run_check CHECK: writes its row of the table in place of the last one.
+# run_check CHECK: sets result, and writes the check's row of the table in place of the last one.
 run_check() {
-  local command=$1 begin=$SECONDS result=passed row
+  local command=$1 begin=$SECONDS row
+  result=passed
   if [[ $1 == *_fuzz ]]; then command="fuzz $1"; fi
   echo "$1: begins, see $work/$1.log"
   set +e
@@ -181,7 +182,6 @@ run_check() {
     echo "$row" >>"$table"
   ) 9>"$work/table_lock"
   echo "$1: $result in $((SECONDS - begin)) s"
-  [[ $result == passed ]]
 }
 
 # parse ARGUMENT...: sets wanted, commit, options and background.
@@ -231,9 +231,15 @@ main() {
       echo "$check: has passed, and nothing has changed"
     elif [[ $check == *_fuzz ]]; then  # as many at a time as there are processors
       while (($(jobs -rp | wc -l) >= jobs)); do wait -n || failed=1; done
-      run_check "$check" &
+      {
+        run_check "$check"
+        [[ $result == passed ]]
+      } &
     else
-      run_check "$check" || failed=1
+      # Not behind ||, where bash would go on after the first error of a check, and not in the
+      # background, where SIGINT is ignored.
+      run_check "$check"
+      if [[ $result != passed ]]; then failed=1; fi
     fi
   done
   while (($(jobs -p | wc -l) > 0)); do wait -n || failed=1; done
