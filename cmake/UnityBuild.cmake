@@ -8,7 +8,7 @@ option(PLUMBLINE_UNITY_BUILD "Compile the sources of a folder as one: quicker fr
 set(PLUMBLINE_UNITS
   "core|factors"
   "solvers|solvers/interface|solvers/acceptance|solvers/terms|solvers/association|solvers/landmarks"
-  "solvers/front_end|solvers/loop_closure"
+  "solvers/front_end|solvers/loop_closure|solvers/hypotheses|solvers/seeding"
   "solvers/full|solvers/reduced"
   "apps/io|apps/program"
   "apps/figures|apps/convert")

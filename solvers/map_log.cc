@@ -22,7 +22,7 @@
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/misplaced_scans.h"
-#include "plumbline/solvers/loop_closure/seed_drive.h"
+#include "plumbline/solvers/seeding/seed_drive.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/sweep_order.h"
 

@@ -7,7 +7,7 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
-#include "plumbline/solvers/loop_closure/seed_drive.h"
+#include "plumbline/solvers/seeding/seed_drive.h"
 
 namespace plumbline {
 

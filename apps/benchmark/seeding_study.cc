@@ -16,8 +16,8 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
-#include "plumbline/solvers/loop_closure/close_all_loops.h"
 #include "plumbline/solvers/map_log.h"
+#include "plumbline/solvers/seeding/close_all_loops.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {

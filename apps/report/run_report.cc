@@ -37,9 +37,9 @@ void AddHypotheses(const std::vector<WeighedHypothesis>& hypotheses, HtmlReport*
   ReportTable table{"Hypotheses about the drive",
                     {"Hypothesis", "Returns compared", "Conflicting", "Score", "Adopted"},
                     {},
-                    "Score: conflicting returns less those that people, doors and glass explain; "
-                    "the lower, the better. A revision is tried on the hypothesis adopted before "
-                    "it."};
+                    "Score: negative log posterior in conflicting returns; the lower, the better. "
+                    "It counts conflicting and agreeing returns, and costs each slip, relocation "
+                    "and revised closure that the hypothesis assumes."};
   for (const WeighedHypothesis& hypothesis : hypotheses) {
     table.rows.push_back({HypothesisText(hypothesis),
                           WithThousands(hypothesis.conflict.num_compared),

@@ -130,8 +130,8 @@ struct WeighedHypothesis {
   int first_pose_after = 0;  ///< see carried_to
   /// Compared and conflicting returns within and between passes.
   FreeSpaceConflict conflict;
-  /// Conflicting returns less what all that are compared are worth, see
-  /// MapConsistency::WorthOfAgreement; the lower, the better.
+  /// Negative log posterior, up to a constant, in conflicting returns: the lower, the better. It
+  /// sums conflicts, agreement (MapConsistency::WorthOfAgreement) and the cost of assumptions.
   double score = 0.0;
   bool adopted = false;  ///< the seed is made of it
   /// The map that it makes: a pose per pose of the graph. kWithoutCluster, kWithMatch: none.

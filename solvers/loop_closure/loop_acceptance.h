@@ -85,22 +85,12 @@ struct LoopAcceptance {
   /// fr079, intel and mit-killian cut into three and 1988 of simulated days.
   static constexpr double kMaxRelief = 16.3;
 
-  // 7. Does the map agree better without it, or with it? (map_hypotheses, suspect_clusters)
-  // Asked only of a map that contradicts itself: MapConsistency says from where on it does.
+  // 7. Does the posterior of the map speak for it? (solvers/hypotheses)
 
-  /// A cluster of closures goes if the map is better without it, that is if fewer returns conflict
-  /// by this share of those that do between passes, ...
-  static constexpr double kMinMapGain = 0.1;
-  /// ... and by this many more: what people and chairs that moved bring about. The three
-  /// logs have the same closures at 0.05 and 0.2, and at 30 and 300.
-  static constexpr double kMinMapGainReturns = 100.0;
-  /// The matching with the headings of the odometry is taken only if this share more returns are
-  /// compared between passes.
-  static constexpr double kMinMeetingGain = 0.05;
   /// A match that fails 3 or 5 but shows this share of the scan, and passes 4, is kept: it becomes
-  /// a closure if it makes the map better by as much. A laser that sees half a turn shows little
-  /// of what it saw when it drove the other way. The three logs have the same closures at 0.5, the
-  /// end of fr-clinic lies 2 m off then.
+  /// a closure if the map has a higher posterior with it. A laser that sees half a turn shows
+  /// little of what it saw when it drove the other way. The three logs have the same closures at
+  /// 0.5, the end of fr-clinic lies 2 m off then.
   static constexpr double kTentativeInlierRatio = 0.25;
 };
 

@@ -8,12 +8,12 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/point_index.h"
+#include "plumbline/solvers/hypotheses/tied_places.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 #include "plumbline/solvers/loop_closure/loop_closure.h"
-#include "plumbline/solvers/loop_closure/tied_places.h"
 
 namespace plumbline {
 namespace {

@@ -9,7 +9,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
-#include "plumbline/solvers/loop_closure/seed_drive.h"
+#include "plumbline/solvers/seeding/seed_drive.h"
 
 namespace plumbline {
 

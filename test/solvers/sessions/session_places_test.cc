@@ -12,7 +12,7 @@
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
-#include "plumbline/solvers/loop_closure/seed_drive.h"
+#include "plumbline/solvers/seeding/seed_drive.h"
 #include "plumbline/solvers/sessions/session_set.h"
 
 namespace plumbline {

@@ -1,0 +1,61 @@
+#include "plumbline/solvers/hypotheses/given_odometry.h"
+
+#include <utility>
+
+#include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/loop_closure/close_loops.h"
+
+namespace plumbline {
+namespace {
+
+// Loops are closed around the odometry only if passes in its map conflict by no more than this
+// times the share that can be explained. Tuned on mit-killian, infinite-corridor, acapulco and
+// fr-clinic.
+constexpr double kSoundOdometry = 2.0;
+
+class GivenOdometry : public Proposer {
+ public:
+  std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
+    const SlamGraph& graph = context->surfaces.graph();
+    if (LacksOdometry(graph) || context->has_sessions) return {};
+    if (alone_.id.empty()) alone_ = MakeAlone(*context);
+    std::vector<Proposal> proposals{alone_};
+    const FreeSpaceConflict& passes = alone_.draft.consistency.between_passes;
+    const Posterior& posterior = context->posterior;
+    if (passes.num_compared > 0 &&
+        passes.Share() <= kSoundOdometry * posterior.explicable_share() &&
+        posterior.IsSuspicious(best.consistency)) {
+      Proposal closed;
+      closed.id = "odometry";
+      closed.draft.kind = HypothesisKind::kOdometry;
+      closed.draft.start = alone_.draft.start;
+      closed.draft.keys = alone_.draft.keys;
+      proposals.push_back(std::move(closed));
+    }
+    return proposals;
+  }
+
+ private:
+  static Proposal MakeAlone(const SearchContext& context) {
+    Proposal alone;
+    alone.id = "odometry alone";
+    MapHypothesis& draft = alone.draft;
+    draft.kind = HypothesisKind::kOdometryAlone;
+    SequentialTrajectory odometry = *context.matched;
+    odometry.world_from_robot = PosesOf(context.surfaces.graph().initial_poses());
+    draft.keys = MakeKeyframeGraph(odometry, context.motion);
+    draft.world_from_robot = odometry.world_from_robot;
+    draft.start = std::make_shared<const SequentialTrajectory>(std::move(odometry));
+    draft.consistency = context.meter.Measure(draft.world_from_robot, context.pool);
+    alone.is_complete = true;
+    return alone;
+  }
+
+  Proposal alone_;
+};
+
+}  // namespace
+
+std::unique_ptr<Proposer> ProposeGivenOdometry() { return std::make_unique<GivenOdometry>(); }
+
+}  // namespace plumbline

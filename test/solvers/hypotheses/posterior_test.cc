@@ -1,0 +1,123 @@
+#include "plumbline/solvers/hypotheses/posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace plumbline {
+namespace {
+
+MapConsistency MapWith(int num_compared, int num_conflicting) {
+  MapConsistency map;
+  map.within_pass = {1000, 10};
+  map.between_passes = {num_compared, num_conflicting};
+  return map;
+}
+
+// Keyframes a metre apart along x.
+KeyframeGraph StraightDrive(int num_keys) {
+  KeyframeGraph keys;
+  for (int k = 0; k < num_keys; ++k) {
+    keys.keyframes.emplace_back();
+    keys.keyframes.back().pose = keys.keyframes.back().scan = k;
+    keys.keyframes.back().path_m = k;
+    keys.world_from_key.emplace_back(k, 0.0, 0.0);
+    if (k == 0) continue;
+    SequentialEdge edge;
+    edge.constraint = {k - 1, k, Pose2(1.0, 0.0, 0.0), 1e-4 * Eigen::Matrix3d::Identity()};
+    keys.sequential.push_back(edge);
+  }
+  return keys;
+}
+
+class PosteriorTest : public testing::Test {
+ protected:
+  PosteriorTest() { posterior_.Calibrate(MapWith(10000, 100)); }
+
+  EnergyTerms Terms(const MapHypothesis& hypothesis) {
+    return posterior_.TermsOf(hypothesis, &pool_);
+  }
+  double Energy(const MapHypothesis& hypothesis) { return posterior_.Energy(Terms(hypothesis)); }
+
+  static MapHypothesis PlainDrive() {
+    MapHypothesis plain;
+    plain.keys = StraightDrive(10);
+    plain.consistency = MapWith(10000, 100);
+    return plain;
+  }
+
+  ThreadPool pool_{1};
+  Posterior posterior_{/*of_one_session=*/true};
+};
+
+TEST_F(PosteriorTest, AgreementLowersTheEnergyAndConflictRaisesIt) {
+  const double usual = posterior_.ScanEnergy(MapWith(10000, 100));
+  EXPECT_LT(posterior_.ScanEnergy(MapWith(12000, 100)), usual);
+  EXPECT_DOUBLE_EQ(posterior_.ScanEnergy(MapWith(10000, 150)), usual + 50.0);
+}
+
+TEST_F(PosteriorTest, APlainDriveAssumesNothing) {
+  const EnergyTerms terms = Terms(PlainDrive());
+  EXPECT_EQ(terms.assumptions, 0.0);
+  EXPECT_EQ(terms.relocated_m, 0.0);
+  EXPECT_DOUBLE_EQ(terms.scans, posterior_.ScanEnergy(PlainDrive().consistency));
+}
+
+TEST_F(PosteriorTest, ASlipCostsOneUnitAndItsLength) {
+  MapHypothesis slipped = PlainDrive();
+  slipped.keys.sequential[4].broken = true;
+  for (int k = 5; k < slipped.keys.size(); ++k) slipped.keys.world_from_key[k].x += 3.0;
+  EXPECT_DOUBLE_EQ(Terms(slipped).relocated_m, 3.0);
+  EXPECT_GT(Energy(slipped), Energy(PlainDrive()) + posterior_.unit());
+}
+
+TEST_F(PosteriorTest, TheEndOfASessionIsNoSlip) {
+  MapHypothesis sessions = PlainDrive();
+  sessions.keys.sequential[4].broken = sessions.keys.sequential[4].between_sessions = true;
+  for (int k = 5; k < sessions.keys.size(); ++k) sessions.keys.world_from_key[k].x += 3.0;
+  EXPECT_EQ(Terms(sessions).relocated_m, 0.0);
+  EXPECT_EQ(Energy(sessions), Energy(PlainDrive()));
+}
+
+// Closures at both ends of a drive pull its steps apart.
+TEST_F(PosteriorTest, AStrainedSegmentCostsAsMuchAsASlipOfNoLength) {
+  MapHypothesis strained = PlainDrive();
+  strained.keys.closures.push_back(
+      {0, 9, Pose2(9.9, 0.0, 0.0), 1e-4 * Eigen::Matrix3d::Identity()});
+  for (int k = 0; k < strained.keys.size(); ++k) strained.keys.world_from_key[k].x = 1.1 * k;
+  EXPECT_DOUBLE_EQ(Energy(strained), Energy(PlainDrive()) + posterior_.unit());
+}
+
+TEST_F(PosteriorTest, RemovedClosuresCostMoreThanAddedOnes) {
+  MapHypothesis removed = PlainDrive(), added = PlainDrive();
+  removed.num_removed = 1;
+  added.num_added = 1;
+  EXPECT_GT(Energy(added), Energy(PlainDrive()));
+  EXPECT_GT(Energy(removed), Energy(added));
+}
+
+TEST_F(PosteriorTest, AStartFromTheOdometryCosts) {
+  for (const HypothesisKind kind : {HypothesisKind::kOdometry, HypothesisKind::kOdometryAlone,
+                                    HypothesisKind::kOdometryHeadings}) {
+    MapHypothesis other = PlainDrive();
+    other.kind = kind;
+    EXPECT_GT(Energy(other), Energy(PlainDrive())) << ToString(kind);
+  }
+}
+
+TEST_F(PosteriorTest, TheUnitFollowsTheLeastConflict) {
+  const double unit = posterior_.unit();
+  posterior_.LowerUnit(MapWith(10000, 200));
+  EXPECT_EQ(posterior_.unit(), unit);
+  posterior_.LowerUnit(MapWith(10000, 50));
+  EXPECT_LT(posterior_.unit(), unit);
+}
+
+TEST_F(PosteriorTest, PassesOfSeveralSessionsMayDisagree) {
+  const MapConsistency map = MapWith(1000, 900);
+  EXPECT_TRUE(posterior_.PassesDisagree(map));
+  EXPECT_FALSE(Posterior(/*of_one_session=*/false).PassesDisagree(map));
+}
+
+}  // namespace
+}  // namespace plumbline
