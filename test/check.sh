@@ -212,9 +212,27 @@ usage() {
   exit 2
 }
 
+# require_tools CHECK...: a tool that is missing is better noticed before a check than after it.
+require_tools() {
+  local check tool missing=()
+  for check; do
+    case $check in
+      coverage) tool=gcovr ;;
+      tidy) tool=clang-tidy ;;
+      compilers | sanitizers | kills | *_fuzz) tool=clang++ ;;
+      *) continue ;;
+    esac
+    if ! command -v "$tool" >/dev/null; then missing+=("$check needs $tool."); fi
+  done
+  if ((${#missing[@]} == 0)); then return; fi
+  printf 'check.sh: %s\n' "${missing[@]}" >&2
+  exit 1
+}
+
 main() {
   local check failed=0
   parse "$@"
+  require_tools "${wanted[@]}"
   mkdir -p "$work"
   if [[ $background == yes ]]; then
     setsid --fork "$script" "${options[@]}" --commit="$commit" "${wanted[@]}" \
