@@ -122,6 +122,7 @@ class HypothesisSearch {
 
   // Improves a hypothesis until no refinement makes it better.
   Status Refine(std::size_t hypothesis) {
+    if (pool_[hypothesis].keys.size() == 0) return Status::Ok();  // no scan shows a surface
     for (std::size_t next = 0; next < refinements_.size();) {
       const std::size_t before = hypothesis;
       PLUMBLINE_RETURN_IF_ERROR(Explore(refinements_[next].get(), &hypothesis));

@@ -6,12 +6,12 @@ namespace plumbline {
 namespace {
 
 // Beams 0.01 rad apart, from a laser that is mounted off centre and turned.
-SlamGraph GraphOf(const std::vector<double>& ranges) {
+SlamGraph GraphOf(const std::vector<double>& ranges, double bearing_step_rad = 0.01) {
   SlamGraph graph;
   LaserModel laser;
   laser.num_beams = static_cast<int>(ranges.size());
   laser.first_bearing_rad = -0.4;
-  laser.bearing_step_rad = 0.01;
+  laser.bearing_step_rad = bearing_step_rad;
   laser.max_range_m = 10.0;
   laser.robot_from_laser = Pose2(0.3, -0.2, 2.0);
   int id = 0;
@@ -21,8 +21,8 @@ SlamGraph GraphOf(const std::vector<double>& ranges) {
   return graph;
 }
 
-std::vector<bool> JoinedOf(const std::vector<double>& ranges) {
-  const SlamGraph graph = GraphOf(ranges);
+std::vector<bool> JoinedOf(const std::vector<double>& ranges, double bearing_step_rad = 0.01) {
+  const SlamGraph graph = GraphOf(ranges, bearing_step_rad);
   std::vector<Eigen::Vector2d> points;
   MeasuredPoints(graph, 0, &points);
   std::vector<bool> joined;
@@ -46,7 +46,22 @@ TEST(JoinedReturns, EndAtARangeJump) {
 }
 
 TEST(JoinedReturns, BridgeOneBeamWithoutReturn) {
-  EXPECT_EQ(JoinedOf({2.0, 10.0, 2.0, 10.0, 10.0, 2.0}), (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(JoinedOf({2.0, 2.0, 10.0, 2.0, 10.0, 10.0, 2.0}),
+            (std::vector<bool>{false, true, true, false}));
+}
+
+TEST(JoinedReturns, OfADriverThatDropsBeamsAreNeighbours) {
+  constexpr double kNone = 10.0;
+  // Every third beam, then one of these missing, then two.
+  EXPECT_EQ(JoinedOf({2.0, kNone, kNone, 2.0, kNone, kNone, kNone, kNone, kNone, 2.0, kNone, kNone,
+                      kNone, kNone, kNone, kNone, kNone, kNone, 2.0}),
+            (std::vector<bool>{false, true, true, false}));
+}
+
+TEST(JoinedReturns, BeamsFarApartSayNothingOfWhatIsBetween) {
+  EXPECT_EQ(JoinedOf({2.0, 2.0, 2.0}, 0.25), (std::vector<bool>{false, true, true}));
+  EXPECT_EQ(JoinedOf({2.0, 2.0, 2.0}, 0.35), (std::vector<bool>{false, false, false}));
+  EXPECT_EQ(JoinedOf({2.0, 2.0, 10.0, 2.0}, 0.2), (std::vector<bool>{false, true, false}));
 }
 
 TEST(JoinedReturns, PointsOfOneBeamAreNeighbours) {

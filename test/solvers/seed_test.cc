@@ -8,6 +8,9 @@
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/apps/simulation/building_generator.h"
+#include "plumbline/apps/simulation/log_graph.h"
+#include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/test/core/initial_guesses.h"
@@ -192,6 +195,26 @@ TEST(Seed, ChecksOptionsAllTheWayDown) {
   options.sequential.keyframe_distance_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_NE(error.find("sequential.keyframe_distance_m = 0"), std::string::npos) << error;
+}
+
+// Four beams a right angle apart show no surfaces. Nothing is better than the odometry then.
+TEST(Seed, FewBeamsLeaveTheOdometryAsItIs) {
+  SimulationOptions options;
+  options.seed = 3;
+  options.scan_period_s = 1.0;
+  options.laser.num_beams = 4;
+  options.laser.first_bearing_rad = -kPi;
+  options.laser.bearing_step_rad = 0.5 * kPi;
+  SimulatedLog log;
+  ASSERT_TRUE(Simulate(World(GenerateBuilding(BuildingKind::kRandom, 3)), options, &log).ok());
+  SlamGraph graph;
+  ASSERT_TRUE(MakeGraph(log, &graph).ok());
+  SeedingReport report;
+  const MapState seeded = Seeded(graph, 1, &report);
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    EXPECT_NEAR(DistanceM(seeded.WorldFromRobot(pose), graph.InitialPose(pose)), 0.0, 1e-9) << pose;
+  }
+  EXPECT_TRUE(report.alarm || report.sequential.num_keyframes == 0);
 }
 
 // Stamps of that log jitter, and its first third, which turns little, fits best 50 ms later. The
