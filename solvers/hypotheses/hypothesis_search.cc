@@ -98,19 +98,25 @@ class HypothesisSearch {
     return Status::Unavailable("loop closing was stopped by its caller");
   }
 
-  // Weighs what a proposer has to say about a hypothesis of the pool, and moves the index to the
-  // best of that and of the hypothesis itself.
+  // Weighs the proposals around a hypothesis of the pool, and moves the index to the best of them
+  // if that is better. A proposer of alternatives is asked again until it has none, as it proposes
+  // those of one step at a time.
   Status Explore(Proposer* proposer, std::size_t* around) {
-    PLUMBLINE_RETURN_IF_ERROR(CheckStop());
     const std::size_t begin = *around;
-    for (Proposal& proposal : proposer->Propose(pool_[begin], &context_)) {
-      if (pool_.size() >= kMaxHypotheses) break;
-      if (!known_.insert(proposal.id).second) continue;
+    bool has_more = true;
+    while (has_more && *around == begin) {
       PLUMBLINE_RETURN_IF_ERROR(CheckStop());
-      const std::size_t last = pool_.size();
-      PLUMBLINE_RETURN_IF_ERROR(Weigh(std::move(proposal)));
-      if (pool_.size() > last && Energy(pool_[last]) < Energy(pool_[*around])) *around = last;
-      if (*around != begin && !proposer->AreAlternatives()) break;
+      has_more = false;
+      for (Proposal& proposal : proposer->Propose(pool_[begin], &context_)) {
+        if (pool_.size() >= kMaxHypotheses) break;
+        if (!known_.insert(proposal.id).second) continue;
+        PLUMBLINE_RETURN_IF_ERROR(CheckStop());
+        const std::size_t last = pool_.size();
+        PLUMBLINE_RETURN_IF_ERROR(Weigh(std::move(proposal)));
+        has_more = proposer->AreAlternatives();
+        if (pool_.size() > last && Energy(pool_[last]) < Energy(pool_[*around])) *around = last;
+        if (*around != begin && !proposer->AreAlternatives()) break;
+      }
     }
     return Status::Ok();
   }
