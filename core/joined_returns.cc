@@ -24,15 +24,21 @@ int BeamGap(const ScanReturns& returns, std::size_t r) {
   return std::max(returns.Beam(r) - returns.Beam(r - 1), 1);
 }
 
-// Beams from one return to the next, at least. More than 1 if a driver drops every other beam.
+// Spacing of the beams in use: more than 1 if a driver drops every other beam. At least half of the
+// returns are that far from the one before then, and none is nearer. Few returns far apart are none
+// of that.
 int BeamSpacing(const SlamGraph& graph, int scan_id) {
   const ScanEntry& scan = graph.scan(scan_id);
   const ScanReturns returns = graph.ReturnsOfScan(scan_id);
-  int spacing = std::numeric_limits<int>::max();
-  for (std::size_t k = 1; k < scan.num_returns && spacing > 1; ++k) {
-    spacing = std::min(spacing, BeamGap(returns, scan.first_return + k));
+  int least = std::numeric_limits<int>::max();
+  std::size_t num_least = 0;
+  for (std::size_t k = 1; k < scan.num_returns && least > 1; ++k) {
+    const int gap = BeamGap(returns, scan.first_return + k);
+    if (gap < least) num_least = 0;
+    least = std::min(least, gap);
+    if (gap == least) ++num_least;
   }
-  return spacing;
+  return 2 * num_least >= scan.num_returns - 1 ? least : 1;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "plumbline/solvers/hypotheses/steps_in_question.h"
 #include "plumbline/solvers/hypotheses/strained_stretches.h"
+#include "plumbline/solvers/loop_closure/closure_clusters.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
 
 namespace plumbline {
@@ -19,22 +20,28 @@ bool KeepsTheMatching(const MapHypothesis& hypothesis) {
          hypothesis.kind == HypothesisKind::kBrokenSteps;
 }
 
-std::string IdOf(const std::string& what, const KeyframeGraph& keys) {
-  std::string id = what;
+void Append(const std::vector<RelativePoseConstraint>& closures, std::string* id) {
+  for (const RelativePoseConstraint& closure : closures) {
+    *id += ' ' + std::to_string(closure.from) + '-' + std::to_string(closure.to);
+  }
+}
+
+std::string IdOf(const KeyframeGraph& keys) {
+  std::string id = "broken";
   for (std::size_t e = 0; e < keys.sequential.size(); ++e) {
-    if (keys.sequential[e].broken) id += ' ' + std::to_string(e);
+    const SequentialEdge& edge = keys.sequential[e];
+    if (edge.broken || edge.in_question) id += (edge.broken ? " " : " ?") + std::to_string(e);
   }
+  id += " with";
+  Append(keys.closures, &id);
   id += " without";
-  for (const RelativePoseConstraint& closure : keys.refused) {
-    id += ' ' + std::to_string(closure.from) + '-' + std::to_string(closure.to);
-  }
+  Append(keys.refused, &id);
   return id;
 }
 
-Proposal MakeProposal(const std::string& what, KeyframeGraph keys, const MapHypothesis& best,
-                      const SearchContext& context) {
+Proposal MakeProposal(KeyframeGraph keys, const MapHypothesis& best, const SearchContext& context) {
   Proposal broken;
-  broken.id = IdOf(what, keys);
+  broken.id = IdOf(keys);
   broken.draft.kind = HypothesisKind::kBrokenSteps;
   broken.draft.start = context.matched;
   broken.draft.keys = std::move(keys);
@@ -69,6 +76,12 @@ KeyframeGraph InQuestion(const std::vector<int>& suspects, const MapHypothesis& 
                          const SearchContext& context) {
   KeyframeGraph keys = context.suspected;
   keys.refused = best.keys.refused;
+  // Closures between sessions are there from the start.
+  keys.closures.erase(std::remove_if(keys.closures.begin(), keys.closures.end(),
+                                     [&](const RelativePoseConstraint& closure) {
+                                       return RepeatsOneOf(closure, keys.refused, keys);
+                                     }),
+                      keys.closures.end());
   for (const int step : suspects) keys.sequential[step].in_question = true;
   return keys;
 }
@@ -88,12 +101,12 @@ class BrokenSteps : public Proposer {
       return {};
     }
     const KeyframeGraph in_question = InQuestion(suspects, best, *context);
-    std::vector<Proposal> proposals{MakeProposal("broken", in_question, best, *context)};
+    std::vector<Proposal> proposals{MakeProposal(in_question, best, *context)};
     if (!is_suspicious) return proposals;
     for (int i = 0; i < std::min(kMaxSingleSteps, static_cast<int>(suspects.size())); ++i) {
       KeyframeGraph forced = in_question;
       forced.sequential[suspects[i]].broken = true;
-      proposals.push_back(MakeProposal("broken", std::move(forced), best, *context));
+      proposals.push_back(MakeProposal(std::move(forced), best, *context));
     }
     return proposals;
   }
@@ -117,7 +130,8 @@ class StrainedSteps : public Proposer {
       KeyframeGraph forced = WithContradicted(best.keys);
       forced.sequential[step] = marked.sequential[step];
       forced.sequential[step].in_question = forced.sequential[step].broken = true;
-      proposals.push_back(MakeProposal("strained", std::move(forced), best, *context));
+      proposals.push_back(MakeProposal(std::move(forced), best, *context));
+      proposals.back().draft.num_added = best.num_added;
     }
     return proposals;
   }

@@ -104,7 +104,7 @@ class HypothesisSearch {
   Status Explore(Proposer* proposer, std::size_t* around) {
     const std::size_t begin = *around;
     bool has_more = true;
-    while (has_more && *around == begin) {
+    while (has_more && *around == begin && pool_.size() < kMaxHypotheses) {
       PLUMBLINE_RETURN_IF_ERROR(CheckStop());
       has_more = false;
       for (Proposal& proposal : proposer->Propose(pool_[begin], &context_)) {
@@ -143,7 +143,7 @@ class HypothesisSearch {
     const std::size_t record = weighed_.size();
     if (!IsRevision(proposal.record.kind)) {
       proposal.record.kind = hypothesis.kind;
-      DropReplaced(&hypothesis.records);
+      DropReplaced(hypothesis.num_added > 0, &hypothesis.records);
     }
     hypothesis.records.insert(hypothesis.records.begin(), record);
     weighed_.push_back(std::move(proposal.record));
@@ -187,13 +187,15 @@ class HypothesisSearch {
                        });
   }
 
-  // A new start or other broken steps replace earlier ones.
-  void DropReplaced(std::vector<std::size_t>* records) const {
+  // A new start or other broken steps replace earlier ones. Without added closures, the graph does
+  // not have those either.
+  void DropReplaced(bool has_added, std::vector<std::size_t>* records) const {
     records->erase(std::remove_if(records->begin(), records->end(),
-                                  [this](std::size_t record) {
+                                  [&](std::size_t record) {
                                     const HypothesisKind kind = weighed_[record].kind;
-                                    return !IsRevision(kind) &&
-                                           kind != HypothesisKind::kJoinedParts;
+                                    return kind != HypothesisKind::kWithoutCluster &&
+                                           kind != HypothesisKind::kJoinedParts &&
+                                           !(has_added && kind == HypothesisKind::kWithMatch);
                                   }),
                    records->end());
   }
@@ -204,8 +206,14 @@ class HypothesisSearch {
 
   void Insert(MapHypothesis hypothesis) {
     pool_.push_back(std::move(hypothesis));
-    if (Energy(pool_.back()) < Energy(pool_[best_])) best_ = pool_.size() - 1;
-    posterior_.LowerUnit(pool_[best_].consistency);
+    // A better map may lower the cost of assumptions, which may make another hypothesis the best.
+    for (std::size_t before = pool_.size(); best_ != before;) {
+      before = best_;
+      for (std::size_t i = 0; i < pool_.size(); ++i) {
+        if (Energy(pool_[i]) < Energy(pool_[best_])) best_ = i;
+      }
+      posterior_.LowerUnit(pool_[best_].consistency);
+    }
   }
 
   Status Close(MapHypothesis* hypothesis) {
@@ -231,32 +239,55 @@ class HypothesisSearch {
     return memories_[{hypothesis.start, std::move(in_question)}];
   }
 
-  // Counts the other places at which a relocated segment would be as likely.
+  // Counts the other places at which what follows a suspect step would be as likely. They were
+  // weighed against the place that won before that was refined.
   void CountAlternatives(MapHypothesis* best) const {
     for (SuspectStep& suspect : best->loops.suspect_steps) {
+      const int pose = suspect.first_pose_after;
+      const int step = StepBefore(pose);
+      if (step < 0) continue;
+      const auto compared = [&](const MapHypothesis& h) {
+        return ComparedOfLesserPart(h.consistency, pose);
+      };
+      const double best_energy = EnergyWhenPlaced(*best, pose);
       std::vector<const MapHypothesis*> places;
       for (const MapHypothesis& place : pool_) {
-        if (place.relocated_step < 0) continue;
-        const int step = place.relocated_step;
-        if (context_.suspected.sequential[step].first_pose_after != suspect.first_pose_after ||
-            IsSameRelocation(step, place.keys, best->keys)) {
+        if (place.start != best->start ||
+            (place.relocated_step != step && !IsTied(pose, place.loops)))
           continue;
-        }
-        const auto compared = [&](const MapHypothesis& h) {
-          return ComparedOfLesserPart(h.consistency, suspect.first_pose_after);
-        };
         const double explicable =
             posterior_.explicable_share() * std::max(compared(place), compared(*best));
-        const bool is_known =
-            std::any_of(places.begin(), places.end(), [&](const MapHypothesis* other) {
-              return IsSameRelocation(step, place.keys, other->keys);
-            });
-        if (!is_known && Energy(place) - Energy(*best) <= kNoContradiction * explicable) {
-          places.push_back(&place);
-        }
+        if (Energy(place) - best_energy > kNoContradiction * explicable) continue;
+        const auto is_same = [&](const MapHypothesis& other) {
+          return IsSameRelocation(step, place.keys, other.keys);
+        };
+        const bool is_known = is_same(*best) || std::any_of(places.begin(), places.end(),
+                                                            [&](const MapHypothesis* other) {
+                                                              return is_same(*other);
+                                                            });
+        if (!is_known) places.push_back(&place);
       }
       suspect.num_alternatives = static_cast<int>(places.size());
     }
+  }
+
+  // The step in question whose first pose after it is this one; -1 if there is none.
+  int StepBefore(int first_pose_after) const {
+    const std::vector<SequentialEdge>& edges = context_.suspected.sequential;
+    const auto found = std::find_if(edges.begin(), edges.end(), [&](const SequentialEdge& edge) {
+      return edge.evidence > 0.0 && edge.first_pose_after == first_pose_after;
+    });
+    return found == edges.end() ? -1 : static_cast<int>(found - edges.begin());
+  }
+
+  double EnergyWhenPlaced(const MapHypothesis& hypothesis, int first_pose_after) const {
+    for (const std::size_t record : hypothesis.records) {
+      if (weighed_[record].kind == HypothesisKind::kJoinedParts &&
+          weighed_[record].first_pose_after == first_pose_after) {
+        return posterior_.Energy(terms_[record]);
+      }
+    }
+    return Energy(hypothesis);
   }
 
   const SeedingProgress& progress_;

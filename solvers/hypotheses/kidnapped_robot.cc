@@ -75,6 +75,7 @@ class Relocations : public Proposer {
       place.draft.start = best.start;
       place.draft.keys = std::move(all[i]);
       place.draft.num_removed = best.num_removed;
+      place.draft.num_added = best.num_added;
       place.draft.relocated_step = step;
       place.draft.records = best.records;
       place.record.first_pose_after = context.suspected.sequential[step].first_pose_after;

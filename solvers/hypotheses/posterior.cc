@@ -29,7 +29,8 @@ constexpr double kGivenOdometry = 1.0;
 constexpr double kOdometryHeadings = 0.25;
 // A segment strained by its closures has slipped somewhere, even if no step is said to be wrong.
 constexpr double kStrainedSegment = kSlipOrRelocation;
-// Closures between sessions that bend them: more than the cost of removing the closures.
+// A session that is bent at one place by its closures with others: more than the cost of removing
+// them.
 constexpr double kBentPlace = 2.0;
 
 int NumStrainedStretches(const KeyframeGraph& keys) {

@@ -15,7 +15,8 @@ namespace plumbline {
 /// The first two terms are what the scans say of free space (MapConsistency). The others are the
 /// prior of the assumptions beyond a plain drive: a slip or a relocation of the robot,
 /// closures removed or added, another source of the odometry. A segment that its closures strain
-/// costs as much as a slip, and closures that bend sessions cost more than removing them.
+/// costs as much as a slip, and each session that is bent by its closures with others at one
+/// place costs more than removing them.
 class Posterior {
  public:
   /// Between sessions furniture moves: their passes may disagree without reason for suspicion.

@@ -68,8 +68,8 @@ class RevisedClosures : public Proposer {
  public:
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
     const Posterior& posterior = context->posterior;
-    if (best.num_removed + best.num_added >= kMaxRevisions ||
-        !posterior.IsSuspicious(best.consistency))
+    const int most = kMaxRevisions + (context->has_sessions ? kMaxBentPlaces : 0);
+    if (best.num_removed + best.num_added >= most || !posterior.IsSuspicious(best.consistency))
       return {};
     const std::vector<Revision> revisions = Revisions(best, posterior);
     const std::size_t at_a_time = AtATime(revisions.size());

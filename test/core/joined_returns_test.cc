@@ -53,9 +53,16 @@ TEST(JoinedReturns, BridgeOneBeamWithoutReturn) {
 TEST(JoinedReturns, OfADriverThatDropsBeamsAreNeighbours) {
   constexpr double kNone = 10.0;
   // Every third beam, then one of these missing, then two.
-  EXPECT_EQ(JoinedOf({2.0, kNone, kNone, 2.0, kNone, kNone, kNone, kNone, kNone, 2.0, kNone, kNone,
-                      kNone, kNone, kNone, kNone, kNone, kNone, 2.0}),
-            (std::vector<bool>{false, true, true, false}));
+  EXPECT_EQ(JoinedOf({2.0,   kNone, kNone, 2.0,   kNone, kNone, 2.0,   kNone, kNone, kNone, kNone,
+                      kNone, 2.0,   kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, 2.0}),
+            (std::vector<bool>{false, true, true, true, false}));
+}
+
+TEST(JoinedReturns, FewReturnsFarApartAreNoNeighbours) {
+  constexpr double kNone = 10.0;
+  EXPECT_EQ(
+      JoinedOf({2.0, kNone, kNone, 2.0, kNone, kNone, kNone, kNone, 2.0, kNone, kNone, kNone, 2.0}),
+      (std::vector<bool>{false, false, false, false}));
 }
 
 TEST(JoinedReturns, BeamsFarApartSayNothingOfWhatIsBetween) {
