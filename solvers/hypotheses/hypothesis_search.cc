@@ -239,22 +239,26 @@ class HypothesisSearch {
     return memories_[{hypothesis.start, std::move(in_question)}];
   }
 
-  // Counts the other places at which what follows a suspect step would be as likely. They were
-  // weighed against the place that won before that was refined.
+  // Counts the other places at which what follows a suspect step would be as likely: other
+  // relocations, and, if it was relocated, the place to which closures tie it. They were weighed
+  // against the relocation before that was refined.
   void CountAlternatives(MapHypothesis* best) const {
     for (SuspectStep& suspect : best->loops.suspect_steps) {
       const int pose = suspect.first_pose_after;
       const int step = StepBefore(pose);
       if (step < 0) continue;
+      const std::size_t relocation = RelocationOf(*best, pose);
+      const bool is_relocated = relocation < weighed_.size();
+      const double best_energy =
+          is_relocated ? posterior_.Energy(terms_[relocation]) : Energy(*best);
       const auto compared = [&](const MapHypothesis& h) {
         return ComparedOfLesserPart(h.consistency, pose);
       };
-      const double best_energy = EnergyWhenPlaced(*best, pose);
       std::vector<const MapHypothesis*> places;
       for (const MapHypothesis& place : pool_) {
-        if (place.start != best->start ||
-            (place.relocated_step != step && !IsTied(pose, place.loops)))
-          continue;
+        const bool is_alternative =
+            place.relocated_step == step || (is_relocated && IsTied(pose, place.loops));
+        if (!is_alternative || place.start != best->start) continue;
         const double explicable =
             posterior_.explicable_share() * std::max(compared(place), compared(*best));
         if (Energy(place) - best_energy > kNoContradiction * explicable) continue;
@@ -280,14 +284,15 @@ class HypothesisSearch {
     return found == edges.end() ? -1 : static_cast<int>(found - edges.begin());
   }
 
-  double EnergyWhenPlaced(const MapHypothesis& hypothesis, int first_pose_after) const {
+  // Record of the relocation at a step that is in force; the number of records if there is none.
+  std::size_t RelocationOf(const MapHypothesis& hypothesis, int first_pose_after) const {
     for (const std::size_t record : hypothesis.records) {
       if (weighed_[record].kind == HypothesisKind::kJoinedParts &&
           weighed_[record].first_pose_after == first_pose_after) {
-        return posterior_.Energy(terms_[record]);
+        return record;
       }
     }
-    return Energy(hypothesis);
+    return weighed_.size();
   }
 
   const SeedingProgress& progress_;
