@@ -132,6 +132,7 @@ class StrainedSteps : public Proposer {
       forced.sequential[step].in_question = forced.sequential[step].broken = true;
       proposals.push_back(MakeProposal(std::move(forced), best, *context));
       proposals.back().draft.num_added = best.num_added;
+      proposals.back().draft.num_strained = best.num_strained + 1;
     }
     return proposals;
   }

@@ -1,9 +1,11 @@
 #include "plumbline/solvers/hypotheses/given_odometry.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
+#include "plumbline/solvers/loop_closure/suspect_edges.h"
 
 namespace plumbline {
 namespace {
@@ -18,7 +20,7 @@ class GivenOdometry : public Proposer {
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
     const SlamGraph& graph = context->surfaces.graph();
     if (LacksOdometry(graph) || context->has_sessions) return {};
-    if (alone_.id.empty()) alone_ = MakeAlone(*context);
+    if (alone_.id.empty()) alone_ = MakeAlone(best, *context);
     std::vector<Proposal> proposals{alone_};
     const FreeSpaceConflict& passes = alone_.draft.consistency.between_passes;
     const Posterior& posterior = context->posterior;
@@ -36,7 +38,23 @@ class GivenOdometry : public Proposer {
   }
 
  private:
-  static Proposal MakeAlone(const SearchContext& context) {
+  static bool HasUntiedStep(const LoopClosingReport& loops) {
+    return std::any_of(loops.suspect_steps.begin(), loops.suspect_steps.end(),
+                       [](const SuspectStep& suspect) { return suspect.IsUntied(); });
+  }
+
+  // No closure ties anything to the odometry, so steps that the scans contradict stay open.
+  static void MarkUntiedSteps(const SearchContext& context, MapHypothesis* alone) {
+    MarkSuspectEdges(context.surfaces, alone->world_from_robot, context.pool, &alone->keys);
+    for (const SequentialEdge& edge : alone->keys.sequential) {
+      SuspectStep suspect;
+      suspect.first_pose_after = edge.first_pose_after;
+      suspect.evidence = edge.evidence;
+      if (suspect.IsUntied()) alone->loops.suspect_steps.push_back(suspect);
+    }
+  }
+
+  static Proposal MakeAlone(const MapHypothesis& best, const SearchContext& context) {
     Proposal alone;
     alone.id = "odometry alone";
     MapHypothesis& draft = alone.draft;
@@ -45,6 +63,7 @@ class GivenOdometry : public Proposer {
     odometry.world_from_robot = PosesOf(context.surfaces.graph().initial_poses());
     draft.keys = MakeKeyframeGraph(odometry, context.motion);
     draft.world_from_robot = odometry.world_from_robot;
+    if (HasUntiedStep(best.loops)) MarkUntiedSteps(context, &draft);
     draft.start = std::make_shared<const SequentialTrajectory>(std::move(odometry));
     draft.consistency = context.meter.Measure(draft.world_from_robot, context.pool);
     alone.is_complete = true;

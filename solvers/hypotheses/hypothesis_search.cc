@@ -44,7 +44,6 @@ class HypothesisSearch {
                    const SequentialTrajectory& matched, const KeyframeGraph* ties,
                    std::vector<WeighedHypothesis>* weighed)
       : progress_(progress),
-
         meter_(surfaces.graph(), matched.world_from_robot, pool),
         posterior_(/*of_one_session=*/ties == nullptr),
         context_{motion,
@@ -150,7 +149,7 @@ class HypothesisSearch {
     if (proposal.is_promising && !proposal.is_complete) {
       PLUMBLINE_RETURN_IF_ERROR(Close(&hypothesis));
     }
-    if (pool_.empty()) posterior_.Calibrate(hypothesis.consistency);
+    if (pool_.empty()) posterior_.Begin(hypothesis.consistency);
     if (proposal.is_promising) hypothesis.terms = posterior_.TermsOf(hypothesis, context_.pool);
     terms_.push_back(hypothesis.terms);
     WeighedHypothesis& weighed = weighed_[record];
@@ -206,13 +205,13 @@ class HypothesisSearch {
 
   void Insert(MapHypothesis hypothesis) {
     pool_.push_back(std::move(hypothesis));
-    // A better map may lower the cost of assumptions, which may make another hypothesis the best.
+    // A better map lowers what is usual, which may make another hypothesis the best.
     for (std::size_t before = pool_.size(); best_ != before;) {
       before = best_;
       for (std::size_t i = 0; i < pool_.size(); ++i) {
         if (Energy(pool_[i]) < Energy(pool_[best_])) best_ = i;
       }
-      posterior_.LowerUnit(pool_[best_].consistency);
+      posterior_.Calibrate(pool_[best_].consistency);
     }
   }
 

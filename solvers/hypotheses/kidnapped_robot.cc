@@ -60,7 +60,7 @@ class Relocations : public Proposer {
     }
     std::vector<double> energy;
     for (const MapConsistency& map : context.meter.MeasureEach(maps, context.pool)) {
-      energy.push_back(context.posterior.ScanEnergy(map));
+      energy.push_back(context.posterior.ScanEnergy(map.AllConflicts()));
     }
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -76,6 +76,7 @@ class Relocations : public Proposer {
       place.draft.keys = std::move(all[i]);
       place.draft.num_removed = best.num_removed;
       place.draft.num_added = best.num_added;
+      place.draft.num_strained = best.num_strained;
       place.draft.relocated_step = step;
       place.draft.records = best.records;
       place.record.first_pose_after = context.suspected.sequential[step].first_pose_after;

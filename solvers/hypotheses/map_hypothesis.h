@@ -14,9 +14,9 @@ namespace plumbline {
 
 /// The parts of the negative log posterior of a hypothesis, up to a constant; see Posterior.
 struct EnergyTerms {
-  double scans = 0.0;        ///< conflicting returns less the worth of agreeing ones
-  double assumptions = 0.0;  ///< cost of assumptions and contradictions [units]
-  double relocated_m = 0.0;  ///< total size of the slips and relocations that are assumed [m]
+  FreeSpaceConflict conflict;  ///< within and between passes
+  double assumptions = 0.0;    ///< cost of assumptions and contradictions [units]
+  double relocated_m = 0.0;    ///< total size of the slips and relocations that are assumed [m]
 };
 
 /// One explanation of a drive, and the map that it makes.
@@ -30,6 +30,7 @@ struct MapHypothesis {
   EnergyTerms terms;
   int num_removed = 0;      ///< clusters of closures removed, one by one
   int num_added = 0;        ///< closures added, one by one
+  int num_strained = 0;     ///< broken steps whose slip strained the pose graph
   int relocated_step = -1;  ///< kJoinedParts: the sequential edge at which it was relocated
   /// Index of the hypothesis among all weighed ones, then of the hypotheses it was made from.
   std::vector<std::size_t> records;

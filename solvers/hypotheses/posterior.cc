@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "plumbline/solvers/hypotheses/relocated_segments.h"
-#include "plumbline/solvers/hypotheses/strained_stretches.h"
 #include "plumbline/solvers/hypotheses/tied_places.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
@@ -20,6 +18,9 @@ constexpr double kUnitShare = 0.1;
 // Energy of a metre by which the robot slipped or was relocated. Tuned on the floors of the seeding
 // study (apps/benchmark).
 constexpr double kEnergyPerM = 50.0;
+// A step at which the scans disagree, with nothing to tell where it leads, costs as much as a
+// relocation by this distance [m].
+constexpr double kUnknownM = 20.0;
 // Costs of assumptions, in units. A unit stands for odds of about 1 : 50, a quarter
 // for 1 : 3.
 constexpr double kSlipOrRelocation = 1.0;
@@ -27,22 +28,9 @@ constexpr double kRemovedCluster = 1.0;
 constexpr double kAddedClosure = 0.25;  // a match that was nearly good enough
 constexpr double kGivenOdometry = 1.0;
 constexpr double kOdometryHeadings = 0.25;
-// A segment strained by its closures has slipped somewhere, even if no step is said to be wrong.
-constexpr double kStrainedSegment = kSlipOrRelocation;
 // A session that is bent at one place by its closures with others: more than the cost of removing
 // them.
 constexpr double kBentPlace = 2.0;
-
-int NumStrainedStretches(const KeyframeGraph& keys) {
-  const double chi2_of_graph = GraphChi2(keys);
-  const auto stretches = StretchesBetweenClosures(keys);
-  return static_cast<int>(
-      std::count_if(stretches.begin(), stretches.end(), [&](const StretchOfSteps& stretch) {
-        const double chi2 = StepsChi2(keys, stretch.first, stretch.end);
-        return chi2 >
-               MostStrain(chi2_of_graph - chi2, keys.closures.size(), stretch.num_closures_inside);
-      }));
-}
 
 int NumBentPlaces(const KeyframeGraph& keys, ThreadPool* pool) {
   int num_bent = 0;
@@ -69,32 +57,29 @@ double CostOfStart(HypothesisKind kind) {
 
 }  // namespace
 
-void Posterior::Calibrate(const MapConsistency& reference) {
-  explicable_share_ = reference.ExplicableShare();
-  worth_of_agreement_ = reference.WorthOfAgreement();
-  unit_ = std::numeric_limits<double>::infinity();
-  LowerUnit(reference);
+void Posterior::Begin(const MapConsistency& matching) {
+  explicable_share_ = matching.ExplicableShare();
 }
 
-void Posterior::LowerUnit(const MapConsistency& best) {
+void Posterior::Calibrate(const MapConsistency& best) {
+  usual_share_ = std::min(usual_share_, best.UsualShare());
   unit_ = std::min(unit_, kUnitReturns + kUnitShare * best.between_passes.num_conflicting);
 }
 
-double Posterior::ScanEnergy(const MapConsistency& map) const {
-  const FreeSpaceConflict all = map.AllConflicts();
-  return all.num_conflicting - worth_of_agreement_ * all.num_compared;
+double Posterior::ScanEnergy(const FreeSpaceConflict& conflict) const {
+  return conflict.num_conflicting - usual_share_ * conflict.num_compared;
 }
 
 double Posterior::Energy(const EnergyTerms& terms) const {
-  return terms.scans + unit_ * terms.assumptions + kEnergyPerM * terms.relocated_m;
+  return ScanEnergy(terms.conflict) + unit_ * terms.assumptions + kEnergyPerM * terms.relocated_m;
 }
 
 EnergyTerms Posterior::TermsOf(const MapHypothesis& hypothesis, ThreadPool* pool) const {
   EnergyTerms terms;
-  terms.scans = ScanEnergy(hypothesis.consistency);
+  terms.conflict = hypothesis.consistency.AllConflicts();
   terms.assumptions = CostOfStart(hypothesis.kind) + kRemovedCluster * hypothesis.num_removed +
-                      kAddedClosure * hypothesis.num_added +
-                      kStrainedSegment * NumStrainedStretches(hypothesis.keys);
+                      kAddedClosure * hypothesis.num_added -
+                      kSlipOrRelocation * hypothesis.num_strained;
   if (!of_one_session_) terms.assumptions += kBentPlace * NumBentPlaces(hypothesis.keys, pool);
   for (const SequentialEdge& edge : hypothesis.keys.sequential) {
     if (!edge.broken || edge.between_sessions) continue;
@@ -102,6 +87,11 @@ EnergyTerms Posterior::TermsOf(const MapHypothesis& hypothesis, ThreadPool* pool
         Between(edge.constraint.from_from_to, StepAt(edge.constraint.from, hypothesis.keys));
     terms.assumptions += kSlipOrRelocation;
     terms.relocated_m += std::hypot(slip.x, slip.y);
+  }
+  for (const SuspectStep& suspect : hypothesis.loops.suspect_steps) {
+    if (!suspect.IsUntied()) continue;
+    if (!suspect.broken) terms.assumptions += kSlipOrRelocation;
+    terms.relocated_m += kUnknownM;
   }
   return terms;
 }

@@ -40,6 +40,7 @@ Proposal MakeProposal(HypothesisKind kind, const Revision& revision, const MapHy
       kind == HypothesisKind::kWithMatch ? With(revision, best.keys) : Without(revision, best.keys);
   draft.num_removed = best.num_removed + (kind == HypothesisKind::kWithMatch ? 0 : 1);
   draft.num_added = best.num_added + (kind == HypothesisKind::kWithMatch ? 1 : 0);
+  draft.num_strained = best.num_strained;
   draft.relocated_step = best.relocated_step;
   draft.records = best.records;
   return proposal;
@@ -84,15 +85,18 @@ class RevisedClosures : public Proposer {
       Measure(*context, &batch);
       for (Proposal& proposal : batch) {
         proposal.draft.terms = best.terms;
-        proposal.draft.terms.scans = posterior.ScanEnergy(proposal.draft.consistency);
-        const double gain = (best.terms.scans - proposal.draft.terms.scans) / posterior.unit();
+        proposal.draft.terms.conflict = proposal.draft.consistency.AllConflicts();
+        const double gain = (posterior.ScanEnergy(best.terms.conflict) -
+                             posterior.ScanEnergy(proposal.draft.terms.conflict)) /
+                            posterior.unit();
         proposal.is_promising = IsPromising(gain);
         best_gain = std::max(best_gain, gain);
         proposals.push_back(std::move(proposal));
       }
     }
-    std::stable_sort(proposals.begin(), proposals.end(), [](const Proposal& a, const Proposal& b) {
-      return a.draft.terms.scans < b.draft.terms.scans;
+    std::stable_sort(proposals.begin(), proposals.end(), [&](const Proposal& a, const Proposal& b) {
+      return posterior.ScanEnergy(a.draft.terms.conflict) <
+             posterior.ScanEnergy(b.draft.terms.conflict);
     });
     return proposals;
   }

@@ -1,7 +1,6 @@
 #include "plumbline/solvers/interface/map_consistency.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace plumbline {
 
@@ -34,24 +33,19 @@ double MapConsistency::RatioOf(const FreeSpaceConflict& conflict, double explica
 }
 
 bool MapConsistency::PassesDisagree() const {
-  return between_passes.Share() >
-         kMaxBetweenOverWithin * std::max(within_pass.Share(), kLeastShare);
+  return between_passes.Share() > kMaxBetweenOverWithin * UsualShare();
 }
 
 double MapConsistency::ExplicableShare() const {
   return std::min(std::max(within_pass.Share(), kDoorsShare), kCrowdShare);
 }
 
+double MapConsistency::UsualShare() const { return std::max(within_pass.Share(), kLeastShare); }
+
 FreeSpaceConflict MapConsistency::AllConflicts() const {
   FreeSpaceConflict all = within_pass;
   all += between_passes;
   return all;
-}
-
-double MapConsistency::WorthOfAgreement() const {
-  const double wrong = ExplicableShare();
-  const double right = std::min(std::max(within_pass.Share(), kLeastShare), 0.99 * wrong);
-  return (wrong - right) / std::log(wrong / right);
 }
 
 double MapConsistency::Ratio(const ConflictPeak& peak) const {

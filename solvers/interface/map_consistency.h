@@ -85,13 +85,11 @@ struct MapConsistency {
   /// than a crowd does.
   double ExplicableShare() const;
 
+  /// Share of conflicting returns within one pass, but no less than kLeastShare.
+  double UsualShare() const;
+
   /// Within and between passes.
   FreeSpaceConflict AllConflicts() const;
-
-  /// How many returns that conflict speak as much against a map as one that agrees speaks for it:
-  /// by the ratio of the likelihoods of a map on which returns conflict as often as within one
-  /// pass, and of one on which they do as often as can be explained at most.
-  double WorthOfAgreement() const;
 
   /// Conflicts of a peak over the ones that can be explained: by the explicable share, and by what
   /// is usual on this drive where that is more than a sixth of it. (Simulated drives have a

@@ -45,10 +45,13 @@ const char* ToString(HypothesisKind kind) {
   return "unknown";
 }
 
-bool SuspectStep::IsUnresolved() const {
+bool SuspectStep::IsUntied() const {
   const bool is_untrusted = broken || unmatched || evidence >= kUntrustedEvidence;
-  return num_alternatives > 0 || std::abs(turned_rad) > kMaxCertainTurnRad ||
-         (is_untrusted && num_closures_across < kMinClosuresAcross);
+  return is_untrusted && num_closures_across < kMinClosuresAcross;
+}
+
+bool SuspectStep::IsUnresolved() const {
+  return num_alternatives > 0 || std::abs(turned_rad) > kMaxCertainTurnRad || IsUntied();
 }
 
 bool LoopClosingReport::IsUnresolved() const {

@@ -74,6 +74,8 @@ struct SuspectStep {
   /// Other places where what lies beyond it would contradict the map as little.
   int num_alternatives = 0;
 
+  /// It looks wrong, and too few closures tie its two sides together.
+  bool IsUntied() const;
   /// It looks wrong, and nothing else says for certain how what lies before and after it is tied
   /// together.
   bool IsUnresolved() const;
@@ -131,7 +133,7 @@ struct WeighedHypothesis {
   /// Compared and conflicting returns within and between passes.
   FreeSpaceConflict conflict;
   /// Negative log posterior, up to a constant, in conflicting returns: the lower, the better. It
-  /// sums conflicts, agreement (MapConsistency::WorthOfAgreement) and the cost of assumptions.
+  /// sums the conflicts beyond the usual share and the cost of assumptions.
   double score = 0.0;
   bool adopted = false;  ///< the seed is made of it
   /// The map that it makes: a pose per pose of the graph. kWithoutCluster, kWithMatch: none.

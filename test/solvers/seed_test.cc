@@ -13,7 +13,6 @@
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
-#include "plumbline/test/core/initial_guesses.h"
 #include "plumbline/test/core/temp_file.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
@@ -47,8 +46,7 @@ SlamGraph LapRoundABlock() {
   return MakeGraph(scene);
 }
 
-// Odometry that is a tenth too long on the first side of the block, and right from there on. The
-// initial poses are those of the odometry.
+// Odometry that is a tenth too long on the first side of the block, and right from there on.
 void AddDriftingOdometry(SlamGraph* graph) {
   constexpr int kLastOfFirstSide = 70;
   int num_steps = 0;
@@ -57,11 +55,6 @@ void AddDriftingOdometry(SlamGraph* graph) {
         return Pose2(++num_steps <= kLastOfFirstSide ? 1.1 * step.x : step.x, step.y, step.yaw);
       },
       graph);
-  std::vector<Pose2> poses{graph->InitialPose(0)};
-  for (const OdometryConstraint& step : graph->odometry()) {
-    poses.push_back(poses.back() * step.from_from_to);
-  }
-  *graph = WithInitialPoses(*graph, poses);
 }
 
 MapState Seeded(const SlamGraph& graph, int num_threads, SeedingReport* report) {

@@ -108,7 +108,9 @@ TEST(MapHypotheses, ASoundDriveNeedsNoOtherExplanation) {
   for (const WeighedHypothesis& weighed : found.weighed) {
     EXPECT_GT(weighed.conflict.num_compared, 0);
     if (weighed.adopted) {
-      EXPECT_LT(weighed.score, 0.0);
+      EXPECT_LT(weighed.conflict.Share(), 0.01);
+    } else {
+      EXPECT_GT(weighed.score, found.weighed[found.best.records.front()].score);
     }
   }
 }

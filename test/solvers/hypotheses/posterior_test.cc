@@ -32,7 +32,10 @@ KeyframeGraph StraightDrive(int num_keys) {
 
 class PosteriorTest : public testing::Test {
  protected:
-  PosteriorTest() { posterior_.Calibrate(MapWith(10000, 100)); }
+  PosteriorTest() {
+    posterior_.Begin(MapWith(10000, 100));
+    posterior_.Calibrate(MapWith(10000, 100));
+  }
 
   EnergyTerms Terms(const MapHypothesis& hypothesis) {
     return posterior_.TermsOf(hypothesis, &pool_);
@@ -51,16 +54,18 @@ class PosteriorTest : public testing::Test {
 };
 
 TEST_F(PosteriorTest, AgreementLowersTheEnergyAndConflictRaisesIt) {
-  const double usual = posterior_.ScanEnergy(MapWith(10000, 100));
-  EXPECT_LT(posterior_.ScanEnergy(MapWith(12000, 100)), usual);
-  EXPECT_DOUBLE_EQ(posterior_.ScanEnergy(MapWith(10000, 150)), usual + 50.0);
+  const double usual = posterior_.ScanEnergy({10000, 100});
+  EXPECT_DOUBLE_EQ(usual, 0.0);  // the share within the pass of the map
+  EXPECT_LT(posterior_.ScanEnergy({12000, 100}), usual);
+  EXPECT_DOUBLE_EQ(posterior_.ScanEnergy({10000, 150}), usual + 50.0);
 }
 
 TEST_F(PosteriorTest, APlainDriveAssumesNothing) {
   const EnergyTerms terms = Terms(PlainDrive());
   EXPECT_EQ(terms.assumptions, 0.0);
   EXPECT_EQ(terms.relocated_m, 0.0);
-  EXPECT_DOUBLE_EQ(terms.scans, posterior_.ScanEnergy(PlainDrive().consistency));
+  EXPECT_EQ(terms.conflict.num_compared, 11000);
+  EXPECT_EQ(terms.conflict.num_conflicting, 110);
 }
 
 TEST_F(PosteriorTest, ASlipCostsOneUnitAndItsLength) {
@@ -79,13 +84,13 @@ TEST_F(PosteriorTest, TheEndOfASessionIsNoSlip) {
   EXPECT_EQ(Energy(sessions), Energy(PlainDrive()));
 }
 
-// Closures at both ends of a drive pull its steps apart.
-TEST_F(PosteriorTest, AStrainedSegmentCostsAsMuchAsASlipOfNoLength) {
-  MapHypothesis strained = PlainDrive();
-  strained.keys.closures.push_back(
-      {0, 9, Pose2(9.9, 0.0, 0.0), 1e-4 * Eigen::Matrix3d::Identity()});
-  for (int k = 0; k < strained.keys.size(); ++k) strained.keys.world_from_key[k].x = 1.1 * k;
-  EXPECT_DOUBLE_EQ(Energy(strained), Energy(PlainDrive()) + posterior_.unit());
+TEST_F(PosteriorTest, ASlipThatStrainsTheGraphCostsItsLengthOnly) {
+  MapHypothesis slipped = PlainDrive();
+  slipped.keys.sequential[4].broken = true;
+  slipped.num_strained = 1;
+  for (int k = 5; k < slipped.keys.size(); ++k) slipped.keys.world_from_key[k].x += 0.2;
+  EXPECT_GT(Energy(slipped), Energy(PlainDrive()));
+  EXPECT_LT(Energy(slipped), Energy(PlainDrive()) + posterior_.unit());
 }
 
 TEST_F(PosteriorTest, RemovedClosuresCostMoreThanAddedOnes) {
@@ -105,12 +110,17 @@ TEST_F(PosteriorTest, AStartFromTheOdometryCosts) {
   }
 }
 
-TEST_F(PosteriorTest, TheUnitFollowsTheLeastConflict) {
-  const double unit = posterior_.unit();
-  posterior_.LowerUnit(MapWith(10000, 200));
+TEST_F(PosteriorTest, WhatIsUsualFollowsTheBestMap) {
+  const double unit = posterior_.unit(), usual = posterior_.ScanEnergy({10000, 100});
+  MapConsistency worse = MapWith(10000, 200), better = MapWith(10000, 50);
+  worse.within_pass = {1000, 20};
+  better.within_pass = {1000, 5};
+  posterior_.Calibrate(worse);
   EXPECT_EQ(posterior_.unit(), unit);
-  posterior_.LowerUnit(MapWith(10000, 50));
+  EXPECT_EQ(posterior_.ScanEnergy({10000, 100}), usual);
+  posterior_.Calibrate(better);
   EXPECT_LT(posterior_.unit(), unit);
+  EXPECT_GT(posterior_.ScanEnergy({10000, 100}), usual);
 }
 
 TEST_F(PosteriorTest, PassesOfSeveralSessionsMayDisagree) {

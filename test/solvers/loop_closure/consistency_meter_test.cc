@@ -77,15 +77,13 @@ TEST(MapConsistency, PassesDisagreeOutOfProportionToEach) {
   EXPECT_FALSE(consistency.PassesDisagree());
 }
 
-TEST(MapConsistency, AnAgreementIsWorthLessTheLessConflictsWithinAPass) {
+TEST(MapConsistency, SumsConflictsAndKnowsTheUsualShare) {
   MapConsistency consistency;
-  // Conflicts on a wrong map: 6 %. Within a pass: 0.2 % at least, then 2 %.
-  EXPECT_NEAR(consistency.WorthOfAgreement(), 0.058 / std::log(30.0), 1e-12);
-  consistency.within_pass = {1000, 20};
-  EXPECT_NEAR(consistency.WorthOfAgreement(), 0.04 / std::log(3.0), 1e-12);
-  // Where as much conflicts within a pass, agreements say what conflicts do.
+  EXPECT_EQ(consistency.UsualShare(), MapConsistency::kLeastShare);
+  consistency.within_pass = {1000, 1};
+  EXPECT_EQ(consistency.UsualShare(), MapConsistency::kLeastShare);
   consistency.within_pass = {1000, 80};
-  EXPECT_NEAR(consistency.WorthOfAgreement(), 0.08, 0.001);
+  EXPECT_EQ(consistency.UsualShare(), 0.08);
   consistency.between_passes = {500, 10};
   EXPECT_EQ(consistency.AllConflicts().num_compared, 1500);
   EXPECT_EQ(consistency.AllConflicts().num_conflicting, 90);
