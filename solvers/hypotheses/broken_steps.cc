@@ -20,23 +20,13 @@ bool KeepsTheMatching(const MapHypothesis& hypothesis) {
          hypothesis.kind == HypothesisKind::kBrokenSteps;
 }
 
-void Append(const std::vector<RelativePoseConstraint>& closures, std::string* id) {
-  for (const RelativePoseConstraint& closure : closures) {
-    *id += ' ' + std::to_string(closure.from) + '-' + std::to_string(closure.to);
-  }
-}
-
 std::string IdOf(const KeyframeGraph& keys) {
   std::string id = "broken";
   for (std::size_t e = 0; e < keys.sequential.size(); ++e) {
     const SequentialEdge& edge = keys.sequential[e];
     if (edge.broken || edge.in_question) id += (edge.broken ? " " : " ?") + std::to_string(e);
   }
-  id += " with";
-  Append(keys.closures, &id);
-  id += " without";
-  Append(keys.refused, &id);
-  return id;
+  return id + " with" + IdOf(keys.closures) + " without" + IdOf(keys.refused);
 }
 
 Proposal MakeProposal(KeyframeGraph keys, const MapHypothesis& best, const SearchContext& context) {
@@ -45,7 +35,7 @@ Proposal MakeProposal(KeyframeGraph keys, const MapHypothesis& best, const Searc
   broken.draft.kind = HypothesisKind::kBrokenSteps;
   broken.draft.start = context.matched;
   broken.draft.keys = std::move(keys);
-  broken.draft.num_removed = best.num_removed;
+  broken.draft.assumed.num_removed = best.assumed.num_removed;
   broken.draft.records = best.records;
   return broken;
 }
@@ -131,8 +121,8 @@ class StrainedSteps : public Proposer {
       forced.sequential[step] = marked.sequential[step];
       forced.sequential[step].in_question = forced.sequential[step].broken = true;
       proposals.push_back(MakeProposal(std::move(forced), best, *context));
-      proposals.back().draft.num_added = best.num_added;
-      proposals.back().draft.num_strained = best.num_strained + 1;
+      proposals.back().draft.assumed = best.assumed;
+      ++proposals.back().draft.assumed.num_strained;
     }
     return proposals;
   }

@@ -20,9 +20,9 @@ class GivenOdometry : public Proposer {
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
     const SlamGraph& graph = context->surfaces.graph();
     if (LacksOdometry(graph) || context->has_sessions) return {};
-    if (alone_.id.empty()) alone_ = MakeAlone(best, *context);
-    std::vector<Proposal> proposals{alone_};
-    const FreeSpaceConflict& passes = alone_.draft.consistency.between_passes;
+    std::vector<Proposal> proposals{MakeAlone(best, *context)};
+    const MapHypothesis& alone = proposals.front().draft;
+    const FreeSpaceConflict& passes = alone.consistency.between_passes;
     const Posterior& posterior = context->posterior;
     if (passes.num_compared > 0 &&
         passes.Share() <= kSoundOdometry * posterior.explicable_share() &&
@@ -30,8 +30,8 @@ class GivenOdometry : public Proposer {
       Proposal closed;
       closed.id = "odometry";
       closed.draft.kind = HypothesisKind::kOdometry;
-      closed.draft.start = alone_.draft.start;
-      closed.draft.keys = alone_.draft.keys;
+      closed.draft.start = alone.start;
+      closed.draft.keys = alone.keys;
       proposals.push_back(std::move(closed));
     }
     return proposals;
@@ -69,8 +69,6 @@ class GivenOdometry : public Proposer {
     alone.is_complete = true;
     return alone;
   }
-
-  Proposal alone_;
 };
 
 }  // namespace

@@ -16,6 +16,8 @@
 #include "plumbline/solvers/hypotheses/proposer.h"
 #include "plumbline/solvers/hypotheses/relocated_segments.h"
 #include "plumbline/solvers/hypotheses/revised_closures.h"
+#include "plumbline/solvers/hypotheses/steps_in_question.h"
+#include "plumbline/solvers/hypotheses/tied_places.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/loop_closure/closure_memory.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
@@ -98,8 +100,8 @@ class HypothesisSearch {
   }
 
   // Weighs the proposals around a hypothesis of the pool, and moves the index to the best of them
-  // if that is better. A proposer of alternatives is asked again until it has none, as it proposes
-  // those of one step at a time.
+  // if that is better. A proposer of alternatives proposes them step by step, and is asked again
+  // until it has none.
   Status Explore(Proposer* proposer, std::size_t* around) {
     const std::size_t begin = *around;
     bool has_more = true;
@@ -142,7 +144,7 @@ class HypothesisSearch {
     const std::size_t record = weighed_.size();
     if (!IsRevision(proposal.record.kind)) {
       proposal.record.kind = hypothesis.kind;
-      DropReplaced(hypothesis.num_added > 0, &hypothesis.records);
+      DropReplaced(hypothesis.assumed.num_added > 0, &hypothesis.records);
     }
     hypothesis.records.insert(hypothesis.records.begin(), record);
     weighed_.push_back(std::move(proposal.record));
@@ -150,7 +152,12 @@ class HypothesisSearch {
       PLUMBLINE_RETURN_IF_ERROR(Close(&hypothesis));
     }
     if (pool_.empty()) posterior_.Begin(hypothesis.consistency);
-    if (proposal.is_promising) hypothesis.terms = posterior_.TermsOf(hypothesis, context_.pool);
+    if (proposal.is_promising) {
+      if (context_.has_sessions) {
+        hypothesis.bent_places = BentPlaces(hypothesis.keys, context_.pool);
+      }
+      hypothesis.terms = Posterior::TermsOf(hypothesis);
+    }
     terms_.push_back(hypothesis.terms);
     WeighedHypothesis& weighed = weighed_[record];
     weighed.conflict = hypothesis.consistency.AllConflicts();
@@ -179,11 +186,8 @@ class HypothesisSearch {
   }
 
   static bool IsTied(int first_pose_after, const LoopClosingReport& loops) {
-    return std::any_of(loops.suspect_steps.begin(), loops.suspect_steps.end(),
-                       [&](const SuspectStep& suspect) {
-                         return suspect.first_pose_after == first_pose_after &&
-                                suspect.num_closures_across >= SuspectStep::kMinClosuresAcross;
-                       });
+    const SuspectStep* suspect = FindSuspect(first_pose_after, loops);
+    return suspect != nullptr && suspect->num_closures_across >= SuspectStep::kMinClosuresAcross;
   }
 
   // A new start or other broken steps replace earlier ones. Without added closures, the graph does
@@ -205,7 +209,7 @@ class HypothesisSearch {
 
   void Insert(MapHypothesis hypothesis) {
     pool_.push_back(std::move(hypothesis));
-    // A better map lowers what is usual, which may make another hypothesis the best.
+    // A better map lowers the usual share, which may make another hypothesis the best.
     for (std::size_t before = pool_.size(); best_ != before;) {
       before = best_;
       for (std::size_t i = 0; i < pool_.size(); ++i) {

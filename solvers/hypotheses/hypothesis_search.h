@@ -29,10 +29,10 @@ namespace plumbline {
 /// from which the clusters of closures are taken. Those decide by the error of the graph. Here the
 /// scans decide by free space: a graph cannot tell two similar corridors apart.
 ///
-/// motion: the noise of the trajectory's odometry. surfaces: of the drive, whose initial poses are
-/// those of the odometry as given. ties: null, or the pose graph of a trajectory that is made of
-/// several sessions, with closures between them to begin with. weighed: every hypothesis, in order.
-/// Unavailable if progress stopped it. The result does not depend on the number of threads.
+/// motion: the noise of the trajectory's odometry. surfaces: of the drive, with the poses of the
+/// odometry as given for initial poses. ties: null, or the pose graph of a trajectory that is made
+/// of several sessions, with closures between them to begin with. weighed: every hypothesis, in
+/// order. Unavailable if progress stopped it. The result does not depend on the number of threads.
 /// Collective if processes share the drive; progress must not stop it then. This holds for all
 /// functions of this folder that take surfaces.
 Status SearchMapHypotheses(const MotionOptions& motion, const ScanSurfaces& surfaces,

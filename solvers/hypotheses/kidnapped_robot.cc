@@ -43,23 +43,17 @@ class Relocations : public Proposer {
   // The hypothesis leaves it open where the step leads.
   static bool IsUnsettled(int step, const MapHypothesis& best, const SearchContext& context) {
     if (best.keys.sequential[step].broken) return true;
-    const int pose = context.suspected.sequential[step].first_pose_after;
-    return std::any_of(
-        best.loops.suspect_steps.begin(), best.loops.suspect_steps.end(),
-        [pose](const SuspectStep& s) { return s.first_pose_after == pose && s.IsUnresolved(); });
+    const SuspectStep* suspect =
+        FindSuspect(context.suspected.sequential[step].first_pose_after, best.loops);
+    return suspect != nullptr && suspect->IsUnresolved();
   }
 
   static std::vector<Proposal> ProposeAt(int step, const MapHypothesis& best,
                                          const SearchContext& context) {
     std::vector<KeyframeGraph> all =
         RelocateSegment(context.surfaces, best.keys, step, context.pool);
-    std::vector<std::vector<Pose2>> maps;
-    maps.reserve(all.size());
-    for (const KeyframeGraph& keys : all) {
-      maps.push_back(PosesFollowingKeyframes(keys, best.start->world_from_robot));
-    }
     std::vector<double> energy;
-    for (const MapConsistency& map : context.meter.MeasureEach(maps, context.pool)) {
+    for (const MapConsistency& map : context.Measure(all, *best.start)) {
       energy.push_back(context.posterior.ScanEnergy(map.AllConflicts()));
     }
     std::vector<std::size_t> order(all.size());
@@ -74,9 +68,7 @@ class Relocations : public Proposer {
       place.draft.kind = HypothesisKind::kJoinedParts;
       place.draft.start = best.start;
       place.draft.keys = std::move(all[i]);
-      place.draft.num_removed = best.num_removed;
-      place.draft.num_added = best.num_added;
-      place.draft.num_strained = best.num_strained;
+      place.draft.assumed = best.assumed;
       place.draft.relocated_step = step;
       place.draft.records = best.records;
       place.record.first_pose_after = context.suspected.sequential[step].first_pose_after;

@@ -8,9 +8,17 @@
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
+#include "plumbline/solvers/hypotheses/tied_places.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
 namespace plumbline {
+
+/// What a hypothesis assumes beyond its start and its broken steps.
+struct Assumptions {
+  int num_removed = 0;   ///< clusters of closures removed, one by one
+  int num_added = 0;     ///< closures added, one by one
+  int num_strained = 0;  ///< broken steps whose slip strained the pose graph
+};
 
 /// The parts of the negative log posterior of a hypothesis, up to a constant; see Posterior.
 struct EnergyTerms {
@@ -28,9 +36,8 @@ struct MapHypothesis {
   std::vector<Pose2> world_from_robot;  ///< per pose of the graph
   MapConsistency consistency;
   EnergyTerms terms;
-  int num_removed = 0;      ///< clusters of closures removed, one by one
-  int num_added = 0;        ///< closures added, one by one
-  int num_strained = 0;     ///< broken steps whose slip strained the pose graph
+  Assumptions assumed;
+  std::vector<TiedPlace> bent_places;  ///< between several sessions
   int relocated_step = -1;  ///< kJoinedParts: the sequential edge at which it was relocated
   /// Index of the hypothesis among all weighed ones, then of the hypotheses it was made from.
   std::vector<std::size_t> records;

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "plumbline/solvers/hypotheses/relocated_segments.h"
-#include "plumbline/solvers/hypotheses/tied_places.h"
-#include "plumbline/solvers/loop_closure/loop_acceptance.h"
 
 namespace plumbline {
 namespace {
@@ -18,8 +16,8 @@ constexpr double kUnitShare = 0.1;
 // Energy of a metre by which the robot slipped or was relocated. Tuned on the floors of the seeding
 // study (apps/benchmark).
 constexpr double kEnergyPerM = 50.0;
-// A step at which the scans disagree, with nothing to tell where it leads, costs as much as a
-// relocation by this distance [m].
+// A step at which the scans disagree, with nothing to tell where it leads, costs like a relocation
+// by this distance [m].
 constexpr double kUnknownM = 20.0;
 // Costs of assumptions, in units. A unit stands for odds of about 1 : 50, a quarter
 // for 1 : 3.
@@ -31,17 +29,6 @@ constexpr double kOdometryHeadings = 0.25;
 // A session that is bent at one place by its closures with others: more than the cost of removing
 // them.
 constexpr double kBentPlace = 2.0;
-
-int NumBentPlaces(const KeyframeGraph& keys, ThreadPool* pool) {
-  int num_bent = 0;
-  for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
-    const std::vector<TiedPlace> places =
-        TestTiedPlaces(keys, first, keys.EndOfSession(first), LoopAcceptance::kMaxRelief, pool);
-    num_bent += static_cast<int>(std::count_if(
-        places.begin(), places.end(), [](const TiedPlace& place) { return place.is_bent(); }));
-  }
-  return num_bent;
-}
 
 double CostOfStart(HypothesisKind kind) {
   switch (kind) {
@@ -74,13 +61,13 @@ double Posterior::Energy(const EnergyTerms& terms) const {
   return ScanEnergy(terms.conflict) + unit_ * terms.assumptions + kEnergyPerM * terms.relocated_m;
 }
 
-EnergyTerms Posterior::TermsOf(const MapHypothesis& hypothesis, ThreadPool* pool) const {
+EnergyTerms Posterior::TermsOf(const MapHypothesis& hypothesis) {
   EnergyTerms terms;
   terms.conflict = hypothesis.consistency.AllConflicts();
-  terms.assumptions = CostOfStart(hypothesis.kind) + kRemovedCluster * hypothesis.num_removed +
-                      kAddedClosure * hypothesis.num_added -
-                      kSlipOrRelocation * hypothesis.num_strained;
-  if (!of_one_session_) terms.assumptions += kBentPlace * NumBentPlaces(hypothesis.keys, pool);
+  const Assumptions& assumed = hypothesis.assumed;
+  terms.assumptions = CostOfStart(hypothesis.kind) + kRemovedCluster * assumed.num_removed +
+                      kAddedClosure * assumed.num_added - kSlipOrRelocation * assumed.num_strained +
+                      kBentPlace * static_cast<double>(hypothesis.bent_places.size());
   for (const SequentialEdge& edge : hypothesis.keys.sequential) {
     if (!edge.broken || edge.between_sessions) continue;
     const Pose2 slip =

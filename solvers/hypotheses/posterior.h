@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/hypotheses/map_hypothesis.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 
@@ -19,7 +18,7 @@ namespace plumbline {
 /// places agree as well. The other terms are the prior of the assumptions beyond a plain drive: a
 /// slip or a relocation of the robot, closures removed or added, another source of the odometry. A
 /// slip that strains the pose graph costs its size only, since the closures show it. A step at
-/// which the scans disagree costs as much as a long relocation if nothing tells where it leads.
+/// which the scans disagree costs like a long relocation if nothing tells where it leads.
 /// Each session that is bent by its closures with others at one place costs more than removing
 /// them.
 class Posterior {
@@ -44,7 +43,7 @@ class Posterior {
   double Energy(const EnergyTerms& terms) const;
 
   /// The terms of a hypothesis with closed loops.
-  EnergyTerms TermsOf(const MapHypothesis& hypothesis, ThreadPool* pool) const;
+  static EnergyTerms TermsOf(const MapHypothesis& hypothesis);
 
   /// True if a map contradicts itself by enough to look for another one.
   bool IsSuspicious(const MapConsistency& map) const;

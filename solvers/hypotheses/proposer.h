@@ -26,7 +26,14 @@ struct SearchContext {
   const Posterior& posterior;
   /// Pose graph of the matching, with the evidence against its steps.
   KeyframeGraph suspected;
+
+  /// The maps of pose graphs with the keyframes of one start.
+  std::vector<MapConsistency> Measure(const std::vector<KeyframeGraph>& graphs,
+                                      const SequentialTrajectory& start) const;
 };
+
+/// Closures as a part of a proposal's id.
+std::string IdOf(const std::vector<RelativePoseConstraint>& closures);
 
 /// A hypothesis whose loops are still to be closed.
 struct Proposal {

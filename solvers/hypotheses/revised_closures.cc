@@ -7,7 +7,6 @@
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/hypotheses/closure_revisions.h"
 #include "plumbline/solvers/hypotheses/suspect_clusters.h"
-#include "plumbline/solvers/hypotheses/tied_places.h"
 
 namespace plumbline {
 namespace {
@@ -19,50 +18,26 @@ constexpr int kMaxBentPlaces = 12;
 constexpr std::size_t kClustersAtATime = 4;
 constexpr double kPromisingGain = 0.5;
 
-std::string IdOf(HypothesisKind kind, const Revision& revision, const MapHypothesis& best) {
-  std::string id = ToString(kind);
-  for (const RelativePoseConstraint& closure : revision) {
-    id += ' ' + std::to_string(closure.from) + '-' + std::to_string(closure.to);
-  }
-  return id + " of " + std::to_string(best.records.front()) + '+' +
-         std::to_string(best.records.back());
+KeyframeGraph Revised(HypothesisKind kind, const Revision& revision, const KeyframeGraph& keys) {
+  return kind == HypothesisKind::kWithMatch ? With(revision, keys) : Without(revision, keys);
 }
 
-// The poses of the keyframes are still those of the best hypothesis.
-Proposal MakeProposal(HypothesisKind kind, const Revision& revision, const MapHypothesis& best) {
+// revised: the best hypothesis with its closures revised, optimised or not.
+Proposal MakeProposal(HypothesisKind kind, const Revision& revision, KeyframeGraph revised,
+                      const MapHypothesis& best) {
   Proposal proposal;
-  proposal.id = IdOf(kind, revision, best);
+  proposal.id = ToString(kind) + IdOf(revision) + " of " + std::to_string(best.records.front()) +
+                '+' + std::to_string(best.records.back());
   proposal.record = RecordOf(kind, revision, best.keys);
   MapHypothesis& draft = proposal.draft;
   draft.kind = best.kind;
   draft.start = best.start;
-  draft.keys =
-      kind == HypothesisKind::kWithMatch ? With(revision, best.keys) : Without(revision, best.keys);
-  draft.num_removed = best.num_removed + (kind == HypothesisKind::kWithMatch ? 0 : 1);
-  draft.num_added = best.num_added + (kind == HypothesisKind::kWithMatch ? 1 : 0);
-  draft.num_strained = best.num_strained;
+  draft.keys = std::move(revised);
+  draft.assumed = best.assumed;
+  ++(kind == HypothesisKind::kWithMatch ? draft.assumed.num_added : draft.assumed.num_removed);
   draft.relocated_step = best.relocated_step;
   draft.records = best.records;
   return proposal;
-}
-
-// Optimises the pose graphs of proposals and measures the maps that they make.
-void Measure(const SearchContext& context, std::vector<Proposal>* proposals) {
-  std::vector<KeyframeGraph> graphs;
-  graphs.reserve(proposals->size());
-  for (Proposal& proposal : *proposals) graphs.push_back(std::move(proposal.draft.keys));
-  OptimizeEach(context.surfaces.graph().peers(), context.pool, &graphs);
-  std::vector<std::vector<Pose2>> maps;
-  maps.reserve(graphs.size());
-  for (std::size_t i = 0; i < graphs.size(); ++i) {
-    maps.push_back(
-        PosesFollowingKeyframes(graphs[i], (*proposals)[i].draft.start->world_from_robot));
-    (*proposals)[i].draft.keys = std::move(graphs[i]);
-  }
-  std::vector<MapConsistency> measured = context.meter.MeasureEach(maps, context.pool);
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    (*proposals)[i].draft.consistency = std::move(measured[i]);
-  }
 }
 
 class RevisedClosures : public Proposer {
@@ -70,22 +45,28 @@ class RevisedClosures : public Proposer {
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
     const Posterior& posterior = context->posterior;
     const int most = kMaxRevisions + (context->has_sessions ? kMaxBentPlaces : 0);
-    if (best.num_removed + best.num_added >= most || !posterior.IsSuspicious(best.consistency))
+    if (best.assumed.num_removed + best.assumed.num_added >= most ||
+        !posterior.IsSuspicious(best.consistency)) {
       return {};
+    }
     const std::vector<Revision> revisions = Revisions(best, posterior);
     const std::size_t at_a_time = AtATime(revisions.size());
     std::vector<Proposal> proposals;
     double best_gain = 0.0;
     for (std::size_t begin = 0; begin < revisions.size() && best_gain < kPromisingGain;
          begin += at_a_time) {
-      std::vector<Proposal> batch;
-      for (std::size_t i = begin; i < std::min(begin + at_a_time, revisions.size()); ++i) {
-        batch.push_back(MakeProposal(kind(), revisions[i], best));
+      const std::size_t end = std::min(begin + at_a_time, revisions.size());
+      std::vector<KeyframeGraph> graphs;
+      for (std::size_t i = begin; i < end; ++i) {
+        graphs.push_back(Revised(kind(), revisions[i], best.keys));
       }
-      Measure(*context, &batch);
-      for (Proposal& proposal : batch) {
+      OptimizeEach(context->surfaces.graph().peers(), context->pool, &graphs);
+      const std::vector<MapConsistency> maps = context->Measure(graphs, *best.start);
+      for (std::size_t i = begin; i < end; ++i) {
+        Proposal proposal = MakeProposal(kind(), revisions[i], std::move(graphs[i - begin]), best);
+        proposal.draft.consistency = maps[i - begin];
         proposal.draft.terms = best.terms;
-        proposal.draft.terms.conflict = proposal.draft.consistency.AllConflicts();
+        proposal.draft.terms.conflict = maps[i - begin].AllConflicts();
         const double gain = (posterior.ScanEnergy(best.terms.conflict) -
                              posterior.ScanEnergy(proposal.draft.terms.conflict)) /
                             posterior.unit();
@@ -145,11 +126,15 @@ class TentativeClosures : public RevisedClosures {
 
 class WithoutBentTies : public Proposer {
  public:
-  std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
-    if (!context->has_sessions || best.num_removed >= kMaxRevisions + kMaxBentPlaces) return {};
-    const TiedPlace worst = MostBentPlace(best.keys, context->pool);
-    if (!worst.is_bent()) return {};
-    return {MakeProposal(HypothesisKind::kWithoutCluster, worst.closures, best)};
+  std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* /*context*/) override {
+    if (best.bent_places.empty() || best.assumed.num_removed >= kMaxRevisions + kMaxBentPlaces) {
+      return {};
+    }
+    const auto worst = std::max_element(
+        best.bent_places.begin(), best.bent_places.end(),
+        [](const TiedPlace& a, const TiedPlace& b) { return a.relief < b.relief; });
+    constexpr HypothesisKind kKind = HypothesisKind::kWithoutCluster;
+    return {MakeProposal(kKind, worst->closures, Revised(kKind, worst->closures, best.keys), best)};
   }
 };
 

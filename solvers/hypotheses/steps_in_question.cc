@@ -24,6 +24,13 @@ std::vector<int> MostSuspectSteps(const KeyframeGraph& keys) {
   return steps;
 }
 
+const SuspectStep* FindSuspect(int first_pose_after, const LoopClosingReport& loops) {
+  const auto found = std::find_if(
+      loops.suspect_steps.begin(), loops.suspect_steps.end(),
+      [&](const SuspectStep& suspect) { return suspect.first_pose_after == first_pose_after; });
+  return found == loops.suspect_steps.end() ? nullptr : &*found;
+}
+
 KeyframeGraph WithContradicted(KeyframeGraph keys) {
   keys.closures.insert(keys.closures.end(), keys.contradicted.begin(), keys.contradicted.end());
   keys.contradicted.clear();

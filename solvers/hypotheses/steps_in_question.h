@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/interface/seeding_report.h"
 
 namespace plumbline {
 
@@ -13,6 +14,9 @@ constexpr std::size_t kMaxStepsInQuestion = 12;
 
 /// The sequential steps with evidence against them, the worst first, at most so many.
 std::vector<int> MostSuspectSteps(const KeyframeGraph& keys);
+
+/// The report of the suspect step before a pose, or null.
+const SuspectStep* FindSuspect(int first_pose_after, const LoopClosingReport& loops);
 
 /// Gives the closures that the others contradicted another chance.
 KeyframeGraph WithContradicted(KeyframeGraph keys);

@@ -99,15 +99,15 @@ std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int 
   return tested;
 }
 
-TiedPlace MostBentPlace(const KeyframeGraph& keys, ThreadPool* pool) {
-  TiedPlace worst;
+std::vector<TiedPlace> BentPlaces(const KeyframeGraph& keys, ThreadPool* pool) {
+  std::vector<TiedPlace> bent;
   for (int first = 0; first < keys.size(); first = keys.EndOfSession(first)) {
     for (TiedPlace& place :
          TestTiedPlaces(keys, first, keys.EndOfSession(first), LoopAcceptance::kMaxRelief, pool)) {
-      if (place.relief > worst.relief) worst = std::move(place);
+      if (place.is_bent()) bent.push_back(std::move(place));
     }
   }
-  return worst;
+  return bent;
 }
 
 }  // namespace plumbline

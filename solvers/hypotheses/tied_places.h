@@ -30,9 +30,8 @@ struct TiedPlace {
 std::vector<TiedPlace> TestTiedPlaces(const KeyframeGraph& keys, int first, int end,
                                       double least_relief, ThreadPool* pool);
 
-/// The place whose closures bend the sessions of a graph most, of all between one and the others;
-/// without closures if there is none.
-TiedPlace MostBentPlace(const KeyframeGraph& keys, ThreadPool* pool);
+/// The places at which closures bend one session of a graph, of all between one and the others.
+std::vector<TiedPlace> BentPlaces(const KeyframeGraph& keys, ThreadPool* pool);
 
 }  // namespace plumbline
 

@@ -88,8 +88,8 @@ struct LoopAcceptance {
   // 7. Does the posterior of the map speak for it? (solvers/hypotheses)
 
   /// A match that fails 3 or 5 but shows this share of the scan, and passes 4, is kept: it becomes
-  /// a closure if the map has a higher posterior with it. A laser that sees half a turn shows
-  /// little of what it saw when it drove the other way. The three logs have the same closures at
+  /// a closure if the map has a higher posterior with it. Drives in opposite directions
+  /// have little in common if the laser sees half a turn. The three logs have the same closures at
   /// 0.5, the end of fr-clinic lies 2 m off then.
   static constexpr double kTentativeInlierRatio = 0.25;
 };

@@ -190,7 +190,7 @@ TEST(Seed, ChecksOptionsAllTheWayDown) {
   EXPECT_NE(error.find("sequential.keyframe_distance_m = 0"), std::string::npos) << error;
 }
 
-// Four beams a right angle apart show no surfaces. Nothing is better than the odometry then.
+// Four beams a right angle apart show no surfaces, so the map is that of the odometry.
 TEST(Seed, FewBeamsLeaveTheOdometryAsItIs) {
   SimulationOptions options;
   options.seed = 3;

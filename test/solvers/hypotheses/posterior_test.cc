@@ -37,8 +37,8 @@ class PosteriorTest : public testing::Test {
     posterior_.Calibrate(MapWith(10000, 100));
   }
 
-  EnergyTerms Terms(const MapHypothesis& hypothesis) {
-    return posterior_.TermsOf(hypothesis, &pool_);
+  static EnergyTerms Terms(const MapHypothesis& hypothesis) {
+    return Posterior::TermsOf(hypothesis);
   }
   double Energy(const MapHypothesis& hypothesis) { return posterior_.Energy(Terms(hypothesis)); }
 
@@ -49,7 +49,6 @@ class PosteriorTest : public testing::Test {
     return plain;
   }
 
-  ThreadPool pool_{1};
   Posterior posterior_{/*of_one_session=*/true};
 };
 
@@ -87,7 +86,7 @@ TEST_F(PosteriorTest, TheEndOfASessionIsNoSlip) {
 TEST_F(PosteriorTest, ASlipThatStrainsTheGraphCostsItsLengthOnly) {
   MapHypothesis slipped = PlainDrive();
   slipped.keys.sequential[4].broken = true;
-  slipped.num_strained = 1;
+  slipped.assumed.num_strained = 1;
   for (int k = 5; k < slipped.keys.size(); ++k) slipped.keys.world_from_key[k].x += 0.2;
   EXPECT_GT(Energy(slipped), Energy(PlainDrive()));
   EXPECT_LT(Energy(slipped), Energy(PlainDrive()) + posterior_.unit());
@@ -95,8 +94,8 @@ TEST_F(PosteriorTest, ASlipThatStrainsTheGraphCostsItsLengthOnly) {
 
 TEST_F(PosteriorTest, RemovedClosuresCostMoreThanAddedOnes) {
   MapHypothesis removed = PlainDrive(), added = PlainDrive();
-  removed.num_removed = 1;
-  added.num_added = 1;
+  removed.assumed.num_removed = 1;
+  added.assumed.num_added = 1;
   EXPECT_GT(Energy(added), Energy(PlainDrive()));
   EXPECT_GT(Energy(removed), Energy(added));
 }
