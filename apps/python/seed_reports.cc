@@ -69,6 +69,9 @@ void BindOdometryReport(py::module_* module) {
       .Field("num_spans", &RandomError::num_spans, "stretches of about 1 m or 1 rad")
       .Field("sigma_per_sqrt_m", &RandomError::sigma_per_sqrt_m, "[m or rad / sqrt(m)]")
       .Field("sigma_per_sqrt_rad", &RandomError::sigma_per_sqrt_rad, "[m or rad / sqrt(rad)]");
+  Fields<PoseNoise>(module, "PoseNoise", "Independent errors of given poses.")
+      .Field("position_m", &PoseNoise::position_m, "of x and of y [m]")
+      .Field("yaw_rad", &PoseNoise::yaw_rad, "[rad]");
   Fields<OdometryNoiseReport>(module, "OdometryNoiseReport",
                               "What the scan matching says of the odometry.")
       .Field("gross_translation_scale", &OdometryNoiseReport::gross_translation_scale,
@@ -82,7 +85,9 @@ void BindOdometryReport(py::module_* module) {
       .Field("num_leaps", &OdometryNoiseReport::num_leaps,
              "steps that odometry and matching disagree on")
       .Field("motion", &OdometryNoiseReport::motion, "the same as noise of a single step")
-      .Field("is_prediction", &OdometryNoiseReport::is_prediction, "no odometry was used");
+      .Field("is_prediction", &OdometryNoiseReport::is_prediction, "no odometry was used")
+      .Field("given_poses", &OdometryNoiseReport::given_poses,
+             "their noise, if each scan was searched for around its pose; else zero");
 }
 
 void BindLoops(py::module_* module) {

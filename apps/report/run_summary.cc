@@ -38,6 +38,8 @@ Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
           {"rotation_rad", RandomJson(noise.rotation)},
           {"leaps", noise.num_leaps},
           {"is_prediction", noise.is_prediction},
+          {"given_poses",
+           {{"position_m", noise.given_poses.position_m}, {"yaw_rad", noise.given_poses.yaw_rad}}},
           {"motion",
            {{"rotation_per_rotation", noise.motion.rotation_per_rotation},
             {"rotation_per_translation_rad_m", noise.motion.rotation_per_translation_rad_m},

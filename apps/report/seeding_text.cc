@@ -67,6 +67,13 @@ std::string RandomText(const RandomError& error, double factor, const char* unit
 }
 
 std::string OdometryText(const OdometryNoiseReport& noise) {
+  if (noise.given_poses.position_m > 0.0) {
+    return Format(
+        "  The given poses have independent errors of %.2f m and %.1f deg (one sigma): each scan "
+        "was "
+        "searched for around its pose.\n",
+        noise.given_poses.position_m, RadToDeg(noise.given_poses.yaw_rad));
+  }
   if (noise.is_prediction) {
     return (noise.gross_translation_scale == 0.0
                 ? std::string("  The odometry contradicts the scans and was not used: ")

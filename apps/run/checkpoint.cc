@@ -73,9 +73,9 @@ void Visit(Archive& archive, MotionOptions* motion) {
 template <typename Archive>
 void Visit(Archive& archive, OdometryNoiseReport* report) {
   auto& [gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation, rotation,
-         leaps, motion, is_prediction] = *report;
+         leaps, motion, is_prediction, given_poses] = *report;
   archive(gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation,
-          rotation, leaps, motion, is_prediction);
+          rotation, leaps, motion, is_prediction, given_poses.position_m, given_poses.yaw_rad);
 }
 
 template <typename Archive>
@@ -168,7 +168,7 @@ namespace {
 
 // The file: these words and the version, a line; what Contents holds; the CRC-32 of all that.
 constexpr std::string_view kMagic = "Plumbline checkpoint ";
-constexpr std::string_view kHeading = "Plumbline checkpoint 11\n";
+constexpr std::string_view kHeading = "Plumbline checkpoint 12\n";
 constexpr std::size_t kCrcSize = sizeof(std::uint32_t);
 
 constexpr std::array<std::string_view, 10> kFlagsWithoutEffect = {

@@ -187,7 +187,8 @@ class LogRun {
         BySpeaker(options_.peers, [this] { return output_.RemoveOldResults(); }));
     const Stage stage = OdometryStage();
     const OdometryNoiseReport& noise = mapping_.report.seeding.odometry_noise;
-    const bool is_given = !noise.is_prediction || noise.gross_translation_scale == 0.0;
+    const bool is_given = !noise.is_prediction || noise.gross_translation_scale == 0.0 ||
+                          noise.given_poses.position_m > 0.0;
     return map->RecordStart(is_given ? &stage : nullptr);
   }
 

@@ -6,6 +6,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/io/field_reader.h"
@@ -15,6 +17,7 @@
 #include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/program/pose_graph_log.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/report_sections.h"
@@ -32,11 +35,26 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
 #include "plumbline/solvers/solve.h"
 
 namespace plumbline {
 namespace {
+
+// Where the estimation by edges and scans starts.
+enum class JointStart { kGiven, kPoseGraph, kScans };
+
+std::string ToString(JointStart start) {
+  switch (start) {
+    case JointStart::kGiven:
+      return "given";
+    case JointStart::kScans:
+      return "scans";
+    default:
+      return "pose graph";
+  }
+}
 
 // One run, step by step.
 class PoseGraphRun {
@@ -45,7 +63,8 @@ class PoseGraphRun {
       : options_(options),
         outputs_(options.outputs),
         pool_(options.solver.num_threads),
-        output_(options.output_dir) {}
+        output_(options.output_dir),
+        solver_options_(options.solver) {}
 
   Status Run() {
     PLUMBLINE_RETURN_IF_ERROR(BySpeaker(options_.peers, [this] { return Start(); }));
@@ -144,26 +163,70 @@ class PoseGraphRun {
                                                  options_.solver.rounds.coarse_radius_m, &pool_);
       return MarginalEnergy(graph, poses, lines, factors, &pool_);
     };
-    joint_starts_as_given_ = energy(graph.initial_poses()) < energy(state_.poses);
-    if (joint_starts_as_given_) state_ = graph.InitialState();
+    if (energy(graph.initial_poses()) < energy(state_.poses)) {
+      start_ = JointStart::kGiven;
+      state_ = graph.InitialState();
+    }
     std::cout << "Edges and scans together: starting at the "
-              << (joint_starts_as_given_ ? "given poses, which fit them better\n"
-                                         : "optimum of the edges\n");
+              << (start_ == JointStart::kGiven ? "given poses, which fit them better\n"
+                                               : "optimum of the edges\n");
+  }
+
+  // A map that contradicts itself may be wrong throughout. Then the scans are matched as those of a
+  // drive. If they contradict each other less in that map, it is the start, and the edges do not
+  // count.
+  Status SeedByScans() {
+    if (options_.peers != nullptr || !ScansAreInOrderOfTime()) return Status::Ok();
+    const std::optional<MapConsistency> start = MeasureConsistency();
+    if (!start || MapAlarms(*start, file_.graph, state_.poses).empty()) return Status::Ok();
+    MapLogOptions options;
+    options.solver = options_.solver;
+    LogMapping mapping;
+    SlamGraph drive;
+    PLUMBLINE_RETURN_IF_ERROR(LogOfPoseGraph(file_.graph, 0, &drive));
+    PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(drive), &pool_, &mapping));
+    if (!HasSameScans(mapping.graph)) return Status::Ok();
+    const auto goes_on = [](SeedingPhase, int, int) { return StopSignal() == 0; };
+    const Status seeded = SeedLog(options, goes_on, &pool_, &mapping);
+    if (!seeded.ok() && StopSignal() == 0) return seeded;
+    const double seed_conflict = mapping.report.seeding.consistency.AllConflicts().Share();
+    if (!seeded.ok() || seed_conflict >= start->AllConflicts().Share()) return Status::Ok();
+    std::cout << "The given poses contradict the scans: starting where these match each other; the "
+                 "edges do not count\n";
+    start_ = JointStart::kScans;
+    state_ = mapping.state;
+    solver_options_ = RefinementOptions(options, mapping);
+    graph_of_scans_ = std::move(mapping.graph);
+    return Status::Ok();
+  }
+
+  // Whether a graph has the poses and returns of the file's, in the same order.
+  bool HasSameScans(const SlamGraph& graph) const {
+    const SlamGraph& given = file_.graph;
+    if (graph.num_poses() != given.num_poses() || graph.num_scans() != given.num_scans() ||
+        graph.num_returns() != given.num_returns()) {
+      return false;
+    }
+    for (int scan = 0; scan < given.num_scans(); ++scan) {
+      if (graph.scan(scan).pose != given.scan(scan).pose) return false;
+    }
+    return given.fixed_poses().size() == 1 && given.fixed_poses().front().pose == 0;
   }
 
   Status RefineJointly() {
     ChooseJointStart();
+    PLUMBLINE_RETURN_IF_ERROR(SeedByScans());
     return RunSolver();
   }
 
   Status RunSolver() {
-    SolverOptions options = options_.solver;
+    SolverOptions options = solver_options_;
     std::cout << ProgressHeader() << '\n';
     options.callback = [](const IterationSummary& iteration) {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return StopSignal() == 0;
     };
-    solver_summary_ = Solve(options, file_.graph, &state_);
+    solver_summary_ = Solve(options, graph_of_scans_ ? *graph_of_scans_ : file_.graph, &state_);
     if (!solver_summary_.IsSolutionUsable()) {
       return Status::InvalidArgument(solver_summary_.message);
     }
@@ -298,7 +361,7 @@ class PoseGraphRun {
   }
 
   Json JointJson() const {
-    Json json = {{"start", joint_starts_as_given_ ? "given" : "pose graph"}};
+    Json json = {{"start", ToString(start_)}};
     json.update(SolverJson(solver_summary_));
     return json;
   }
@@ -375,7 +438,11 @@ class PoseGraphRun {
   OutputFolder output_;
   PoseGraphInput file_;  // its graph's initial guesses are the given poses
   MapState state_;
-  bool joint_starts_as_given_ = false;
+  JointStart start_ = JointStart::kPoseGraph;
+  SolverOptions solver_options_;
+  // What is solved instead of the file's graph: its scans, with steps as they match in place of its
+  // edges.
+  std::optional<SlamGraph> graph_of_scans_;
   PoseGraphSummary edges_summary_;
   SolverSummary solver_summary_;
   std::vector<Stage> stages_;

@@ -6,6 +6,7 @@
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/interface/odometry_report.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
 namespace plumbline {
@@ -55,6 +56,13 @@ struct SequentialEdge {
   }
 };
 
+/// Poses of the keyframes that were given with independent errors.
+struct GivenKeyPoses {
+  std::vector<Pose2> given_from_key;  ///< one per keyframe, or empty: the poses given are odometry
+  PoseNoise noise;
+  Pose2 world_from_given;  ///< estimated with the keyframes
+};
+
 /// The pose graph of the keyframes. Constraints name keyframes by index.
 struct KeyframeGraph {
   std::vector<Keyframe> keyframes;    ///< in order of time
@@ -67,6 +75,7 @@ struct KeyframeGraph {
   std::vector<RelativePoseConstraint> refused;
   /// Matches that were good, but not good enough to be believed by themselves; the best first.
   std::vector<RelativePoseConstraint> tentative;
+  GivenKeyPoses given;
 
   int size() const { return static_cast<int>(keyframes.size()); }
 

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/solvers/front_end/correct_odometry.h"
+#include "plumbline/solvers/front_end/given_poses.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_clock.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
 
 namespace plumbline {
 namespace {
@@ -25,6 +28,9 @@ constexpr double kMinPathM = 1.0;
 // Largest TroubleShare of odometry in order: 0.025 on orebro, 0.016 on fr-clinic, at most 0.002 on
 // fr079, intel, aces and mit-killian.
 constexpr double kMaxTroubleShare = 0.03;
+
+// Largest noise of given poses [m] that the matching of a step can follow without a search.
+double MaxPositionSigmaM() { return 0.5 * ScanMatchOptions().coarse_gate_m; }
 
 // Whether an offset of the clocks makes the turns of odometry and scans agree better. What looks
 // like one may be the jitter of the stamps: the odometry of intel's first third fits best 50 ms
@@ -57,10 +63,10 @@ OdometryNoiseReport MeasureOdometry(const SlamGraph& graph, const MotionOptions&
   return report;
 }
 
-Status Match(const SeedingOptions& options, const MotionOptions& motion,
-             const std::vector<Pose2>& steps, const SeedingProgress& progress, ThreadPool* pool,
-             ScanSurfaces* surfaces, SequentialTrajectory* trajectory, SeedingReport* report) {
-  const bool is_prediction = steps.empty();
+Status Match(const SeedingOptions& options, const MotionOptions& motion, const StepSource& steps,
+             const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+             SequentialTrajectory* trajectory, SeedingReport* report) {
+  const bool is_prediction = steps.odometry.empty();
   PLUMBLINE_RETURN_IF_ERROR(
       SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, steps,
                        progress, pool, surfaces, trajectory, &report->sequential));
@@ -105,17 +111,41 @@ double TroubleShare(const SeedingReport& report, std::size_t num_steps) {
   return num_troubles / static_cast<double>(num_steps);
 }
 
-// GrossScale of the odometry steps, compared with a matching without odometry.
-Status MeasureGrossScale(const SeedingOptions& options, const MotionOptions& motion,
-                         const std::vector<Pose2>& steps, const SeedingProgress& progress,
-                         ThreadPool* pool, ScanSurfaces* surfaces, double* scale) {
+// What a matching without odometry says of a drive that the odometry has misled.
+struct BlindMeasurement {
+  double gross_scale = 1.0;
+  std::optional<PoseNoise> given_poses;
+};
+
+Status MeasureBlindly(const SeedingOptions& options, const MotionOptions& motion,
+                      const std::vector<Pose2>& odometry, const SeedingProgress& progress,
+                      ThreadPool* pool, ScanSurfaces* surfaces, BlindMeasurement* measured) {
   const MotionOptions prior = PredictionPrior(motion);
-  SequentialTrajectory trajectory;
+  SequentialTrajectory blind;
   SequentialSeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, prior, {}, progress, pool,
-                                             surfaces, &trajectory, &report));
-  trajectory.odometry = steps;
-  *scale = GrossScale(EstimateOdometryNoise(trajectory, prior), trajectory);
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, prior, StepSource(), progress,
+                                             pool, surfaces, &blind, &report));
+  measured->given_poses =
+      MeasurePoseNoise(PosesOf(surfaces->graph().initial_poses()), blind.world_from_robot);
+  blind.odometry = odometry;
+  measured->gross_scale = GrossScale(EstimateOdometryNoise(blind, prior), blind);
+  return Status::Ok();
+}
+
+Status MatchGivenPoses(const SeedingOptions& options, const PoseNoise& noise,
+                       const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
+                       SequentialTrajectory* trajectory, SeedingReport* report) {
+  StepSource steps;
+  steps.given_poses = PosesOf(surfaces->graph().initial_poses());
+  report->odometry_noise = OdometryNoiseReport();
+  report->odometry_noise.is_prediction = true;
+  report->odometry_noise.given_poses = noise;
+  report->odometry_noise.motion = StepNoise(noise);
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, report->odometry_noise.motion,
+                                             steps, progress, pool, surfaces, trajectory,
+                                             &report->sequential));
+  trajectory->given_poses = std::move(steps.given_poses);
+  trajectory->given_noise = noise;
   return Status::Ok();
 }
 
@@ -124,28 +154,34 @@ Status MeasureGrossScale(const SeedingOptions& options, const MotionOptions& mot
 Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
                   const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                   SequentialTrajectory* trajectory, SeedingReport* report) {
-  std::vector<Pose2> steps;
-  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &steps));
+  StepSource steps;
+  std::vector<Pose2>& odometry = steps.odometry;
+  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &odometry));
   const auto match = [&] {
     return Match(options, motion, steps, progress, pool, surfaces, trajectory, report);
   };
   PLUMBLINE_RETURN_IF_ERROR(match());
-  if (steps.empty()) return Status::Ok();
+  if (odometry.empty()) return Status::Ok();
   double scale = GrossScale(report->odometry_noise, *trajectory);
   // Odometry that misled the matching cannot be measured by it.
-  if (scale == 1.0 && !report->odometry_noise.translation.estimated &&
-      TroubleShare(*report, steps.size()) > kMaxTroubleShare) {
+  if (scale == 1.0 && TroubleShare(*report, odometry.size()) > kMaxTroubleShare) {
+    BlindMeasurement measured;
     PLUMBLINE_RETURN_IF_ERROR(
-        MeasureGrossScale(options, motion, steps, progress, pool, surfaces, &scale));
+        MeasureBlindly(options, motion, odometry, progress, pool, surfaces, &measured));
+    if (measured.given_poses && measured.given_poses->position_m > MaxPositionSigmaM()) {
+      return MatchGivenPoses(options, *measured.given_poses, progress, pool, surfaces, trajectory,
+                             report);
+    }
+    if (!report->odometry_noise.translation.estimated) scale = measured.gross_scale;
   }
   if (scale == 1.0) return Status::Ok();
   if (scale != 0.0) {
-    for (Pose2& step : steps) step = Pose2(step.x / scale, step.y / scale, step.yaw);
+    for (Pose2& step : odometry) step = Pose2(step.x / scale, step.y / scale, step.yaw);
     PLUMBLINE_RETURN_IF_ERROR(match());
     if (GrossScale(report->odometry_noise, *trajectory) != 1.0) scale = 0.0;
   }
   if (scale == 0.0) {
-    steps.clear();
+    odometry.clear();
     PLUMBLINE_RETURN_IF_ERROR(match());
   }
   report->odometry_noise.gross_translation_scale = scale;

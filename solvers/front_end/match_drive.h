@@ -14,6 +14,9 @@ namespace plumbline {
 /// Matches a drive from scan to scan, measures the errors of its odometry, and removes the
 /// systematic errors from `trajectory->odometry`.
 ///
+/// Given poses with large independent errors (MeasurePoseNoise) are no odometry: each scan is
+/// searched for around its pose.
+///
 /// Odometry with a wrong factor or sign of its translations misleads the matching. The factor is
 /// estimated from the scans and removed, and the drive is matched again. If the odometry
 /// contradicts the scans even then, or reports no translation, the drive is matched without

@@ -90,10 +90,12 @@ ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& s
     }
   }
   if (reversing_ && step->x != 0.0) ++report->num_reversed_steps;
+  if (kind_ == StepKind::kRough) SearchAll(Predict(previous, *step), scan, &match);
   const bool recovered =
       match.inlier_ratio < kSuspectInlierRatio && Recover(previous * *step, scan, &match);
   // A prediction measures nothing that a match could contradict.
-  const bool is_slip = !is_prediction_ && SigmasOff(previous, *step, match) > kSlipSigmas;
+  const bool is_slip =
+      kind_ == StepKind::kMeasured && SigmasOff(previous, *step, match) > kSlipSigmas;
   if (match.inlier_ratio < (is_slip ? kMinSlipInlierRatio : kMinInlierRatio)) {
     ++report->num_unmatched;
     after_unmatched_ = after_unmatched_ || !scan.empty();
@@ -151,15 +153,27 @@ bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& ste
   return !(gain <= -kMargin);
 }
 
+// Looks for a pose that scan and prediction together make more likely, anywhere around.
+void SequentialMatcher::SearchAll(const PosePrediction& predicted, const SurfacePoints& scan,
+                                  ScanMatch* match) const {
+  for (const Pose2& pose : SearchStarts(predicted.world_from_robot, scan)) {
+    PosePrediction start;
+    start.world_from_robot = pose;
+    ScanMatch other = MatchScan(map_, scan, start, ScanMatchOptions());
+    other.chi2 += PullOf(predicted, other.world_from_robot).chi2;
+    if (other.chi2 < match->chi2) *match = other;
+  }
+}
+
 // Other starts, without weight on the odometry. Replaces the match if one of them fits clearly
 // more of the scan.
 bool SequentialMatcher::Recover(const Pose2& predicted, const SurfacePoints& scan,
                                 ScanMatch* match) const {
   ScanMatchOptions wide;
-  if (!is_prediction_) wide.coarse_gate_m *= 2.0;
+  if (kind_ == StepKind::kMeasured) wide.coarse_gate_m *= 2.0;
   ScanMatch best = *match;
   for (const Pose2& pose :
-       is_prediction_ ? SearchStarts(predicted, scan) : TurnedStarts(predicted)) {
+       kind_ == StepKind::kMeasured ? TurnedStarts(predicted) : SearchStarts(predicted, scan)) {
     PosePrediction start;
     start.world_from_robot = pose;
     const ScanMatch other = MatchScan(map_, scan, start, wide);

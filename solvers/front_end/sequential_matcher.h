@@ -15,15 +15,21 @@
 
 namespace plumbline {
 
+/// How a step is known before it is matched.
+enum class StepKind {
+  kMeasured,   ///< by odometry
+  kPredicted,  ///< from the steps before
+  kRough,      ///< measured, but worse than the matcher can follow without a search
+};
+
 /// Matches the scans of a drive one after the other, each against a local map of the keyframes
 /// before it. What it is made of has to outlive it.
 class SequentialMatcher {
  public:
-  /// sign_lost: of the odometry's translation. is_prediction: the steps are predicted from those
-  /// before, not measured.
+  /// motion: the noise of the steps. sign_lost: of the odometry's translation.
   SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    bool sign_lost, bool is_prediction)
-      : options_(options), motion_(motion), sign_lost_(sign_lost), is_prediction_(is_prediction) {}
+                    bool sign_lost, StepKind kind)
+      : options_(options), motion_(motion), sign_lost_(sign_lost), kind_(kind) {}
 
   /// Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven
   /// and counts in *report what it did.
@@ -43,6 +49,8 @@ class SequentialMatcher {
   ScanMatch MatchStep(const Pose2& previous, const Pose2& step, const SurfacePoints& scan) const;
   bool MayExplainBetter(const Pose2& previous, const Pose2& step, const ScanMatch& match,
                         const Pose2& other_step) const;
+  void SearchAll(const PosePrediction& predicted, const SurfacePoints& scan,
+                 ScanMatch* match) const;
   bool Recover(const Pose2& predicted, const SurfacePoints& scan, ScanMatch* match) const;
   std::vector<Pose2> SearchStarts(const Pose2& predicted, const SurfacePoints& scan) const;
   bool IsCovered(const Pose2& pose) const;
@@ -51,7 +59,7 @@ class SequentialMatcher {
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
   const bool sign_lost_;
-  const bool is_prediction_;
+  const StepKind kind_;
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;

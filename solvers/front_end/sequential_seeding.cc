@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "plumbline/core/over_peers.h"
+#include "plumbline/solvers/front_end/given_poses.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_sign.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
@@ -202,20 +203,19 @@ void ShareMatches(const Peers& peers, const std::vector<std::size_t>& own,
 
 class DriveMatcher {
  public:
-  // odometry: of each pose from the one before; empty if steps are to be predicted.
   DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-               const ScanSurfaces& surfaces, const std::vector<Pose2>& odometry, bool sign_lost)
+               const ScanSurfaces& surfaces, const StepSource& steps, bool sign_lost)
       : options_(options),
         motion_(motion),
         surfaces_(surfaces),
-        odometry_(odometry),
+        steps_(steps),
         sign_lost_(sign_lost),
         prediction_(surfaces.graph()) {}
 
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     MatchedStretch matched;
     SequentialSeedingReport run_up_report;
-    SequentialMatcher matcher(options_, motion_, sign_lost_, is_prediction());
+    SequentialMatcher matcher(options_, motion_, sign_lost_, KindOf(steps_));
     double path_m = 0.0;
     for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
       const int scan = surfaces_.scan_of_pose()[pose];
@@ -226,7 +226,7 @@ class DriveMatcher {
       match.world_from_robot = surfaces_.graph().InitialPose(stretch.run_up);
       if (pose > stretch.run_up) {
         const Pose2& previous = matched.poses.back();
-        step = is_prediction() ? prediction_.Step(matched.poses, pose) : odometry_[pose];
+        step = StepTo(pose, matched.poses);
         match = matcher.Match(previous, surface, &step,
                               pose < stretch.begin ? &run_up_report : &matched.report);
         path_m += Between(previous, match.world_from_robot).translation().norm();
@@ -243,12 +243,27 @@ class DriveMatcher {
   }
 
  private:
-  bool is_prediction() const { return odometry_.empty(); }
+  static StepKind KindOf(const StepSource& steps) {
+    if (!steps.odometry.empty()) return StepKind::kMeasured;
+    return steps.given_poses.empty() ? StepKind::kPredicted : StepKind::kRough;
+  }
+
+  // before: the matched poses; all of the drive unless there is odometry.
+  Pose2 StepTo(int pose, const std::vector<Pose2>& before) const {
+    switch (KindOf(steps_)) {
+      case StepKind::kMeasured:
+        return steps_.odometry[pose];
+      case StepKind::kRough:
+        return StepToGivenPose(steps_.given_poses, before, pose);
+      default:
+        return prediction_.Step(before, pose);
+    }
+  }
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
   const ScanSurfaces& surfaces_;
-  const std::vector<Pose2>& odometry_;
+  const StepSource& steps_;
   const bool sign_lost_;
   const MotionPrediction prediction_;
 };
@@ -313,19 +328,19 @@ Status OdometrySteps(const SlamGraph& graph, std::vector<Pose2>* steps) {
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
-  std::vector<Pose2> steps;
-  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &steps));
+  StepSource steps;
+  PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &steps.odometry));
   return SeedSequentially(options, motion, steps, progress, pool, surfaces, trajectory, report);
 }
 
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const std::vector<Pose2>& steps, const SeedingProgress& progress,
-                        ThreadPool* pool, ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        const StepSource& steps, const SeedingProgress& progress, ThreadPool* pool,
+                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
                         SequentialSeedingReport* report) {
   const SlamGraph& graph = surfaces->graph();
   const std::vector<int>& scan_of_pose = surfaces->scan_of_pose();
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
-  if (!steps.empty()) stretches = CutIntoStretches(steps, scan_of_pose);
+  if (!steps.odometry.empty()) stretches = CutIntoStretches(steps.odometry, scan_of_pose);
   SequentialSeedingReport counts;
   counts.odometry_sign = CheckOdometrySign(*surfaces, pool);
 

@@ -21,6 +21,19 @@ struct SequentialTrajectory {
   /// its place; entry 0 is unused.
   std::vector<Pose2> odometry;
   std::vector<Keyframe> keyframes;  ///< in order of time
+  /// The poses that were given, if each was searched for around its own; else empty. And their
+  /// noise.
+  std::vector<Pose2> given_poses;
+  PoseNoise given_noise;
+};
+
+/// What tells where the next scan was taken before it is matched. Both empty: the steps before it
+/// (MotionPrediction).
+struct StepSource {
+  /// Odometry, one step per pose, from the pose before (entry 0 is unused).
+  std::vector<Pose2> odometry;
+  /// world_from_robot per pose, with independent errors (StepToGivenPose).
+  std::vector<Pose2> given_poses;
 };
 
 /// Finds the pose of every scan from the ones before it, starting at the initial guess of the first
@@ -37,11 +50,10 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
-/// Finds the poses with the given odometry in place of the graph's. steps: one per pose, from the
-/// pose before (entry 0 is unused), or empty: steps are predicted.
+/// Finds the poses with these steps in place of the graph's odometry.
 Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                        const std::vector<Pose2>& steps, const SeedingProgress& progress,
-                        ThreadPool* pool, ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
+                        const StepSource& steps, const SeedingProgress& progress, ThreadPool* pool,
+                        ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
                         SequentialSeedingReport* report);
 
 /// Returns the steps of a graph's odometry, one per pose, from the pose before (entry 0 is unused),

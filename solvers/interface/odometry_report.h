@@ -51,6 +51,13 @@ struct RandomError {
   double sigma_per_sqrt_rad = 0.0;  ///< [m/sqrt(rad)] or [rad/sqrt(rad)]
 };
 
+/// Standard deviations of given poses whose errors are independent of each other, as those of
+/// another mapper. Odometry is otherwise: its errors add up along the drive.
+struct PoseNoise {
+  double position_m = 0.0;  ///< of x and of y [m]
+  double yaw_rad = 0.0;     ///< [rad]
+};
+
 /// What the scan matching says of the odometry, in the frame of the robot.
 struct OdometryNoiseReport {
   /// Translation of the given odometry per unit of the true motion. 1 if it is within 20 % of 1; a
@@ -71,6 +78,10 @@ struct OdometryNoiseReport {
   /// No odometry was given or used: `motion` is the noise of the predicted steps, and the errors
   /// above are not estimated.
   bool is_prediction = false;
+  /// If the given poses were found to be such, and so bad that each scan was searched for around
+  /// its pose; `motion` is then the noise of a step between them, and is_prediction is true.
+  /// Otherwise zero.
+  PoseNoise given_poses;
 };
 
 }  // namespace plumbline

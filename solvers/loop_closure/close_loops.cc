@@ -195,7 +195,25 @@ void OptimizeKeyframes(KeyframeGraph* keys) {
   for (const SequentialEdge& edge : keys->sequential) {
     (edge.in_question && !edge.broken ? uncertain : certain).push_back(edge.InForce());
   }
-  OptimizeRobustly(certain, uncertain, &keys->world_from_key);
+  if (keys->given.given_from_key.empty()) {
+    OptimizeRobustly(certain, uncertain, &keys->world_from_key);
+    return;
+  }
+  // The given frame is one more pose, seen from each keyframe.
+  std::vector<Pose2> poses = keys->world_from_key;
+  const int given_frame = keys->size();
+  poses.push_back(keys->given.world_from_given);
+  const double variance_m2 = keys->given.noise.position_m * keys->given.noise.position_m;
+  const double variance_rad2 = keys->given.noise.yaw_rad * keys->given.noise.yaw_rad;
+  const Eigen::Matrix3d covariance =
+      Eigen::Vector3d(variance_m2, variance_m2, variance_rad2).asDiagonal();
+  for (int k = 0; k < keys->size(); ++k) {
+    uncertain.push_back({given_frame, k, keys->given.given_from_key[k], covariance});
+  }
+  OptimizeRobustly(certain, uncertain, &poses);
+  keys->given.world_from_given = poses.back();
+  poses.pop_back();
+  keys->world_from_key = std::move(poses);
 }
 
 KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
@@ -205,15 +223,28 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
   for (const Keyframe& key : trajectory.keyframes) {
     graph.world_from_key.push_back(trajectory.world_from_robot[key.pose]);
   }
+  const bool has_given_poses = !trajectory.given_poses.empty();
+  if (has_given_poses && graph.size() > 0) {
+    graph.given.noise = trajectory.given_noise;
+    for (const Keyframe& key : graph.keyframes) {
+      graph.given.given_from_key.push_back(trajectory.given_poses[key.pose]);
+    }
+    graph.given.world_from_given =
+        graph.world_from_key.front() * graph.given.given_from_key.front().Inverse();
+  }
   for (int k = 1; k < graph.size(); ++k) {
     const Keyframe& from = graph.keyframes[k - 1];
     const Keyframe& to = graph.keyframes[k];
     const Pose2 from_from_to = Between(graph.world_from_key[k - 1], graph.world_from_key[k]);
-    const Eigen::Matrix3d known =
-        ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
+    Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
+    if (!has_given_poses) {
+      known = ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
+    }
     graph.sequential.push_back(
         {{k - 1, k, from_from_to,
           MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}});
+    // The given poses may contradict it.
+    graph.sequential.back().in_question = has_given_poses;
   }
   return graph;
 }

@@ -15,6 +15,7 @@
 #include "plumbline/solvers/front_end/sequential_seeding.h"
 #include "plumbline/solvers/loop_closure/moving_returns.h"
 #include "plumbline/solvers/seeding/close_all_loops.h"
+#include "plumbline/solvers/seeding/rematch_given_poses.h"
 
 namespace plumbline {
 namespace {
@@ -58,6 +59,10 @@ bool FindWhatMoves(const ScanSurfaces& surfaces, const SequentialTrajectory& mat
 Status CloseDrive(ScanSurfaces surfaces, const SeedingProgress& progress, ThreadPool* pool,
                   SequentialTrajectory trajectory, SeededDrive* drive, SeedingReport* report) {
   SeededDrive closed;
+  if (!trajectory.given_poses.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(
+        RematchGivenPoses(report->odometry_noise.motion, surfaces, progress, pool, &trajectory));
+  }
   PLUMBLINE_RETURN_IF_ERROR(CloseAllLoops(report->odometry_noise.motion, surfaces, progress,
                                           nullptr, pool, &trajectory, &closed.keys, report));
   report->corrections.odometry = OdometryOf(trajectory, surfaces.graph());

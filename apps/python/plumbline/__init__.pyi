@@ -501,6 +501,10 @@ class RandomError:
     sigma_per_sqrt_m: Final[float]
     sigma_per_sqrt_rad: Final[float]
 
+class PoseNoise:
+    position_m: Final[float]
+    yaw_rad: Final[float]
+
 class OdometryNoiseReport:
     gross_translation_scale: Final[float]
     clock_offset: Final[ClockOffset]
@@ -512,6 +516,7 @@ class OdometryNoiseReport:
     num_leaps: Final[int]
     motion: Final[MotionOptions]
     is_prediction: Final[bool]
+    given_poses: Final[PoseNoise]
 
 class ClosureOutcome(_Choice):
     ACCEPTED: ClassVar[ClosureOutcome]

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <random>
 #include <vector>
 
 #include "plumbline/apps/simulation/building_generator.h"
@@ -33,15 +34,10 @@ struct Matched {
   SequentialTrajectory trajectory;
   OdometryNoiseReport noise;
   double worst_step_m = 0.0;  // error of a step, against the truth
+  int num_wrong_steps = 0;    // by more than 0.05 m
 };
 
-// The drive with all positions of its odometry multiplied by a factor.
-Matched MatchWithScale(double factor) {
-  SimulatedLog log = Log();
-  for (SimulatedScan& scan : log.scans) {
-    scan.odom_from_robot.x *= factor;
-    scan.odom_from_robot.y *= factor;
-  }
+Matched Match(const SimulatedLog& log) {
   SlamGraph graph;
   EXPECT_TRUE(MakeGraph(log, &graph).ok());
   ScanSurfaces surfaces(graph, Packed(SurfacesOf(graph)));
@@ -56,10 +52,21 @@ Matched MatchWithScale(double factor) {
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Pose2 step = Between(poses[i - 1], poses[i]);
     const Pose2 truth = Between(log.scans[i - 1].world_from_robot, log.scans[i].world_from_robot);
-    matched.worst_step_m =
-        std::max(matched.worst_step_m, Between(truth, step).translation().norm());
+    const double error_m = Between(truth, step).translation().norm();
+    matched.worst_step_m = std::max(matched.worst_step_m, error_m);
+    if (error_m > 0.05) ++matched.num_wrong_steps;
   }
   return matched;
+}
+
+// The drive with all positions of its odometry multiplied by a factor.
+Matched MatchWithScale(double factor) {
+  SimulatedLog log = Log();
+  for (SimulatedScan& scan : log.scans) {
+    scan.odom_from_robot.x *= factor;
+    scan.odom_from_robot.y *= factor;
+  }
+  return Match(log);
 }
 
 TEST(MatchDriveTest, OdometryInOrderIsTakenAsItIs) {
@@ -86,6 +93,25 @@ TEST(MatchDriveTest, OdometryThatReportsNoTranslationIsNotUsed) {
   EXPECT_EQ(matched.noise.gross_translation_scale, 0.0);
   EXPECT_TRUE(matched.noise.is_prediction);
   EXPECT_LT(matched.worst_step_m, 0.05);
+}
+
+// Poses of another system: no odometry, but each is where the scan was, within half a metre.
+TEST(MatchDriveTest, PosesWithLargeIndependentErrorsAreSearchedAround) {
+  SimulatedLog log = Log();
+  std::mt19937 random(1);
+  std::normal_distribution<double> position_m(0.0, 0.5), yaw_rad(0.0, 0.05);
+  for (SimulatedScan& scan : log.scans) {
+    const Pose2& truth = scan.world_from_robot;
+    scan.odom_from_robot = Pose2(truth.x + position_m(random), truth.y + position_m(random),
+                                 truth.yaw + yaw_rad(random));
+  }
+  const Matched matched = Match(log);
+  EXPECT_NEAR(matched.noise.given_poses.position_m, 0.5, 0.05);
+  EXPECT_NEAR(matched.noise.given_poses.yaw_rad, 0.05, 0.01);
+  EXPECT_TRUE(matched.noise.is_prediction);
+  EXPECT_EQ(matched.trajectory.given_poses.size(), log.scans.size());
+  // A few scans fit elsewhere as well as long as only those before them are known.
+  EXPECT_LE(matched.num_wrong_steps, 0.02 * static_cast<double>(log.scans.size()));
 }
 
 }  // namespace
