@@ -166,6 +166,7 @@ class JoinedReport {
   void AddNoise(const OdometryNoiseReport& own) {
     OdometryNoiseReport& joined = report_.seeding.odometry_noise;
     joined.num_leaps += own.num_leaps;
+    joined.num_still_steps += own.num_still_steps;
     if (own.is_prediction) joined.is_prediction = true;
     if (is_first_) joined.motion = own.motion;
     TakeLarger(own.motion, &joined.motion);

@@ -84,6 +84,8 @@ void BindOdometryReport(py::module_* module) {
       .Field("rotation", &OdometryNoiseReport::rotation, "of the turn [rad]")
       .Field("num_leaps", &OdometryNoiseReport::num_leaps,
              "steps that odometry and matching disagree on")
+      .Field("num_still_steps", &OdometryNoiseReport::num_still_steps,
+             "steps of wheels that stood still while the scans moved")
       .Field("motion", &OdometryNoiseReport::motion, "the same as noise of a single step")
       .Field("is_prediction", &OdometryNoiseReport::is_prediction, "no odometry was used")
       .Field("given_poses", &OdometryNoiseReport::given_poses,

@@ -37,6 +37,7 @@ Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
           {"translation_m", RandomJson(noise.translation)},
           {"rotation_rad", RandomJson(noise.rotation)},
           {"leaps", noise.num_leaps},
+          {"still_steps", noise.num_still_steps},
           {"is_prediction", noise.is_prediction},
           {"given_poses",
            {{"position_m", noise.given_poses.position_m}, {"yaw_rad", noise.given_poses.yaw_rad}}},

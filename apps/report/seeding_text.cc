@@ -88,6 +88,10 @@ std::string OdometryText(const OdometryNoiseReport& noise) {
     text += Format("  The odometry's distances are %.2f times the true ones and are corrected.\n",
                    noise.gross_translation_scale);
   }
+  if (noise.num_still_steps > 0) {
+    text += "  The wheels stood still for " + Count(noise.num_still_steps, "step") +
+            " while the scans moved; these are predicted from those before.\n";
+  }
   text +=
       ClockText(noise.clock_offset) +
       FaultText(noise.translation_scale, kPercent, "reads %+.2f +- %.2f %% in distance") +

@@ -73,9 +73,10 @@ void Visit(Archive& archive, MotionOptions* motion) {
 template <typename Archive>
 void Visit(Archive& archive, OdometryNoiseReport* report) {
   auto& [gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation, rotation,
-         leaps, motion, is_prediction, given_poses] = *report;
+         leaps, still_steps, motion, is_prediction, given_poses] = *report;
   archive(gross_scale, clock_offset, translation_scale, rotation_scale, drift, translation,
-          rotation, leaps, motion, is_prediction, given_poses.position_m, given_poses.yaw_rad);
+          rotation, leaps, still_steps, motion, is_prediction, given_poses.position_m,
+          given_poses.yaw_rad);
 }
 
 template <typename Archive>

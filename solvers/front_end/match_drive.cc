@@ -14,6 +14,7 @@
 #include "plumbline/solvers/front_end/odometry_clock.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/front_end/still_wheels.h"
 
 namespace plumbline {
 namespace {
@@ -67,13 +68,20 @@ Status Match(const SeedingOptions& options, const MotionOptions& motion, const S
              const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
              SequentialTrajectory* trajectory, SeedingReport* report) {
   const bool is_prediction = steps.odometry.empty();
-  PLUMBLINE_RETURN_IF_ERROR(
-      SeedSequentially(options.sequential, is_prediction ? PredictionPrior(motion) : motion, steps,
-                       progress, pool, surfaces, trajectory, &report->sequential));
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, steps, progress, pool,
+                                             surfaces, trajectory, &report->sequential));
+  // Nothing was measured there: not the predictions' errors, either.
+  for (std::size_t pose = 1; pose < steps.is_still.size(); ++pose) {
+    if (steps.is_still[pose] == 0) continue;
+    trajectory->odometry[pose] =
+        Between(trajectory->world_from_robot[pose - 1], trajectory->world_from_robot[pose]);
+  }
   report->odometry_noise =
       is_prediction
           ? MeasurePredictionNoise(surfaces->graph(), trajectory->world_from_robot, motion)
           : MeasureOdometry(surfaces->graph(), motion, trajectory);
+  report->odometry_noise.num_still_steps =
+      static_cast<int>(std::count(steps.is_still.begin(), steps.is_still.end(), 1));
   return Status::Ok();
 }
 
@@ -115,6 +123,7 @@ double TroubleShare(const SeedingReport& report, std::size_t num_steps) {
 struct BlindMeasurement {
   double gross_scale = 1.0;
   std::optional<PoseNoise> given_poses;
+  std::vector<char> still_wheels;  // FindStillWheels
 };
 
 Status MeasureBlindly(const SeedingOptions& options, const MotionOptions& motion,
@@ -123,10 +132,11 @@ Status MeasureBlindly(const SeedingOptions& options, const MotionOptions& motion
   const MotionOptions prior = PredictionPrior(motion);
   SequentialTrajectory blind;
   SequentialSeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, prior, StepSource(), progress,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, StepSource(), progress,
                                              pool, surfaces, &blind, &report));
   measured->given_poses =
       MeasurePoseNoise(PosesOf(surfaces->graph().initial_poses()), blind.world_from_robot);
+  measured->still_wheels = FindStillWheels(odometry, blind);
   blind.odometry = odometry;
   measured->gross_scale = GrossScale(EstimateOdometryNoise(blind, prior), blind);
   return Status::Ok();
@@ -164,7 +174,8 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
   if (odometry.empty()) return Status::Ok();
   double scale = GrossScale(report->odometry_noise, *trajectory);
   // Odometry that misled the matching cannot be measured by it.
-  if (scale == 1.0 && TroubleShare(*report, odometry.size()) > kMaxTroubleShare) {
+  if (scale == 1.0 && std::max(TroubleShare(*report, odometry.size()),
+                               trajectory->worst_trouble_share) > kMaxTroubleShare) {
     BlindMeasurement measured;
     PLUMBLINE_RETURN_IF_ERROR(
         MeasureBlindly(options, motion, odometry, progress, pool, surfaces, &measured));
@@ -173,6 +184,11 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
                              report);
     }
     if (!report->odometry_noise.translation.estimated) scale = measured.gross_scale;
+    const std::vector<char>& still = measured.still_wheels;
+    if (scale == 1.0 && std::find(still.begin(), still.end(), 1) != still.end()) {
+      steps.is_still = std::move(measured.still_wheels);
+      return match();
+    }
   }
   if (scale == 1.0) return Status::Ok();
   if (scale != 0.0) {

@@ -22,6 +22,8 @@ namespace plumbline {
 /// contradicts the scans even then, or reports no translation, the drive is matched without
 /// odometry.
 ///
+/// Where the wheels stand still while the scans move, steps are predicted (FindStillWheels).
+///
 /// motion: noise of the odometry, the prior of the matching. surfaces: surfaces of the drive; keeps
 /// the surfaces of the keyframes, see SeedSequentially. Sets `sequential` and `odometry_noise` of
 /// the report. Returns Unavailable if progress stopped it. Collective if processes share the drive.

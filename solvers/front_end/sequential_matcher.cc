@@ -76,8 +76,9 @@ Pull PullOf(const PosePrediction& prediction, const Pose2& world_from_robot) {
 
 }  // namespace
 
-ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
-                                   SequentialSeedingReport* report) {
+ScanMatch SequentialMatcher::Match(const Pose2& previous, const SurfacePoints& scan, StepKind kind,
+                                   Pose2* step, SequentialSeedingReport* report) {
+  kind_ = kind;
   if (sign_lost_ && reversing_) *step = ReversedTranslation(*step);
   ScanMatch match = MatchStep(previous, *step, scan);
   const Pose2 other_step = ReversedTranslation(*step);
@@ -120,7 +121,8 @@ void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, const SurfacePoints
 
 PosePrediction SequentialMatcher::Predict(const Pose2& previous, const Pose2& step) const {
   // The motion's noise is given in the frame it starts from; the prediction wants its own.
-  return {previous * step, RotateAxes(MotionCovariance(step, motion_).inverse(), -step.yaw)};
+  const MotionOptions& motion = kind_ == StepKind::kPredicted ? prediction_motion_ : motion_;
+  return {previous * step, RotateAxes(MotionCovariance(step, motion).inverse(), -step.yaw)};
 }
 
 double SequentialMatcher::SigmasOff(const Pose2& previous, const Pose2& step,

@@ -8,6 +8,7 @@
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/solvers/front_end/surface_points.h"
 #include "plumbline/solvers/interface/seeding_options.h"
@@ -26,14 +27,17 @@ enum class StepKind {
 /// before it. What it is made of has to outlive it.
 class SequentialMatcher {
  public:
-  /// motion: the noise of the steps. sign_lost: of the odometry's translation.
+  /// motion: the noise of steps that are not predicted. sign_lost: of the odometry's translation.
   SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    bool sign_lost, StepKind kind)
-      : options_(options), motion_(motion), sign_lost_(sign_lost), kind_(kind) {}
+                    bool sign_lost)
+      : options_(options),
+        motion_(motion),
+        prediction_motion_(PredictionPrior(motion)),
+        sign_lost_(sign_lost) {}
 
-  /// Pose of the next scan, one odometry step after `previous`. Sets *step to the step as driven
+  /// Pose of the next scan, one step after `previous`. Sets *step to the step as driven
   /// and counts in *report what it did.
-  ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, Pose2* step,
+  ScanMatch Match(const Pose2& previous, const SurfacePoints& scan, StepKind kind, Pose2* step,
                   SequentialSeedingReport* report);
 
   /// Makes the scan a keyframe if the local map has none near its pose. path_m: driven so far.
@@ -58,8 +62,9 @@ class SequentialMatcher {
 
   const SequentialSeedingOptions& options_;
   const MotionOptions& motion_;
+  const MotionOptions prediction_motion_;
   const bool sign_lost_;
-  const StepKind kind_;
+  StepKind kind_ = StepKind::kMeasured;  // of the step at hand
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;

@@ -215,7 +215,7 @@ class DriveMatcher {
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     MatchedStretch matched;
     SequentialSeedingReport run_up_report;
-    SequentialMatcher matcher(options_, motion_, sign_lost_, KindOf(steps_));
+    SequentialMatcher matcher(options_, motion_, sign_lost_);
     double path_m = 0.0;
     for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
       const int scan = surfaces_.scan_of_pose()[pose];
@@ -227,7 +227,7 @@ class DriveMatcher {
       if (pose > stretch.run_up) {
         const Pose2& previous = matched.poses.back();
         step = StepTo(pose, matched.poses);
-        match = matcher.Match(previous, surface, &step,
+        match = matcher.Match(previous, surface, KindOf(pose), &step,
                               pose < stretch.begin ? &run_up_report : &matched.report);
         path_m += Between(previous, match.world_from_robot).translation().norm();
       }
@@ -243,14 +243,16 @@ class DriveMatcher {
   }
 
  private:
-  static StepKind KindOf(const StepSource& steps) {
-    if (!steps.odometry.empty()) return StepKind::kMeasured;
-    return steps.given_poses.empty() ? StepKind::kPredicted : StepKind::kRough;
+  StepKind KindOf(int pose) const {
+    if (!steps_.given_poses.empty()) return StepKind::kRough;
+    const bool is_measured =
+        !steps_.odometry.empty() && (steps_.is_still.empty() || steps_.is_still[pose] == 0);
+    return is_measured ? StepKind::kMeasured : StepKind::kPredicted;
   }
 
-  // before: the matched poses; all of the drive unless there is odometry.
+  // before: the matched poses; all of the drive unless all steps are measured.
   Pose2 StepTo(int pose, const std::vector<Pose2>& before) const {
-    switch (KindOf(steps_)) {
+    switch (KindOf(pose)) {
       case StepKind::kMeasured:
         return steps_.odometry[pose];
       case StepKind::kRough:
@@ -305,6 +307,11 @@ void MeasurePathToKeyframes(SequentialTrajectory* trajectory) {
   }
 }
 
+double TroubleShare(const SequentialSeedingReport& report, const Stretch& stretch) {
+  return static_cast<double>(report.num_unmatched + report.num_recovered) /
+         static_cast<double>(stretch.end - stretch.begin);
+}
+
 void AddCounts(const SequentialSeedingReport& more, SequentialSeedingReport* report) {
   report->num_reversed_steps += more.num_reversed_steps;
   report->num_recovered += more.num_recovered;
@@ -340,7 +347,9 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   const SlamGraph& graph = surfaces->graph();
   const std::vector<int>& scan_of_pose = surfaces->scan_of_pose();
   std::vector<Stretch> stretches{{0, 0, graph.num_poses()}};
-  if (!steps.odometry.empty()) stretches = CutIntoStretches(steps.odometry, scan_of_pose);
+  if (!steps.odometry.empty() && steps.is_still.empty()) {
+    stretches = CutIntoStretches(steps.odometry, scan_of_pose);
+  }
   SequentialSeedingReport counts;
   counts.odometry_sign = CheckOdometrySign(*surfaces, pool);
 
@@ -363,6 +372,8 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   SequentialTrajectory joined;
   for (std::size_t i = 0; i < stretches.size(); ++i) {
     AddCounts(matched[i].report, &counts);
+    joined.worst_trouble_share =
+        std::max(joined.worst_trouble_share, TroubleShare(matched[i].report, stretches[i]));
     Append(stretches[i], std::move(matched[i]), surfaces, &joined);
   }
   MeasurePathToKeyframes(&joined);

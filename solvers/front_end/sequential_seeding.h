@@ -25,6 +25,9 @@ struct SequentialTrajectory {
   /// noise.
   std::vector<Pose2> given_poses;
   PoseNoise given_noise;
+  /// Share of the scans that match nothing near by or only far from the odometry, where it is
+  /// largest among the stretches that were matched side by side.
+  double worst_trouble_share = 0.0;
 };
 
 /// What tells where the next scan was taken before it is matched. Both empty: the steps before it
@@ -32,6 +35,8 @@ struct SequentialTrajectory {
 struct StepSource {
   /// Odometry, one step per pose, from the pose before (entry 0 is unused).
   std::vector<Pose2> odometry;
+  /// Per pose, whether the step to it is predicted all the same (FindStillWheels); or empty.
+  std::vector<char> is_still;
   /// world_from_robot per pose, with independent errors (StepToGivenPose).
   std::vector<Pose2> given_poses;
 };

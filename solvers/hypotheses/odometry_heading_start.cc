@@ -15,6 +15,7 @@ class OdometryHeadingStart : public Proposer {
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
     const SlamGraph& graph = context->surfaces.graph();
     if (LacksOdometry(graph) || context->has_sessions || best.start != context->matched ||
+        !context->matched->given_poses.empty() ||
         !context->posterior.IsSuspicious(best.consistency)) {
       return {};
     }

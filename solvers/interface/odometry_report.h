@@ -73,6 +73,9 @@ struct OdometryNoiseReport {
   /// Steps that odometry and matching disagree on by more than 0.2 m or 0.2 rad, and by more than
   /// six standard deviations of `motion`. A slip, a collision, or a match to the wrong place.
   int num_leaps = 0;
+  /// Steps over which the odometry reported hardly any translation while the scans moved. They were
+  /// predicted instead.
+  int num_still_steps = 0;
   /// The random errors as noise of a single step of this log.
   MotionOptions motion;
   /// No odometry was given or used: `motion` is the noise of the predicted steps, and the errors

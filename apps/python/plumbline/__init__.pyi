@@ -514,6 +514,7 @@ class OdometryNoiseReport:
     translation: Final[RandomError]
     rotation: Final[RandomError]
     num_leaps: Final[int]
+    num_still_steps: Final[int]
     motion: Final[MotionOptions]
     is_prediction: Final[bool]
     given_poses: Final[PoseNoise]

@@ -95,6 +95,22 @@ TEST(MatchDriveTest, OdometryThatReportsNoTranslationIsNotUsed) {
   EXPECT_LT(matched.worst_step_m, 0.05);
 }
 
+TEST(MatchDriveTest, WheelsThatStandStillForAPartAreNotBelieved) {
+  SimulatedLog log = Log();
+  const std::size_t first = log.scans.size() / 3, last = log.scans.size() / 2;
+  const std::vector<SimulatedScan> given = log.scans;
+  for (std::size_t i = first; i < log.scans.size(); ++i) {
+    Pose2 step = Between(given[i - 1].odom_from_robot, given[i].odom_from_robot);
+    if (i < last) step.x = step.y = 0.0;
+    log.scans[i].odom_from_robot = log.scans[i - 1].odom_from_robot * step;
+  }
+  const Matched matched = Match(log);
+  EXPECT_EQ(matched.noise.gross_translation_scale, 1.0);
+  EXPECT_FALSE(matched.noise.is_prediction);
+  EXPECT_NEAR(matched.noise.num_still_steps, static_cast<double>(last - first), 15.0);
+  EXPECT_LT(matched.worst_step_m, 0.05);
+}
+
 // Poses of another system: no odometry, but each is where the scan was, within half a metre.
 TEST(MatchDriveTest, PosesWithLargeIndependentErrorsAreSearchedAround) {
   SimulatedLog log = Log();
