@@ -49,18 +49,6 @@ Alarm UnresolvedStep(const SuspectStep& step, const SlamGraph& graph,
   return {PlaceOfPose(graph, poses, step.first_pose_after), reason, kWrongIfUnresolved};
 }
 
-// The seed contradicts itself too little for an alarm of its own, but there is another weak sign.
-Alarm SuspiciousSeed(const SeedingReport& seeding, const SlamGraph& graph,
-                     const std::vector<double>& poses) {
-  const MapConsistency& consistency = seeding.consistency;
-  std::ostringstream reason;
-  reason << std::fixed << std::setprecision(1) << "scans look through surfaces that others show, "
-         << consistency.Ratio() << " times as often as can be explained, and "
-         << (seeding.loops.suspect_steps.empty() ? "all loops had to be left open"
-                                                 : "some odometry steps are suspect");
-  return {PlaceOfPose(graph, poses, consistency.WorstPeak().pose), reason.str(), std::nullopt};
-}
-
 // Of several sessions, which no odometry joins, another one may disagree for what has moved.
 bool IsOneDrive(const SlamGraph& graph) {
   return static_cast<int>(graph.odometry().size()) + 1 >= graph.num_poses();
@@ -213,7 +201,6 @@ std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency&
   for (const SuspectStep& step : seeding.loops.suspect_steps) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));
   }
-  if (alarms.empty() && seeding.alarm) alarms.push_back(SuspiciousSeed(seeding, graph, poses));
   return alarms;
 }
 

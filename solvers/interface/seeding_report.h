@@ -163,9 +163,7 @@ struct SeedingReport {
   /// world_from_robot of every pose before loops were closed.
   std::vector<Pose2> sequential_poses;
   /// The seed is probably wrong: the map contradicts itself, or the scans before and after a step
-  /// disagree and nothing else ties them together; or it contradicts itself a little (a ratio above
-  /// 2), and there are suspect steps or only loops that had to be left open; or its passes
-  /// disagree, if it is of one drive.
+  /// disagree and nothing else ties them together, or its passes disagree, if it is of one drive.
   bool alarm = false;
 
   /// Whether a wrong step of the sequential matching was found and put right.

@@ -11,16 +11,6 @@
 
 namespace plumbline {
 
-bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency) {
-  // Two weak signs together are one: what contradicts a little, and a suspect step or loops left
-  // open.
-  const bool is_suspect =
-      !loops.suspect_steps.empty() || (loops.num_closures == 0 && !loops.matches.empty());
-  return consistency.IsContradictory() ||
-         (is_suspect && consistency.Ratio() > MapConsistency::kSuspiciousRatio) ||
-         loops.IsUnresolved();
-}
-
 Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
                      const SeedingProgress& progress, const KeyframeGraph* ties, ThreadPool* pool,
                      SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report) {
@@ -37,7 +27,7 @@ Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
   best.consistency = MeasureMapConsistency(surfaces.graph(), best.world_from_robot, pool);
   report->pose_graph = SeedPoseGraph(best.keys, *best.start, motion);
   // Between sessions things move.
-  report->alarm = IsAlarming(best.loops, best.consistency) ||
+  report->alarm = best.consistency.IsContradictory() || best.loops.IsUnresolved() ||
                   (ties == nullptr && best.consistency.PassesDisagree());
   report->loops = std::move(best.loops);
   report->consistency = std::move(best.consistency);

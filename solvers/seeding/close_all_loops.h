@@ -9,7 +9,6 @@
 #include "plumbline/solvers/front_end/keyframe_graph.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/front_end/sequential_seeding.h"
-#include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
@@ -22,9 +21,6 @@ namespace plumbline {
 Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
                      const SeedingProgress& progress, const KeyframeGraph* ties, ThreadPool* pool,
                      SequentialTrajectory* trajectory, KeyframeGraph* keys, SeedingReport* report);
-
-/// Whether a seed is probably wrong, see SeedingReport::alarm.
-bool IsAlarming(const LoopClosingReport& loops, const MapConsistency& consistency);
 
 }  // namespace plumbline
 

@@ -133,24 +133,6 @@ TEST(RunAlarmsTest, StepsThatNothingSettles) {
   EXPECT_THAT(reason(step), HasSubstr("fits at 2 other places as well"));
 }
 
-TEST(RunAlarmsTest, ASuspiciousSeedMayBeWrongWhereItsRatioIsHighest) {
-  const SlamGraph graph = MakeScans(4);
-  SeedingReport seeding;
-  seeding.alarm = true;
-  // Of the higher share, and of the higher ratio: (140 / 0.06 + 600) / 1200 = 2.44.
-  seeding.consistency.worst_within = {{10, 10}, 1};
-  seeding.consistency.worst_between = {{600, 140}, 3};
-  std::vector<Alarm> alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
-  ASSERT_EQ(alarms.size(), 1u);
-  EXPECT_EQ(alarms[0].place.scan, 3);
-  EXPECT_FALSE(alarms[0].IsProbable());
-  EXPECT_THAT(alarms[0].reason, AllOf(HasSubstr("2.4 times"), HasSubstr("left open")));
-  std::swap(seeding.consistency.worst_within, seeding.consistency.worst_between);
-  alarms = RunAlarms(seeding, MapConsistency(), graph, graph.initial_poses());
-  ASSERT_EQ(alarms.size(), 1u);
-  EXPECT_EQ(alarms[0].place.scan, 3);
-}
-
 // Of 20000 returns 1.5 % conflict between passes, and 0.05 % within one.
 MapConsistency DisagreeingPasses() {
   MapConsistency consistency;
