@@ -51,11 +51,13 @@ inline double MaxOverPeers(const Peers* peers, double value) {
   return value;
 }
 
-/// Peers::Exchange for values that can be copied byte by byte.
+/// Peers::Exchange for values that are sent byte by byte: numbers, and structs of numbers, of other
+/// such structs and of Eigen matrices of fixed size. (These have copy constructors of their own,
+/// but hold nothing except their coefficients.)
 template <typename T>
 std::vector<std::vector<T>> ExchangeValues(const Peers& peers,
                                            const std::vector<std::vector<T>>& to_rank) {
-  static_assert(std::is_trivially_copyable_v<T>);
+  static_assert(std::is_trivially_destructible_v<T>);
   std::vector<std::vector<char>> bytes(to_rank.size());
   for (std::size_t rank = 0; rank < bytes.size(); ++rank) {
     bytes[rank].resize(sizeof(T) * to_rank[rank].size());
@@ -66,14 +68,16 @@ std::vector<std::vector<T>> ExchangeValues(const Peers& peers,
   std::vector<std::vector<T>> from_rank(bytes.size());
   for (std::size_t rank = 0; rank < bytes.size(); ++rank) {
     from_rank[rank].resize(bytes[rank].size() / sizeof(T));
-    if (!bytes[rank].empty())
-      std::memcpy(from_rank[rank].data(), bytes[rank].data(), bytes[rank].size());
+    if (!bytes[rank].empty()) {
+      void* values = from_rank[rank].data();
+      std::memcpy(values, bytes[rank].data(), bytes[rank].size());
+    }
     bytes[rank] = std::vector<char>();
   }
   return from_rank;
 }
 
-/// What all processes have, by rank, one after the other: values that can be copied byte by byte.
+/// What all processes have, by rank, one after the other: values as ExchangeValues takes them.
 template <typename T>
 std::vector<T> JoinOverPeers(const Peers* peers, std::vector<T> own) {
   if (peers == nullptr) return own;

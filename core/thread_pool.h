@@ -35,6 +35,14 @@ class ThreadPool {
   void ForEachChunk(std::size_t size, std::size_t chunk_size,
                     const std::function<void(std::size_t, std::size_t, std::size_t)>& body);
 
+  /// Calls body(i) once per index of [0, size), as ForEachChunk calls its body.
+  template <typename Body>
+  void ForEach(std::size_t size, std::size_t chunk_size, const Body& body) {
+    ForEachChunk(size, chunk_size, [&body](std::size_t, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+  }
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
