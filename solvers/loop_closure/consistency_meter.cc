@@ -3,35 +3,35 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <unordered_map>
+#include <map>
 #include <utility>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/float_environment.h"
+#include "plumbline/core/median.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/loop_closure/moving_returns.h"
-#include "plumbline/solvers/loop_closure/scans_along_path.h"
 
 namespace plumbline {
 namespace {
 
-// From viewpoint to viewpoint.
-constexpr double kViewpointSpacingM = 0.5;
-constexpr double kSpacingRad = 0.5;
+// Distance of neighbouring viewpoints.
+constexpr double kViewpointSpacingM = 0.5, kViewpointSpacingRad = 0.5;
 
-// Scans of one pass differ by what moves and by noise, hardly by the drift between them.
-constexpr double kMinWithinM = 1.0;
-constexpr double kMaxWithinM = 5.0;
+// Path between two scans of one pass [m]: they differ by moving returns and noise, hardly by drift.
+constexpr double kMinWithinM = 1.0, kMaxWithinM = 5.0;
 constexpr std::size_t kPartnersWithin = 4;
-// Another pass has left the room or turned round since, and stands where it sees the same surfaces.
+// Shortest path between two passes [m]: the robot has left the room or turned round since.
 constexpr double kMinBetweenM = 8.0;
-constexpr double kPartnerReachM = 4.0;
+// Largest distance of two scans of different passes [m], in cells of 1 m: they see the same
+// surfaces.
+constexpr int kPartnerReachM = 4;
 constexpr std::size_t kPartnersBetween = 8;
 
-// A wrong closure bends a part of the map only: a mean over all of it would hide the part.
+// Length of the stretches whose conflicts are compared [m]. A wrong closure bends only a part of
+// the map.
 constexpr double kStretchM = 6.0;
 // Fewer conflicting returns of a pair of scans are noise.
 constexpr int kMinConflictingReturns = 10;
@@ -64,13 +64,18 @@ struct ViewpointPair {
   int first, second;
   bool between_passes;
   FreeSpaceConflict first_views = {}, second_views = {};
-  FreeSpaceConflict with_moving = {};  // both ways, and with the returns of what moves
+  FreeSpaceConflict with_moving = {};  // both ways, moving returns included
   // A conflicting return each, in the frame of the viewer's robot.
   Eigen::Vector2d seen_by_first = Eigen::Vector2d::Zero();
   Eigen::Vector2d seen_by_second = Eigen::Vector2d::Zero();
+
+  FreeSpaceConflict AtRest() const {
+    FreeSpaceConflict conflict = first_views;
+    return conflict += second_views;
+  }
 };
 
-// How many of the entries, in order of the path, come before `path_m`.
+// Number of the entries, which are in order of the path, before `path_m`.
 template <typename Entries, typename PathOf>
 std::size_t CountBefore(const Entries& entries, double path_m, PathOf path_of) {
   return std::partition_point(entries.begin(), entries.end(),
@@ -83,25 +88,21 @@ class ViewpointGrid {
  public:
   explicit ViewpointGrid(const std::vector<Viewpoint>& viewpoints) : viewpoints_(viewpoints) {}
 
-  void Add(int viewpoint) {
-    cells_[Id(CellOf(viewpoint, 0), CellOf(viewpoint, 1))].push_back(viewpoint);
-  }
+  void Add(int viewpoint) { cells_[CellOf(viewpoint)].push_back(viewpoint); }
 
   // At most kPartnersBetween of the viewpoints around `viewpoint` that were added and belong to
   // earlier passes, evenly spread over places and passes.
   std::vector<int> Partners(int viewpoint) const {
-    constexpr std::int64_t kReachCells = static_cast<std::int64_t>(kPartnerReachM);
-    const Pose2& pose = viewpoints_[viewpoint].world_from_robot;
-    const std::int64_t x = CellOf(viewpoint, 0), y = CellOf(viewpoint, 1);
+    const Eigen::Vector2d position = viewpoints_[viewpoint].world_from_robot.translation();
+    const auto [y, x] = CellOf(viewpoint);
     std::vector<std::pair<const std::vector<int>*, std::size_t>> earlier;
     std::size_t total = 0;
-    for (std::int64_t row = y - kReachCells; row <= y + kReachCells; ++row) {
-      for (std::int64_t column = x - kReachCells; column <= x + kReachCells; ++column) {
-        const auto cell = cells_.find(Id(column, row));
-        if (cell == cells_.end()) continue;
-        const double center_x = static_cast<double>(column) + 0.5;
-        const double center_y = static_cast<double>(row) + 0.5;
-        if (std::hypot(center_x - pose.x, center_y - pose.y) > kPartnerReachM) continue;
+    for (long row = y - kPartnerReachM; row <= y + kPartnerReachM; ++row) {
+      const auto end = cells_.upper_bound({row, x + kPartnerReachM});
+      for (auto cell = cells_.lower_bound({row, x - kPartnerReachM}); cell != end; ++cell) {
+        const Eigen::Vector2d center(static_cast<double>(cell->first.second) + 0.5,
+                                     static_cast<double>(row) + 0.5);
+        if ((center - position).norm() > kPartnerReachM) continue;
         earlier.emplace_back(&cell->second, CountEarlier(cell->second, viewpoint));
         total += earlier.back().second;
       }
@@ -110,15 +111,13 @@ class ViewpointGrid {
   }
 
  private:
-  std::int64_t CellOf(int viewpoint, int axis) const {
-    return static_cast<std::int64_t>(
-        std::floor(viewpoints_[viewpoint].world_from_robot.translation()[axis]));
-  }
-  static std::uint64_t Id(std::int64_t x, std::int64_t y) {
-    return static_cast<std::uint64_t>(y) << 32 ^ (static_cast<std::uint64_t>(x) & 0xffffffffu);
+  // Row and column.
+  std::pair<long, long> CellOf(int viewpoint) const {
+    const Pose2& pose = viewpoints_[viewpoint].world_from_robot;
+    return {static_cast<long>(std::floor(pose.y)), static_cast<long>(std::floor(pose.x))};
   }
 
-  // How many of a cell's viewpoints were passed at least kMinBetweenM before `viewpoint`.
+  // Number of a cell's viewpoints that were passed at least kMinBetweenM before `viewpoint`.
   std::size_t CountEarlier(const std::vector<int>& cell, int viewpoint) const {
     return CountBefore(cell, viewpoints_[viewpoint].path_m - kMinBetweenM,
                        [this](int other) { return viewpoints_[other].path_m; });
@@ -139,7 +138,7 @@ class ViewpointGrid {
   }
 
   const std::vector<Viewpoint>& viewpoints_;
-  std::unordered_map<std::uint64_t, std::vector<int>> cells_;
+  std::map<std::pair<long, long>, std::vector<int>> cells_;
 };
 
 std::vector<ViewpointPair> ChoosePairs(const std::vector<Viewpoint>& viewpoints) {
@@ -162,7 +161,7 @@ std::vector<ViewpointPair> ChoosePairs(const std::vector<Viewpoint>& viewpoints)
   return pairs;
 }
 
-// Of the returns that are seen through, the one in the middle.
+// The middle one of the returns that are seen through.
 Eigen::Vector2d ConflictingReturn(const ComparedReturns& compared, const FreeSpaceScan& scan) {
   const auto begin = compared.verdicts.begin(), end = compared.verdicts.end();
   auto left = std::count(begin, end, ReturnVerdict::kConflicts) / 2;
@@ -173,107 +172,58 @@ Eigen::Vector2d ConflictingReturn(const ComparedReturns& compared, const FreeSpa
 }
 
 // scans: of the viewpoints.
-void ComparePairs(const std::vector<Viewpoint>& viewpoints,
-                  const std::vector<const FreeSpaceScan*>& scans, ThreadPool* pool,
-                  std::vector<ViewpointPair>* pairs) {
-  constexpr std::size_t kPairsPerChunk = 64;
-  pool->ForEachChunk(
-      pairs->size(), kPairsPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        ComparedReturns compared;
-        // Returns the counts of one way, and adds those with moving returns to the pair's.
-        const auto compare = [&](const FreeSpaceScan& viewer, const FreeSpaceScan& scan,
-                                 const Pose2& viewer_from_scan, Eigen::Vector2d* point,
-                                 ViewpointPair* pair) {
-          const FreeSpaceConflict conflict = viewer.Compare(scan, viewer_from_scan, &compared);
-          if (conflict.num_conflicting > 0) {
-            *point = viewer_from_scan * ConflictingReturn(compared, scan);
-          }
-          pair->with_moving += compared.with_moving;
-          return conflict;
-        };
-        for (std::size_t i = begin; i < end; ++i) {
-          ViewpointPair& pair = (*pairs)[i];
-          const Pose2 first_from_second = Between(viewpoints[pair.first].world_from_robot,
-                                                  viewpoints[pair.second].world_from_robot);
-          const FreeSpaceScan &first = *scans[pair.first], &second = *scans[pair.second];
-          pair.first_views = compare(first, second, first_from_second, &pair.seen_by_first, &pair);
-          pair.second_views =
-              compare(second, first, first_from_second.Inverse(), &pair.seen_by_second, &pair);
-        }
-      });
-}
-
-// Of the pairs whose second viewpoint is one of this process, the scans that other processes have.
-std::vector<int> ForeignFirsts(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
-                               const std::vector<ViewpointPair>& pairs) {
-  std::vector<int> firsts;
-  for (const ViewpointPair& pair : pairs) {
-    const bool is_own = graph.HasScansOf(viewpoints[pair.second].pose);
-    if (is_own && !graph.HasScansOf(viewpoints[pair.first].pose)) firsts.push_back(pair.first);
-  }
-  SortUnique(&firsts);
-  return firsts;
-}
-
-// The conflicts of one pair as numbers, to be added up with those of processes that did not compare
-// it, all zero.
-constexpr std::size_t kNumbersPerPair = 10;
-
-void ToNumbers(const ViewpointPair& pair, double* numbers) {
-  const double values[kNumbersPerPair] = {static_cast<double>(pair.first_views.num_compared),
-                                          static_cast<double>(pair.first_views.num_conflicting),
-                                          static_cast<double>(pair.second_views.num_compared),
-                                          static_cast<double>(pair.second_views.num_conflicting),
-                                          pair.seen_by_first.x(),
-                                          pair.seen_by_first.y(),
-                                          pair.seen_by_second.x(),
-                                          pair.seen_by_second.y(),
-                                          static_cast<double>(pair.with_moving.num_compared),
-                                          static_cast<double>(pair.with_moving.num_conflicting)};
-  std::copy_n(values, kNumbersPerPair, numbers);
-}
-
-void FromNumbers(const double* numbers, ViewpointPair* pair) {
-  pair->first_views = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
-  pair->second_views = {static_cast<int>(numbers[2]), static_cast<int>(numbers[3])};
-  pair->seen_by_first = {numbers[4], numbers[5]};
-  pair->seen_by_second = {numbers[6], numbers[7]};
-  pair->with_moving = {static_cast<int>(numbers[8]), static_cast<int>(numbers[9])};
+void ComparePair(const std::vector<Viewpoint>& viewpoints,
+                 const std::vector<const FreeSpaceScan*>& scans, ViewpointPair* pair) {
+  ComparedReturns compared;
+  const auto compare = [&](const FreeSpaceScan& viewer, const FreeSpaceScan& scan,
+                           const Pose2& viewer_from_scan, Eigen::Vector2d* point) {
+    const FreeSpaceConflict conflict = viewer.Compare(scan, viewer_from_scan, &compared);
+    if (conflict.num_conflicting > 0) *point = viewer_from_scan * ConflictingReturn(compared, scan);
+    pair->with_moving += compared.with_moving;
+    return conflict;
+  };
+  const Pose2 first_from_second =
+      Between(viewpoints[pair->first].world_from_robot, viewpoints[pair->second].world_from_robot);
+  const FreeSpaceScan &first = *scans[pair->first], &second = *scans[pair->second];
+  pair->first_views = compare(first, second, first_from_second, &pair->seen_by_first);
+  pair->second_views = compare(second, first, first_from_second.Inverse(), &pair->seen_by_second);
 }
 
 // Each process compares the pairs whose second viewpoint is its own. moving: returns per viewpoint.
 // scans: of the viewpoints of this process; null for the others.
-void ComparePairsOverPeers(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
-                           const std::vector<std::vector<int>>& moving,
-                           std::vector<const FreeSpaceScan*> scans, ThreadPool* pool,
-                           std::vector<ViewpointPair>* pairs) {
-  const std::vector<int> foreign = ForeignFirsts(graph, viewpoints, *pairs);
-  std::vector<int> ids;
-  ids.reserve(foreign.size());
-  for (const int viewpoint : foreign) ids.push_back(viewpoints[viewpoint].scan);
-  const SlamGraph fetched = FetchScans(graph, ids);
+void ComparePairs(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoints,
+                  const std::vector<std::vector<int>>& moving,
+                  std::vector<const FreeSpaceScan*> scans, ThreadPool* pool,
+                  std::vector<ViewpointPair>* pairs) {
+  std::vector<std::size_t> own;
+  std::vector<int> foreign;  // viewpoints
+  for (std::size_t i = 0; i < pairs->size(); ++i) {
+    const ViewpointPair& pair = (*pairs)[i];
+    if (scans[pair.second] == nullptr) continue;
+    own.push_back(i);
+    if (scans[pair.first] == nullptr) foreign.push_back(pair.first);
+  }
   std::vector<FreeSpaceScan> fetched_scans;
-  fetched_scans.reserve(foreign.size());
-  for (std::size_t i = 0; i < foreign.size(); ++i) {
-    FreeSpaceScan& scan = fetched_scans.emplace_back(fetched, static_cast<int>(i));
-    scan.MarkMoving(moving[foreign[i]]);
-    scans[foreign[i]] = &scan;
+  if (graph.peers() != nullptr) {
+    SortUnique(&foreign);
+    std::vector<int> ids;
+    for (const int viewpoint : foreign) ids.push_back(viewpoints[viewpoint].scan);
+    const SlamGraph fetched = FetchScans(graph, ids);
+    fetched_scans.reserve(foreign.size());
+    for (std::size_t i = 0; i < foreign.size(); ++i) {
+      FreeSpaceScan& scan = fetched_scans.emplace_back(fetched, static_cast<int>(i));
+      scan.MarkMoving(moving[foreign[i]]);
+      scans[foreign[i]] = &scan;
+    }
   }
-  std::vector<ViewpointPair> own;
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < pairs->size(); ++i) {
-    if (!graph.HasScansOf(viewpoints[(*pairs)[i].second].pose)) continue;
-    own.push_back((*pairs)[i]);
-    places.push_back(i);
-  }
-  ComparePairs(viewpoints, scans, pool, &own);
-  std::vector<double> numbers(kNumbersPerPair * pairs->size());
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    ToNumbers(own[i], &numbers[kNumbersPerPair * places[i]]);
-  }
-  SumOverPeers(graph.peers(), &numbers);
-  for (std::size_t i = 0; i < pairs->size(); ++i) {
-    FromNumbers(&numbers[kNumbersPerPair * i], &(*pairs)[i]);
+  constexpr std::size_t kPairsPerChunk = 64;
+  pool->ForEach(own.size(), kPairsPerChunk,
+                [&](std::size_t i) { ComparePair(viewpoints, scans, &(*pairs)[own[i]]); });
+  if (graph.peers() == nullptr) return;
+  std::vector<std::pair<std::size_t, ViewpointPair>> compared;
+  for (const std::size_t i : own) compared.emplace_back(i, (*pairs)[i]);
+  for (const auto& [i, pair] : JoinOverPeers(graph.peers(), std::move(compared))) {
+    (*pairs)[i] = pair;
   }
 }
 
@@ -304,31 +254,7 @@ struct PlaceConflict {
   }
 };
 
-FreeSpaceConflict BothWays(const ViewpointPair& pair) {
-  FreeSpaceConflict conflict = pair.first_views;
-  conflict += pair.second_views;
-  return conflict;
-}
-
-PlaceConflict ConflictOf(const ViewpointPair& pair) { return {BothWays(pair), pair.with_moving}; }
-
-// The shares of stretches where much was compared.
-class Shares {
- public:
-  void Add(const FreeSpaceConflict& conflict) {
-    if (conflict.num_compared >= MapConsistency::kPriorReturns) shares_.push_back(conflict.Share());
-  }
-
-  double Median() {
-    if (shares_.empty()) return 0.0;
-    const auto median = shares_.begin() + static_cast<std::ptrdiff_t>(shares_.size() / 2);
-    std::nth_element(shares_.begin(), median, shares_.end());
-    return *median;
-  }
-
- private:
-  std::vector<double> shares_;
-};
+PlaceConflict ConflictOf(const ViewpointPair& pair) { return {pair.AtRest(), pair.with_moving}; }
 
 // Keeps the worst of the conflicts that it is shown.
 class PeakFinder {
@@ -336,8 +262,8 @@ class PeakFinder {
   explicit PeakFinder(double explicable_share) : explicable_share_(explicable_share) {}
 
   void Try(const PlaceConflict& conflict, int pose) {
-    at_rest_.Add(conflict.at_rest);
-    with_moving_.Add(conflict.with_moving);
+    AddShare(conflict.at_rest, &shares_at_rest_);
+    AddShare(conflict.with_moving, &shares_with_moving_);
     if (conflict.at_rest.num_compared == 0) return;
     const double ratio = MapConsistency::RatioOf(conflict.at_rest, explicable_share_);
     ++num_tried_;
@@ -352,22 +278,31 @@ class PeakFinder {
     return num_tried_ > 0 ? static_cast<double>(num_contradicted_) / num_tried_ : 0.0;
   }
 
-  double UsualRatioAtRest() { return at_rest_.Median() / explicable_share_; }
+  double UsualRatioAtRest() const { return MedianRatio(shares_at_rest_); }
 
-  ConflictPeak TakePeak() {
-    peak_.usual_ratio = with_moving_.Median() / explicable_share_;
-    return peak_;
+  ConflictPeak Peak() const {
+    return {peak_.conflict, peak_.pose, MedianRatio(shares_with_moving_)};
   }
 
  private:
+  // Only stretches where much was compared tell what is usual.
+  static void AddShare(const FreeSpaceConflict& conflict, std::vector<double>* shares) {
+    if (conflict.num_compared >= MapConsistency::kPriorReturns) shares->push_back(conflict.Share());
+  }
+
+  double MedianRatio(const std::vector<double>& shares) const {
+    return shares.empty() ? 0.0 : Median(shares) / explicable_share_;
+  }
+
   double explicable_share_;
   double worst_ = 0.0;
   int num_tried_ = 0, num_contradicted_ = 0;
-  Shares at_rest_, with_moving_;
+  std::vector<double> shares_at_rest_, shares_with_moving_;
   ConflictPeak peak_;
 };
 
-// Of the pairs of one pass, those that lie on either side of a viewpoint, or end there.
+// Compares the two sides of each viewpoint by the pairs of one pass that reach across it or end
+// there.
 ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints,
                          const std::vector<ViewpointPair>& pairs, double explicable_share) {
   std::vector<PlaceConflict> change(viewpoints.size());
@@ -382,10 +317,10 @@ ConflictPeak WorstWithin(const std::vector<Viewpoint>& viewpoints,
     across += change[v];
     finder.Try(across, viewpoints[v].pose);
   }
-  return finder.TakePeak();
+  return finder.Peak();
 }
 
-// Of the stretches around each viewpoint.
+// Compares the stretch around each viewpoint with other passes.
 void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
                       const std::vector<ViewpointPair>& pairs, MapConsistency* consistency) {
   std::vector<PlaceConflict> of_viewpoint(viewpoints.size());
@@ -408,7 +343,7 @@ void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
   }
   consistency->contradicted_share = finder.ContradictedShare();
   consistency->usual_ratio_at_rest = finder.UsualRatioAtRest();
-  consistency->worst_between = finder.TakePeak();
+  consistency->worst_between = finder.Peak();
 }
 
 }  // namespace
@@ -416,16 +351,16 @@ void FindWorstBetween(const std::vector<Viewpoint>& viewpoints,
 ConsistencyMeter::ConsistencyMeter(const SlamGraph& graph,
                                    const std::vector<Pose2>& world_from_robot, ThreadPool* pool)
     : graph_(graph),
-      scans_(ScansAlongPath(graph, world_from_robot, kViewpointSpacingM, kSpacingRad)) {
+      scans_(ScansAlongPath(graph, world_from_robot, kViewpointSpacingM, kViewpointSpacingRad)) {
   const DefaultFloatEnvironment float_environment;
   free_space_.resize(scans_.size());
-  std::size_t viewpoint = 0;
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    while (viewpoint < scans_.size() && scans_[viewpoint] < graph.IdAmongAll(scan)) ++viewpoint;
-    if (viewpoint == scans_.size()) break;
-    if (scans_[viewpoint] == graph.IdAmongAll(scan)) free_space_[viewpoint].emplace(graph, scan);
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    const int scan = OwnScan(graph, scans_[i]);
+    if (scan >= 0) free_space_[i].emplace(graph, scan);
   }
-  moving_ = FindMovingReturns(graph, scans_, world_from_robot, free_space_, pool);
+  // Asked for free space only: the surfaces are empty.
+  const ScanSurfaces surfaces(graph, std::vector<PackedSurface>(graph.all_scans().size()));
+  moving_ = FindMovingReturns(surfaces, scans_, scans_, world_from_robot, pool);
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     if (free_space_[i]) free_space_[i]->MarkMoving(moving_[i]);
   }
@@ -438,21 +373,14 @@ MapConsistency ConsistencyMeter::Measure(const std::vector<Pose2>& world_from_ro
   std::vector<ViewpointPair> pairs = ChoosePairs(viewpoints);
   std::vector<const FreeSpaceScan*> scans;
   for (const auto& scan : free_space_) scans.push_back(scan ? &*scan : nullptr);
-  if (graph_.peers() == nullptr) {
-    ComparePairs(viewpoints, scans, pool, &pairs);
-  } else {
-    ComparePairsOverPeers(graph_, viewpoints, moving_, std::move(scans), pool, &pairs);
-  }
+  ComparePairs(graph_, viewpoints, moving_, std::move(scans), pool, &pairs);
   MapConsistency consistency;
   for (const Viewpoint& viewpoint : viewpoints) {
-    consistency.viewpoints.emplace_back();
-    consistency.viewpoints.back().pose = viewpoint.pose;
+    consistency.viewpoints.emplace_back().pose = viewpoint.pose;
   }
   for (const ViewpointPair& pair : pairs) {
-    const FreeSpaceConflict conflict = BothWays(pair);
-    FreeSpaceConflict& sum =
-        pair.between_passes ? consistency.between_passes : consistency.within_pass;
-    sum += conflict;
+    const FreeSpaceConflict conflict = pair.AtRest();
+    (pair.between_passes ? consistency.between_passes : consistency.within_pass) += conflict;
     for (const int end : {pair.first, pair.second}) {
       ViewpointConflict& of_end = consistency.viewpoints[end];
       (pair.between_passes ? of_end.between_passes : of_end.within_pass) += conflict;

@@ -14,15 +14,13 @@
 namespace plumbline {
 
 /// Compares scans every half metre of the path with a bounded number of others: of the same pass
-/// (1 m to 5 m of path away), and of other passes (more than 8 m of path, less than about 4 m in
-/// space away). The work is linear in the length of the path; the result does not depend on the
-/// number of threads. Expects poses in order of time.
+/// (1 m to 5 m of path away), and of other passes (at least 8 m of path and at most about 4 m of
+/// distance away). The work is linear in the length of the path. Expects poses in order of time.
 ///
-/// Of a graph with peers it compares the scans of all; the constructor and Measure are then
-/// collective, and from one thread.
-///
-/// Chooses the scans, and finds what moves, once, by one estimate of the poses, and then measures
-/// any number of others of the same drive. Const, so that several threads can measure at a time.
+/// The constructor chooses the scans and finds the moving returns by one estimate of the poses;
+/// Measure then takes any estimate of the same drive. Const, so that several threads can measure at
+/// a time; but constructor and Measure are collective if the graph has peers. The result does not
+/// depend on the number of threads.
 class ConsistencyMeter {
  public:
   /// world_from_robot: one finite pose per pose of the graph, which must outlive the meter.
@@ -42,7 +40,7 @@ class ConsistencyMeter {
   std::vector<std::vector<int>> moving_;                  // returns of each
 };
 
-/// The same for one estimate of the poses.
+/// Measures one estimate of the poses.
 MapConsistency MeasureMapConsistency(const SlamGraph& graph,
                                      const std::vector<Pose2>& world_from_robot, ThreadPool* pool);
 

@@ -2,38 +2,40 @@
 #define PLUMBLINE_SOLVERS_LOOP_CLOSURE_MOVING_RETURNS_H_
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 
-/// Finds the returns of people and all else that moves. A scan shortly before looks through them,
-/// and so does one shortly after; or, where there are scans within 1 m on both sides, one of them
-/// does and none sees anything there. At a jump of the poses, the scans on one side look through
-/// returns that those on the other side see, so what tells of it is not found, unless another jump
-/// leads back within a few metres. Nothing is found of a scan of which more than two fifths would
-/// be: it is out of place itself. What one session's end and the next one's beginning see of each
-/// other counts like the rest.
-///
-/// scans: along the path, by their ids among all. world_from_robot: one finite pose per pose of the
-/// graph. free_space: of those scans that the graph has. Collective if the graph has peers.
-///
-/// Returns per scan, those of other processes included, places among its returns().
-std::vector<std::vector<int>> FindMovingReturns(
-    const SlamGraph& graph, const std::vector<int>& scans,
-    const std::vector<Pose2>& world_from_robot,
-    const std::vector<std::optional<FreeSpaceScan>>& free_space, ThreadPool* pool);
+/// Scans with returns, each at least `spacing_m` away or turned by `spacing_rad` from the one
+/// before it, by their ids among all. world_from_robot: per pose.
+std::vector<int> ScansAlongPath(const SlamGraph& graph, const std::vector<Pose2>& world_from_robot,
+                                double spacing_m, double spacing_rad);
 
-/// Likewise the returns of what moves in all scans of a drive, as far as they are of objects of a
-/// person's or a cart's size. Scans before and after are those from other places, so what moves
-/// while the robot stands is found as well. Finds none unless a sample of the scans has more than
-/// kFewMoving: fewer do not harm the matching.
+/// Finds the returns of people and of everything else that moves. A return moves if a witness
+/// shortly before its scan and one shortly after look through it; or, where both sides have a
+/// witness within 1 m, if one side does and none sees a surface there. At a jump of the poses one
+/// side looks through returns that the other side sees: they do not count as moving. Nothing is
+/// found in a scan of which more than two fifths would move: its pose is wrong.
+///
+/// scans, witnesses: ids among all; witnesses in order of the path. world_from_robot: one finite
+/// pose per pose of the graph. Collective if the graph has peers.
+///
+/// Returns places among FreeSpaceScan::returns() per scan, those of other processes included.
+std::vector<std::vector<int>> FindMovingReturns(const ScanSurfaces& surfaces,
+                                                const std::vector<int>& scans,
+                                                const std::vector<int>& witnesses,
+                                                const std::vector<Pose2>& world_from_robot,
+                                                ThreadPool* pool);
+
+/// Finds the moving returns of all scans of a drive, as far as they are of objects of a person's or
+/// a cart's size. Witnesses stand 0.1 m or 10 deg apart, so that people around a standing robot are
+/// found as well. Finds none unless a sample of the scans has more than kFewMoving: fewer do not
+/// harm the matching.
 ///
 /// Returns ids among all returns, those of other processes included, in order; see
 /// MeasurementCorrections. Collective if the graph has peers.
@@ -41,8 +43,8 @@ std::vector<std::size_t> FindMovingReturnsOfDrive(const ScanSurfaces& surfaces,
                                                   const std::vector<Pose2>& world_from_robot,
                                                   ThreadPool* pool);
 
-/// fr079, intel, mit-killian, acapulco, orebro, infinite-corridor and fr-clinic have less; with
-/// four people around the robot it is 0.09.
+/// Share of moving returns that does not harm the matching. fr079, intel, mit-killian, acapulco,
+/// orebro, infinite-corridor and fr-clinic have less; four people around the robot are 0.09.
 constexpr double kFewMoving = 0.02;
 
 }  // namespace plumbline

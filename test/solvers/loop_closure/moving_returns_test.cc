@@ -62,12 +62,9 @@ std::vector<int> AllScans() {
 std::vector<Pose2> PosesOfDrive(const SlamGraph& graph) { return PosesOf(graph.initial_poses()); }
 
 std::vector<std::vector<int>> FindMoving(const SlamGraph& graph, const std::vector<Pose2>& poses) {
-  std::vector<std::optional<FreeSpaceScan>> free_space(kNumScans);
-  for (int scan = 0; scan < graph.num_scans(); ++scan) {
-    free_space[graph.IdAmongAll(scan)].emplace(graph, scan);
-  }
+  const ScanSurfaces surfaces(graph, std::vector<PackedSurface>(kNumScans));
   ThreadPool pool(2);
-  return FindMovingReturns(graph, AllScans(), poses, free_space, &pool);
+  return FindMovingReturns(surfaces, AllScans(), AllScans(), poses, &pool);
 }
 
 TEST(MovingReturnsTest, APersonWhoWalksIsFound) {
