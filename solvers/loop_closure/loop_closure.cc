@@ -2,13 +2,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <deque>
-#include <limits>
-#include <mutex>
-#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -25,19 +20,16 @@
 namespace plumbline {
 namespace {
 
-// What is matched: the keyframe with its neighbours up to kScanPathM of path [m] away, against the
-// surroundings of the other one up to kSubmapPathM of path [m] away. In wide searches both are of
-// the latter size: chance has more room there.
+// Path [m] on either side of the revisiting keyframe that is matched, and of the earlier one that
+// it is matched against. In wide searches both are of the latter size: chance has more room there.
 constexpr double kScanPathM = 0.5;
 constexpr double kSubmapPathM = 5.0;
-constexpr double kScanCellM = 0.05;
-// The map of a wide search ends here: a return kilometres away must not blow up its grid.
+// Extent of the map of a wide search [m]: a return kilometres away must not blow up its grid.
 constexpr double kSearchReachM = 150.0;
-// Cells [m] of the correlative search for the best place, and for all of them: there the fine
-// matching does the rest.
+// Cells [m] of the correlative search for the best place, and for all places.
 constexpr double kSearchCellM = 0.1;
 constexpr double kPlaceCellM = 0.2;
-// The correlative search finds a pose to about its cell; the fine matching starts from there.
+// First gate of the fine matching [m]: the correlative search finds a pose to about its cell.
 constexpr double kFineGateStartM = 0.3;
 constexpr PeakSize kPeak{LoopAcceptance::kPeakRadiusM, LoopAcceptance::kPeakAngleRad};
 
@@ -46,20 +38,15 @@ class CandidateTester {
   CandidateTester(const ScanSurfaces& surfaces, const KeyframeGraph& keyframe_graph)
       : surfaces_(surfaces), keys_(keyframe_graph) {}
 
-  // Tests candidates[i] for all i of a group, as GroupBySurroundings makes it: what they are
-  // matched against is made once.
+  // Tests candidates[i] for all i of a group of GroupBySurroundings, which share their search.
   void TestGroup(const std::vector<LoopCandidate>& candidates,
                  const std::vector<std::size_t>& group,
                  std::vector<std::vector<TestedCandidate>>* tested) const {
     const LoopCandidate& any = candidates[group.front()];
-    double half_width_m = 0.0;
-    for (const std::size_t i : group) {
-      const LoopCandidate& candidate = candidates[i];
-      half_width_m = std::max(
-          half_width_m, candidate.wide() ? PeakWindowM(candidate.drift_m) : candidate.drift_m);
-    }
+    double half_width_m = any.wide() ? LoopAcceptance::kPeakWindowM : 0.0;
+    for (const std::size_t i : group) half_width_m = std::max(half_width_m, candidates[i].drift_m);
     LocalMap map;
-    if (!any.wide()) map = SubmapAround(any.first, kSubmapPathM, LocalMap::kCellM);
+    if (!any.wide()) map = SubmapAround(any.first, kSubmapPathM);
     const CorrelativeMatcher search(
         any.wide() ? PointsOf(any.surroundings, any.first) : map.points(), kSearchCellM,
         half_width_m);
@@ -70,7 +57,7 @@ class CandidateTester {
     return {PointsOf(candidate.surroundings, candidate.first), kPlaceCellM, candidate.drift_m};
   }
 
-  // search: of the places around a candidate that is looked for in the same ones.
+  // search: PlacesAround this candidate or one that is sought alike.
   std::vector<TestedCandidate> FindPlaces(const CorrelativeMatcher& search,
                                           const LoopCandidate& candidate, int max_places) const {
     const LocalMap scan = ScanOf(candidate);
@@ -117,7 +104,7 @@ class CandidateTester {
   }
 
   LocalMap ScanOf(const LoopCandidate& candidate) const {
-    return SubmapAround(candidate.second, candidate.wide() ? kSubmapPathM : kScanPathM, kScanCellM);
+    return SubmapAround(candidate.second, candidate.wide() ? kSubmapPathM : kScanPathM);
   }
 
   static TestedCandidate NoMatch(const LoopCandidate& candidate) {
@@ -127,17 +114,16 @@ class CandidateTester {
     return tested;
   }
 
-  // A place that a wide search found: from here on it counts, not the one that was expected.
+  // Tests the place that a wide search found, by the keyframe nearest to it.
   TestedCandidate TestPlace(const LoopCandidate& candidate, const LocalMap& scan,
                             const Pose2& first_from_scan) const {
     TestedCandidate tested = NoMatch(candidate);
     tested.edge.from = NearestKey(candidate.surroundings, candidate.first, first_from_scan);
-    return TestFit(candidate, tested,
-                   SubmapAround(tested.edge.from, kSubmapPathM, LocalMap::kCellM), scan,
+    return TestFit(candidate, tested, SubmapAround(tested.edge.from, kSubmapPathM), scan,
                    KeyFromKey(tested.edge.from, candidate.first) * first_from_scan);
   }
 
-  // map: around the earlier keyframe of `tested`. start: of the scan in it, to a cell or so.
+  // map: around the earlier keyframe of `tested`. start: pose of the scan in it.
   TestedCandidate TestFit(const LoopCandidate& candidate, TestedCandidate tested,
                           const LocalMap& map, const LocalMap& scan, const Pose2& start) const {
     PosePrediction prediction;
@@ -153,22 +139,20 @@ class CandidateTester {
     if (tested.inlier_ratio >= LoopAcceptance::kTentativeInlierRatio) {
       tested.conflict = ConflictShare(tested.edge);
     }
-    tested.outcome = OutcomeOf(candidate, tested);
+    const double min_inlier_ratio =
+        candidate.wide() ? LoopAcceptance::kMinInlierRatioWide : LoopAcceptance::kMinInlierRatio;
+    if (tested.inlier_ratio < min_inlier_ratio) {
+      tested.outcome = ClosureOutcome::kLowOverlap;
+    } else if (tested.conflict > LoopAcceptance::kMaxFreeSpaceConflict) {
+      tested.outcome = ClosureOutcome::kFreeSpaceConflict;
+    } else {
+      tested.outcome = ClosureOutcome::kAccepted;
+    }
     return tested;
   }
 
-  ClosureOutcome OutcomeOf(const LoopCandidate& candidate, const TestedCandidate& tested) const {
-    const double min_inlier_ratio =
-        candidate.wide() ? LoopAcceptance::kMinInlierRatioWide : LoopAcceptance::kMinInlierRatio;
-    if (tested.inlier_ratio < min_inlier_ratio) return ClosureOutcome::kLowOverlap;
-    if (tested.conflict > LoopAcceptance::kMaxFreeSpaceConflict) {
-      return ClosureOutcome::kFreeSpaceConflict;
-    }
-    return ClosureOutcome::kAccepted;
-  }
-
   // Points of the keyframes within path_m of the center, in the frame of the center.
-  LocalMap SubmapAround(int center, double path_m, double cell_m) const {
+  LocalMap SubmapAround(int center, double path_m) const {
     std::vector<const PackedSurface*> scans{&surfaces_.Kept(keys_.keyframes[center].scan)};
     std::vector<Pose2> poses{Pose2()};
     for (const int k : Neighbours(center, path_m)) {
@@ -176,7 +160,7 @@ class CandidateTester {
       scans.push_back(&surfaces_.Kept(keys_.keyframes[k].scan));
       poses.push_back(KeyFromKey(center, k));
     }
-    LocalMap map(cell_m);
+    LocalMap map;
     map.Rebuild(scans, poses);
     return map;
   }
@@ -210,38 +194,29 @@ class CandidateTester {
   }
 
   int NearestKey(const std::vector<int>& keys, int frame, const Pose2& frame_from_robot) const {
-    int nearest = frame;
-    double nearest_cost = std::numeric_limits<double>::infinity();
-    for (const int k : keys) {
+    const auto view_distance_m = [&](int k) {
       const Pose2 apart = Between(KeyFromKey(frame, k), frame_from_robot);
-      const double cost = ViewDistanceM(std::hypot(apart.x, apart.y), apart.yaw);
-      if (cost >= nearest_cost) continue;
-      nearest_cost = cost;
-      nearest = k;
-    }
-    return nearest;
+      return ViewDistanceM(std::hypot(apart.x, apart.y), apart.yaw);
+    };
+    return *std::min_element(keys.begin(), keys.end(),
+                             [&](int a, int b) { return view_distance_m(a) < view_distance_m(b); });
   }
 
-  // Over the pairs of keyframes next to the two, both ways.
+  // Conflict of the two places of an edge: over all pairs of a keyframe next to the one and one
+  // next to the other.
   double ConflictShare(const RelativePoseConstraint& edge) const {
     const std::vector<int> keys_a = NextTo(edge.from), keys_b = NextTo(edge.to);
-    const std::vector<FreeSpaceScan> scans_a = FreeSpaceOf(keys_a), scans_b = FreeSpaceOf(keys_b);
+    std::vector<FreeSpaceScan> scans_b;
+    for (const int b : keys_b) scans_b.push_back(surfaces_.FreeSpaceOf(keys_.keyframes[b].scan));
     FreeSpaceConflict conflict;
-    for (std::size_t a = 0; a < keys_a.size(); ++a) {
-      const Pose2 a_from_to = KeyFromKey(keys_a[a], edge.from) * edge.from_from_to;
+    for (const int a : keys_a) {
+      const FreeSpaceScan scan_a = surfaces_.FreeSpaceOf(keys_.keyframes[a].scan);
+      const Pose2 a_from_to = KeyFromKey(a, edge.from) * edge.from_from_to;
       for (std::size_t b = 0; b < keys_b.size(); ++b) {
-        conflict +=
-            CompareBothWays(scans_a[a], scans_b[b], a_from_to * KeyFromKey(edge.to, keys_b[b]));
+        conflict += CompareBothWays(scan_a, scans_b[b], a_from_to * KeyFromKey(edge.to, keys_b[b]));
       }
     }
     return conflict.Share();
-  }
-
-  std::vector<FreeSpaceScan> FreeSpaceOf(const std::vector<int>& keys) const {
-    std::vector<FreeSpaceScan> scans;
-    scans.reserve(keys.size());
-    for (const int k : keys) scans.push_back(surfaces_.FreeSpaceOf(keys_.keyframes[k].scan));
-    return scans;
   }
 
   // The keyframe and the ones right before and after it, as far as they are of the same visit.
@@ -253,20 +228,17 @@ class CandidateTester {
     return keys;
   }
 
-  // Of neighbours in time the sequential matching has an opinion, too. Another one is believed only
-  // where that opinion is contradicted by what the scans looked through: among pillars at a
-  // constant pitch, the place that was seen best fits better than the one where the robot is.
+  // Whether the sequential matching has put two neighbours in time somewhere else, and the scans do
+  // not contradict that: among pillars at a constant pitch, the place that was seen best fits
+  // better than the right one.
   bool SequenceAgreesWithItself(const LoopCandidate& candidate, const Pose2& expected,
                                 const Pose2& found) const {
     const double path_m =
         keys_.keyframes[candidate.second].path_m - keys_.keyframes[candidate.first].path_m;
     const Pose2 apart = Between(expected, found);
     if (path_m > LoopAcceptance::kRevisitPathM || IsSamePeak(apart)) return false;
-    RelativePoseConstraint edge;
-    edge.from = candidate.first;
-    edge.to = candidate.second;
-    edge.from_from_to = expected;
-    return ConflictShare(edge) <= LoopAcceptance::kMaxFreeSpaceConflict;
+    return ConflictShare({candidate.first, candidate.second, expected}) <=
+           LoopAcceptance::kMaxFreeSpaceConflict;
   }
 
   static bool IsSamePeak(const Pose2& apart) {
@@ -274,13 +246,9 @@ class CandidateTester {
            std::abs(NormalizeAngle(apart.yaw)) < kPeak.angle_rad;
   }
 
-  static double PeakWindowM(double half_width_m) {
-    return std::max(half_width_m, LoopAcceptance::kPeakWindowM);
-  }
-
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
                      SearchWindow window, const CorrelativeMatch& best) const {
-    window.half_width_m = PeakWindowM(window.half_width_m);
+    window.half_width_m = std::max(window.half_width_m, LoopAcceptance::kPeakWindowM);
     return search.FitsElsewhere(scan, window, LoopAcceptance::kMaxSecondPeak * best.score,
                                 best.map_from_scan, kPeak);
   }
@@ -289,21 +257,13 @@ class CandidateTester {
   const KeyframeGraph& keys_;
 };
 
-// A search for several candidates, made when the first of them comes and given up after the last.
-struct SharedSearch {
-  std::once_flag made;
-  std::optional<CorrelativeMatcher> matcher;
-  std::atomic<int> num_left{0};
-};
-
 // Whether the same search finds the places of both.
 bool AreSoughtAlike(const LoopCandidate& a, const LoopCandidate& b) {
   return a.first == b.first && a.drift_m == b.drift_m && a.surroundings == b.surroundings;
 }
 
-// Of the candidates, by index: those with the same earlier keyframe, and each wide one by itself.
-// Large groups come first, so that threads and processes that share them end at about the same
-// time.
+// Candidates, by index, with the same earlier keyframe, and each wide one by itself. Large groups
+// come first, so that threads and processes that share them end at about the same time.
 std::vector<std::vector<std::size_t>> GroupBySurroundings(
     const std::vector<LoopCandidate>& candidates) {
   std::vector<std::vector<std::size_t>> groups;
@@ -323,57 +283,20 @@ std::vector<std::vector<std::size_t>> GroupBySurroundings(
   return groups;
 }
 
-// A result of a candidate, to be copied byte by byte.
-struct PlainResult {
-  std::size_t candidate;
-  ClosureOutcome outcome;
-  int from, to;
-  Pose2 from_from_to;
-  double covariance[9];
-  double inlier_ratio, conflict;
-};
-
-PlainResult ToPlain(std::size_t candidate, const TestedCandidate& tested) {
-  const RelativePoseConstraint& edge = tested.edge;
-  PlainResult plain{candidate, tested.outcome,      edge.from,      edge.to, edge.from_from_to,
-                    {},        tested.inlier_ratio, tested.conflict};
-  Eigen::Map<Eigen::Matrix3d>(plain.covariance) = edge.covariance;
-  return plain;
-}
-
-TestedCandidate FromPlain(const PlainResult& plain) {
-  TestedCandidate tested;
-  tested.outcome = plain.outcome;
-  tested.edge.from = plain.from;
-  tested.edge.to = plain.to;
-  tested.edge.from_from_to = plain.from_from_to;
-  tested.edge.covariance = Eigen::Map<const Eigen::Matrix3d>(plain.covariance);
-  tested.inlier_ratio = plain.inlier_ratio;
-  tested.conflict = plain.conflict;
-  return tested;
-}
-
-// Gives all processes the results of each. Each has those of some candidates, and none of the
-// others.
-void ShareResults(const Peers* peers, std::vector<std::vector<TestedCandidate>>* of_candidate) {
-  if (peers == nullptr) return;
-  std::vector<PlainResult> own;
-  for (std::size_t i = 0; i < of_candidate->size(); ++i) {
-    for (const TestedCandidate& tested : (*of_candidate)[i]) own.push_back(ToPlain(i, tested));
-    (*of_candidate)[i].clear();
+// The results of all processes in the order of the candidates. Each process has those of some
+// candidates, and none of the others.
+std::vector<TestedCandidate> JoinResults(
+    const Peers* peers, const std::vector<std::vector<TestedCandidate>>& of_candidate) {
+  std::vector<std::pair<std::size_t, TestedCandidate>> results;
+  for (std::size_t i = 0; i < of_candidate.size(); ++i) {
+    for (const TestedCandidate& tested : of_candidate[i]) results.emplace_back(i, tested);
   }
-  for (const PlainResult& plain : JoinOverPeers(peers, std::move(own))) {
-    (*of_candidate)[plain.candidate].push_back(FromPlain(plain));
-  }
-}
-
-// In the order of the candidates.
-std::vector<TestedCandidate> InOneList(
-    const std::vector<std::vector<TestedCandidate>>& of_candidate) {
+  results = JoinOverPeers(peers, std::move(results));
+  std::stable_sort(results.begin(), results.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<TestedCandidate> all;
-  for (const std::vector<TestedCandidate>& of_this : of_candidate) {
-    all.insert(all.end(), of_this.begin(), of_this.end());
-  }
+  all.reserve(results.size());
+  for (const auto& [candidate, tested] : results) all.push_back(tested);
   return all;
 }
 
@@ -388,11 +311,10 @@ std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
   const std::vector<std::vector<std::size_t>> groups = GroupBySurroundings(candidates);
   const Peers* peers = surfaces.graph().peers();
   const std::vector<std::size_t> own = OwnShare(peers, groups.size());
-  pool->ForEachChunk(own.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
+  pool->ForEach(own.size(), 1, [&](std::size_t i) {
     tester.TestGroup(candidates, groups[own[i]], &of_candidate);
   });
-  ShareResults(peers, &of_candidate);
-  return InOneList(of_candidate);
+  return JoinResults(peers, of_candidate);
 }
 
 std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
@@ -400,27 +322,22 @@ std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
                                         const std::vector<LoopCandidate>& candidates,
                                         int max_places, ThreadPool* pool) {
   const CandidateTester tester(surfaces, keyframe_graph);
-  std::deque<SharedSearch> searches;
-  std::vector<std::size_t> search_of_candidate;
+  std::vector<std::size_t> first_of_search;  // of the candidates that share one
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (i == 0 || !AreSoughtAlike(candidates[i - 1], candidates[i])) searches.emplace_back();
-    ++searches.back().num_left;
-    search_of_candidate.push_back(searches.size() - 1);
+    if (i == 0 || !AreSoughtAlike(candidates[i - 1], candidates[i])) first_of_search.push_back(i);
   }
   const Peers* peers = surfaces.graph().peers();
-  std::vector<char> is_own(searches.size(), 0);
-  for (const std::size_t search : OwnShare(peers, searches.size())) is_own[search] = 1;
+  const std::vector<std::size_t> own = OwnShare(peers, first_of_search.size());
+  first_of_search.push_back(candidates.size());
   std::vector<std::vector<TestedCandidate>> of_candidate(candidates.size());
-  pool->ForEachChunk(candidates.size(), 1, [&](std::size_t i, std::size_t, std::size_t) {
-    if (is_own[search_of_candidate[i]] == 0) return;
-    SharedSearch& search = searches[search_of_candidate[i]];
-    std::call_once(search.made,
-                   [&] { search.matcher.emplace(tester.PlacesAround(candidates[i])); });
-    of_candidate[i] = tester.FindPlaces(*search.matcher, candidates[i], max_places);
-    if (--search.num_left == 0) search.matcher.reset();
-  });
-  ShareResults(peers, &of_candidate);
-  return InOneList(of_candidate);
+  for (const std::size_t search : own) {
+    const std::size_t first = first_of_search[search];
+    const CorrelativeMatcher places = tester.PlacesAround(candidates[first]);
+    pool->ForEach(first_of_search[search + 1] - first, 1, [&](std::size_t i) {
+      of_candidate[first + i] = tester.FindPlaces(places, candidates[first + i], max_places);
+    });
+  }
+  return JoinResults(peers, of_candidate);
 }
 
 }  // namespace plumbline

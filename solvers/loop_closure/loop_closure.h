@@ -29,9 +29,9 @@ std::vector<TestedCandidate> TestLoopCandidates(const ScanSurfaces& surfaces,
                                                 const std::vector<LoopCandidate>& candidates,
                                                 ThreadPool* pool);
 
-/// All places where a wide candidate fits, however alike they are: those that show enough of the
-/// scan to be worth a hypothesis, max_places per candidate at most, in order of the candidates and
-/// from the best fit.
+/// All places where a wide candidate fits well enough to be worth a hypothesis, at most max_places
+/// per candidate, in order of the candidates and from the best fit. Candidates with the same search
+/// should follow each other. Collective, as TestLoopCandidates.
 std::vector<TestedCandidate> FindPlaces(const ScanSurfaces& surfaces,
                                         const KeyframeGraph& keyframe_graph,
                                         const std::vector<LoopCandidate>& candidates,
