@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <set>
 #include <tuple>
@@ -22,65 +23,58 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What decides only how far is looked for loops was tuned on fr079, intel and simulated buildings,
-// what has to do with suspect edges on the floors of the seeding study (apps/benchmark).
+// The search radii were tuned on fr079, intel and simulated buildings, the constants of suspect
+// edges on the floors of the seeding study (apps/benchmark).
 
-// How far the relative pose of two keyframes may be off after a way of w [m] between them, the
-// shortest over sequential edges and closures found so far:
+// Largest expected error of the relative pose of two keyframes after a way of w [m] between them,
+// the shortest over sequential edges and closures found so far:
 //   floor + drift_per_path * w + drift_per_path_squared * w^2, at most kMaxDriftM [m].
 // The linear part is slip and scale, the quadratic one a heading that turns steadily.
 constexpr double kDriftFloorM = 0.4;
 constexpr double kDriftPerPath = 0.025;
 constexpr double kDriftPerPathSquared1M = 1e-4;
 constexpr double kMaxDriftM = 50.0;
-// The same for their relative heading [rad], [rad per m].
+// Largest expected error of their relative heading [rad], [rad/m].
 constexpr double kDriftFloorRad = 0.15;
 constexpr double kDriftRadPerM = 0.001;
-// How far an untrusted edge may be off on top of that [m], [rad]. Half a turn is left out: many
-// rooms and corridors look alike from behind.
+// Additional error of an untrusted edge [m], [rad]. Less than half a turn: many rooms and corridors
+// look alike from behind.
 constexpr double kSuspectDriftM = 7.0;
 constexpr double kSuspectDriftRad = 1.75;
-// Such an edge is closed over by matching what lies up to this much path [m] beyond it with what
-// lies before it, turned by no more than this [rad]: wheels slip farther than they turn.
+// Additional cost of an untrusted edge [m]: any closure around it is the shorter way.
+constexpr double kSuspectCostM = 300.0;
+// Local candidates of a suspect edge: path beyond it [m], distance from one to the next [m], path
+// before it that they are matched with [m], and largest turn [rad]: wheels slip farther than they
+// turn.
 constexpr double kLocalPathM = 4.0;
+constexpr double kLocalSpacingM = 1.3;
+constexpr double kLocalMapPathM = 15.0;
 constexpr double kLocalTurnRad = 0.5;
-// Keyframes this near to each other [m] see enough of the same surfaces.
+// Distance [m] within which two keyframes see enough of the same surfaces.
 constexpr double kOverlapReachM = 2.0;
-// Closures are looked for from one keyframe per this stretch of path [m], ...
+// Path from one candidate of revisits to the next [m].
 constexpr double kSpacingM = 0.5;
-// ... with at most this many earlier visits to the place, the nearest ones.
-constexpr int kMaxVisits = 4;
-// Beyond this drift [m] the search is wide: it covers all that was seen earlier within the
-// drift, once per kWideSpacingM of path [m] or this share of the drift, whichever is more. One
-// success brings its neighbours into reach.
+// Earlier visits to a place that are tried, the nearest ones.
+constexpr std::size_t kMaxVisits = 4;
+// Drift [m] from which on a search is wide: it covers everything seen earlier within the drift,
+// once per kWideSpacingM of path [m] or this share of the drift, whichever is more. One success
+// brings its neighbours into reach.
 constexpr double kWideDriftM = 1.0;
 constexpr double kWideSpacingM = 3.0;
 constexpr double kWideSpacingPerDrift = 0.25;
-// Keyframes within this stretch of path [m] share one node when ways are measured: the error is a
-// few centimetres of drift, and there are many times fewer nodes.
+// Path [m] whose keyframes share one node when ways are measured: the error is a few centimetres of
+// drift, and there are many times fewer nodes.
 constexpr double kNodeM = 2.0;
-// The map of a wide search has one keyframe per square of this size [m] and quarter of heading.
-constexpr double kSurroundingsCellM = 1.0;
-// A way costs its length; a suspect edge costs as much as this way [m], so that it is taken only
-// where no closure leads around it.
-constexpr double kSuspectCostM = 300.0;
-// What was seen before a suspect edge: this much of the path [m].
-constexpr double kLocalMapPathM = 15.0;
-// From one try to close over such an edge to the next [m].
-constexpr double kLocalSpacingM = 1.3;
-// What lies beyond such an edge is looked for with this many of its keyframes at most, this far
-// from one another at least [m].
+// Bound on the distance [m] of a node's keyframes from its first one, bent as their path may be.
+constexpr double kNodeRadiusM = 2.0 * kNodeM;
+// Relocation of a segment, and of sessions: keyframes tried, and path between them [m], at least.
 constexpr int kMaxJoins = 16;
-constexpr double kMinJoinSpacingM = 4.0;
-// Sessions are looked for in squares of this size [m] of what others saw, ...
-constexpr double kTileM = 40.0;
-// ... by so many of their keyframes at most.
 constexpr int kMaxSessionJoins = 24;
+constexpr double kMinJoinSpacingM = 4.0;
+// Side [m] of the squares of the map in which sessions are looked for.
+constexpr double kTileM = 40.0;
 
-// Of distances, where they only save work [m].
-constexpr double kRoundingM = 1e-6;
-
-// A piece of way, or all of one.
+// A piece of way, or a whole one.
 struct Way {
   double cost_m = kInfinity;
   int num_suspects = 0;
@@ -105,7 +99,7 @@ double DriftRad(const Way& way) {
   return std::min(kPi, kDriftFloorRad + kDriftRadPerM * way.LengthM());
 }
 
-// The cost of the path up to each keyframe.
+// Cost of the path up to each keyframe [m].
 std::vector<double> PathCost(const KeyframeGraph& graph) {
   std::vector<double> cost_m(graph.keyframes.size(), 0.0);
   for (std::size_t k = 1; k < cost_m.size(); ++k) {
@@ -115,8 +109,8 @@ std::vector<double> PathCost(const KeyframeGraph& graph) {
   return cost_m;
 }
 
-// Measures ways between stretches of path, joined by the path driven and by closures, which are as
-// short as what they measured.
+// Measures ways between nodes, stretches of path that are joined by the path driven and by
+// closures.
 class Ways {
  public:
   Ways(const KeyframeGraph& graph, const std::vector<double>& path_cost_m) {
@@ -143,12 +137,11 @@ class Ways {
   }
 
   int num_nodes() const { return static_cast<int>(links_.size()); }
-  int NodeOf(int key) const { return node_of_key_[key]; }
   // The first keyframe of a node; for num_nodes() the number of keyframes.
   int FirstKeyOf(int node) const { return first_key_[node]; }
 
-  // The cheapest ways from a node to these others (Dijkstra 1959); those to the rest may be longer
-  // than need be. targets: without repetitions.
+  // The cheapest ways from a node to all (Dijkstra 1959); only those to the targets are final.
+  // targets: without repetitions.
   std::vector<Way> From(int source, const std::vector<int>& targets) const {
     std::vector<Way> ways(links_.size());
     std::vector<char> is_target(links_.size(), false);
@@ -183,23 +176,20 @@ class Ways {
   std::vector<std::vector<Link>> links_;
 };
 
-// One keyframe per square and quarter of heading.
+// One keyframe per square of 1 m and quarter of heading: the map of a wide search.
 std::vector<int> Thinned(const std::vector<int>& keys, const KeyframeGraph& graph) {
   std::set<std::tuple<long, long, int>> taken;
   std::vector<int> thinned;
   for (const int key : keys) {
     const Pose2& pose = graph.world_from_key[key];
     const int quarter = static_cast<int>(std::floor(NormalizeAngle(pose.yaw) / (0.5 * kPi)));
-    const bool is_new = taken
-                            .emplace(std::lround(pose.x / kSurroundingsCellM),
-                                     std::lround(pose.y / kSurroundingsCellM), quarter)
-                            .second;
+    const auto [cell, is_new] = taken.emplace(std::lround(pose.x), std::lround(pose.y), quarter);
     if (is_new) thinned.push_back(key);
   }
   return thinned;
 }
 
-// Keyframes from `first` to `last`, this far from one another on the path at least.
+// Keyframes from `first` to `last`, at least this far from one another on the path.
 std::vector<int> SpreadOverPath(const KeyframeGraph& graph, int first, int last, double spacing_m) {
   std::vector<int> keys;
   double next_m = graph.keyframes[first].path_m;
@@ -217,9 +207,7 @@ class CandidateFinder {
       : graph_(graph),
         path_cost_m_(PathCost(graph)),
         ways_(graph, path_cost_m_),
-        discs_(DiscsOfNodes()),
-        centres_(CentresOf(discs_)),
-        largest_radius_m_(LargestRadius(discs_)),
+        nodes_(PositionsOfNodes(graph, ways_)),
         closed_with_(graph.keyframes.size()) {
     for (const auto* closures : {&graph.closures, &graph.contradicted}) {
       for (const RelativePoseConstraint& closure : *closures) {
@@ -247,45 +235,24 @@ class CandidateFinder {
     double cost = kInfinity;
   };
 
-  // Where the keyframes of a node are.
-  struct Disc {
-    Eigen::Vector2d centre;
-    double radius_m = 0.0;
-  };
-
-  std::vector<Disc> DiscsOfNodes() const {
-    std::vector<Disc> discs(num_nodes());
-    for (int node = 0; node < num_nodes(); ++node) {
-      Disc& disc = discs[node];
-      disc.centre = graph_.world_from_key[ways_.FirstKeyOf(node)].translation();
-      for (int key = ways_.FirstKeyOf(node); key < ways_.FirstKeyOf(node + 1); ++key) {
-        const double off_m = (graph_.world_from_key[key].translation() - disc.centre).norm();
-        disc.radius_m = std::max(disc.radius_m, off_m);
-      }
+  static PointIndex PositionsOfNodes(const KeyframeGraph& graph, const Ways& ways) {
+    std::vector<double> positions;
+    for (int node = 0; node < ways.num_nodes(); ++node) {
+      const Pose2& pose = graph.world_from_key[ways.FirstKeyOf(node)];
+      positions.insert(positions.end(), {pose.x, pose.y});
     }
-    return discs;
+    return PointIndex(std::move(positions));
   }
 
-  static PointIndex CentresOf(const std::vector<Disc>& discs) {
-    std::vector<double> centres;
-    for (const Disc& disc : discs)
-      centres.insert(centres.end(), {disc.centre.x(), disc.centre.y()});
-    return PointIndex(std::move(centres));
-  }
-
-  static double LargestRadius(const std::vector<Disc>& discs) {
-    double largest_m = 0.0;
-    for (const Disc& disc : discs) largest_m = std::max(largest_m, disc.radius_m);
-    return largest_m;
+  Eigen::Vector2d PositionOf(int node) const {
+    return graph_.world_from_key[ways_.FirstKeyOf(node)].translation();
   }
 
   // The node and those before it that may be in reach of its keyframes, in order.
   std::vector<int> NodesNear(int node) const {
-    const Disc& disc = discs_[node];
-    const double radius_m =
-        disc.radius_m + kOverlapReachM + kMaxDriftM + largest_radius_m_ + kRoundingM;
     std::vector<PointIndex::Neighbor> neighbors;
-    centres_.FindWithin(disc.centre, radius_m, &neighbors);
+    nodes_.FindWithin(PositionOf(node), kOverlapReachM + kMaxDriftM + 2.0 * kNodeRadiusM,
+                      &neighbors);
     std::vector<int> nodes;
     for (const PointIndex::Neighbor& neighbor : neighbors) {
       if (static_cast<int>(neighbor.point) <= node) nodes.push_back(neighbor.point);
@@ -294,7 +261,7 @@ class CandidateFinder {
     return nodes;
   }
 
-  // Whether the keyframe is the first one of a stretch, the path being cut at multiples of it.
+  // Whether the keyframe is the first one of a stretch; the path is cut at multiples of stretch_m.
   bool BeginsStretch(int key, double stretch_m) const {
     if (key == 0) return true;
     const std::vector<Keyframe>& keys = graph_.keyframes;
@@ -303,18 +270,16 @@ class CandidateFinder {
 
   double PathBetween(int a, int b) const { return std::abs(path_cost_m_[a] - path_cost_m_[b]); }
 
-  // Whether a closure ties the surroundings of the one to those of the other, or was found and
-  // dropped.
+  // Whether a closure, accepted or contradicted, ties the surroundings of the two.
   bool IsClosed(int first, int second) const {
-    const auto tied = [&](int to) {
-      return std::any_of(closed_with_[to].begin(), closed_with_[to].end(),
-                         [&](int from) { return PathBetween(from, first) < kSpacingM; });
-    };
-    for (int to = second; to >= 0 && PathBetween(to, second) < kSpacingM; --to) {
-      if (tied(to)) return true;
-    }
-    for (int to = second + 1; to < graph_.size() && PathBetween(to, second) < kSpacingM; ++to) {
-      if (tied(to)) return true;
+    int to = second;
+    while (to > 0 && PathBetween(to - 1, second) < kSpacingM) --to;
+    for (; to < graph_.size() && PathBetween(to, second) < kSpacingM; ++to) {
+      const std::vector<int>& froms = closed_with_[to];
+      if (std::any_of(froms.begin(), froms.end(),
+                      [&](int from) { return PathBetween(from, first) < kSpacingM; })) {
+        return true;
+      }
     }
     return false;
   }
@@ -323,74 +288,54 @@ class CandidateFinder {
   // make up a visit.
   void AddCandidates(int second, const std::vector<int>& nodes, const std::vector<Way>& ways,
                      std::vector<LoopCandidate>* candidates) const {
-    const Eigen::Vector2d place = graph_.world_from_key[second].translation();
+    const Pose2& place = graph_.world_from_key[second];
     std::vector<Nearby> visits;
-    Nearby visit, wide;
+    Nearby wide;
     std::vector<int> wide_keys;
-    const auto finish_visit = [&] {
-      if (std::isfinite(visit.cost)) visits.push_back(visit);
-      visit = Nearby();
-    };
-    int previous = -1;
+    int last_of_visit = -1;
     for (const int node : nodes) {
-      const double reach_m = discs_[node].radius_m + kOverlapReachM + DriftM(ways[node]);
-      if ((place - discs_[node].centre).norm() > reach_m + kRoundingM) continue;
+      if (!std::isfinite(ways[node].cost_m)) continue;  // sessions that nothing ties
+      Nearby near;
+      near.candidate.second = second;
+      near.candidate.drift_m = DriftM(ways[node]);
+      near.candidate.drift_rad = DriftRad(ways[node]);
+      const double reach_m = kOverlapReachM + near.candidate.drift_m;
+      if ((place.translation() - PositionOf(node)).norm() > kNodeRadiusM + reach_m) continue;
       for (int first = ways_.FirstKeyOf(node); first < ways_.FirstKeyOf(node + 1); ++first) {
         if (first >= second || PathBetween(first, second) < LoopAcceptance::kRevisitPathM) break;
-        if (first != std::exchange(previous, first) + 1) finish_visit();
-        const Nearby pair = Examine(first, second, ways[node]);
-        const bool is_wide = pair.candidate.drift_m > kWideDriftM;
-        if (!std::isfinite(pair.cost) || is_wide) finish_visit();
-        if (!std::isfinite(pair.cost)) continue;
-        if (is_wide) wide_keys.push_back(first);
-        Nearby& best = is_wide ? wide : visit;
-        if (pair.cost < best.cost) best = pair;
+        const Pose2& earlier = graph_.world_from_key[first];
+        const double distance_m = (earlier.translation() - place.translation()).norm();
+        if (distance_m > reach_m) continue;
+        near.candidate.first = first;
+        near.cost = ViewDistanceM(distance_m, place.yaw - earlier.yaw);
+        if (near.candidate.drift_m > kWideDriftM) {
+          wide_keys.push_back(first);
+          if (near.cost < wide.cost) wide = near;
+        } else {
+          if (visits.empty() || first != last_of_visit + 1) visits.emplace_back();
+          if (near.cost < visits.back().cost) visits.back() = near;
+          last_of_visit = first;
+        }
       }
     }
-    finish_visit();
-    AppendNearestVisits(&visits, candidates);
+    std::stable_sort(visits.begin(), visits.end(),
+                     [](const Nearby& a, const Nearby& b) { return a.cost < b.cost; });
+    if (visits.size() > kMaxVisits) visits.resize(kMaxVisits);
+    for (const Nearby& visit : visits) {
+      if (!IsClosed(visit.candidate.first, second)) candidates->push_back(visit.candidate);
+    }
     const double wide_spacing_m =
         std::max(kWideSpacingM, kWideSpacingPerDrift * wide.candidate.drift_m);
-    if (std::isfinite(wide.cost) && BeginsStretch(second, wide_spacing_m)) {
+    if (!wide_keys.empty() && BeginsStretch(second, wide_spacing_m)) {
       wide.candidate.surroundings = Thinned(wide_keys, graph_);
       candidates->push_back(wide.candidate);
-    }
-  }
-
-  // A pair as a candidate, at an infinite cost if it is out of reach.
-  Nearby Examine(int first, int second, const Way& way) const {
-    Nearby pair;
-    if (!std::isfinite(way.cost_m)) return pair;  // sessions that nothing ties
-    const double drift_m = DriftM(way);
-    pair.candidate = {first, second, drift_m, DriftRad(way), {}};
-    const Pose2& a = graph_.world_from_key[first];
-    const Pose2& b = graph_.world_from_key[second];
-    const double distance_m = (a.translation() - b.translation()).norm();
-    if (distance_m <= kOverlapReachM + drift_m) {
-      pair.cost = ViewDistanceM(distance_m, b.yaw - a.yaw);
-    }
-    return pair;
-  }
-
-  void AppendNearestVisits(std::vector<Nearby>* visits,
-                           std::vector<LoopCandidate>* candidates) const {
-    std::stable_sort(visits->begin(), visits->end(),
-                     [](const Nearby& a, const Nearby& b) { return a.cost < b.cost; });
-    if (static_cast<int>(visits->size()) > kMaxVisits) {
-      visits->resize(kMaxVisits);
-    }
-    for (const Nearby& visit : *visits) {
-      if (IsClosed(visit.candidate.first, visit.candidate.second)) continue;
-      candidates->push_back(visit.candidate);
     }
   }
 
   const KeyframeGraph& graph_;
   std::vector<double> path_cost_m_;
   Ways ways_;
-  std::vector<Disc> discs_;  // of the nodes
-  PointIndex centres_;       // of the discs
-  double largest_radius_m_;
+  PointIndex nodes_;                           // first keyframe of each
   std::vector<std::vector<int>> closed_with_;  // per later keyframe of a closure the earlier ones
 };
 
@@ -401,8 +346,7 @@ struct PlainCandidate {
   double drift_m, drift_rad;
 };
 
-// Gives all processes the candidates of each node, which one of them has found. Something is known
-// of all their relative poses.
+// Gives all processes the candidates of each node, which one of them has found.
 void ShareCandidates(const Peers* peers, std::vector<std::vector<LoopCandidate>>* of_node) {
   if (peers == nullptr) return;
   std::vector<PlainCandidate> candidates;
@@ -438,9 +382,8 @@ std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const 
   const CandidateFinder finder(graph);
   std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
   const std::vector<std::size_t> own = OwnShare(peers, of_node.size());
-  pool->ForEachChunk(own.size(), 1, [&](std::size_t task, std::size_t, std::size_t) {
-    of_node[own[task]] = finder.OfNode(static_cast<int>(own[task]));
-  });
+  pool->ForEach(own.size(), 1,
+                [&](std::size_t i) { of_node[own[i]] = finder.OfNode(static_cast<int>(own[i])); });
   ShareCandidates(peers, &of_node);
   std::vector<LoopCandidate> candidates;
   for (std::vector<LoopCandidate>& of_this : of_node) {
@@ -459,12 +402,12 @@ std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph) {
     for (int k = edge; k >= 0 && keys[edge].path_m - keys[k].path_m <= kLocalMapPathM; --k) {
       before.push_back(k);
     }
-    double next_m = keys[edge + 1].path_m;
-    for (int k = edge + 1; k < graph.size(); ++k) {
-      if (keys[k].path_m - keys[edge + 1].path_m > kLocalPathM) break;
-      if (k > edge + 1 && graph.sequential[k - 1].in_question) break;
-      if (keys[k].path_m < next_m) continue;
-      next_m = keys[k].path_m + kLocalSpacingM;
+    int last = edge + 1;
+    while (last + 1 < graph.size() && !graph.sequential[last].in_question &&
+           keys[last + 1].path_m - keys[edge + 1].path_m <= kLocalPathM) {
+      ++last;
+    }
+    for (const int k : SpreadOverPath(graph, edge + 1, last, kLocalSpacingM)) {
       candidates.push_back(
           {edge, k, kDriftFloorM + kSuspectDriftM, kLocalTurnRad, Thinned(before, graph)});
     }
@@ -474,8 +417,8 @@ std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph) {
 
 std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge) {
   const std::vector<Keyframe>& keys = graph.keyframes;
-  std::vector<int> before;
-  for (int k = 0; k <= edge; ++k) before.push_back(k);
+  std::vector<int> before(edge + 1);
+  std::iota(before.begin(), before.end(), 0);
   const std::vector<int> surroundings = Thinned(before, graph);
   int last = edge + 1;
   while (last + 1 < graph.size() && !graph.sequential[last].untrusted()) ++last;

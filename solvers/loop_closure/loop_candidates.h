@@ -10,11 +10,10 @@
 
 namespace plumbline {
 
-/// How little two views have in common [m], if the robot went distance_m and turned by turn_rad in
-/// between: a radian counts as a metre.
+/// Difference of two views [m]: distance, and a metre per radian of turn.
 double ViewDistanceM(double distance_m, double turn_rad);
 
-/// A keyframe that may be a revisit, and where to look for the place.
+/// A keyframe that may revisit a place, and where to look for the place.
 struct LoopCandidate {
   int first = 0;         ///< keyframe of the earlier visit, the nearest one by what is known so far
   int second = 0;        ///< keyframe of the revisit, later than all of the earlier visit
@@ -22,7 +21,7 @@ struct LoopCandidate {
   double drift_rad = 0.0;
   /// Wide searches only: the keyframes in which the place may have been seen, one per metre or so.
   std::vector<int> surroundings;
-  /// Nothing is known of the relative pose: the drift is about the pose of `first` itself.
+  /// The relative pose is unknown: the drift is about the pose of `first` itself.
   bool unknown = false;
 
   bool wide() const { return !surroundings.empty(); }
@@ -34,15 +33,15 @@ struct LoopCandidate {
 std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
                                               ThreadPool* pool);
 
-/// Keyframes right after a suspect edge, to be found again in what was seen right before it.
+/// Keyframes right after each edge in question, to be found again in the scans right before it.
 std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph);
 
-/// Keyframes spread over what lies between an edge and the next untrusted one, each to be found
-/// again anywhere near by, and in any heading, in all that was seen before the edge.
+/// Keyframes spread over the path from an edge to the next untrusted one, each to be found again
+/// near by, in any heading, in the scans before the edge.
 std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge);
 
-/// Keyframes spread over the sessions from keyframe `first_of_second` on, each to be found anywhere
-/// in what was seen in the sessions before, and in any heading. That is searched square by square:
+/// Keyframes spread over the sessions from keyframe `first_of_second` on, each to be found
+/// anywhere, in any heading, in the sessions before. These are searched square by square:
 /// candidates with the same square follow each other.
 std::vector<LoopCandidate> FindSessionJoins(const KeyframeGraph& graph, int first_of_second);
 
