@@ -12,12 +12,12 @@ namespace plumbline {
 /// Marks the sequential edges whose two sides disagree: returns in the other side's free space, or
 /// too little in common for scans so near to each other. There the robot may have been carried, its
 /// wheels may have slipped, or a scan was matched to the wrong place.
-/// surfaces: per scan. world_from_robot: per pose, as the sequential matching left it.
+/// world_from_robot: per pose, as the sequential matching left it.
 void MarkSuspectEdges(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
                       ThreadPool* pool, KeyframeGraph* keyframe_graph);
 
-/// Marks the edge whose two sides agree worst of those from keyframe `first` to keyframe `last`,
-/// however little that is. Returns it.
+/// Marks the edge from keyframe `first` to keyframe `last` whose two sides agree worst, however
+/// little they disagree. Returns it.
 int MarkWorstEdge(const ScanSurfaces& surfaces, const std::vector<Pose2>& world_from_robot,
                   int first, int last, KeyframeGraph* keyframe_graph);
 
