@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "plumbline/core/pose2.h"
-#include "plumbline/solvers/front_end/correct_odometry.h"
 #include "plumbline/solvers/front_end/given_poses.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_clock.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "plumbline/core/angle.h"
@@ -14,25 +15,27 @@ namespace plumbline {
 namespace {
 
 constexpr double kMaxOffsetS = 1.0;
-// Over a longer gap the robot need not have moved steadily.
+// Longest gap between scans [s]: over a longer one the robot need not have moved steadily.
 constexpr double kMaxGapS = 1.0;
-// Of the stamps. Where more repeat the one before, they are rounded, or not those of the scans.
+// Largest share of stamps that repeat the one before. Where more do, they are rounded, or not those
+// of the scans.
 constexpr double kMaxRepeatedShare = 0.02;
 // Offsets are tried this far apart, up to a margin beyond the largest, where a best one is none.
 constexpr double kSpacingS = 0.02;
 constexpr int kNumTriedEachWay = 60;
 constexpr int kNumTried = 2 * kNumTriedEachWay + 1;
-// Headings are averaged over a window and compared over a span, both of several scans: the noise of
-// single scans depends on where between them a heading is interpolated, which is no offset.
-constexpr double kWindowS = 0.25, kSpanS = 0.5, kWindowPeriods = 5.0;
+// Headings are averaged over a window and compared over a span [s], each of several scans: the
+// noise of single scans depends on where between them a heading is interpolated, which is no
+// offset.
+constexpr double kWindowS = 0.25, kSpanS = 0.5, kMinPeriods = 5.0;
 constexpr double kSampleSpacingS = 0.2;
 constexpr std::size_t kMinSamples = 100, kMaxSamples = 3000;
-// Of the odometry's turns, relative. Without that belief none of them would explain any.
+// Prior sigma of the odometry's gain on turns, relative. Without it a gain of 0 would explain any.
 constexpr double kGainSigma = 0.05;
 // Residuals count as this many robust standard deviations at most.
 constexpr double kMaxSigmas = 3.0;
-// Four standard deviations: offsets whose log-likelihood ratio to the best, doubled, is less are
-// possible.
+// Doubled log-likelihood ratio to the best offset below which an offset is possible: four standard
+// deviations.
 constexpr double kPossible = 16.0;
 
 // Mean headings of a robot that turns steadily from scan to scan.
@@ -80,7 +83,7 @@ std::vector<double> TimesOf(const SlamGraph& graph) {
   return times_s;
 }
 
-// Of the steps that take time; 0 if stamps fall, or if too many repeat.
+// Median time between scans whose stamps differ [s]; 0 if stamps fall, or if too many repeat.
 double PeriodOf(const std::vector<double>& times_s) {
   std::vector<double> periods_s;
   for (std::size_t i = 1; i < times_s.size(); ++i) {
@@ -98,8 +101,8 @@ class TurnComparison {
  public:
   TurnComparison(const std::vector<double>& times_s, double period_s,
                  const SequentialTrajectory& trajectory) {
-    const double window_s = std::max(kWindowS, kWindowPeriods * period_s);
-    const double span_s = std::max(kSpanS, kWindowPeriods * period_s);
+    const double window_s = std::max(kWindowS, kMinPeriods * period_s);
+    const double span_s = std::max(kSpanS, kMinPeriods * period_s);
     std::vector<double> matched = {0.0}, by_odometry = {0.0};
     for (std::size_t pose = 1; pose < times_s.size(); ++pose) {
       const std::vector<Pose2>& poses = trajectory.world_from_robot;
@@ -122,7 +125,7 @@ class TurnComparison {
 
   bool HasEnoughSamples() const { return samples_.size() >= kMinSamples; }
 
-  // Minus twice the log-likelihood of every offset tried, beyond that of the best.
+  // Minus twice the log-likelihood of every offset tried, relative to the best.
   std::array<double, kNumTried> Unlikeliness() const {
     std::array<double, kNumTried> result{};
     for (int i = 0; i < kNumTried; ++i) result[i] = std::log(MeanSquare(i));
@@ -132,7 +135,7 @@ class TurnComparison {
   }
 
  private:
-  // Where all that is compared lies within a stretch without a gap.
+  // Times whose windows, shifted by any offset, lie within a stretch without a gap.
   std::vector<double> SampleTimes(const std::vector<double>& times_s, double window_s,
                                   double span_s) {
     const double before_s = kNumTriedEachWay * kSpacingS + 0.5 * window_s;
@@ -156,7 +159,8 @@ class TurnComparison {
     return samples_s;
   }
 
-  // Of the residuals for the best gain of the odometry; each counts as at most a few medians.
+  // Mean square of the residuals for the best gain of the odometry (iteratively reweighted least
+  // squares, Huber loss).
   double MeanSquare(int offset) const {
     constexpr int kIterations = 3;
     double gain = 1.0, mean_square = 0.0;
@@ -188,8 +192,8 @@ class TurnComparison {
   std::vector<TurnSample> samples_;
 };
 
-// How far from the best one in a direction offsets are possible [s]; negative if to the end of
-// those tried, or again beyond some that are not.
+// Width [s] of the possible offsets on one side of the best one; negative if they reach to the end
+// of those tried, or if there are others beyond impossible ones.
 double PossibleWidth(const std::array<double, kNumTried>& unlikeliness, int best, int direction) {
   double width_s = -1.0;
   for (int i = best + direction; i >= 0 && i < kNumTried; i += direction) {
@@ -200,28 +204,6 @@ double PossibleWidth(const std::array<double, kNumTried>& unlikeliness, int best
     width_s = std::abs(i - best) * kSpacingS * std::sqrt(kPossible / unlikeliness[i]);
   }
   return width_s;
-}
-
-// Where a time lies among rising times: from `pose` on, by this share of the step to the next.
-struct Bracket {
-  std::size_t pose = 0;
-  double share = 0.0;     // 0 to 1
-  bool is_known = false;  // false before the first time, after the last one, and in gaps
-};
-
-// Of every pose, `shift_s` after it.
-std::vector<Bracket> BracketsAfter(const std::vector<double>& times_s, double shift_s) {
-  std::vector<Bracket> brackets;
-  std::size_t from = 0;
-  for (const double time_s : times_s) {
-    const double wanted_s = time_s + shift_s;
-    while (from + 2 < times_s.size() && times_s[from + 1] <= wanted_s) ++from;
-    const double step_s = times_s[from + 1] - times_s[from];
-    Bracket bracket{from, step_s > 0.0 ? (wanted_s - times_s[from]) / step_s : 0.0, false};
-    bracket.is_known = bracket.share >= 0.0 && bracket.share <= 1.0 && step_s <= kMaxGapS;
-    brackets.push_back(bracket);
-  }
-  return brackets;
 }
 
 }  // namespace
@@ -257,14 +239,21 @@ std::vector<Pose2> OdometryInTime(const SlamGraph& graph, const std::vector<Pose
   for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
     poses.push_back(poses.back() * odometry[pose]);
   }
-  const std::vector<Bracket> brackets = BracketsAfter(TimesOf(graph), -offset_s);
-  const auto pose_at = [&](const Bracket& bracket) {
-    return poses[bracket.pose] * PartOfMotion(odometry[bracket.pose + 1], bracket.share);
+  const std::vector<double> times_s = TimesOf(graph);
+  // Nothing before the first scan, after the last one, and in gaps.
+  const auto pose_at = [&](double time_s) -> std::optional<Pose2> {
+    const auto after = std::upper_bound(times_s.begin() + 1, times_s.end() - 1, time_s);
+    const std::size_t from = after - times_s.begin() - 1;
+    const double step_s = times_s[from + 1] - times_s[from];
+    const double share = step_s > 0.0 ? (time_s - times_s[from]) / step_s : 0.0;
+    if (!(share >= 0.0 && share <= 1.0 && step_s <= kMaxGapS)) return std::nullopt;
+    return poses[from] * PartOfMotion(odometry[from + 1], share);
   };
   std::vector<Pose2> steps = odometry;
   for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
-    const Bracket &from = brackets[pose - 1], &to = brackets[pose];
-    if (from.is_known && to.is_known) steps[pose] = Between(pose_at(from), pose_at(to));
+    const std::optional<Pose2> from = pose_at(times_s[pose - 1] - offset_s);
+    const std::optional<Pose2> to = pose_at(times_s[pose] - offset_s);
+    if (from && to) steps[pose] = Between(*from, *to);
   }
   return steps;
 }

@@ -10,14 +10,12 @@
 namespace plumbline {
 namespace {
 
-// Of path to either side [m]. Scans within 12 m are matched to the same local map
-// (sequential_matcher.cc): up to there the matching does not drift. On the hospital campus all
-// loops are closed with 7 to 20 m, and not with 5 or 40.
+// Path to either side [m]: up to there the matching, whose local map reaches as far, does not
+// drift. On the hospital campus all loops are closed with 7 to 20 m, and not with 5 or 40.
 constexpr double kMeanReachM = 12.0;
 
-// The mean of a value over a path around each of its places. Both are given per pose, and the value
-// is linear in between. Beyond its ends the path goes on as its reflection in them, so that the
-// mean of both ends is their value.
+// The mean of a value over the path around a place. Path and value are given per pose and linear in
+// between. Beyond its ends the path is reflected, so that the mean of both ends is their value.
 class MeanOverPath {
  public:
   MeanOverPath(const std::vector<double>& path_m, const std::vector<double>& value, double reach_m)

@@ -9,13 +9,13 @@
 
 namespace plumbline {
 
-/// The trajectory with the headings of the odometry over long stretches. Its steps keep the turns
-/// of the matching, but the heading by which the odometry differs, as a mean over 12 m of path to
-/// either side, is added. Outdoors, where a scan sees few and rough surfaces, the heading of the
-/// matching drifts by a degree every 10 m, and that of good wheels does not.
+/// The trajectory with the headings of the odometry over long stretches: its steps keep the turns
+/// of the matching, plus the mean over 12 m of path to either side by which the odometry differs.
+/// Outdoors, where a scan sees few and rough surfaces, the heading of the matching drifts by a
+/// degree every 10 m, and that of good wheels does not.
 ///
-/// given: poses by odometry, one per pose. motion: its noise; steps that matching and odometry put
-/// more than noise apart (IsLeap) say nothing of the headings.
+/// given: poses by odometry, one per pose. motion: its noise; steps whose difference is more than
+/// noise (IsLeap) do not count.
 SequentialTrajectory WithOdometryHeadings(const SequentialTrajectory& matched,
                                           const std::vector<Pose2>& given,
                                           const MotionOptions& motion);

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
+#include "plumbline/solvers/front_end/keyframe_graph.h"
+#include "plumbline/solvers/front_end/odometry_span.h"
 
 namespace plumbline {
 namespace {
@@ -23,10 +26,6 @@ constexpr int kMinSpans = 30;
 constexpr double kMaxKnowingShare = 0.25;
 // Errors of a span beyond this many standard deviations count as this many.
 constexpr double kGateSigmas = 3.0;
-
-constexpr double kLeapM = 0.2;
-constexpr double kLeapRad = 0.2;
-constexpr double kLeapSigmas = 6.0;
 
 // The quantities by their index in Vector2d (forward [m], turn [rad]).
 constexpr int kForward = 0;
@@ -181,42 +180,37 @@ RandomError EstimateErrors(const SequentialTrajectory& trajectory, const MotionO
   return random;
 }
 
-// Sets one alpha so that all steps together have the variance of the random error.
-void SetAlpha(const SequentialTrajectory& trajectory, double MotionOptions::*alpha, int quantity,
-              double variance, MotionOptions* motion) {
-  MotionOptions unit{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  unit.*alpha = 1.0;
-  double unit_variance = 0.0;
-  for (std::size_t pose = 1; pose < trajectory.odometry.size(); ++pose) {
-    unit_variance += VarianceOf(quantity, MotionCovariance(trajectory.odometry[pose], unit));
-  }
-  constexpr double kMost = 1e6;  // that MotionOptions allow
-  if (unit_variance > 0.0) {
-    motion->*alpha = std::min(std::sqrt(variance / unit_variance), kMost);
-  }
-}
-
 MotionOptions StepNoise(const SequentialTrajectory& trajectory, const RandomError& translation,
                         const RandomError& rotation, const MotionOptions& given) {
   Path path;
   for (std::size_t pose = 1; pose < trajectory.odometry.size(); ++pose) {
     path.Add(ForwardAndTurn(MatchedStep(trajectory, static_cast<int>(pose))));
   }
-  const auto variance = [](double sigma_per_sqrt, double length) {
-    return sigma_per_sqrt * sigma_per_sqrt * length;
-  };
   MotionOptions motion = given;
+  // Sets an alpha so that all steps together have the variance of the random error.
+  const auto set = [&](double MotionOptions::*alpha, int quantity, double sigma_per_sqrt,
+                       double length) {
+    MotionOptions unit{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    unit.*alpha = 1.0;
+    double unit_variance = 0.0;
+    for (std::size_t pose = 1; pose < trajectory.odometry.size(); ++pose) {
+      unit_variance += VarianceOf(quantity, MotionCovariance(trajectory.odometry[pose], unit));
+    }
+    constexpr double kMax = 1e6;  // that MotionOptions allow
+    const double variance = sigma_per_sqrt * sigma_per_sqrt * length;
+    if (unit_variance > 0.0) motion.*alpha = std::min(std::sqrt(variance / unit_variance), kMax);
+  };
+  const Eigen::Vector2d length = path.length();
   if (translation.estimated) {
-    SetAlpha(trajectory, &MotionOptions::translation_per_translation, kForward,
-             variance(translation.sigma_per_sqrt_m, path.length().x()), &motion);
-    SetAlpha(trajectory, &MotionOptions::translation_per_rotation_m_rad, kForward,
-             variance(translation.sigma_per_sqrt_rad, path.length().y()), &motion);
+    set(&MotionOptions::translation_per_translation, kForward, translation.sigma_per_sqrt_m,
+        length.x());
+    set(&MotionOptions::translation_per_rotation_m_rad, kForward, translation.sigma_per_sqrt_rad,
+        length.y());
   }
   if (rotation.estimated) {
-    SetAlpha(trajectory, &MotionOptions::rotation_per_translation_rad_m, kTurn,
-             variance(rotation.sigma_per_sqrt_m, path.length().x()), &motion);
-    SetAlpha(trajectory, &MotionOptions::rotation_per_rotation, kTurn,
-             variance(rotation.sigma_per_sqrt_rad, path.length().y()), &motion);
+    set(&MotionOptions::rotation_per_translation_rad_m, kTurn, rotation.sigma_per_sqrt_m,
+        length.x());
+    set(&MotionOptions::rotation_per_rotation, kTurn, rotation.sigma_per_sqrt_rad, length.y());
   }
   return motion;
 }
@@ -271,6 +265,37 @@ Pose2 CorrectStep(const Pose2& step, const OdometryNoiseReport& report) {
   // Half of the excess turn comes before the middle of the step.
   const Pose2 half_excess(0.0, 0.0, 0.5 * (true_yaw - yaw));
   return half_excess * Pose2(forward.x, forward.y, yaw) * half_excess;
+}
+
+void CorrectOdometry(std::vector<Pose2> corrected, const MotionOptions& motion,
+                     SequentialTrajectory* trajectory) {
+  const std::vector<Pose2>& poses = trajectory->world_from_robot;
+  KeyframeGraph keys;
+  keys.keyframes = trajectory->keyframes;
+  keys.sequential.resize(std::max(1, keys.size()) - 1);
+  for (const Keyframe& key : keys.keyframes) keys.world_from_key.push_back(poses[key.pose]);
+  for (int k = 1; k < keys.size(); ++k) {
+    const Keyframe& from = keys.keyframes[k - 1];
+    const Keyframe& to = keys.keyframes[k];
+    const Pose2 matched = Between(poses[from.pose], poses[to.pose]);
+    const OdometrySpan before = ChainOdometry(trajectory->odometry, from.pose, to.pose, motion);
+    const OdometrySpan after = ChainOdometry(corrected, from.pose, to.pose, motion);
+    const Eigen::Vector3d change(after.from_from_to.x - before.from_from_to.x,
+                                 after.from_from_to.y - before.from_from_to.y,
+                                 NormalizeAngle(after.from_from_to.yaw - before.from_from_to.yaw));
+    // The share of the change that a match of this information lets through. Applied twice: a
+    // little of each edge's change is the map's drag on the match, which does not add up over the
+    // edges, while along a corridor the share is 1 and stays so.
+    const Eigen::Matrix3d prior = before.covariance.inverse();
+    const Eigen::Matrix3d match = RotateAxes(to.information, matched.yaw);
+    const Eigen::Matrix3d share = (match + prior).inverse() * prior;
+    const Eigen::Vector3d moved = share * share * change;
+    keys.world_from_key[k] =
+        keys.world_from_key[k - 1] *
+        Pose2(matched.x + moved.x(), matched.y + moved.y(), matched.yaw + moved.z());
+  }
+  trajectory->world_from_robot = PosesFollowingKeyframes(keys, poses);
+  trajectory->odometry = std::move(corrected);
 }
 
 }  // namespace plumbline

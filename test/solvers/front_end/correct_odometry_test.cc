@@ -1,5 +1,3 @@
-#include "plumbline/solvers/front_end/correct_odometry.h"
-
 #include <gtest/gtest.h>
 
 #include "plumbline/solvers/front_end/odometry_noise.h"
