@@ -15,13 +15,14 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxChi2 = 16.3;
+// 99.9 % quantile of chi-squared with three degrees of freedom.
+constexpr double kMaxChi2 = LoopAcceptance::kMaxRelief;
+// Conflicts at an edge over the usual ones from one scan to the next, above which they count.
 constexpr double kUsualFactor = 3.0;
-// Of returns that both sides must have seen, fewer say nothing.
-constexpr int kFewestCompared = 50;
-// How far along the path the scans beside one are taken [m], and at most.
-constexpr double kBesideM = 1.0, kFarthestM = 5.0;
-constexpr std::size_t kEdgesPerChunk = 16;
+// Returns that both sides must have seen: fewer say nothing.
+constexpr int kMinCompared = 50;
+// Path [m] to the scans beside one: at least, and at most.
+constexpr double kBesideM = 1.0, kMaxBesideM = 5.0;
 
 bool IsStep(int from, int to) { return std::abs(from - to) == 1; }
 bool IsStep(const RelativePoseConstraint& edge) { return IsStep(edge.from, edge.to); }
@@ -35,9 +36,7 @@ double Chi2(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
   return error.dot(covariance.ldlt().solve(error));
 }
 
-bool IsEnough(const FreeSpaceConflict& conflict) {
-  return conflict.num_compared >= kFewestCompared;
-}
+bool IsEnough(const FreeSpaceConflict& conflict) { return conflict.num_compared >= kMinCompared; }
 
 }  // namespace
 
@@ -81,7 +80,7 @@ void EdgeTests::Extend(const SlamGraph& graph, const MeasuredSurface& surface, T
   TestOthers(surfaces, std::move(others), pool);
 }
 
-// The new ones, and once more those whose scan beyond the later pose was still to come.
+// Tests new edges, and once more those whose scan beyond the later pose was still to come.
 void EdgeTests::TestOthers(const ScanSurfaces& surfaces, std::vector<std::size_t> to_test,
                            ThreadPool* pool) {
   const std::vector<RelativePoseConstraint>& all = surfaces.graph().relative_poses();
@@ -100,7 +99,7 @@ void EdgeTests::TestOthers(const ScanSurfaces& surfaces, std::vector<std::size_t
   for (std::size_t k = 0; k < edges.size(); ++k) evidence_[to_test[k]] = evidence[k];
 }
 
-// Whether nothing is known yet of what lies a metre of path beyond a pose.
+// True if less than kBesideM of path follows the pose.
 bool EdgeTests::IsNearTheEnd(int pose) const {
   double path_m = 0.0;
   for (std::size_t next = pose + 1; next < step_to_.size(); ++next) {
@@ -121,21 +120,6 @@ std::vector<ContradictedEdge> EdgeTests::Contradicted(const SlamGraph& graph) co
   return contradicted;
 }
 
-// To be copied byte by byte.
-struct EdgeTests::PlainEvidence {
-  std::size_t edge;
-  Pose2 from_from_to;
-  double covariance[9];
-  double inlier_ratio;
-  bool converged;
-  FreeSpaceConflict at_edge, at_match;
-
-  Evidence Unpacked() const {
-    return {
-        {from_from_to, Eigen::Matrix3d(covariance), inlier_ratio, converged}, at_edge, at_match};
-  }
-};
-
 std::vector<EdgeTests::Evidence> EdgeTests::Test(const ScanSurfaces& surfaces,
                                                  const std::vector<RelativePoseConstraint>& edges,
                                                  ThreadPool* pool) const {
@@ -153,23 +137,14 @@ std::vector<EdgeTests::Evidence> EdgeTests::Test(const ScanSurfaces& surfaces,
   }
   const ScanSurfaces known = surfaces.With(scans);
   std::vector<Evidence> evidence(edges.size());
-  pool->ForEachChunk(own.size(), kEdgesPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                         evidence[own[i]] = Test(known, edges[own[i]]);
-                       }
-                     });
+  constexpr std::size_t kEdgesPerChunk = 16;
+  pool->ForEach(own.size(), kEdgesPerChunk,
+                [&](std::size_t i) { evidence[own[i]] = Test(known, edges[own[i]]); });
   if (graph.peers() == nullptr) return evidence;
-  std::vector<PlainEvidence> plain;
-  plain.reserve(own.size());
-  for (const std::size_t i : own) {
-    const auto& [match, at_edge, at_match] = evidence[i];
-    plain.push_back(
-        {i, match.from_from_to, {}, match.inlier_ratio, match.converged, at_edge, at_match});
-    std::copy_n(match.covariance.data(), 9, plain.back().covariance);
-  }
-  for (const PlainEvidence& seen : JoinOverPeers(graph.peers(), std::move(plain))) {
-    evidence[seen.edge] = seen.Unpacked();
+  std::vector<std::pair<std::size_t, Evidence>> of_own;
+  for (const std::size_t i : own) of_own.emplace_back(i, evidence[i]);
+  for (const auto& [edge, seen] : JoinOverPeers(graph.peers(), std::move(of_own))) {
+    evidence[edge] = seen;
   }
   return evidence;
 }
@@ -179,29 +154,25 @@ EdgeTests::Evidence EdgeTests::Test(const ScanSurfaces& surfaces,
   Evidence seen;
   seen.match = MatchPair(surfaces.Of(scan_of_pose_[edge.from]), surfaces.Of(scan_of_pose_[edge.to]),
                          edge.from_from_to, icp_);
-  const std::vector<Beside> scans_a = ScansBeside(edge.from, IsStep(edge)),
-                            scans_b = ScansBeside(edge.to, IsStep(edge));
-  const auto free_space_of = [&](const std::vector<Beside>& scans) {
-    std::vector<FreeSpaceScan> free_space;
-    free_space.reserve(scans.size());
-    for (const Beside& one : scans) free_space.push_back(surfaces.FreeSpaceOf(one.scan));
-    return free_space;
-  };
-  const std::vector<FreeSpaceScan> free_a = free_space_of(scans_a), free_b = free_space_of(scans_b);
-  for (std::size_t a = 0; a < scans_a.size(); ++a) {
-    const Pose2 a_from_from = scans_a[a].pose_from_scan.Inverse();
+  const std::vector<Beside> scans_b = ScansBeside(edge.to, IsStep(edge));
+  std::vector<FreeSpaceScan> free_b;
+  for (const Beside& b : scans_b) free_b.push_back(surfaces.FreeSpaceOf(b.scan));
+  for (const Beside& a : ScansBeside(edge.from, IsStep(edge))) {
+    const FreeSpaceScan free_a = surfaces.FreeSpaceOf(a.scan);
+    const Pose2 a_from_from = a.pose_from_scan.Inverse();
     for (std::size_t b = 0; b < scans_b.size(); ++b) {
-      const Pose2& to_from_b = scans_b[b].pose_from_scan;
-      seen.at_edge +=
-          CompareBothWays(free_a[a], free_b[b], a_from_from * edge.from_from_to * to_from_b);
-      seen.at_match +=
-          CompareBothWays(free_a[a], free_b[b], a_from_from * seen.match.from_from_to * to_from_b);
+      const auto conflict_at = [&](const Pose2& from_from_to) {
+        return CompareBothWays(free_a, free_b[b],
+                               a_from_from * from_from_to * scans_b[b].pose_from_scan);
+      };
+      seen.at_edge += conflict_at(edge.from_from_to);
+      seen.at_match += conflict_at(seen.match.from_from_to);
     }
   }
   return seen;
 }
 
-// The scan of a pose, alone or with the first ones a metre of path before and after it.
+// The scan of a pose, alone or with the first ones kBesideM before and after it.
 std::vector<EdgeTests::Beside> EdgeTests::ScansBeside(int pose, bool alone) const {
   std::vector<Beside> scans = {{scan_of_pose_[pose], Pose2()}};
   if (alone) return scans;
@@ -222,14 +193,14 @@ std::optional<EdgeTests::Beside> EdgeTests::FindBeside(int pose, int direction) 
     if (!step) return std::nullopt;
     beside.pose_from_scan = beside.pose_from_scan * (direction > 0 ? *step : step->Inverse());
     path_m += std::hypot(step->x, step->y);
-    if (path_m > kFarthestM) return std::nullopt;
+    if (path_m > kMaxBesideM) return std::nullopt;
     beside.scan = scan_of_pose_[other];
     if (path_m >= kBesideM && beside.scan >= 0) return beside;
   }
   return std::nullopt;
 }
 
-// How consecutive scans lie: by their match, or else by the edge.
+// Notes how consecutive scans lie: by their match, or else by the edge.
 void EdgeTests::TakeSteps(const std::vector<RelativePoseConstraint>& steps,
                           const std::vector<Evidence>& evidence) {
   for (std::size_t i = 0; i < steps.size(); ++i) {

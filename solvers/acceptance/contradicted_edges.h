@@ -26,23 +26,22 @@ struct ContradictedEdge {
 /// Finds the relative poses that their own scans contradict, wherever the poses of the graph are:
 ///
 /// - the two scans match each other, beginning at the edge, and the match is off it by more than
-///   both covariances explain (chi-squared 16.3, which one sound edge in a thousand exceeds), or
+///   both covariances explain (chi-squared above its 99.9 % quantile), or
 /// - at the edge, one side shows surfaces where the other looked through: more than loop closure
 ///   lets pass (LoopAcceptance::kMaxFreeSpaceConflict), and more than three times what is usual
 ///   from one scan to the next, as in a crowd. Each side is three scans, a metre of path apart: two
 ///   corridors look alike in a single one. Between consecutive poses this counts only if there is a
-///   match in the edge's place, for something has to hold the drive together.
+///   match in the edge's place, since something has to hold the drive together.
 ///
 /// A match has to have loop closure's share of inliers and no such conflict. Edges whose scans have
-/// too little in common, or of poses without scans, are not contradicted. In order of the edges.
-/// The result does not depend on the number of threads. Collective for a shared graph: an edge is
-/// tested by the process that has the scan of its first pose, and all get the same result.
+/// too little in common, or of poses without scans, are not contradicted. In order of the edges;
+/// the result does not depend on the number of threads. Collective for a shared graph.
 std::vector<ContradictedEdge> FindContradictedEdges(const SlamGraph& graph,
                                                     const MeasuredSurface& surface,
                                                     const RangeBeamOptions& beam, ThreadPool* pool);
 
-/// The same for a graph that grows: edges are tested when they come, and those of the newest poses
-/// again when what lies beyond these has been seen.
+/// Finds the contradicted edges of a graph that grows. Edges are tested when they come, and those
+/// of the newest poses again when what lies beyond these has been seen.
 class EdgeTests {
  public:
   explicit EdgeTests(const RangeBeamOptions& beam);
@@ -50,11 +49,11 @@ class EdgeTests {
   /// Takes in what the graph has gained since the last call. surface: of the graph.
   void Extend(const SlamGraph& graph, const MeasuredSurface& surface, ThreadPool* pool);
 
-  /// By all that has been seen: what is usual between scans may change.
+  /// Depends on all edges so far, by the usual conflict between scans.
   std::vector<ContradictedEdge> Contradicted(const SlamGraph& graph) const;
 
-  /// Whether both poses of an edge have scans, but these do not match each other anywhere near it:
-  /// they say nothing for the edge, contradicted or not.
+  /// Whether both poses of an edge have scans that match each other nowhere near it: these say
+  /// nothing for the edge, contradicted or not.
   bool LacksMatch(const SlamGraph& graph, std::size_t edge) const {
     const RelativePoseConstraint& constraint = graph.relative_poses()[edge];
     return HaveScans(constraint) && !MatchOf(constraint, evidence_[edge]);
@@ -71,8 +70,6 @@ class EdgeTests {
     PairMatch match;
     FreeSpaceConflict at_edge, at_match;
   };
-
-  struct PlainEvidence;
 
   std::vector<Evidence> Test(const ScanSurfaces& surfaces,
                              const std::vector<RelativePoseConstraint>& edges,
@@ -104,7 +101,7 @@ class EdgeTests {
   double max_conflict_;
 };
 
-/// What is said of them in a summary. poses: (x, y, yaw) each.
+/// Describes contradicted edges for a summary. poses: (x, y, yaw) each.
 std::vector<IgnoredEdge> DescribeIgnored(const std::vector<ContradictedEdge>& contradicted,
                                          const SlamGraph& graph, const std::vector<double>& poses);
 

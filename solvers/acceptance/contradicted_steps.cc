@@ -7,18 +7,17 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/interface/acceptance.h"
 #include "plumbline/solvers/terms/pose_edges.h"
 
 namespace plumbline {
 namespace {
 
-constexpr double kContradictedSigmas = 6.0;
-// On fr079, a step of 15 moves the pose beside it by 3 mm only. A robot that was carried
-// contradicts its step by hundreds.
+// Least error of a broken step [standard deviations]. On fr079, a step of 15 moves the pose beside
+// it by 3 mm only; a robot that was carried contradicts its step by hundreds.
 constexpr double kBrokenSigmas = 30.0;
-constexpr double kLeapM = 0.2;
-constexpr double kLeapRad = 0.2;
+// Largest error of a step that a state keeps [standard deviations].
 constexpr double kKeptSigmas = 3.0;
 constexpr int kReachPoses = 16;
 
@@ -51,10 +50,10 @@ StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& 
   std::vector<std::size_t> contradicted;
   std::vector<WorseStretch> spoilt = worse;
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    if (IsContradicted(motions[i], seed, kContradictedSigmas)) {
+    if (IsContradicted(motions[i], seed, kLeapSigmas)) {
       contradicted.push_back(i);
     } else if (SigmasOf(motions[i], seed) <= kKeptSigmas &&
-               SigmasOf(motions[i], state) > kContradictedSigmas) {
+               SigmasOf(motions[i], state) > kLeapSigmas) {
       spoilt.push_back({motions[i].from, motions[i].to});
     }
   }
@@ -81,7 +80,7 @@ std::vector<DownweightedStep> FindBrokenSteps(const SlamGraph& graph, const Fact
         std::any_of(first_poses_after.begin(), first_poses_after.end(), [&](int pose) {
           return IsNear({pose, pose}, motions[i].to);
         });
-    if (is_near && IsContradicted(motions[i], seed, kContradictedSigmas)) {
+    if (is_near && IsContradicted(motions[i], seed, kLeapSigmas)) {
       steps.push_back({i, SigmasOf(motions[i], seed)});
     }
   }

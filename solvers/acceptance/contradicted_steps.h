@@ -12,8 +12,8 @@ namespace plumbline {
 /// Steps of the odometry that speak against a state.
 struct StepsAgainstState {
   std::vector<DownweightedStep> steps;  ///< in order of the graph
-  /// One of them at least is broken, and drew the state all the same: what that looks like says
-  /// nothing for it.
+  /// One of them at least is broken, and drew the state all the same: its energy says nothing for
+  /// it.
   bool refute_state = false;
 };
 
@@ -23,12 +23,10 @@ struct StepsAgainstState {
 /// drew it away if within 16 poses lies one of the `worse` stretches, or a step that the seed keeps
 /// to within three standard deviations and the state contradicts by more than six.
 ///
-/// The motion terms are quadratic, the returns' robust. What a pose's returns say against a wrong
-/// place is bounded, what a step says that is off by hundreds of standard deviations is not: it
-/// tears the poses beside it from the map and shares its error out among the steps there. It may
-/// even draw a stretch of the drive onto walls that look alike. Each of these steps gets the factor
-/// that makes its error at the seed one standard deviation. Where the state obeys the step and is
-/// no worse than the seed, the seed was wrong and the step is right: it is not downweighted.
+/// The motion terms are quadratic, the returns' robust: a step that is off by hundreds of standard
+/// deviations tears the poses beside it from the map, or draws a stretch onto walls that look
+/// alike. Each of these steps gets the factor that makes its error at the seed one standard
+/// deviation. Where the state obeys the step and is no worse than the seed, the seed was wrong.
 ///
 /// seed, state: (x, y, yaw) each. A step that `factors` downweights already is found again only if
 /// it is contradicted even so.
@@ -37,9 +35,8 @@ StepsAgainstState FindStepsAgainst(const SlamGraph& graph, const FactorOptions& 
                                    const std::vector<double>& state,
                                    const std::vector<WorseStretch>& worse);
 
-/// Of the steps within 16 poses of `first_poses_after`, which are known to come after a broken
-/// step, those that the seed flatly contradicts, with the factors as above. None of a seed of
-/// another size.
+/// Steps within 16 poses of `first_poses_after`, poses right after a broken step, that the seed
+/// flatly contradicts, with the factors as above. None for a seed of another size.
 std::vector<DownweightedStep> FindBrokenSteps(const SlamGraph& graph, const FactorOptions& factors,
                                               const std::vector<double>& seed,
                                               const std::vector<int>& first_poses_after);
