@@ -141,9 +141,8 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
   }
   const SlamGraph& graph = lacks_odometry ? with_steps : mapping.graph;
   MapState chain;
-  PairwiseIcpReport report;
   PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(BeamNoise(options, mapping.report), metric),
-                                       mapping.surface, pool, graph, &chain, &report));
+                                       mapping.surface, pool, graph, &chain));
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }

@@ -125,12 +125,11 @@ class Experiment {
   Status ChainPairs(IcpMetric metric, const std::string& name, MapState* chain) {
     PairwiseIcpOptions options = inputs_.icp;
     options.metric = metric;
-    PairwiseIcpReport report;
     const auto start = Clock::now();
     const MeasuredSurface surface = MeasureSurface(
         mapping_.graph, NormalOptionsFor(BeamNoise(options_, mapping_.report)), &pool_);
     PLUMBLINE_RETURN_IF_ERROR(
-        plumbline::ChainPairs(options, surface, &pool_, mapping_.graph, chain, &report));
+        plumbline::ChainPairs(options, surface, &pool_, mapping_.graph, chain));
     AddStage(name, *chain, SecondsSince(start));
     return Status::Ok();
   }

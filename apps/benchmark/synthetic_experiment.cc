@@ -76,9 +76,8 @@ class MapMaker {
 
   Status Chain(IcpMetric metric, Mapper mapper) {
     MapState state;
-    PairwiseIcpReport report;
-    PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(factors_.beam, metric), surface_, &pool_,
-                                         drive_.graph, &state, &report));
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChainPairs(IcpOptionsFor(factors_.beam, metric), surface_, &pool_, drive_.graph, &state));
     PutRaw(mapper, PosesOf(state.poses));
     return Status::Ok();
   }
@@ -87,8 +86,10 @@ class MapMaker {
   void OptimiseGraph() {
     MatchGraphOptions options;
     options.icp = IcpOptionsFor(factors_.beam, IcpMetric::kPointToLine);
-    const std::vector<SurfacePoints> surfaces =
-        ThinnedSurfacePoints(drive_.graph, surface_, kPointSpacingM, &pool_);
+    std::vector<SurfacePoints> surfaces;
+    for (int scan = 0; scan < drive_.graph.num_scans(); ++scan) {
+      surfaces.push_back(ThinnedSurfaceOf(drive_.graph, scan, surface_, kPointSpacingM));
+    }
     const MatchGraph matches = BuildMatchGraph(drive_.graph, surfaces, factors_.motion, options);
     std::vector<Pose2> poses = matches.chain;
     DescendStochastically(matches.edges, StochasticDescentOptions(), &poses);

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/front_end/pairwise_icp.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,16 +11,17 @@
 #include "plumbline/solvers/front_end/match_covariance.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/front_end/scan_surfaces.h"
 
 namespace plumbline {
 namespace {
 
-// Cells this small leave a thinned scan as it is, but for points that lie on one another.
+// Cells this small [m] leave a thinned scan as it is, but for points that lie on one another.
 constexpr double kCellM = 0.01;
 // A gate's correspondences have settled when a step moves the points by less than this share of it.
 constexpr double kConvergedGateShare = 0.02;
-// Fewer correspondences say nothing certain of a turn.
-constexpr int kMinMatches = 3;
+// Fewer correspondences determine no turn.
+constexpr Eigen::Index kMinMatches = 3;
 
 constexpr int kMaxIterations = 100;
 // Iterations end when a step at the fine gate moves the points by less than this [m].
@@ -35,67 +37,56 @@ ScanMatchOptions MatcherOptions(const PairwiseIcpOptions& options) {
   return matcher;
 }
 
-// The rigid motion that brings matched points closest together, in closed form.
-class Alignment {
- public:
-  void Add(const Eigen::Vector2d& map, const Eigen::Vector2d& scan) {
-    ++count_;
-    sum_map_ += map;
-    sum_scan_ += scan;
-    dot_ += scan.dot(map);
-    cross_ += scan.x() * map.y() - scan.y() * map.x();
-  }
-  int count() const { return count_; }
-
-  Pose2 MapFromScan() const {
-    const Eigen::Vector2d map = sum_map_ / count_, scan = sum_scan_ / count_;
-    const double dot = dot_ - count_ * scan.dot(map);
-    const double cross = cross_ - count_ * (scan.x() * map.y() - scan.y() * map.x());
-    const Pose2 turn(0.0, 0.0, std::atan2(cross, dot));
-    const Eigen::Vector2d shift = map - turn * scan;
-    return {shift.x(), shift.y(), turn.yaw};
-  }
-
- private:
-  int count_ = 0;
-  Eigen::Vector2d sum_map_ = Eigen::Vector2d::Zero(), sum_scan_ = Eigen::Vector2d::Zero();
-  double dot_ = 0.0, cross_ = 0.0;  // of pairs
-};
-
-// How far the farthest point moves when the pose of its scan changes, at most [m].
-double LargestMotion(const Pose2& before, const Pose2& after, double reach_m) {
-  const Pose2 moved = Between(before, after);
-  return std::hypot(moved.x, moved.y) + reach_m * std::abs(moved.yaw);
+// The rigid motion map_from_scan that brings matched points closest together, in closed form.
+Pose2 AlignPoints(const Eigen::Ref<const Eigen::Matrix2Xd>& map,
+                  const Eigen::Ref<const Eigen::Matrix2Xd>& scan) {
+  const Eigen::Vector2d map_mean = map.rowwise().mean(), scan_mean = scan.rowwise().mean();
+  const Eigen::Matrix2d correlation =
+      (map.colwise() - map_mean) * (scan.colwise() - scan_mean).transpose();
+  const Pose2 turn(0.0, 0.0,
+                   std::atan2(correlation(1, 0) - correlation(0, 1), correlation.trace()));
+  const Eigen::Vector2d shift = map_mean - turn * scan_mean;
+  return {shift.x(), shift.y(), turn.yaw};
 }
 
-// Besl & McKay. Returns whether it converged; *pose: map_from_scan.
+// Upper bound of how far a point moves when the pose of its scan changes [m].
+double LargestMotion(const Pose2& before, const Pose2& after, double reach_m) {
+  const Pose2 moved = Between(before, after);
+  return moved.translation().norm() + reach_m * std::abs(moved.yaw);
+}
+
+// Iterative closest point of Besl & McKay. Returns whether it converged; *pose: map_from_scan.
 bool MatchPoints(const LocalMap& map, const SurfacePoints& scan, const PairwiseIcpOptions& options,
                  Pose2* pose) {
   double reach_m = 0.0;
   for (const SurfacePoint& point : scan) reach_m = std::max(reach_m, point.position.norm());
   std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
+  Eigen::Matrix2Xd in_map(2, scan.size()), in_scan(2, scan.size());  // the matched points
   double gate_m = options.gate_m;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    Alignment alignment;
+    Eigen::Index count = 0;
     const FrameChange map_from_scan(*pose);
     for (std::size_t i = 0; i < scan.size(); ++i) {
       matches[i] = map.Nearest(map_from_scan * scan[i], gate_m, matches[i]);
-      if (matches[i] != nullptr) alignment.Add(matches[i]->position, scan[i].position);
+      if (matches[i] == nullptr) continue;
+      in_map.col(count) = matches[i]->position;
+      in_scan.col(count++) = scan[i].position;
     }
-    if (alignment.count() < kMinMatches) return false;
+    if (count < kMinMatches) return false;
     const Pose2 before = *pose;
-    *pose = alignment.MapFromScan();
+    *pose = AlignPoints(in_map.leftCols(count), in_scan.leftCols(count));
     const double moved_m = LargestMotion(before, *pose, reach_m);
     if (gate_m <= options.fine_gate_m && moved_m < kStepToleranceM) return true;
-    if (moved_m < kConvergedGateShare * gate_m)
+    if (moved_m < kConvergedGateShare * gate_m) {
       gate_m = std::max(options.fine_gate_m, 0.5 * gate_m);
+    }
   }
   return false;
 }
 
-// A pose, the pose it is matched to, and what became of it.
+// A pose with the pose that it is matched to.
 struct ScanPair {
-  int from = -1;  // -1: it shows no surface, or nothing before it does
+  int from = -1;  // -1: no surface is seen from the pose, or from any before it
   Pose2 guess;
   PairMatch match;
 };
@@ -117,52 +108,7 @@ std::vector<ScanPair> FindPairs(const SlamGraph& graph, const std::vector<int>& 
   return pairs;
 }
 
-void MatchPairs(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
-                const std::vector<int>& scan_of_pose, ThreadPool* pool,
-                std::vector<ScanPair>* pairs) {
-  constexpr std::size_t kPairsPerChunk = 32;
-  pool->ForEachChunk(pairs->size(), kPairsPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t to = begin; to < end; ++to) {
-                         ScanPair& pair = (*pairs)[to];
-                         if (pair.from < 0) continue;
-                         pair.match = MatchPair(surfaces[scan_of_pose[pair.from]],
-                                                surfaces[scan_of_pose[to]], pair.guess, options);
-                       }
-                     });
-}
-
-PairwiseIcpReport Count(const std::vector<ScanPair>& pairs, const std::vector<int>& scan_of_pose) {
-  PairwiseIcpReport report;
-  for (std::size_t pose = 0; pose < pairs.size(); ++pose) {
-    if (scan_of_pose[pose] < 0) ++report.num_without_scan;
-    if (pairs[pose].from < 0) continue;
-    ++report.num_pairs;
-    const PairMatch& match = pairs[pose].match;
-    if (match.inlier_ratio < kMinPairInlierRatio) {
-      ++report.num_failed;
-    } else if (!match.converged) {
-      ++report.num_unconverged;
-    }
-  }
-  return report;
-}
-
 }  // namespace
-
-const char* ToString(IcpMetric metric) {
-  return metric == IcpMetric::kPointToPoint ? "point_to_point" : "point_to_line";
-}
-
-bool FromString(const std::string& name, IcpMetric* metric) {
-  for (const IcpMetric candidate : {IcpMetric::kPointToPoint, IcpMetric::kPointToLine}) {
-    if (name == ToString(candidate)) {
-      *metric = candidate;
-      return true;
-    }
-  }
-  return false;
-}
 
 PairwiseIcpOptions IcpOptionsFor(const RangeBeamOptions& beam, IcpMetric metric) {
   PairwiseIcpOptions icp;
@@ -201,8 +147,7 @@ PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Po
 }
 
 Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surface,
-                  ThreadPool* pool, const SlamGraph& graph, MapState* state,
-                  PairwiseIcpReport* report) {
+                  ThreadPool* pool, const SlamGraph& graph, MapState* state) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
   if (surface.normals.size() != graph.num_returns()) {
@@ -212,11 +157,16 @@ Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surf
   }
   std::vector<int> step_to_pose;
   PLUMBLINE_RETURN_IF_ERROR(FindOdometrySteps(graph, &step_to_pose));
-  const std::vector<SurfacePoints> surfaces =
-      ThinnedSurfacePoints(graph, surface, kPointSpacingM, pool);
-  const std::vector<int> scan_of_pose = MatchedScanOfPoses(graph, surfaces);
+  const ScanSurfaces surfaces(graph, surface);
+  const std::vector<int>& scan_of_pose = surfaces.scan_of_pose();
   std::vector<ScanPair> pairs = FindPairs(graph, step_to_pose, scan_of_pose);
-  MatchPairs(options, surfaces, scan_of_pose, pool, &pairs);
+  constexpr std::size_t kPairsPerChunk = 32;
+  pool->ForEach(pairs.size(), kPairsPerChunk, [&](std::size_t to) {
+    ScanPair& pair = pairs[to];
+    if (pair.from < 0) return;
+    pair.match = MatchPair(surfaces.Of(scan_of_pose[pair.from]), surfaces.Of(scan_of_pose[to]),
+                           pair.guess, options);
+  });
   std::vector<Pose2> poses = PosesOf(graph.initial_poses());
   for (int pose = 1; pose < graph.num_poses(); ++pose) {
     const ScanPair& pair = pairs[pose];
@@ -226,7 +176,6 @@ Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surf
   }
   state->poses = PoseArray(poses);
   state->points = graph.MeasuredMap(state->poses);
-  *report = Count(pairs, scan_of_pose);
   return Status::Ok();
 }
 

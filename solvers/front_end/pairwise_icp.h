@@ -20,8 +20,6 @@ enum class IcpMetric {
   kPointToPoint,  ///< distance of matched points; Besl & McKay: Registration of 3-D shapes (1992)
   kPointToLine,   ///< distance from the matched point's tangent; Chen & Medioni (1991)
 };
-const char* ToString(IcpMetric metric);
-bool FromString(const std::string& name, IcpMetric* metric);
 
 /// The classic baseline: each scan is matched against the one before it, without a local map and
 /// without weight on the odometry. Scans are thinned as for the seeding: both metrics then weigh
@@ -59,30 +57,20 @@ struct PairMatch {
 
 /// Moves scan `to` onto scan `from`, starting at `guess`. Correspondences are nearest points whose
 /// normals are within 45 degrees of each other, within a gate that narrows as the match settles.
-/// Point-to-point takes the best rigid motion of the matched points in closed form at each
-/// iteration; point-to-line is MatchScan without a prior, robust. Where the scans say nothing, and
-/// with an empty scan, the guess stands.
+/// Point-to-point takes the best rigid motion of the matched points at each iteration;
+/// point-to-line is MatchScan without a prior, robust. Where the scans say nothing, and with an
+/// empty scan, the guess stands.
 PairMatch MatchPair(const SurfacePoints& from, const SurfacePoints& to, const Pose2& guess,
                     const PairwiseIcpOptions& options);
 
-struct PairwiseIcpReport {
-  int num_pairs = 0;         ///< poses matched to an earlier one
-  int num_failed = 0;        ///< of these, with too few inliers: the odometry stands
-  int num_unconverged = 0;   ///< of the others, still moving after the last iteration
-  int num_without_scan = 0;  ///< poses that show no surface: the odometry stands
-};
-
 /// Puts every pose at the chain of its matches, each started from the odometry, and the points with
 /// them; the first pose is at its initial guess. A pose is matched to the last one before it that
-/// shows a surface. Expects poses in order of time, joined by odometry from each to the next. An
-/// odometry that has lost the sign of its translation is not recognised: a step backwards starts
-/// off by twice its length, and keeps the wrong sign where the scans cannot tell, as in a corridor.
-/// The result does not depend on the number of threads. surface: as
-/// MeasureSurface gives it. InvalidArgument on bad options, missing odometry or a wrong number of
-/// normals; *state is then as it was.
+/// shows a surface. Expects poses in order of time, joined by odometry from each to the next. Lost
+/// signs of the odometry's translation are not recognised. The result does not depend on the number
+/// of threads. surface: as MeasureSurface gives it. InvalidArgument on bad options, missing
+/// odometry or a wrong number of normals; *state is then as it was.
 Status ChainPairs(const PairwiseIcpOptions& options, const MeasuredSurface& surface,
-                  ThreadPool* pool, const SlamGraph& graph, MapState* state,
-                  PairwiseIcpReport* report);
+                  ThreadPool* pool, const SlamGraph& graph, MapState* state);
 
 }  // namespace plumbline
 

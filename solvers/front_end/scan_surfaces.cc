@@ -18,21 +18,12 @@ struct ScanSurfaces::Guests {
   std::unordered_map<int, int> scan_of_id;
 };
 
-ScanSurfaces::ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured)
-    : ScanSurfaces(&graph, &measured, std::vector<PackedSurface>(graph.all_scans().size())) {}
-
-ScanSurfaces::ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
-                           std::vector<PackedSurface> kept)
-    : ScanSurfaces(&graph, &measured, std::move(kept)) {}
-
-ScanSurfaces::ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all)
-    : ScanSurfaces(&graph, nullptr, std::move(all)) {}
-
 ScanSurfaces::ScanSurfaces(const SlamGraph* graph, const MeasuredSurface* measured,
                            std::vector<PackedSurface> kept)
     : graph_(graph),
       measured_(measured),
       kept_(std::make_shared<std::vector<PackedSurface>>(std::move(kept))) {
+  kept_->resize(graph->all_scans().size());
   std::vector<int> scan_of_pose(graph->num_poses(), -1);
   for (int scan = graph->num_scans() - 1; scan >= 0; --scan) {
     if (!IsEmpty(scan)) scan_of_pose[graph->scan(scan).pose] = graph->IdAmongAll(scan);
@@ -79,13 +70,9 @@ ScanSurfaces ScanSurfaces::With(const std::vector<int>& scans) const {
 ScanSurfaces ScanSurfaces::WithKept(const std::vector<int>& scans, ThreadPool* pool) const {
   constexpr std::size_t kScansPerChunk = 64;
   ScanSurfaces with = With(scans);
-  pool->ForEachChunk(scans.size(), kScansPerChunk,
-                     [&](std::size_t, std::size_t begin, std::size_t end) {
-                       for (std::size_t i = begin; i < end; ++i) {
-                         if (!with.Kept(scans[i]).empty()) continue;
-                         with.Keep(scans[i], PackedSurface(with.Of(scans[i])));
-                       }
-                     });
+  pool->ForEach(scans.size(), kScansPerChunk, [&](std::size_t i) {
+    if (with.Kept(scans[i]).empty()) with.Keep(scans[i], PackedSurface(with.Of(scans[i])));
+  });
   return with;
 }
 

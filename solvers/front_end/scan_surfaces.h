@@ -13,41 +13,41 @@
 
 namespace plumbline {
 
-/// What the scans of a drive saw: the points of surfaces, each in the frame of its robot, thinned
-/// to kPointSpacingM, and the space before them. The points of all scans would be the largest array
-/// of a long drive: the ones of keyframes, which are read again and again, are kept, and the others
-/// are made when somebody asks for them.
+/// Surface points of the scans of a drive, each in the frame of its robot and thinned to
+/// kPointSpacingM, and the free space before them. Points of keyframes, which are read again and
+/// again, are kept; those of other scans, which would be the largest array of a long drive, are
+/// made on demand.
 ///
-/// Scans go by their ids among all. Of a graph with peers it knows those of the graph and those
-/// that With has fetched; making one is collective then. Copies cost little, and share what is
-/// kept.
+/// Scans go by their ids among all. Of a graph with peers it knows the scans of the graph and those
+/// that With has fetched; its construction is collective then. Copies cost little, and share the
+/// kept points.
 class ScanSurfaces {
  public:
-  /// Refers to both arguments. Keeps none yet.
-  ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured);
-  /// The same, and keeps these; kept: per scan, empty for those that are not kept.
+  /// Refers to both. kept: per scan, empty for those that are not kept; without, keeps none yet.
   ScanSurfaces(const SlamGraph& graph, const MeasuredSurface& measured,
-               std::vector<PackedSurface> kept);
-  /// Refers to the graph, and keeps these, one per scan: all that there are.
-  ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all);
+               std::vector<PackedSurface> kept = {})
+      : ScanSurfaces(&graph, &measured, std::move(kept)) {}
+  /// Refers to the graph. all: one per scan; there are no others.
+  ScanSurfaces(const SlamGraph& graph, std::vector<PackedSurface> all)
+      : ScanSurfaces(&graph, nullptr, std::move(all)) {}
 
   const SlamGraph& graph() const { return *graph_; }
-  /// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
-  /// others show is left to the joint estimation.
+  /// The scan of each pose that is matched: its first one that shows a surface, or -1. The others
+  /// are left to the joint estimation.
   const std::vector<int>& scan_of_pose() const { return *scan_of_pose_; }
 
-  /// Of a scan that is kept.
+  /// Points of a scan that is kept.
   const PackedSurface& Kept(int scan) const { return (*kept_)[scan]; }
-  /// Of any scan that is known.
+  /// Points of any scan that is known.
   SurfacePoints Of(int scan) const;
-  /// Likewise.
+  /// Free space of any scan that is known.
   FreeSpaceScan FreeSpaceOf(int scan) const;
 
-  /// The same, but knows these scans, too. Collective if the graph has peers, which may each ask
-  /// for others.
+  /// A copy that also knows these scans. Collective if the graph has peers, which may each ask for
+  /// others.
   ScanSurfaces With(const std::vector<int>& scans) const;
 
-  /// Likewise, and keeps them.
+  /// A copy that also knows these scans, and keeps them.
   ScanSurfaces WithKept(const std::vector<int>& scans, ThreadPool* pool) const;
 
   /// Not while others read the scan.

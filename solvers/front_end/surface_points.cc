@@ -20,20 +20,6 @@ std::vector<PackedSurface> Packed(const std::vector<SurfacePoints>& surfaces) {
   return {surfaces.begin(), surfaces.end()};
 }
 
-std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
-                                                const MeasuredSurface& measured, double spacing_m,
-                                                ThreadPool* pool) {
-  constexpr std::size_t kScansPerChunk = 64;
-  std::vector<SurfacePoints> surfaces(graph.num_scans());
-  pool->ForEachChunk(
-      surfaces.size(), kScansPerChunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          surfaces[s] = ThinnedSurfaceOf(graph, static_cast<int>(s), measured, spacing_m);
-        }
-      });
-  return surfaces;
-}
-
 SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredSurface& measured,
                                double spacing_m) {
   const double spacing_squared = spacing_m * spacing_m;
@@ -51,15 +37,6 @@ SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredS
   }
   surface.shrink_to_fit();
   return surface;
-}
-
-std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
-                                    const std::vector<SurfacePoints>& surfaces) {
-  std::vector<int> scan_of_pose(graph.num_poses(), -1);
-  for (int s = graph.num_scans() - 1; s >= 0; --s) {
-    if (!surfaces[s].empty()) scan_of_pose[graph.scan(s).pose] = s;
-  }
-  return scan_of_pose;
 }
 
 }  // namespace plumbline

@@ -9,7 +9,6 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/core/thread_pool.h"
 
 namespace plumbline {
 
@@ -41,7 +40,7 @@ class PackedSurface {
   std::vector<Point> points_;
 };
 
-/// One per scan.
+/// The packed surfaces of scans.
 std::vector<PackedSurface> Packed(const std::vector<SurfacePoints>& surfaces);
 
 /// A change of frame with its sine and cosine taken once, for many points.
@@ -69,20 +68,10 @@ inline SurfacePoint operator*(const Pose2& a_from_b, const SurfacePoint& in_b) {
 /// laser with a step of half a degree at 3.5 m.
 constexpr double kPointSpacingM = 0.03;
 
-/// The surface points of every scan, each in the frame of its robot, thinned to one per
-/// `spacing_m` of surface: scan matching gains nothing from two beams a millimetre apart.
-std::vector<SurfacePoints> ThinnedSurfacePoints(const SlamGraph& graph,
-                                                const MeasuredSurface& measured, double spacing_m,
-                                                ThreadPool* pool);
-
-/// Those of one scan.
+/// The surface points of a scan in the frame of its robot, thinned to one per `spacing_m` of
+/// surface: scan matching gains nothing from two beams a millimetre apart.
 SurfacePoints ThinnedSurfaceOf(const SlamGraph& graph, int scan, const MeasuredSurface& measured,
                                double spacing_m);
-
-/// The scan of each pose that is matched: its first one that shows a surface, or -1. What the
-/// others show is left to the joint estimation. surfaces: per scan.
-std::vector<int> MatchedScanOfPoses(const SlamGraph& graph,
-                                    const std::vector<SurfacePoints>& surfaces);
 
 }  // namespace plumbline
 

@@ -38,8 +38,12 @@ inline void AddOdometry(const std::function<Pose2(const Pose2&)>& distort, SlamG
 }
 
 inline std::vector<SurfacePoints> SurfacesOf(const SlamGraph& graph) {
-  ThreadPool pool(1);
-  return ThinnedSurfacePoints(graph, SurfaceOf(graph), kPointSpacingM, &pool);
+  const MeasuredSurface surface = SurfaceOf(graph);
+  std::vector<SurfacePoints> surfaces;
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    surfaces.push_back(ThinnedSurfaceOf(graph, scan, surface, kPointSpacingM));
+  }
+  return surfaces;
 }
 
 inline double DistanceM(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }

@@ -14,8 +14,10 @@ class MatchGraphTest : public testing::Test {
   MatchGraphTest() {
     EXPECT_TRUE(MakeSyntheticDrive(2, {"", 0.01, 0.002, 1.0}, &drive_).ok());
     ThreadPool pool(1);
-    surfaces_ = ThinnedSurfacePoints(
-        drive_.graph, MeasureSurface(drive_.graph, ReturnNormalOptions(), &pool), 0.03, &pool);
+    const MeasuredSurface surface = MeasureSurface(drive_.graph, ReturnNormalOptions(), &pool);
+    for (int scan = 0; scan < drive_.graph.num_scans(); ++scan) {
+      surfaces_.push_back(ThinnedSurfaceOf(drive_.graph, scan, surface, 0.03));
+    }
   }
 
   SyntheticDrive drive_;

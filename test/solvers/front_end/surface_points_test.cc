@@ -19,41 +19,21 @@ SlamGraph RowOfReturns() {
 }
 
 TEST(SurfacePoints, AreThinnedToTheSpacingInTheFrameOfTheRobot) {
-  ThreadPool pool(1);
   const MeasuredSurface surface{std::vector<ReturnNormal>(5, ReturnNormal({-1.0, 0.0}))};
-  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.15, &pool);
-  ASSERT_EQ(surfaces.size(), 1u);
-  ASSERT_EQ(surfaces[0].size(), 3u);
-  EXPECT_NEAR(surfaces[0][0].position.x(), 1.0, 1e-6);
-  EXPECT_NEAR(surfaces[0][1].position.x(), 1.2, 1e-6);
-  EXPECT_NEAR(surfaces[0][2].position.x(), 1.4, 1e-6);
-  EXPECT_NEAR(surfaces[0][2].normal.x(), -1.0, 1e-9);
+  const SurfacePoints points = ThinnedSurfaceOf(RowOfReturns(), 0, surface, 0.15);
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_NEAR(points[0].position.x(), 1.0, 1e-6);
+  EXPECT_NEAR(points[1].position.x(), 1.2, 1e-6);
+  EXPECT_NEAR(points[2].position.x(), 1.4, 1e-6);
+  EXPECT_NEAR(points[2].normal.x(), -1.0, 1e-9);
 }
 
 TEST(SurfacePoints, LeaveOutReturnsWithoutSurface) {
-  ThreadPool pool(1);
   MeasuredSurface surface{std::vector<ReturnNormal>(5)};
   surface.normals[3] = ReturnNormal({-1.0, 0.0});
-  const auto surfaces = ThinnedSurfacePoints(RowOfReturns(), surface, 0.01, &pool);
-  ASSERT_EQ(surfaces[0].size(), 1u);
-  EXPECT_NEAR(surfaces[0][0].position.x(), 1.3, 1e-6);
-}
-
-TEST(SurfacePoints, ThePosesFirstScanThatShowsASurfaceIsMatched) {
-  SlamGraph graph = RowOfReturns();
-  int id = 0;
-  const std::vector<double> ranges(5, 1.0);
-  for (const int pose : {0, 1, 1, 1, 2}) {
-    if (pose == graph.num_poses()) {
-      ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
-    }
-    ASSERT_TRUE(graph.AddScan(pose, 0, ranges).ok());
-  }
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &id).ok());
-  // Scans 0, 1 at pose 0, scans 2, 3, 4 at pose 1, scan 5 at pose 2, none at pose 3.
-  const SurfacePoints none, some{{{1.0, 0.0}, {-1.0, 0.0}}};
-  EXPECT_EQ(MatchedScanOfPoses(graph, {some, some, none, some, some, none}),
-            (std::vector<int>{0, 3, -1, -1}));
+  const SurfacePoints points = ThinnedSurfaceOf(RowOfReturns(), 0, surface, 0.01);
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_NEAR(points[0].position.x(), 1.3, 1e-6);
 }
 
 TEST(SurfacePoints, MoveWithAFrame) {
