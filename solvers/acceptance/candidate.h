@@ -13,8 +13,29 @@
 
 namespace plumbline {
 
-/// A state that may become the result of a solve, and what is said of it as a whole and of its
-/// parts.
+/// Finds where a state fits clearly worse than the seed, although it may be better as a whole:
+/// stretches of 1, 2, 4 ... poses whose held-out error rises by more than one sigma^2 in the mean,
+/// to more than twice the seed's, and by more than four standard deviations. A stretch that holds a
+/// shorter one does not count. In order of the poses; they neither overlap nor touch. changes: one
+/// per pose, see CompareWithSeed.
+std::vector<WorseStretch> FindWorseStretches(const std::vector<PoseChange>& changes);
+
+/// Puts stretches of a state back to the shape that the seed gave them, between the poses on either
+/// side: the correction of these is shared out along the stretch. At an end of the drive a stretch
+/// goes along with its one neighbour; without any it is the seed's. Fixed poses stay. seed, poses:
+/// (x, y, yaw) each.
+void PutBack(const std::vector<WorseStretch>& stretches, const std::vector<FixedPose>& fixed,
+             const std::vector<double>& seed, std::vector<double>* poses);
+
+/// Merges both lists, in order of the poses: stretches that overlap or touch become one, with the
+/// errors of the one that has become worse by more.
+std::vector<WorseStretch> MergeStretches(std::vector<WorseStretch> stretches,
+                                         const std::vector<WorseStretch>& others);
+
+/// Makes each stretch three times as long, about its middle and within the drive.
+void WidenStretches(int num_poses, std::vector<WorseStretch>* stretches);
+
+/// A state that may become the result of a solve.
 struct Candidate {
   std::vector<double> poses;  ///< (x, y, yaw) each
   LineLandmarks cut;          ///< the surfaces as these place them, as ComparedState wants them
@@ -43,13 +64,12 @@ class CandidateEvaluator {
 
   /// Whether to take the second candidate, found with some steps downweighted, for the first, found
   /// with all of them. If these refute the first one, it is enough that the second is better than
-  /// the seed. By the factors of the evaluator, in which these are downweighted: by the others
-  /// their error would outweigh the map.
+  /// the seed. Compares by the factors of the evaluator, in which these steps are downweighted.
   bool IsPreferable(const Candidate& plain, const Candidate& downweighting) const;
 
-  /// Puts back what is clearly worse than the seed, with more around it each time that this does
-  /// not do, and runs the acceptance test anew. Gives what was put back; num_worse_stretches says
-  /// how many stretches are worse all the same. Nothing changes without such stretches.
+  /// Puts the stretches that are clearly worse than the seed back, wider at each attempt, and runs
+  /// the acceptance test anew. Returns what was put back; num_worse_stretches says how many
+  /// stretches are worse all the same.
   std::vector<WorseStretch> PutBackWorse(Candidate* candidate) const;
 
  private:

@@ -1,7 +1,7 @@
 #include "plumbline/solvers/acceptance/compare_with_seed.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose_frame.h"
@@ -13,29 +13,6 @@
 
 namespace plumbline {
 namespace {
-
-// Of one held-out return: rho(d^2 / s^2), summed over the landmarks that it is on, of the seed's
-// and of the state's surfaces.
-struct HeldOutReturn {
-  int num_landmarks = 0;
-  double seed_error = 0.0;
-  double state_error = 0.0;
-};
-
-// The returns of a pose are all in one process.
-void SumOfPeers(const Peers& peers, std::vector<PoseChange>* changes) {
-  std::vector<double> values;
-  values.reserve(4 * changes->size());
-  for (const PoseChange& change : *changes) {
-    values.insert(values.end(), {static_cast<double>(change.num_residuals), change.seed_error,
-                                 change.state_error, change.squares});
-  }
-  peers.Sum(values.data(), values.size());
-  for (std::size_t i = 0; i < changes->size(); ++i) {
-    const double* value = &values[4 * i];
-    (*changes)[i] = {static_cast<int>(value[0]), value[1], value[2], value[3]};
-  }
-}
 
 class SeedComparison {
  public:
@@ -56,7 +33,8 @@ class SeedComparison {
     held_out_.resize(num_held_out);
   }
 
-  // Takes what these landmarks say of both states into account.
+  // Adds the energies of both states and the errors of their held-out returns under these
+  // landmarks.
   void AddSurfaces(const LineLandmarks& cut, const std::vector<double>& seed,
                    const std::vector<double>& state) {
     std::vector<std::vector<LineLandmark>> lines;
@@ -77,16 +55,13 @@ class SeedComparison {
     const Peers* peers = graph_.peers();
     const double num_returns = SumOverPeers(peers, static_cast<double>(graph_.num_returns()));
     acceptance.energy_rounding = AcceptanceTest::kRounding * (acceptance.seed_energy + num_returns);
-    HeldOutReturn sum;
-    double num_held_out = 0.0, num_residuals = 0.0;
-    for (const HeldOutReturn& held_out : held_out_) {
-      if (held_out.num_landmarks == 0) continue;
-      ++num_held_out;
-      num_residuals += held_out.num_landmarks;
-      sum.seed_error += held_out.seed_error;
-      sum.state_error += held_out.state_error;
+    PoseChange sum;
+    double num_held_out = 0.0;
+    for (const PoseChange& held_out : held_out_) {
+      if (held_out.num_residuals > 0) ++num_held_out;
+      sum += held_out;
     }
-    num_residuals = SumOverPeers(peers, num_residuals);
+    const double num_residuals = SumOverPeers(peers, static_cast<double>(sum.num_residuals));
     acceptance.num_held_out = static_cast<std::size_t>(SumOverPeers(peers, num_held_out));
     acceptance.seed_held_out_error = SumOverPeers(peers, sum.seed_error);
     acceptance.final_held_out_error = SumOverPeers(peers, sum.state_error);
@@ -94,8 +69,8 @@ class SeedComparison {
     const double change =
         (acceptance.final_held_out_error - acceptance.seed_held_out_error) / num_residuals;
     double squares = 0.0;
-    for (const HeldOutReturn& held_out : held_out_) {
-      const double expected = held_out.num_landmarks * change;
+    for (const PoseChange& held_out : held_out_) {
+      const double expected = held_out.num_residuals * change;
       squares += std::pow(held_out.state_error - held_out.seed_error - expected, 2);
     }
     acceptance.seed_held_out_error /= num_residuals;
@@ -109,12 +84,20 @@ class SeedComparison {
     for (int s = 0; s < graph_.num_scans(); ++s) {
       PoseChange& change = changes[graph_.scan(s).pose];
       for (std::size_t i = 0; i < HeldOutReturns::CountOf(graph_, s); ++i) {
-        const HeldOutReturn& held_out = held_out_[first_of_scan_[s] + i];
-        change += {held_out.num_landmarks, held_out.seed_error, held_out.state_error,
-                   std::pow(held_out.state_error - held_out.seed_error, 2)};
+        PoseChange held_out = held_out_[first_of_scan_[s] + i];
+        held_out.squares = std::pow(held_out.state_error - held_out.seed_error, 2);
+        change += held_out;
       }
     }
-    if (graph_.peers() != nullptr) SumOfPeers(*graph_.peers(), &changes);
+    if (graph_.peers() == nullptr) return changes;
+    std::vector<std::pair<int, PoseChange>> own;  // all returns of a pose are in one process
+    for (int s = 0; s < graph_.num_scans(); ++s) {
+      const int pose = graph_.scan(s).pose;
+      own.emplace_back(pose, changes[pose]);
+    }
+    for (const auto& [pose, change] : JoinOverPeers(graph_.peers(), std::move(own))) {
+      changes[pose] = change;
+    }
     return changes;
   }
 
@@ -124,15 +107,11 @@ class SeedComparison {
                  const std::vector<std::vector<LineLandmark>>& lines,
                  const std::vector<double>& seed, const std::vector<double>& state) {
     constexpr std::size_t kScansPerChunk = 16;
-    pool_->ForEachChunk(graph_.num_scans(), kScansPerChunk,
-                        [&](std::size_t, std::size_t begin, std::size_t end) {
-                          for (std::size_t s = begin; s < end; ++s) {
-                            const int pose = graph_.scan(static_cast<int>(s)).pose;
-                            AddErrorsOfScan(static_cast<int>(s), landmark_of_return,
-                                            {PoseFrame(&seed[3 * pose]), lines[0]},
-                                            {PoseFrame(&state[3 * pose]), lines[1]});
-                          }
-                        });
+    pool_->ForEach(graph_.num_scans(), kScansPerChunk, [&](std::size_t s) {
+      const int scan = static_cast<int>(s), pose = graph_.scan(scan).pose;
+      AddErrorsOfScan(scan, landmark_of_return, {PoseFrame(&seed[3 * pose]), lines[0]},
+                      {PoseFrame(&state[3 * pose]), lines[1]});
+    });
   }
 
   // Where a state has a robot and the lines.
@@ -144,12 +123,12 @@ class SeedComparison {
   void AddErrorsOfScan(int scan_id, const std::vector<int>& landmark_of_return, const Placed& seed,
                        const Placed& state) {
     const ScanReturns returns = graph_.ReturnsOfScan(scan_id);
-    HeldOutReturn* held_out = held_out_.data() + first_of_scan_[scan_id];
+    PoseChange* held_out = held_out_.data() + first_of_scan_[scan_id];
     HeldOutReturns::ForEachOf(graph_, scan_id, [&](std::size_t r) {
-      HeldOutReturn& of_return = *held_out++;
+      PoseChange& of_return = *held_out++;
       const int landmark = landmark_of_return[r];
       if (landmark == LineLandmarks::kNone || surface_.normals[r].IsNone()) return;
-      ++of_return.num_landmarks;
+      ++of_return.num_residuals;
       of_return.seed_error += Error(returns, r, seed.frame, seed.lines[landmark]);
       of_return.state_error += Error(returns, r, state.frame, state.lines[landmark]);
     });
@@ -170,7 +149,7 @@ class SeedComparison {
   int num_cuts_ = 0;
   double seed_energy_ = 0.0, state_energy_ = 0.0;
   std::vector<std::size_t> first_of_scan_;  // into held_out_
-  std::vector<HeldOutReturn> held_out_;     // of the graph, in order of scans
+  std::vector<PoseChange> held_out_;        // one per held-out return, in order of scans
 };
 
 }  // namespace

@@ -19,12 +19,10 @@ bool IsChain(const std::vector<RelativePoseConstraint>& steps, int num_poses) {
   return std::find(reached.begin(), reached.end(), 0) == reached.end();
 }
 
-// Mean of the squared errors of steps [sigmas^2], three degrees of freedom each. No step counts for
-// more than 30 sigmas: a robot that was carried once contradicts one step by hundreds, and that one
-// says nothing against the poses before and after it.
+// Mean of the squared errors of steps [sigmas^2], three degrees of freedom each.
 double MeanSquaredError(const std::vector<RelativePoseConstraint>& steps,
                         const std::vector<Pose2>& poses) {
-  constexpr double kMostSigmas = 30.0;
+  constexpr double kMostSigmas = 30.0;  // of one step
   double sum = 0.0;
   for (const RelativePoseConstraint& step : steps) {
     sum += std::min(EdgeChi2(step, poses), kMostSigmas * kMostSigmas);

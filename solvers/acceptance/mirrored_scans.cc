@@ -15,22 +15,20 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMaxPairs = 48.0;
-
-struct ScanPair {
+struct TurnPair {
   int from, to;               // scan ids, of lasers mounted alike
   Pose2 from_laser_to_laser;  // where the second laser stands, seen from the first
 };
 
 // Pairs of scans with a turn between them; each begins where the last one of its laser ended.
-std::vector<ScanPair> TurnsOf(const SlamGraph& graph, const std::vector<double>& poses) {
+std::vector<TurnPair> TurnsOf(const SlamGraph& graph, const std::vector<double>& poses) {
   constexpr double kLeastTurnRad = DegToRad(10.0), kLargestTurnRad = DegToRad(35.0);
   constexpr double kMaxDistanceM = 2.0;
   const auto laser_at = [&](int scan) {
     return Pose2(&poses[3 * graph.scan(scan).pose]) * graph.LaserOfScan(scan).robot_from_laser;
   };
   std::map<std::tuple<double, double, double>, int> last_scan;  // by mounting
-  std::vector<ScanPair> pairs;
+  std::vector<TurnPair> pairs;
   for (int to = 0; to < graph.num_scans(); ++to) {
     const Pose2& mounting = graph.LaserOfScan(to).robot_from_laser;
     const auto [entry, is_first] =
@@ -73,7 +71,7 @@ std::vector<Eigen::Vector2d> PointsOf(const SlamGraph& graph, int scan_id, Mirro
 
 // Mean distance [m] of the returns of the second scan from the nearest ones of the first, where
 // what has no counterpart counts as 0.5 m.
-double Mismatch(const SlamGraph& graph, const ScanPair& pair, Mirror mirror) {
+double Mismatch(const SlamGraph& graph, const TurnPair& pair, Mirror mirror) {
   constexpr std::size_t kMaxQueries = 90, kMaxTargets = 720;
   constexpr double kNoCounterpartM = 0.5;
   const std::vector<Eigen::Vector2d> targets = PointsOf(graph, pair.from, mirror, kMaxTargets);
@@ -93,17 +91,17 @@ double Mismatch(const SlamGraph& graph, const ScanPair& pair, Mirror mirror) {
 }  // namespace
 
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) {
-  constexpr double kFarBetter = 0.6;
+  constexpr double kMaxPairs = 48.0;
+  constexpr double kFarBetter = 0.6;  // of mismatches
   const Peers* peers = graph.peers();
-  const std::vector<ScanPair> pairs = TurnsOf(graph, poses);
+  const std::vector<TurnPair> pairs = TurnsOf(graph, poses);
   const auto num_own = static_cast<double>(pairs.size());
   const double num_pairs = std::max(1.0, SumOverPeers(peers, num_own));
   const auto num_voters =
       static_cast<std::size_t>(std::ceil(num_own * std::min(num_pairs, kMaxPairs) / num_pairs));
   TurnVotes votes;
   for (std::size_t i = 0; i < num_voters; ++i) {
-    if (votes.WillSayRight(static_cast<int>(num_voters - i))) break;
-    const ScanPair& pair = pairs[i * pairs.size() / num_voters];
+    const TurnPair& pair = pairs[i * pairs.size() / num_voters];
     const double as_they_are = Mismatch(graph, pair, Mirror::kNone);
     const double mirrored = std::min(Mismatch(graph, pair, Mirror::kFanMiddle),
                                      Mismatch(graph, pair, Mirror::kForwardAxis));

@@ -17,10 +17,6 @@ struct TurnVotes {
   /// Whether there are enough votes, at least 8, to say anything.
   bool AreEnough() const { return as_they_are + mirrored >= 8; }
   bool SayRight() const { return AreEnough() && !SayMirrored(); }
-  /// That, whatever so many more pairs say.
-  bool WillSayRight(int num_pairs) const {
-    return TurnVotes{as_they_are, mirrored + num_pairs}.SayRight() && AreEnough();
-  }
   /// Whether they are enough, and 90 % say mirrored.
   bool SayMirrored() const { return AreEnough() && mirrored >= 0.9 * (as_they_are + mirrored); }
 };
@@ -32,9 +28,8 @@ struct TurnVotes {
 /// Between the scans of a pair the laser, or one mounted alike, turned by 10 to 35 degrees and
 /// moved by 2 m at most: a mirror image errs by twice the turn, which a room with corners forgives
 /// at 45. Pairs that match about as well, or badly, both ways do not vote: round rooms, or poses
-/// that are wrong. At most 48 pairs are looked at, whatever the size of the graph, and no more once
-/// they say that the scans are right. Collective for a shared graph: each process looks at pairs of
-/// its own scans, its share of the 48 and less than one more, and all have the votes.
+/// that are wrong. At most 48 pairs are looked at, whatever the size of the graph. Collective for a
+/// shared graph: each process looks at its share of them, and all have the votes.
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses);
 
 /// InvalidArgument if the scans look mirrored to these poses, or to other ones that they may

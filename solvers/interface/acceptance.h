@@ -30,7 +30,7 @@ struct AcceptanceTest {
   /// Rounding as a share: measured points have single precision.
   static constexpr double kRounding = 1e-9;
   bool with_other_constraints = false;  ///< relative poses, or own terms of a host
-  /// Parts of the drive that fit clearly worse than in the seed, see local_acceptance.h.
+  /// Parts of the drive that fit clearly worse than in the seed, see acceptance/candidate.h.
   /// CompareWithSeed does not count them, CandidateEvaluator does.
   int num_worse_stretches = 0;
 

@@ -164,7 +164,7 @@ struct SolverSummary {
   AcceptanceTest acceptance;
 
   /// Stretches of the drive that the solver had made clearly worse, put back to the seed's shape
-  /// between their neighbours; with the errors before that. See local_acceptance.h.
+  /// between their neighbours; with the errors before that. See acceptance/candidate.h.
   std::vector<WorseStretch> put_back;
 
   /// Steps of the odometry that the seed flatly contradicts and that tore poses from the map, or

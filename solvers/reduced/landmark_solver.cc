@@ -3,7 +3,7 @@
 
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
-#include "plumbline/solvers/acceptance/local_acceptance.h"
+#include "plumbline/solvers/acceptance/candidate.h"
 #include "plumbline/solvers/full/alternating_cg.h"
 #include "plumbline/solvers/full/joint_run.h"
 #include "plumbline/solvers/full/point_recovery.h"

@@ -1,11 +1,10 @@
-#include "plumbline/solvers/acceptance/local_acceptance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
+#include "plumbline/solvers/acceptance/candidate.h"
 
 namespace plumbline {
 namespace {
