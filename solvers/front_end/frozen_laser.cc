@@ -13,26 +13,26 @@
 namespace plumbline {
 namespace {
 
-// Wheels and gyros at rest report less per scan. Without this bound the drift of a long rest would
-// add up to a motion.
+// Steps of wheels and gyros at rest: without this bound, the drift of a long rest would add up to a
+// motion.
 constexpr double kJitterM = 1e-3, kJitterRad = 1e-3;
-// The coarsest lasers round to 5 cm.
+// Least change of a reading [m]: the coarsest lasers round to 5 cm.
 constexpr double kChangeM = 0.06;
-// So few returns may repeat for another reason: parts of the robot, people who walk along.
+// Fewer returns may repeat for another reason: parts of the robot, people who walk along.
 constexpr int kMinReturns = 20;
-// Ahead in a bare corridor, an end far away and the frames of doors give no more.
+// Fewer changes are expected of noise: the far end and the door frames of a bare corridor.
 constexpr int kMinChanged = 10;
-// A surface's direction is taken over at least this length, and is then known to about 20 degrees,
-// whose sine this is, even if its ranges are rounded to 5 cm.
+// Length [m] over which the direction of a surface is taken, and the sine of its error, about 20
+// degrees even if ranges are rounded to 5 cm.
 constexpr double kBaselineM = 0.25;
 constexpr double kDirectionSine = 0.35;
-// Beyond this a motion starts anew, or a long way along a corridor would hide a turn at its end.
+// Largest motion that is judged as one: a long way along a corridor would hide a turn at its end.
 constexpr double kLegM = 0.5, kLegRad = 0.5;
 
-// Where the odometry alone has the robot, jitter left out.
+// Pose by odometry alone, jitter left out.
 struct OdometryPose {
   Pose2 start_from_robot;
-  int chain = 0;  // poses of other chains: the odometry does not say
+  int chain = 0;  // poses of different chains are not joined by odometry
   double path_m = 0.0, turns_rad = 0.0;
 };
 
@@ -73,7 +73,7 @@ bool HaveSameReturns(const SlamGraph& graph, int scan_a, int scan_b) {
   return true;
 }
 
-// What a scan shows, to tell what a motion would change of it.
+// Surfaces that a scan shows, to tell whether a motion would change it.
 class ScanSurface {
  public:
   ScanSurface(const SlamGraph& graph, int scan) {
@@ -110,86 +110,63 @@ class ScanSurface {
   double reach_m_ = 0.0;
 };
 
-// Collects the equal scans of each laser, and checks them when they end.
-class Search {
- public:
-  explicit Search(const SlamGraph& graph)
-      : graph_(graph), poses_(IntegrateOdometry(graph)), runs_(graph.num_lasers()) {}
-
-  std::vector<FrozenStretch> Find() {
-    for (int s = 0; s < graph_.num_scans(); ++s) {
-      std::vector<int>& run = runs_[graph_.scan(s).laser];
-      if (!run.empty() && !Continues(run.back(), s)) {
-        Check(run);
-        run.clear();
-      }
-      run.push_back(s);
-    }
-    for (const std::vector<int>& run : runs_) {
-      if (!run.empty()) Check(run);
-    }
-    std::sort(found_.begin(), found_.end(), [](const FrozenStretch& a, const FrozenStretch& b) {
-      return a.last_scan < b.last_scan;
-    });
-    return std::move(found_);
+// Whether the robot moved, between any two of these equal scans, in a way that changes them.
+bool MovedAcross(const SlamGraph& graph, const std::vector<OdometryPose>& poses,
+                 const std::vector<int>& scans) {
+  const ScanSurface surface(graph, scans.front());
+  const auto pose_of = [&](int scan) { return poses[graph.scan(scan).pose].start_from_robot; };
+  Pose2 from = pose_of(scans.front());
+  for (const int scan : scans) {
+    const Pose2 to = pose_of(scan);
+    const Pose2 motion = Between(from, to);
+    if (surface.MustChange(motion)) return true;
+    if (motion.translation().norm() > kLegM || std::abs(motion.yaw) > kLegRad) from = to;
   }
-
- private:
-  const OdometryPose& PoseOf(int scan) const { return poses_[graph_.scan(scan).pose]; }
-
-  bool Continues(int before, int scan) const {
-    return PoseOf(before).chain == PoseOf(scan).chain && HaveSameReturns(graph_, before, scan);
-  }
-
-  // Whether the robot moved, between any two of these equal scans, in a way that changes them.
-  bool MovedAcross(const std::vector<int>& run) const {
-    const ScanSurface surface(graph_, run.front());
-    Pose2 from = PoseOf(run.front()).start_from_robot;
-    for (const int scan : run) {
-      const Pose2& to = PoseOf(scan).start_from_robot;
-      const Pose2 motion = Between(from, to);
-      if (surface.MustChange(motion)) return true;
-      if (motion.translation().norm() > kLegM || std::abs(motion.yaw) > kLegRad) from = to;
-    }
-    return false;
-  }
-
-  void Check(const std::vector<int>& run) {
-    const ScanEntry& scan = graph_.scan(run.front());
-    if (run.size() < 2 || scan.num_returns < kMinReturns) return;
-    const OdometryPose &start = PoseOf(run.front()), &end = PoseOf(run.back());
-    if (!MovedAcross(run)) return;
-    found_.push_back({scan.laser, run.front(), run.back(), static_cast<int>(run.size()) - 1,
-                      end.path_m - start.path_m, end.turns_rad - start.turns_rad});
-  }
-
-  const SlamGraph& graph_;
-  const std::vector<OdometryPose> poses_;
-  std::vector<std::vector<int>> runs_;  // per laser: the equal scans up to now
-  std::vector<FrozenStretch> found_;
-};
+  return false;
+}
 
 }  // namespace
 
 std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph) {
-  return Search(graph).Find();
-}
-
-std::vector<char> RepeatedScans(const SlamGraph& graph,
-                                const std::vector<FrozenStretch>& stretches) {
-  std::vector<char> repeated(graph.num_scans(), 0);
-  for (const FrozenStretch& stretch : stretches) {
-    for (int s = stretch.first_scan + 1; s <= stretch.last_scan; ++s) {
-      if (graph.scan(s).laser == stretch.laser) repeated[s] = 1;
+  const std::vector<OdometryPose> poses = IntegrateOdometry(graph);
+  const auto pose_of = [&](int scan) -> const OdometryPose& {
+    return poses[graph.scan(scan).pose];
+  };
+  std::vector<FrozenStretch> found;
+  std::vector<std::vector<int>> equal_scans(graph.num_lasers());  // up to now
+  const auto end_stretch = [&](std::vector<int>* scans) {
+    if (scans->size() > 1 && graph.scan(scans->front()).num_returns >= kMinReturns &&
+        MovedAcross(graph, poses, *scans)) {
+      const OdometryPose &start = pose_of(scans->front()), &end = pose_of(scans->back());
+      found.push_back({graph.scan(scans->front()).laser, scans->front(), scans->back(),
+                       static_cast<int>(scans->size()) - 1, end.path_m - start.path_m,
+                       end.turns_rad - start.turns_rad});
     }
+    scans->clear();
+  };
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    std::vector<int>& scans = equal_scans[graph.scan(scan).laser];
+    const bool continues = !scans.empty() && pose_of(scans.back()).chain == pose_of(scan).chain &&
+                           HaveSameReturns(graph, scans.back(), scan);
+    if (!continues) end_stretch(&scans);
+    scans.push_back(scan);
   }
-  return repeated;
+  for (std::vector<int>& scans : equal_scans) end_stretch(&scans);
+  std::sort(found.begin(), found.end(), [](const FrozenStretch& a, const FrozenStretch& b) {
+    return a.last_scan < b.last_scan;
+  });
+  return found;
 }
 
 Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   *frozen = FindFrozenStretches(*graph);
   if (frozen->empty()) return Status::Ok();
-  const std::vector<char> is_repeated = RepeatedScans(*graph, *frozen);
+  std::vector<char> is_repeated(graph->num_scans(), 0);
+  for (const FrozenStretch& stretch : *frozen) {
+    for (int scan = stretch.first_scan + 1; scan <= stretch.last_scan; ++scan) {
+      if (graph->scan(scan).laser == stretch.laser) is_repeated[scan] = 1;
+    }
+  }
   SlamGraph without;
   int id = 0;
   for (int laser = 0; laser < graph->num_lasers(); ++laser) {  // so that they keep their ids

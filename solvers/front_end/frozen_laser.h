@@ -9,28 +9,21 @@
 
 namespace plumbline {
 
-/// Finds all such stretches, each as long as it can be, in the order of their last scans. Needs
-/// scans in the order of their poses and odometry from each pose to the next; where that is missing
-/// nobody knows of a motion, and a stretch ends.
+/// Finds the stretches in which a laser repeated one scan although the robot moved, each as long as
+/// it can be, in the order of their last scans. Needs scans in the order of their poses; a stretch
+/// ends where odometry from pose to pose is missing.
 ///
-/// Equal scans are no fault by themselves: a robot at rest has them where the laser rounds. They
-/// are if they have at least 20 returns and the motion must have changed at least 10 of these, each
-/// by more than 6 cm: that is more than the coarsest rounding of a range (5 cm), so that no reading
-/// can have stayed. How much a motion changes a return is how far it shifts the return's surface,
-/// seen from the laser, across itself. Along the walls of a bare corridor that is nothing: equal
-/// scans are right there, or do no harm. Steps of the odometry below 1 mm and 1 mrad are taken for
-/// jitter at rest.
+/// Equal scans are a fault if they have at least 20 returns and the motion must have changed at
+/// least 10 of these by more than 6 cm each, above the coarsest rounding of a range (5 cm). A
+/// motion changes a return by how far it shifts the return's surface across itself: along the walls
+/// of a bare corridor by nothing, and equal scans are right there. Steps of the odometry below 1 mm
+/// and 1 mrad count as rest.
 ///
 /// Not told apart: wheels that spin on the spot in front of a laser that rounds its noise away.
 std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph);
 
-/// Tells of each scan of the graph whether it is a repetition. stretches: of this graph.
-std::vector<char> RepeatedScans(const SlamGraph& graph,
-                                const std::vector<FrozenStretch>& stretches);
-
-/// Takes the returns of all repetitions out of the graph, so that nothing is matched to them: of
-/// these poses the odometry alone tells. Scans keep their ids; returns get new ones. frozen: the
-/// stretches that were found. The graph is the same if there are none.
+/// Takes the returns of all repetitions out of the graph: their poses follow the odometry alone.
+/// Scans keep their ids; returns get new ones. frozen: the stretches that were found.
 Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen);
 
 }  // namespace plumbline

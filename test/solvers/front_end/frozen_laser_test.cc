@@ -12,7 +12,6 @@
 namespace plumbline {
 namespace {
 
-using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -101,7 +100,6 @@ TEST_F(FrozenLaserTest, FindsAStretchAsLongAsItIs) {
   EXPECT_EQ(found[0].num_repeated, 5);
   EXPECT_NEAR(found[0].moved_m, 0.2, 1e-12);
   EXPECT_NEAR(found[0].turned_rad, 0.05, 1e-12);
-  EXPECT_THAT(RepeatedScans(graph_, found), ElementsAre(0, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0));
 }
 
 TEST_F(FrozenLaserTest, FindsEveryStretchInOrder) {
@@ -209,7 +207,6 @@ TEST_F(FrozenLaserTest, LasersFreezeEachByItself) {
   EXPECT_EQ(found[0].first_scan, 1);
   EXPECT_EQ(found[0].num_repeated, 3);
   EXPECT_NEAR(found[0].moved_m, 0.3, 1e-12);
-  EXPECT_THAT(RepeatedScans(graph_, found), ElementsAre(0, 0, 0, 1, 0, 1, 0, 1));
 }
 
 TEST_F(FrozenLaserTest, WithoutOdometryNobodyKnows) {
