@@ -11,18 +11,18 @@
 namespace plumbline {
 namespace {
 
-// A return must be this much in front of what the viewer saw to be in its free space: more than a
-// pose that is a little off, or a beam that meets a wall at a flat angle, can explain. Tuned on
-// fr079, intel and simulated buildings.
+// Least distance [m] of a return from the surface behind it, to be in the viewer's free space: more
+// than a pose that is a little off, or a beam that meets a wall at a flat angle, can explain. Tuned
+// on fr079, intel and simulated buildings.
 constexpr double kMarginM = 0.3;
 constexpr double kMarginPerRange = 0.02;
-// From one return that is compared to the next, so that lasers of many and of few beams have as
-// much evidence. A laser of fewer beams has all of them compared.
+// Angle between returns that are compared, so that lasers of many and of few beams have as much
+// evidence. A laser of fewer beams has all of them compared.
 constexpr double kReturnSpacingRad = DegToRad(1.0);
 constexpr int kNumNeighbours = 4;
 
-// Bearing [rad] of a point, to 2e-8: a fraction of what is between beams, at half the price of the
-// C library. Source: Abramowitz, Stegun: Handbook of mathematical functions (1964), 4.4.49.
+// Bearing [rad] of a point, to 2e-8, in half the time of std::atan2. Source: Abramowitz, Stegun:
+// Handbook of mathematical functions (1964), 4.4.49.
 double BearingOf(const Eigen::Vector2d& point) {
   const double x = std::abs(point.x()), y = std::abs(point.y());
   const double larger = std::max(x, y);

@@ -19,7 +19,7 @@ enum class ReturnVerdict : char {
   kConflicts,    ///< looks through it
 };
 
-/// More about a comparison of two scans.
+/// Details of a comparison of two scans.
 struct ComparedReturns {
   std::vector<ReturnVerdict> verdicts;  ///< per return of the other scan; none on moving ones
   FreeSpaceConflict with_moving;        ///< the counts with the moving ones
@@ -36,14 +36,13 @@ class FreeSpaceScan {
   FreeSpaceConflict Compare(const FreeSpaceScan& other, const Pose2& robot_from_other,
                             ComparedReturns* details) const;
 
-  /// The returns that are compared, one per degree at most, in the frame of the robot [m]: every
-  /// so many of the sweep's, from the first one on.
+  /// The returns that are compared, every StrideOf-th of the sweep, in the frame of the robot [m].
   const std::vector<Eigen::Vector2d>& returns() const { return points_in_robot_; }
 
-  static std::size_t StrideOf(const LaserModel& laser);  ///< how many; see returns()
+  /// Number of returns from one that is compared to the next: one per degree at most.
+  static std::size_t StrideOf(const LaserModel& laser);
 
-  /// Marks returns of what moves, by their places in returns(), on top of those of which the graph
-  /// knows it.
+  /// Marks moving returns, by their places in returns(), besides those that the graph knows.
   void MarkMoving(const std::vector<int>& returns);
 
  private:
@@ -62,7 +61,7 @@ class FreeSpaceScan {
   std::vector<char> moves_;  // per point; empty if none does
 };
 
-/// The same both ways, given the pose of b's robot as seen from a's.
+/// Compares two scans both ways, given the pose of b's robot as seen from a's.
 FreeSpaceConflict CompareBothWays(const FreeSpaceScan& a, const FreeSpaceScan& b,
                                   const Pose2& a_from_b);
 

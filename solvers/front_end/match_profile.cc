@@ -17,13 +17,13 @@ namespace {
 
 // Distances along the direction [m], either way: apart by a maximum's width at first.
 constexpr std::array<double, 9> kShiftsM = {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3, 1.6};
-// Beyond a pose that is less likely than the best one by exp(-kNegligible / 2) none is asked.
+// Chi-squared relative to the best pose from which on the profile ends, ...
 constexpr double kNegligible = 16.0;
-// A profile that is worse by less than this at its ends may go on beyond them.
+// ... and up to which it may go on beyond its ends.
 constexpr double kUnlikely = 6.0;
-// The pose moves no farther than this [m]: what else is near is asked by those who looked for it.
+// Largest correction of the pose [m]: places farther away are tried by the search.
 constexpr double kFarthestMoveM = 0.6;
-// Holds a pose along one direction to a fraction of a millimetre [1/m^2].
+// Information that holds a pose along one direction to a fraction of a millimetre [1/m^2].
 constexpr double kHeld = 1e7;
 // Across a corridor, the poses along it differ by millimetres.
 constexpr int kIterationsHeld = 3;
@@ -35,7 +35,7 @@ struct Sample {
 
 bool IsLessLikely(const Sample& a, const Sample& b) { return a.match.chi2 > b.match.chi2; }
 
-// As chi-square of independent errors.
+// Difference in chi-squared of independent errors.
 double WorseBy(const Sample& sample, const Sample& best) {
   return (sample.match.chi2 - best.match.chi2) / kPointsPerError;
 }
@@ -69,7 +69,7 @@ class Profile {
     return rested.chi2 < best->match.chi2 ? rested : best->match;
   }
 
-  // Whether the most likely poses are known to lie between its ends.
+  // Whether the most likely poses lie between its ends.
   bool FallsOff() const {
     return WorseBy(samples_.front(), best_) > kUnlikely &&
            WorseBy(samples_.back(), best_) > kUnlikely;
@@ -101,7 +101,7 @@ class Profile {
     }
   }
 
-  // neighbour: the sample next to it, from which the iterations start.
+  // neighbour: the next sample, from which the iterations start.
   ScanMatch MatchHeldAt(double shift_m, const Sample& neighbour) const {
     const Eigen::Vector2d step = (shift_m - neighbour.shift_m) * along_;
     PosePrediction held;

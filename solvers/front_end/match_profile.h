@@ -12,14 +12,13 @@ namespace plumbline {
 /// Covariance (x, y [m], yaw [rad]; axes of the map) of a match that was found without a
 /// prediction. *match becomes the best pose along the direction in which it is known worst.
 ///
-/// Door frames, niches and noise decide where a scan fits along a corridor. They give the
-/// likelihood many local maxima there, decimetres from each other and nearly as high. Gauss-Newton
-/// information describes the one in which the iterations ended, a few centimetres wide, and not
-/// the others. So the likelihood is profiled in that direction: the match is repeated at fixed
-/// distances along it, up to 1.6 m or until it is hopeless, each pose held there and free
-/// otherwise. The best one within 0.6 m becomes the match, and the second moments of all about it
-/// add to its covariance. Where the profile falls off within its ends, the information need not say
-/// so. A match that the profile and the information know nothing of stays where it is.
+/// Along a corridor, door frames, niches and noise give the likelihood of a scan's pose many local
+/// maxima, decimetres from each other and nearly as high. Gauss-Newton information describes only
+/// the one in which the iterations ended. So the likelihood is profiled in that direction: the
+/// match is repeated at fixed distances along it, up to 1.6 m or until it is hopeless, each pose
+/// held there and free otherwise. The best one within 0.6 m becomes the match, and the second
+/// moments of all about it add to its covariance. A match that neither the profile nor the
+/// information determines stays where it is.
 ///
 /// options: those of the match; it is repeated with their fine gate.
 Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,

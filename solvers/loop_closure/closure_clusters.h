@@ -11,8 +11,7 @@ namespace plumbline {
 
 /// Loop closures that stand or fall together, by index: their later keyframes lie within one short
 /// stretch of the path, and their earlier ones at one place of the map. Where two places look
-/// alike, all scans of the one match the other, and agree with each other on it: they are one
-/// witness, however many they are.
+/// alike, all scans of the one match the other: they are one witness, however many they are.
 using ClosureCluster = std::vector<int>;
 
 /// Divides closures of the graph into clusters, in order of the path of their later keyframes. Each
@@ -20,12 +19,12 @@ using ClosureCluster = std::vector<int>;
 std::vector<ClosureCluster> FindClosureClusters(const std::vector<RelativePoseConstraint>& closures,
                                                 const KeyframeGraph& keys);
 
-/// Whether a closure says again what one of some others says: the same part of the path at the same
-/// place, by the poses of the graph as they stand.
+/// Whether a closure puts the same part of the path at the same place as another one does, by the
+/// poses of the graph.
 bool RepeatsOneOf(const RelativePoseConstraint& closure,
                   const std::vector<RelativePoseConstraint>& others, const KeyframeGraph& keys);
 
-/// The closures, in their order, that repeat none of those already taken; no more than `most`.
+/// At most `most` of the closures, in their order, that repeat none of those before them.
 std::vector<RelativePoseConstraint> WithoutRepetitions(
     const std::vector<RelativePoseConstraint>& closures, std::size_t most,
     const KeyframeGraph& keys);

@@ -1,6 +1,5 @@
 #include "plumbline/solvers/loop_closure/closure_memory.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/angle.h"
@@ -8,21 +7,19 @@
 namespace plumbline {
 namespace {
 
-// How much less than a new search is worth its time was tuned on mit-killian, infinite-corridor,
-// acapulco and fr-clinic.
+// Tuned on mit-killian, infinite-corridor, acapulco and fr-clinic, where a new search is worth its
+// time.
 
-// A window may reach this much beyond the one that was searched, plus a share of its width: windows
-// are estimates, and a match at their very edge is rare.
+// A window may reach this much beyond the one that was searched [m], [rad], plus a share of its
+// width: windows are estimates, and a match at their very edge is rare.
 constexpr double kSlackM = 0.25;
 constexpr double kSlackRad = 0.05;
 constexpr double kSlackShare = 0.1;
-// What was found nowhere in a wide window, or in two places, may well be found in a part of it:
-// this share is still the same search.
+// Smallest window, as a share of the one before, that is still the same search: a search that found
+// nothing in a wide window, or two places, may succeed in a part of it.
 constexpr double kSameSearchShare = 0.5;
-// Keyframes this near on the path [m] see the same place.
+// Path [m] between keyframes that see the same place.
 constexpr double kSamePlaceM = 0.5;
-
-double LengthOf(const Pose2& motion) { return std::hypot(motion.x, motion.y); }
 
 }  // namespace
 
@@ -53,7 +50,7 @@ bool ClosureMemory::Covers(const Entry& before, const LoopCandidate& candidate,
   const double slack_m = kSlackM + kSlackShare * before.drift_m;
   const double slack_rad = kSlackRad + kSlackShare * before.drift_rad;
   const Pose2 moved = Between(before.first_from_second, now.first_from_second);
-  if (LengthOf(moved) + now.drift_m > before.drift_m + slack_m) return false;
+  if (moved.translation().norm() + now.drift_m > before.drift_m + slack_m) return false;
   if (std::abs(NormalizeAngle(moved.yaw)) + now.drift_rad > before.drift_rad + slack_rad) {
     return false;
   }
@@ -70,7 +67,8 @@ bool ClosureMemory::Covers(const Entry& before, const LoopCandidate& candidate,
   const RelativePoseConstraint& edge = before.tested.edge;
   const Pose2 off =
       Between(keys.world_from_key[edge.to], keys.world_from_key[edge.from] * edge.from_from_to);
-  return LengthOf(off) <= now.drift_m + slack_m && std::abs(off.yaw) <= now.drift_rad + slack_rad;
+  return off.translation().norm() <= now.drift_m + slack_m &&
+         std::abs(off.yaw) <= now.drift_rad + slack_rad;
 }
 
 const TestedCandidate* ClosureMemory::Find(const LoopCandidate& candidate,

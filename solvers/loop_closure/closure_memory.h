@@ -12,17 +12,16 @@
 
 namespace plumbline {
 
-/// What became of the candidates that were tested before: a place is searched once per relative
-/// window, however many rounds and hypotheses come back to it. The keyframes must be the same ones
-/// all the time; their poses may change.
+/// Results of the candidates that were tested before: a place is searched once per relative window,
+/// however many rounds and hypotheses come back to it. The keyframes must stay the same; their
+/// poses may change.
 class ClosureMemory {
  public:
-  /// The result of an earlier test that says what testing this candidate again would say, or null:
-  /// of the same keyframe and place, in a window that held this one, with the match within this one
-  /// if there was a match.
+  /// The result of an earlier test that stands for this candidate, or null: of the same keyframe
+  /// and place, in a window that contained this one, with the match, if any, within this one.
   const TestedCandidate* Find(const LoopCandidate& candidate, const KeyframeGraph& keys) const;
 
-  /// keys: as they were when the candidate was tested.
+  /// keys: at the time of the test.
   void Add(const LoopCandidate& candidate, const KeyframeGraph& keys,
            const TestedCandidate& tested);
 
