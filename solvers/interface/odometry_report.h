@@ -11,8 +11,7 @@ namespace plumbline {
 struct OdometrySignReport {
   /// Steps of the odometry that go backwards. One is enough: this odometry has a sign.
   int num_backward_steps = 0;
-  /// Steps that scan matching alone, blind to the odometry's translation, could decide: of the
-  /// drive, or of its beginning if that settles the question.
+  /// Steps that scan matching alone, blind to the odometry's translation, could decide.
   int num_decided = 0;
   /// Of these, steps that went backwards by about the length that the odometry calls forward, and
   /// so did the next two decided ones.
