@@ -18,58 +18,49 @@ namespace {
 constexpr int kMaxLevel = 5;
 constexpr int kKernelCells = 2;
 constexpr int kKernelSide = 2 * kKernelCells + 1;
-// Points of a scan that are scored: more of them change the ranking of poses no longer.
+// Points of a scan that are scored: more do not change the ranking of poses.
 constexpr std::size_t kMaxScoredPoints = 200;
-// A block is scored in this many parts of the scan, each every fourth of its points: the first ones
+// Parts of the scan in which a block is scored, each every fourth of its points: the first ones
 // often show that the block is no use.
 constexpr int kParts = 4;
-
-// A search is given up after this many blocks have been cut up, which takes about 0.1 s. Where a
-// scan fits somewhere, a hundredth of it is enough; to prove of bushes and fences that they fit
-// nowhere takes ten times as many.
+// Blocks that a search may split, which takes about 0.1 s. Where a scan fits somewhere, a hundredth
+// is enough; to prove that bushes and fences fit nowhere takes ten times as many.
 constexpr int kMaxSplits = 100000;
-
-// A better score must be better by more than this, a step of the likelihood grid: along a bare
-// corridor thousands of poses fit alike.
+// Least difference of two scores, a step of the likelihood grid: along a bare corridor thousands of
+// poses fit alike.
 constexpr double kScoreResolution = 1.0 / 255.0;
 
 struct Candidate {
   int heading = 0;
   int x = 0;  // shift of the scan in cells, the lowest of the 2^level in its block
   int y = 0;
-  // Of the likelihoods in the parts of the scan up to each one, all in all `score`.
+  // Sums of the likelihoods in the parts of the scan up to each one; of all parts, `score`.
   std::array<int, kParts> sums{};
   double score = 0.0;
 };
 
-// Of equal scores the heading nearest to the middle, then the lowest shift.
+// Order by score, then heading nearest to the middle, then lowest shift.
 bool Precedes(const Candidate& a, const Candidate& b) {
   return std::tie(b.score, a.heading, a.y, a.x) < std::tie(a.score, b.heading, b.y, b.x);
 }
 
-// The coarsest level whose blocks a window of that many cells to either side fills.
+// The coarsest level whose blocks fit into a window of that many cells to either side.
 int TopLevel(int half_cells) {
   int level = 0;
   while (level < kMaxLevel && (1 << level) <= half_cells) ++level;
   return level;
 }
 
-// The Gaussian at kKernelSide cells, the first of which is at `first` standard deviations. From
-// cell to cell it changes by a factor, which itself changes by a constant one.
+// Samples a Gaussian at kKernelSide cells, the first of which is at `first` standard deviations.
 void SampleGaussian(double first, double peak, double* samples) {
-  const double e_inverse = std::exp(-1.0);
-  double value = peak * std::exp(-0.5 * first * first);
-  double factor = std::exp(-first - 0.5);
   for (int i = 0; i < kKernelSide; ++i) {
-    samples[i] = value;
-    value *= factor;
-    factor *= e_inverse;
+    samples[i] = peak * std::exp(-0.5 * (first + i) * (first + i));
   }
 }
 
 }  // namespace
 
-// One search: the most promising block of all headings first, so that bounds tighten early.
+// One search, best block first over all headings, so that bounds tighten early.
 class BranchAndBound {
  public:
   BranchAndBound(const CorrelativeMatcher& matcher, const SurfacePoints& scan,
@@ -80,25 +71,18 @@ class BranchAndBound {
     half_cells_ = static_cast<int>(std::ceil(window.half_width_m / matcher.cell_m_));
   }
 
-  // Looks for any pose that is not of this one's peak instead of the best of all.
-  void SearchElsewhereThan(const Pose2& pose, const PeakSize& size) {
-    excluded_ = pose;
-    peak_size_ = size;
-    any_will_do_ = true;
-  }
-
   // Looks for several peaks.
   void SearchPeaks(int max_peaks, const PeakSize& size) {
     max_peaks_ = static_cast<std::size_t>(max_peaks);
     peak_size_ = size;
   }
 
-  // The best one or, if there is none, what is known of that.
+  // The best pose, if there is one.
   CorrelativeMatch Run() {
     RunAll();
     CorrelativeMatch best;
     if (!peaks_.empty()) best = peaks_.front();
-    best.gave_up = num_splits_ > kMaxSplits;
+    best.gave_up = GaveUp();
     return best;
   }
 
@@ -124,10 +108,13 @@ class BranchAndBound {
       AddBlocks(level, &top);
     }
     Descend(level, &top);
+    for (CorrelativeMatch& peak : peaks_) peak.gave_up = GaveUp();
     return peaks_;
   }
 
  private:
+  bool GaveUp() const { return num_splits_ > kMaxSplits; }
+
   // The offsets in the grid of its columns or rows, from reach_ before the first one. The empty
   // ones at the edges of the grid stand for all beyond it.
   std::vector<std::ptrdiff_t> EdgedOffsets(int num_lines, int stride) const {
@@ -141,7 +128,6 @@ class BranchAndBound {
   // The scan's points that a shift within the window can bring into the map, unshifted.
   struct Heading {
     double yaw_rad = 0.0;
-    bool excluded = false;                // with the excluded pose's position
     std::vector<Eigen::Vector2i> cells;   // part by part
     std::vector<std::ptrdiff_t> offsets;  // of the cells in the grid
     std::array<std::size_t, kParts> part_end{};
@@ -151,7 +137,6 @@ class BranchAndBound {
   void AddHeading(double yaw_rad) {
     Heading heading;
     heading.yaw_rad = yaw_rad;
-    heading.excluded = any_will_do_ && IsSameHeading(yaw_rad, excluded_.yaw);
     const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
     heading.low.setConstant(std::numeric_limits<int>::max());
     heading.high = -heading.low;
@@ -206,13 +191,13 @@ class BranchAndBound {
     std::sort(candidates->begin(), candidates->end(), Precedes);
     for (const Candidate& candidate : *candidates) {
       if (candidate.score <= bar_ + kScoreResolution) return false;
-      if (IsExcluded(candidate, level) || IsOfHigherPeak(candidate, level)) continue;
+      if (IsOfHigherPeak(candidate, level)) continue;
       if (level == 0) {
         Take({true, false, PoseOf(candidate), candidate.score});
-        if (any_will_do_) return true;
         continue;
       }
-      if (++num_splits_ > kMaxSplits) return true;
+      ++num_splits_;
+      if (GaveUp()) return true;
       std::vector<Candidate>& children = children_[level - 1];
       children.clear();
       Split(candidate, level - 1, &children);
@@ -315,12 +300,6 @@ class BranchAndBound {
     return std::abs(NormalizeAngle(a_rad - b_rad)) <= peak_size_.angle_rad;
   }
 
-  // Whether all poses of a block are near the excluded one.
-  bool IsExcluded(const Candidate& candidate, int level) const {
-    return headings_[candidate.heading].excluded &&
-           IsNear(excluded_.translation(), candidate, level);
-  }
-
   // Whether all poses of a block are of a peak that has a better one.
   bool IsOfHigherPeak(const Candidate& candidate, int level) const {
     return max_peaks_ > 1 && std::any_of(peaks_.begin(), peaks_.end(), [&](const auto& peak) {
@@ -344,8 +323,6 @@ class BranchAndBound {
   std::vector<Eigen::Vector2d> points_;
   int half_cells_ = 0;
   PeakSize peak_size_;
-  Pose2 excluded_;
-  bool any_will_do_ = false;
   std::size_t max_peaks_ = 1;
   double bar_;  // what a pose must score to be of interest
   int num_splits_ = 0;
@@ -423,15 +400,6 @@ std::vector<CorrelativeMatch> CorrelativeMatcher::SearchPeaks(const SurfacePoint
   BranchAndBound search(*this, scan, window, min_score);
   search.SearchPeaks(max_peaks, size);
   return search.RunAll();
-}
-
-bool CorrelativeMatcher::FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window,
-                                       double min_score, const Pose2& excluded,
-                                       const PeakSize& size) const {
-  BranchAndBound search(*this, scan, window, min_score);
-  search.SearchElsewhereThan(excluded, size);
-  const CorrelativeMatch match = search.Run();
-  return match.found || match.gave_up;
 }
 
 }  // namespace plumbline

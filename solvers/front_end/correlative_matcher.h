@@ -19,15 +19,14 @@ struct SearchWindow {
 
 struct CorrelativeMatch {
   bool found = false;
-  /// The search became too long and was ended: there may be better poses than this one, or there
-  /// may be one after all.
+  /// The search was ended early: there may be a better pose, or one after all.
   bool gave_up = false;
   Pose2 map_from_scan;
   /// Mean likelihood of the scan's points in [0, 1].
   double score = 0.0;
 };
 
-/// What belongs to the same peak: poses this near to its best one.
+/// Size of a peak: its poses are this near to its best one.
 struct PeakSize {
   double radius_m = 0.0;
   double angle_rad = 0.0;
@@ -47,16 +46,11 @@ class CorrelativeMatcher {
                           double min_score) const;
 
   /// The best poses of up to max_peaks peaks that score more than min_score, the best first. Peaks
-  /// so near to each other that they share poses may count as one, and where everything fits a
-  /// little the search is given up, and some may be missing.
+  /// that share poses may count as one; some may be missing if the search is ended early, where
+  /// everything fits a little.
   std::vector<CorrelativeMatch> SearchPeaks(const SurfacePoints& scan, const SearchWindow& window,
                                             double min_score, int max_peaks,
                                             const PeakSize& size) const;
-
-  /// Whether any pose of the window that is outside the peak of `excluded` scores more than
-  /// min_score, or may do so as the search was given up.
-  bool FitsElsewhere(const SurfacePoints& scan, const SearchWindow& window, double min_score,
-                     const Pose2& excluded, const PeakSize& size) const;
 
  private:
   friend class BranchAndBound;

@@ -249,8 +249,9 @@ class CandidateTester {
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
                      SearchWindow window, const CorrelativeMatch& best) const {
     window.half_width_m = std::max(window.half_width_m, LoopAcceptance::kPeakWindowM);
-    return search.FitsElsewhere(scan, window, LoopAcceptance::kMaxSecondPeak * best.score,
-                                best.map_from_scan, kPeak);
+    const std::vector<CorrelativeMatch> peaks =
+        search.SearchPeaks(scan, window, LoopAcceptance::kMaxSecondPeak * best.score, 2, kPeak);
+    return peaks.size() != 1 || peaks.front().gave_up;
   }
 
   const ScanSurfaces& surfaces_;

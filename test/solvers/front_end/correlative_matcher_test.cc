@@ -66,9 +66,8 @@ TEST(CorrelativeMatcher, SecondPeakIsThereOnlyInTwinRooms) {
     const CorrelativeMatcher matcher(twin ? twins : surfaces[0], 0.1, 6.0);
     const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
     ASSERT_TRUE(best.found);
-    const bool second = matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score,
-                                              best.map_from_scan, {0.7, 0.3});
-    EXPECT_EQ(second, twin);
+    EXPECT_EQ(matcher.SearchPeaks(surfaces[1], window, 0.9 * best.score, 2, {0.7, 0.3}).size(),
+              twin ? 2u : 1u);
   }
 }
 
@@ -107,8 +106,7 @@ TEST(CorrelativeMatcher, AFullTurnIsNoSecondPeak) {
   const CorrelativeMatch best = matcher.Search(surfaces[1], window, 0.3);
   ASSERT_TRUE(best.found);
   EXPECT_LT(DistanceM(best.map_from_scan, scene.poses[1]), 0.15);
-  EXPECT_FALSE(
-      matcher.FitsElsewhere(surfaces[1], window, 0.9 * best.score, best.map_from_scan, {0.7, 0.3}));
+  EXPECT_EQ(matcher.SearchPeaks(surfaces[1], window, 0.9 * best.score, 2, {0.7, 0.3}).size(), 1u);
 }
 
 TEST(CorrelativeMatcher, FindsNothingInAnEmptyMapOrForAnEmptyScan) {
@@ -133,7 +131,10 @@ TEST(CorrelativeMatcher, GivesUpWhereEverythingFitsALittle) {
   const CorrelativeMatcher matcher(bushes, 0.1, 15.0);
   const CorrelativeMatch match = matcher.Search(others, {Pose2(), 15.0, 0.5}, 0.2);
   EXPECT_TRUE(match.gave_up);
-  EXPECT_TRUE(matcher.FitsElsewhere(others, {Pose2(), 15.0, 0.5}, 0.4, Pose2(), {0.5, 0.1}));
+  for (const CorrelativeMatch& peak :
+       matcher.SearchPeaks(others, {Pose2(), 15.0, 0.5}, 0.2, 2, {0.5, 0.1})) {
+    EXPECT_TRUE(peak.gave_up);
+  }
   // Where it fits, that is soon found.
   const CorrelativeMatch same = matcher.Search(bushes, {Pose2(1.0, 1.0, 0.0), 2.0, 0.1}, 0.4);
   EXPECT_TRUE(same.found);
