@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/median.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/solvers/front_end/match_covariance.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
@@ -39,15 +40,6 @@ int NumClosuresAcross(int edge, const KeyframeGraph& keys) {
   return num_direct + std::min(num_before, num_after);
 }
 
-// A local closure that agrees with the edges that it spans is no second witness: both come from the
-// same scans. Where the edge is not trusted, it at least shows that they fit.
-bool OnlyRepeatsItsEdge(const RelativePoseConstraint& local_closure, const KeyframeGraph& keys) {
-  for (int edge = local_closure.from; edge < local_closure.to; ++edge) {
-    if (keys.sequential[edge].untrusted()) return false;
-  }
-  return EdgeChi2(local_closure, keys.world_from_key) <= LoopAcceptance::kMaxEdgeChi2;
-}
-
 // Breaks the suspect edge that is farthest off the others, if it is too far and there are enough
 // closures to do without it.
 bool BreakWorstEdge(KeyframeGraph* keys) {
@@ -75,12 +67,11 @@ bool DropWorstClosures(KeyframeGraph* keys) {
     if (chi2 > LoopAcceptance::kMaxEdgeChi2) wrong.push_back(chi2);
   }
   if (wrong.empty()) return false;
-  const auto median = wrong.begin() + static_cast<std::ptrdiff_t>(wrong.size() / 2);
-  std::nth_element(wrong.begin(), median, wrong.end());
-  const auto kept = std::stable_partition(
-      keys->closures.begin(), keys->closures.end(), [&](const RelativePoseConstraint& closure) {
-        return EdgeChi2(closure, keys->world_from_key) < *median;
-      });
+  const double median = Median(std::move(wrong));
+  const auto kept = std::stable_partition(keys->closures.begin(), keys->closures.end(),
+                                          [&](const RelativePoseConstraint& closure) {
+                                            return EdgeChi2(closure, keys->world_from_key) < median;
+                                          });
   keys->contradicted.insert(keys->contradicted.end(), kept, keys->closures.end());
   keys->closures.erase(kept, keys->closures.end());
   return true;
@@ -155,8 +146,8 @@ bool UnmatchedAreRare(const KeyframeGraph& keys) {
   return num_unmatched <= std::max(1, keys.size() / kOneIn);
 }
 
-void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& refused_local,
-                 const std::vector<TestedCandidate>& refused_closures, LoopClosingReport* report) {
+void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& refused,
+                 LoopClosingReport* report) {
   const auto record = [&](const RelativePoseConstraint& edge, ClosureOutcome outcome) {
     report->matches.push_back(
         {keys.keyframes[edge.from].pose, keys.keyframes[edge.to].pose, edge.from_from_to, outcome});
@@ -165,9 +156,7 @@ void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& 
   for (const auto* wrong : {&keys.contradicted, &keys.refused}) {
     for (const auto& edge : *wrong) record(edge, ClosureOutcome::kContradicted);
   }
-  for (const auto* refused : {&refused_local, &refused_closures}) {
-    for (const TestedCandidate& result : *refused) record(result.edge, result.outcome);
-  }
+  for (const TestedCandidate& result : refused) record(result.edge, result.outcome);
   report->num_closures = static_cast<int>(keys.closures.size());
   report->num_contradicted = static_cast<int>(keys.contradicted.size() + keys.refused.size());
   const bool unmatched_are_rare = UnmatchedAreRare(keys);
@@ -253,35 +242,30 @@ Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress,
                   ClosureMemory* memory, KeyframeGraph* keys, LoopClosingReport* report) {
   *report = LoopClosingReport();
   if (!keys->closures.empty()) OptimizeAndPrune(keys);
-  std::vector<TestedCandidate> refused_local, refused_closures;
-  for (int round = 0; round <= kMaxRounds; ++round) {
-    // What the robot did at a suspect edge is best told from what lies next to it.
-    const bool is_local = round == 0;
+  std::vector<TestedCandidate> refused;
+  bool found = true;
+  for (int round = 0; round < kMaxRounds && found; ++round) {
     const std::vector<LoopCandidate> candidates =
-        is_local ? FindLocalCandidates(*keys)
-                 : FindLoopCandidates(*keys, surfaces.graph().peers(), pool);
+        FindLoopCandidates(*keys, surfaces.graph().peers(), pool);
     std::vector<TestedCandidate> tested;
     PLUMBLINE_RETURN_IF_ERROR(
         TestInBatches(surfaces, *keys, candidates, progress, pool, memory, &tested));
     report->num_candidates += static_cast<int>(candidates.size());
-    std::vector<TestedCandidate>& refused = is_local ? refused_local : refused_closures;
     refused.clear();
-    const std::size_t num_closures = keys->closures.size();
+    found = false;
     for (const TestedCandidate& result : tested) {
-      if (is_local && OnlyRepeatsItsEdge(result.edge, *keys)) continue;
       if (RepeatsOneOf(result.edge, keys->refused, *keys)) continue;
       if (result.outcome == ClosureOutcome::kAccepted) {
         keys->closures.push_back(result.edge);
+        found = true;
       } else if (result.outcome != ClosureOutcome::kNoMatch) {
         refused.push_back(result);
       }
     }
-    const bool found = keys->closures.size() > num_closures;
     OptimizeAndPrune(keys);
-    if (!found && !is_local) break;
   }
-  KeepTentative(refused_closures, keys);
-  WriteReport(*keys, refused_local, refused_closures, report);
+  KeepTentative(refused, keys);
+  WriteReport(*keys, refused, report);
   return Status::Ok();
 }
 

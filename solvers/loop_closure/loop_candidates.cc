@@ -43,13 +43,6 @@ constexpr double kSuspectDriftM = 7.0;
 constexpr double kSuspectDriftRad = 1.75;
 // Additional cost of an untrusted edge [m]: any closure around it is the shorter way.
 constexpr double kSuspectCostM = 300.0;
-// Local candidates of a suspect edge: path beyond it [m], distance from one to the next [m], path
-// before it that they are matched with [m], and largest turn [rad]: wheels slip farther than they
-// turn.
-constexpr double kLocalPathM = 4.0;
-constexpr double kLocalSpacingM = 1.3;
-constexpr double kLocalMapPathM = 15.0;
-constexpr double kLocalTurnRad = 0.5;
 // Distance [m] within which two keyframes see enough of the same surfaces.
 constexpr double kOverlapReachM = 2.0;
 // Path from one candidate of revisits to the next [m].
@@ -389,28 +382,6 @@ std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const 
   for (std::vector<LoopCandidate>& of_this : of_node) {
     candidates.insert(candidates.end(), std::make_move_iterator(of_this.begin()),
                       std::make_move_iterator(of_this.end()));
-  }
-  return candidates;
-}
-
-std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph) {
-  const std::vector<Keyframe>& keys = graph.keyframes;
-  std::vector<LoopCandidate> candidates;
-  for (int edge = 0; edge + 1 < graph.size(); ++edge) {
-    if (!graph.sequential[edge].in_question) continue;
-    std::vector<int> before;
-    for (int k = edge; k >= 0 && keys[edge].path_m - keys[k].path_m <= kLocalMapPathM; --k) {
-      before.push_back(k);
-    }
-    int last = edge + 1;
-    while (last + 1 < graph.size() && !graph.sequential[last].in_question &&
-           keys[last + 1].path_m - keys[edge + 1].path_m <= kLocalPathM) {
-      ++last;
-    }
-    for (const int k : SpreadOverPath(graph, edge + 1, last, kLocalSpacingM)) {
-      candidates.push_back(
-          {edge, k, kDriftFloorM + kSuspectDriftM, kLocalTurnRad, Thinned(before, graph)});
-    }
   }
   return candidates;
 }

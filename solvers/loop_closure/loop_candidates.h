@@ -33,9 +33,6 @@ struct LoopCandidate {
 std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
                                               ThreadPool* pool);
 
-/// Keyframes right after each edge in question, to be found again in the scans right before it.
-std::vector<LoopCandidate> FindLocalCandidates(const KeyframeGraph& graph);
-
 /// Keyframes spread over the path from an edge to the next untrusted one, each to be found again
 /// near by, in any heading, in the scans before the edge.
 std::vector<LoopCandidate> FindJoins(const KeyframeGraph& graph, int edge);

@@ -220,31 +220,6 @@ TEST(CloseLoops, AnUnmatchedScanIsASignWhereItIsRare) {
   EXPECT_FALSE(report.suspect_steps[0].unmatched);
 }
 
-TEST(CloseLoops, ReportsTheLocalClosuresThatWereRefused) {
-  Lap lap = MakeLapWithAWrongEdge();
-  lap.keys.sequential[kWrongEdge].evidence = 0.2;  // ways may lead across it
-  // Beyond the edge the robot sees a pile of things outside the hall as well, which nothing
-  // matches: the share of the rest is enough for the search, but not for a closure.
-  SurfacePoints& surface = lap.surfaces[kWrongEdge + 1];
-  for (int i = 0; i < 1000; ++i) {
-    const int row = i / 24, column = i % 24;
-    const Eigen::Vector2d point(9.0 + 0.1 * column, 0.1 * row);
-    surface.push_back({point, Eigen::Vector2d::UnitX()});
-  }
-  ThreadPool pool(2);
-  ClosureMemory memory;
-  LoopClosingReport report;
-  ASSERT_TRUE(CloseLoops(ScanSurfaces(lap.graph, Packed(lap.surfaces)), nullptr, &pool, &memory,
-                         &lap.keys, &report)
-                  .ok());
-  // The first keyframe beyond the edge is tried as a local closure only: what lies far enough back
-  // on the path for a closure is out of reach.
-  const auto is_local = [](const LoopClosureRecord& match) {
-    return match.to_pose == kWrongEdge + 1 && match.outcome == ClosureOutcome::kLowOverlap;
-  };
-  EXPECT_EQ(std::count_if(report.matches.begin(), report.matches.end(), is_local), 1);
-}
-
 TEST(CloseLoops, StopsWhenItsCallerSaysSo) {
   Lap lap = MakeLap();
   ThreadPool pool(1);

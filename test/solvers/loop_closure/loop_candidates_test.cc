@@ -90,23 +90,6 @@ TEST(LoopCandidates, AnUntrustedEdgeMakesItsTwoSidesCandidates) {
   }
 }
 
-TEST(LoopCandidates, LocalCandidatesSpanSuspectEdges) {
-  KeyframeGraph keys;
-  for (int i = 0; i < 8; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
-  EXPECT_TRUE(FindLocalCandidates(keys).empty());
-  keys.sequential[3].evidence = 0.2;
-  keys.sequential[3].in_question = true;
-  const std::vector<LoopCandidate> candidates = FindLocalCandidates(keys);
-  ASSERT_EQ(candidates.size(), 2u);  // up to 4 m on, at least 1.3 m apart
-  EXPECT_EQ(candidates[0].first, 3);
-  EXPECT_EQ(candidates[0].second, 4);
-  EXPECT_EQ(candidates[1].second, 6);
-  for (const LoopCandidate& local_closure : candidates) {
-    EXPECT_NEAR(local_closure.drift_m, 7.4, 1e-12);
-    EXPECT_EQ(local_closure.surroundings, (std::vector<int>{3, 2, 1, 0}));
-  }
-}
-
 TEST(LoopCandidates, JoinsSpreadOverWhatLiesBeyondAnEdge) {
   KeyframeGraph keys;
   for (int i = 0; i < 40; ++i) Add({0.0, 1.0 * i, 0.0}, i, &keys);
