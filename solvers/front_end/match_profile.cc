@@ -10,7 +10,6 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/pose2.h"
-#include "plumbline/solvers/front_end/match_covariance.h"
 
 namespace plumbline {
 namespace {

@@ -8,7 +8,6 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/solvers/front_end/local_map.h"
-#include "plumbline/solvers/front_end/match_covariance.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/solvers/front_end/scan_surfaces.h"

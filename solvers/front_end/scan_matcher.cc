@@ -137,18 +137,11 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
 
 ScanMatch MeasureFit(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot,
                      const ScanMatchOptions& options) {
-  ScanMatch match;
-  match.world_from_robot = world_from_robot;
-  if (scan.empty() || map.points().empty()) return match;
-  std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
-  NormalEquations equations =
-      Linearize(map, scan, world_from_robot, options.fine_gate_m, options.sigma_m, &matches);
-  DropNormalNoise(&equations);
-  match.inlier_ratio =
-      static_cast<double>(equations.num_matched) / static_cast<double>(scan.size());
-  match.information = equations.information;
-  match.chi2 = equations.robust_cost;
-  return match;
+  PosePrediction prediction;
+  prediction.world_from_robot = world_from_robot;
+  ScanMatchOptions without_steps = options;
+  without_steps.max_iterations = 0;
+  return MatchScan(map, scan, prediction, without_steps);
 }
 
 }  // namespace plumbline

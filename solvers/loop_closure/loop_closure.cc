@@ -12,7 +12,6 @@
 #include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/free_space.h"
 #include "plumbline/solvers/front_end/local_map.h"
-#include "plumbline/solvers/front_end/match_covariance.h"
 #include "plumbline/solvers/front_end/match_profile.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/solvers/loop_closure/loop_acceptance.h"

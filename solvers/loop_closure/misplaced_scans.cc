@@ -12,7 +12,6 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/factors/motion_factor.h"
 #include "plumbline/solvers/front_end/local_map.h"
-#include "plumbline/solvers/front_end/match_covariance.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 
 namespace plumbline {

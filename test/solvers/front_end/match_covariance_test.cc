@@ -1,5 +1,3 @@
-#include "plumbline/solvers/front_end/match_covariance.h"
-
 #include <gtest/gtest.h>
 
 #include "plumbline/core/rotate_axes.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plumbline/solvers/front_end/local_map.h"
-#include "plumbline/solvers/front_end/match_covariance.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
 namespace plumbline {
