@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "plumbline/core/angle.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/free_space.h"
@@ -84,9 +83,7 @@ class CandidateTester {
         candidate.wide() ? TestPlace(candidate, scan, coarse.map_from_scan)
                          : TestFit(candidate, NoMatch(candidate), map, scan, coarse.map_from_scan);
     if (tested.outcome == ClosureOutcome::kAccepted && candidate.wide() &&
-        (coarse.gave_up ||
-         SequenceAgreesWithItself(candidate, window.center, coarse.map_from_scan) ||
-         HasSecondPeak(search, scan.points(), window, coarse))) {
+        (coarse.gave_up || HasSecondPeak(search, scan.points(), window, coarse))) {
       tested.outcome = ClosureOutcome::kAmbiguous;
     }
     return tested;
@@ -225,24 +222,6 @@ class CandidateTester {
         std::remove_if(keys.begin(), keys.end(), [&](int k) { return std::abs(k - center) > 1; }),
         keys.end());
     return keys;
-  }
-
-  // Whether the sequential matching has put two neighbours in time somewhere else, and the scans do
-  // not contradict that: among pillars at a constant pitch, the place that was seen best fits
-  // better than the right one.
-  bool SequenceAgreesWithItself(const LoopCandidate& candidate, const Pose2& expected,
-                                const Pose2& found) const {
-    const double path_m =
-        keys_.keyframes[candidate.second].path_m - keys_.keyframes[candidate.first].path_m;
-    const Pose2 apart = Between(expected, found);
-    if (path_m > LoopAcceptance::kRevisitPathM || IsSamePeak(apart)) return false;
-    return ConflictShare({candidate.first, candidate.second, expected}) <=
-           LoopAcceptance::kMaxFreeSpaceConflict;
-  }
-
-  static bool IsSamePeak(const Pose2& apart) {
-    return std::hypot(apart.x, apart.y) < kPeak.radius_m &&
-           std::abs(NormalizeAngle(apart.yaw)) < kPeak.angle_rad;
   }
 
   bool HasSecondPeak(const CorrelativeMatcher& search, const SurfacePoints& scan,
