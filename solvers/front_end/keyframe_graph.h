@@ -69,11 +69,11 @@ struct KeyframeGraph {
   std::vector<Pose2> world_from_key;  ///< one per keyframe
   std::vector<SequentialEdge> sequential;
   std::vector<RelativePoseConstraint> closures;  ///< from the earlier to the later keyframe
-  /// Closures that the others contradicted: dropped, and not to be found again.
+  /// Closures that the others contradicted: not to be found again.
   std::vector<RelativePoseConstraint> contradicted;
-  /// Closures whose whole cluster the map contradicts: neither they nor what repeats them.
+  /// Closures whose cluster the map contradicts: neither they nor closures that repeat them.
   std::vector<RelativePoseConstraint> refused;
-  /// Matches that were good, but not good enough to be believed by themselves; the best first.
+  /// Matches that fall short of a closure, the best first.
   std::vector<RelativePoseConstraint> tentative;
   GivenKeyPoses given;
 
@@ -84,9 +84,8 @@ struct KeyframeGraph {
   int EndOfSession(int key) const;  ///< see BeginOfSession
 };
 
-/// Carries every pose along with its keyframes: as matched to the one before and to the one after,
-/// in the ratio of their distance in time. before: world_from_robot of every pose as the keyframes
-/// were matched.
+/// Moves every pose with the keyframes before and after it, in the ratio of their distance in time.
+/// before: world_from_robot of every pose as the keyframes were matched.
 std::vector<Pose2> PosesFollowingKeyframes(const KeyframeGraph& keyframe_graph,
                                            const std::vector<Pose2>& before);
 

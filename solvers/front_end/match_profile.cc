@@ -122,12 +122,6 @@ class Profile {
   Sample best_;
 };
 
-// The covariance with an observation of this variance along a unit vector.
-Eigen::Matrix3d WithObservation(const Eigen::Vector3d& axis, double variance,
-                                const Eigen::Matrix3d& covariance) {
-  return (covariance.inverse() + axis * axis.transpose() / variance).inverse();
-}
-
 }  // namespace
 
 Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
@@ -143,9 +137,10 @@ Eigen::Matrix3d ProfileMatch(const LocalMap& map, const SurfacePoints& scan,
   *match = profile.Best();
   Eigen::Matrix3d at_rest = MatchCovariance(match->information);
   if (falls_off) {
-    // A maximum is not much wider than the distance of the samples, or they would tell.
+    // As observed by the samples: a maximum is not much wider than their distance.
     const double spacing_m = kShiftsM.front();
-    at_rest = WithObservation({along.x(), along.y(), 0.0}, spacing_m * spacing_m, at_rest);
+    const Eigen::Vector3d axis(along.x(), along.y(), 0.0);
+    at_rest = (at_rest.inverse() + axis * axis.transpose() / (spacing_m * spacing_m)).inverse();
   }
   const Eigen::Matrix3d covariance = at_rest + profile.MomentsAbout(match->world_from_robot);
   return 0.5 * (covariance + covariance.transpose());
