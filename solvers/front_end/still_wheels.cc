@@ -8,8 +8,10 @@ namespace {
 
 // Length of the spans that are compared [m]: 100 times what a match is off by.
 constexpr double kStillSpanM = 1.0;
-// The wheels stand still if they report less than this share of the way. A slip costs them less.
-constexpr double kMaxReportedShare = 0.3;
+// The wheels stand still if they report less than this share of the way over so many spans in a
+// row. Outdoors, where little is near, a matching without odometry may jump by a few metres.
+constexpr double kMaxReportedShare = 0.1;
+constexpr std::size_t kMinStillSpans = 5;
 
 // Keyframes first to last: where the robot was at the ends of a span.
 struct StillSpan {
@@ -53,13 +55,17 @@ std::vector<char> FindStillWheels(const std::vector<Pose2>& odometry,
                                   const SequentialTrajectory& matched) {
   std::vector<char> is_still(odometry.size(), 0);
   const std::vector<StillSpan> spans = CompareSpans(odometry, matched);
-  for (std::size_t s = 0; s < spans.size(); ++s) {
-    if (!spans[s].is_still) continue;
-    // The spans beside it may be still in part.
-    const std::size_t first = spans[s > 0 ? s - 1 : 0].first;
-    const std::size_t last = spans[std::min(s + 1, spans.size() - 1)].last;
-    std::fill(is_still.begin() + matched.keyframes[first].pose + 1,
-              is_still.begin() + matched.keyframes[last].pose + 1, 1);
+  for (std::size_t begin = 0; begin < spans.size();) {
+    std::size_t end = begin;
+    while (end < spans.size() && spans[end].is_still) ++end;
+    if (end - begin >= kMinStillSpans) {
+      // The spans beside these may be still in part.
+      const std::size_t first = spans[begin > 0 ? begin - 1 : 0].first;
+      const std::size_t last = spans[std::min(end, spans.size() - 1)].last;
+      std::fill(is_still.begin() + matched.keyframes[first].pose + 1,
+                is_still.begin() + matched.keyframes[last].pose + 1, 1);
+    }
+    begin = end + 1;
   }
   return is_still;
 }

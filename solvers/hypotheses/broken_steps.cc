@@ -16,6 +16,7 @@ namespace {
 constexpr int kMaxSingleSteps = 3;
 
 bool KeepsTheMatching(const MapHypothesis& hypothesis) {
+  if (!hypothesis.start->given_poses.empty()) return false;  // which may contradict any step
   return hypothesis.kind == HypothesisKind::kMatching ||
          hypothesis.kind == HypothesisKind::kBrokenSteps;
 }

@@ -67,8 +67,11 @@ class HypothesisSearch {
   }
 
   Status Run(MapHypothesis* best) {
-    MarkSuspectEdges(context_.surfaces, context_.matched->world_from_robot, context_.pool,
-                     &context_.suspected);
+    // Given poses may contradict any step as it is.
+    if (context_.matched->given_poses.empty()) {
+      MarkSuspectEdges(context_.surfaces, context_.matched->world_from_robot, context_.pool,
+                       &context_.suspected);
+    }
     Proposal matching;
     matching.draft.start = context_.matched;
     matching.draft.keys = context_.suspected;

@@ -20,8 +20,6 @@ constexpr std::size_t kMaxLikelyPlaces = 4;
 class Relocations : public Proposer {
  public:
   std::vector<Proposal> Propose(const MapHypothesis& best, SearchContext* context) override {
-    // Given poses say where the robot was.
-    if (!best.start->given_poses.empty()) return {};
     if (best.kind != HypothesisKind::kMatching && best.kind != HypothesisKind::kBrokenSteps &&
         best.kind != HypothesisKind::kJoinedParts) {
       return {};
