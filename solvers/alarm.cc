@@ -190,13 +190,6 @@ std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
                              const SlamGraph& graph, const std::vector<double>& poses) {
   std::vector<Alarm> alarms = MapAlarms(refined, graph, poses);
-  if (alarms.empty()) {
-    alarms = MapAlarms(seeding.consistency, graph, poses);
-    for (Alarm& alarm : alarms) {
-      alarm.reason += kBeforeRefinement;
-      alarm.wrong_share.reset();
-    }
-  }
   if (alarms.empty()) CheckPasses(seeding, refined, graph, poses, &alarms);
   for (const SuspectStep& step : seeding.loops.suspect_steps) {
     if (step.IsUnresolved()) alarms.push_back(UnresolvedStep(step, graph, poses));

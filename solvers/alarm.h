@@ -67,8 +67,9 @@ std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const
                                      const std::vector<double>& poses);
 
 /// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
-/// contradictions of the refined map, or else of the seed. Places are those of `poses`. Not empty
-/// if the seeding raised its alarm.
+/// contradictions of the refined map. A seed whose passes disagree counts, too: the refinement may
+/// hide that. Other contradictions of the seed that the refinement has removed do not. Places are
+/// those of `poses`.
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
                              const SlamGraph& graph, const std::vector<double>& poses);
 
