@@ -24,7 +24,7 @@ constexpr int kMaxRematchRounds = 3;
 // The map of a scan is made of the nearest keyframes within this distance [m], at most so many.
 constexpr double kKeyframeReachM = 8.0;
 constexpr std::size_t kMaxNearKeyframes = 40;
-// A scan of which this share fits is not searched for.
+// A scan of which this share fits is not searched for, if it lies near its given pose.
 constexpr double kFittingShare = 0.9;
 // Half of the search window, in standard deviations of the given pose.
 constexpr double kWindowSigmas = 4.0;
@@ -33,10 +33,10 @@ constexpr double kRematchCellM = 0.1;
 constexpr double kMinSearchScore = 0.3;
 constexpr int kMaxPeaks = 5;
 constexpr PeakSize kPeakSize{0.5, 0.3};
-// A scan moves if chi-squared of independent errors falls by this. With 1 and with 4 the poses of
-// intel-poor-poses come out as well.
+// A scan moves if chi-squared falls by this: odds of e^2 to 1.
 constexpr double kMinFall = 4.0;
-// So many points of a scan speak as one for where it is.
+// Neighbouring points that count as one measurement of where the scan is. Tuned on
+// intel-poor-poses.
 constexpr double kPointsPerWitness = 3.0;
 // The 95 % point of chi-squared with three degrees of freedom.
 constexpr double kLikelyPull = 7.8;
