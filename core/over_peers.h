@@ -61,8 +61,10 @@ std::vector<std::vector<T>> ExchangeValues(const Peers& peers,
   std::vector<std::vector<char>> bytes(to_rank.size());
   for (std::size_t rank = 0; rank < bytes.size(); ++rank) {
     bytes[rank].resize(sizeof(T) * to_rank[rank].size());
-    if (!bytes[rank].empty())
-      std::memcpy(bytes[rank].data(), to_rank[rank].data(), bytes[rank].size());
+    if (!bytes[rank].empty()) {
+      const void* values = to_rank[rank].data();
+      std::memcpy(bytes[rank].data(), values, bytes[rank].size());
+    }
   }
   bytes = peers.Exchange(bytes);
   std::vector<std::vector<T>> from_rank(bytes.size());

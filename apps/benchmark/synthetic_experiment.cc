@@ -87,6 +87,7 @@ class MapMaker {
     MatchGraphOptions options;
     options.icp = IcpOptionsFor(factors_.beam, IcpMetric::kPointToLine);
     std::vector<SurfacePoints> surfaces;
+    surfaces.reserve(drive_.graph.num_scans());
     for (int scan = 0; scan < drive_.graph.num_scans(); ++scan) {
       surfaces.push_back(ThinnedSurfaceOf(drive_.graph, scan, surface_, kPointSpacingM));
     }

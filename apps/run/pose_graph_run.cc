@@ -187,7 +187,7 @@ class PoseGraphRun {
     PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(drive), &pool_, &mapping));
     if (!HasSameScans(mapping.graph)) return Status::Ok();
     const auto goes_on = [](SeedingPhase, int, int) { return StopSignal() == 0; };
-    const Status seeded = SeedLog(options, goes_on, &pool_, &mapping);
+    Status seeded = SeedLog(options, goes_on, &pool_, &mapping);
     if (!seeded.ok() && StopSignal() == 0) return seeded;
     const double seed_conflict = mapping.report.seeding.consistency.AllConflicts().Share();
     if (!seeded.ok() || seed_conflict >= start->AllConflicts().Share()) return Status::Ok();

@@ -142,6 +142,7 @@ std::vector<EdgeTests::Evidence> EdgeTests::Test(const ScanSurfaces& surfaces,
                 [&](std::size_t i) { evidence[own[i]] = Test(known, edges[own[i]]); });
   if (graph.peers() == nullptr) return evidence;
   std::vector<std::pair<std::size_t, Evidence>> of_own;
+  of_own.reserve(own.size());
   for (const std::size_t i : own) of_own.emplace_back(i, evidence[i]);
   for (const auto& [edge, seen] : JoinOverPeers(graph.peers(), std::move(of_own))) {
     evidence[edge] = seen;
@@ -156,6 +157,7 @@ EdgeTests::Evidence EdgeTests::Test(const ScanSurfaces& surfaces,
                          edge.from_from_to, icp_);
   const std::vector<Beside> scans_b = ScansBeside(edge.to, IsStep(edge));
   std::vector<FreeSpaceScan> free_b;
+  free_b.reserve(scans_b.size());
   for (const Beside& b : scans_b) free_b.push_back(surfaces.FreeSpaceOf(b.scan));
   for (const Beside& a : ScansBeside(edge.from, IsStep(edge))) {
     const FreeSpaceScan free_a = surfaces.FreeSpaceOf(a.scan);

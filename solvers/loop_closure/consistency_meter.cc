@@ -207,6 +207,7 @@ void ComparePairs(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoin
   if (graph.peers() != nullptr) {
     SortUnique(&foreign);
     std::vector<int> ids;
+    ids.reserve(foreign.size());
     for (const int viewpoint : foreign) ids.push_back(viewpoints[viewpoint].scan);
     const SlamGraph fetched = FetchScans(graph, ids);
     fetched_scans.reserve(foreign.size());
@@ -221,6 +222,7 @@ void ComparePairs(const SlamGraph& graph, const std::vector<Viewpoint>& viewpoin
                 [&](std::size_t i) { ComparePair(viewpoints, scans, &(*pairs)[own[i]]); });
   if (graph.peers() == nullptr) return;
   std::vector<std::pair<std::size_t, ViewpointPair>> compared;
+  compared.reserve(own.size());
   for (const std::size_t i : own) compared.emplace_back(i, (*pairs)[i]);
   for (const auto& [i, pair] : JoinOverPeers(graph.peers(), std::move(compared))) {
     (*pairs)[i] = pair;

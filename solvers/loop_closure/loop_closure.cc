@@ -203,6 +203,7 @@ class CandidateTester {
   double ConflictShare(const RelativePoseConstraint& edge) const {
     const std::vector<int> keys_a = NextTo(edge.from), keys_b = NextTo(edge.to);
     std::vector<FreeSpaceScan> scans_b;
+    scans_b.reserve(keys_b.size());
     for (const int b : keys_b) scans_b.push_back(surfaces_.FreeSpaceOf(keys_.keyframes[b].scan));
     FreeSpaceConflict conflict;
     for (const int a : keys_a) {
