@@ -22,6 +22,7 @@
 #include "plumbline/solvers/loop_closure/closure_memory.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/rematch_at_breaks.h"
+#include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
 #include "plumbline/solvers/loop_closure/suspect_edges.h"
 
 namespace plumbline {
@@ -229,6 +230,8 @@ class HypothesisSearch {
         PosesFollowingKeyframes(hypothesis->keys, hypothesis->start->world_from_robot);
     RematchAtBreaks(context_.surfaces, hypothesis->keys, hypothesis->start->odometry,
                     context_.motion, &hypothesis->world_from_robot);
+    RematchAtLeaps(context_.surfaces, hypothesis->keys, hypothesis->start->odometry,
+                   context_.motion, context_.pool, &hypothesis->world_from_robot);
     hypothesis->consistency = meter_.Measure(hypothesis->world_from_robot, context_.pool);
     return Status::Ok();
   }

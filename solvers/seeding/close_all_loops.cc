@@ -6,7 +6,6 @@
 #include "plumbline/solvers/hypotheses/hypothesis_search.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/misplaced_scans.h"
-#include "plumbline/solvers/loop_closure/rematch_at_leaps.h"
 #include "plumbline/solvers/seeding/seed_pose_graph.h"
 
 namespace plumbline {
@@ -17,14 +16,14 @@ Status CloseAllLoops(const MotionOptions& motion, const ScanSurfaces& surfaces,
   MapHypothesis best;
   PLUMBLINE_RETURN_IF_ERROR(SearchMapHypotheses(motion, surfaces, progress, pool, *trajectory, ties,
                                                 &best, &report->hypotheses));
-  // Costs much and is the same for all hypotheses.
-  RematchAtLeaps(surfaces, best.keys, best.start->odometry, motion, pool, &best.world_from_robot);
   const std::vector<MisplacedScan> misplaced =
       FindMisplacedScans(surfaces, best.start->odometry, motion, best.world_from_robot, pool);
   for (const MisplacedScan& scan : misplaced) {
     best.world_from_robot[scan.pose] = scan.world_from_robot;
   }
-  best.consistency = MeasureMapConsistency(surfaces.graph(), best.world_from_robot, pool);
+  if (!misplaced.empty()) {
+    best.consistency = MeasureMapConsistency(surfaces.graph(), best.world_from_robot, pool);
+  }
   report->pose_graph = SeedPoseGraph(best.keys, *best.start, motion);
   // Between sessions things move.
   report->alarm = best.consistency.IsContradictory() || best.loops.IsUnresolved() ||
