@@ -68,8 +68,8 @@ std::vector<Alarm> BentStretchAlarms(const std::vector<BentStretch>& bent, const
 
 /// What is wrong after seeding and refinement: steps that the seeding left unresolved, and
 /// contradictions of the refined map. A seed whose passes disagree counts, too: the refinement may
-/// hide that. Other contradictions of the seed that the refinement has removed do not. Places are
-/// those of `poses`.
+/// hide that. Other contradictions of the seed that the refinement has removed do not count.
+/// Places are given by `poses`.
 std::vector<Alarm> RunAlarms(const SeedingReport& seeding, const MapConsistency& refined,
                              const SlamGraph& graph, const std::vector<double>& poses);
 

@@ -172,9 +172,8 @@ class PoseGraphRun {
                                                : "optimum of the edges\n");
   }
 
-  // A map that contradicts itself may be wrong throughout. Then the scans are matched as those of a
-  // drive. If they contradict each other less in that map, it is the start, and the edges do not
-  // count.
+  // A map that contradicts itself may be wrong throughout. Then the scans are matched as in a log.
+  // If they contradict each other less in that map, it is the start, and the edges do not count.
   Status SeedByScans() {
     if (options_.peers != nullptr || !ScansAreInOrderOfTime()) return Status::Ok();
     const std::optional<MapConsistency> start = MeasureConsistency();
@@ -440,8 +439,8 @@ class PoseGraphRun {
   MapState state_;
   JointStart start_ = JointStart::kPoseGraph;
   SolverOptions solver_options_;
-  // What is solved instead of the file's graph: its scans, with steps as they match in place of its
-  // edges.
+  // Solved instead of the file's graph if the scans give the start: matched steps take the place of
+  // the edges.
   std::optional<SlamGraph> graph_of_scans_;
   PoseGraphSummary edges_summary_;
   SolverSummary solver_summary_;

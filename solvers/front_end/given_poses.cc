@@ -66,7 +66,7 @@ Pose2 StepToGivenPose(const std::vector<Pose2>& given, const std::vector<Pose2>&
 }
 
 MotionOptions StepNoise(const PoseNoise& noise) {
-  // Of the pose, and of the mean of those that were laid on the matched ones.
+  // The pose has its own error and that of the mean which was aligned.
   const double share = std::sqrt(1.0 + 1.0 / kPosesAligned);
   MotionOptions motion{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   motion.translation_floor_m = share * noise.position_m;

@@ -135,6 +135,24 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   return match;
 }
 
+std::vector<ScanMatch> MatchInWindow(const LocalMap& map, const SurfacePoints& scan,
+                                     const SearchWindow& window) {
+  constexpr double kSearchCellM = 0.1;  // the matcher does the rest
+  constexpr double kMinScore = 0.3;
+  constexpr int kMaxPlaces = 5;
+  constexpr PeakSize kPlaceSize{0.5, 0.3};
+  std::vector<ScanMatch> matches;
+  if (scan.empty() || map.points().empty()) return matches;
+  const CorrelativeMatcher search(map.points(), kSearchCellM, window.half_width_m);
+  for (const CorrelativeMatch& place :
+       search.SearchPeaks(scan, window, kMinScore, kMaxPlaces, kPlaceSize)) {
+    PosePrediction start;
+    start.world_from_robot = place.map_from_scan;
+    matches.push_back(MatchScan(map, scan, start, ScanMatchOptions()));
+  }
+  return matches;
+}
+
 ScanMatch MeasureFit(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot,
                      const ScanMatchOptions& options) {
   PosePrediction prediction;

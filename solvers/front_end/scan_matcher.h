@@ -3,8 +3,10 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <vector>
 
 #include "plumbline/core/pose2.h"
+#include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/surface_points.h"
 
@@ -49,6 +51,11 @@ struct ScanMatch {
 /// result is the prediction itself where the map says nothing.
 ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
                     const PosePrediction& prediction, const ScanMatchOptions& options);
+
+/// The matches of a scan from the places in a window where it fits best, at most five, without a
+/// prediction. The best place comes first. None if the map or the scan is empty.
+std::vector<ScanMatch> MatchInWindow(const LocalMap& map, const SurfacePoints& scan,
+                                     const SearchWindow& window);
 
 /// Measures how well a scan fits a map at a given pose, by the fine gate and without a prediction.
 ScanMatch MeasureFit(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot,

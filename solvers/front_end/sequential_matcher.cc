@@ -8,7 +8,6 @@
 #include "plumbline/core/angle.h"
 #include "plumbline/core/rotate_axes.h"
 #include "plumbline/factors/motion_factor.h"
-#include "plumbline/solvers/front_end/correlative_matcher.h"
 
 namespace plumbline {
 namespace {
@@ -35,27 +34,12 @@ constexpr double kMinSlipInlierRatio = 0.8;
 // walking pace, as between scans that were thinned out, and a turn to either side.
 constexpr double kSearchM = 3.0;
 constexpr double kSearchRad = 0.5 * kPi;
-// Cells [m] of that search, as for loop closures: the matcher does the rest.
-constexpr double kRecoveryCellM = 0.1;
-constexpr int kMaxRecoveryPlaces = 5;
-
 // The local map is made of the nearest keyframes, at most this many, ...
 constexpr int kMaxKeyframesInMap = 40;
 // ... of the last stretch of this length [m] of the path: what is older may have drifted away.
 constexpr double kMapPathM = 12.0;
 
 Pose2 ReversedTranslation(const Pose2& motion) { return {-motion.x, -motion.y, motion.yaw}; }
-
-// All round the predicted heading.
-std::vector<Pose2> TurnedStarts(const Pose2& predicted) {
-  constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
-  constexpr int kTurns = 4;          // to either side
-  std::vector<Pose2> starts;
-  for (int turn = -kTurns; turn <= kTurns; ++turn) {
-    starts.push_back(predicted * Pose2(0.0, 0.0, turn * kTurnRad));
-  }
-  return starts;
-}
 
 // What a prediction says of a pose: the squared Mahalanobis distance, half its gradient, and the
 // information, in axes of the world.
@@ -158,27 +142,19 @@ bool SequentialMatcher::MayExplainBetter(const Pose2& previous, const Pose2& ste
 // Looks for a pose that scan and prediction together make more likely, anywhere around.
 void SequentialMatcher::SearchAll(const PosePrediction& predicted, const SurfacePoints& scan,
                                   ScanMatch* match) const {
-  for (const Pose2& pose : SearchStarts(predicted.world_from_robot, scan)) {
-    PosePrediction start;
-    start.world_from_robot = pose;
-    ScanMatch other = MatchScan(map_, scan, start, ScanMatchOptions());
+  const SearchWindow window{predicted.world_from_robot, kSearchM, kSearchRad};
+  for (ScanMatch& other : MatchInWindow(map_, scan, window)) {
     other.chi2 += PullOf(predicted, other.world_from_robot).chi2;
     if (other.chi2 < match->chi2) *match = other;
   }
 }
 
-// Other starts, without weight on the odometry. Replaces the match if one of them fits clearly
+// Other matches, without weight on the prediction. Replaces the match if one of them fits clearly
 // more of the scan.
 bool SequentialMatcher::Recover(const Pose2& predicted, const SurfacePoints& scan,
                                 ScanMatch* match) const {
-  ScanMatchOptions wide;
-  if (kind_ == StepKind::kMeasured) wide.coarse_gate_m *= 2.0;
   ScanMatch best = *match;
-  for (const Pose2& pose :
-       kind_ == StepKind::kMeasured ? TurnedStarts(predicted) : SearchStarts(predicted, scan)) {
-    PosePrediction start;
-    start.world_from_robot = pose;
-    const ScanMatch other = MatchScan(map_, scan, start, wide);
+  for (const ScanMatch& other : MatchesFarOff(predicted, scan)) {
     if (other.inlier_ratio > best.inlier_ratio) best = other;
   }
   if (best.inlier_ratio < match->inlier_ratio + kRecoveryInlierGain) return false;
@@ -186,19 +162,24 @@ bool SequentialMatcher::Recover(const Pose2& predicted, const SurfacePoints& sca
   return true;
 }
 
-// Where the scan fits anywhere around the prediction.
-std::vector<Pose2> SequentialMatcher::SearchStarts(const Pose2& predicted,
-                                                   const SurfacePoints& scan) const {
-  std::vector<Pose2> starts;
-  if (scan.empty() || map_.points().empty()) return starts;
-  constexpr double kMinScore = 0.3;
-  constexpr PeakSize kPeak{0.5, 0.3};
-  const CorrelativeMatcher search(map_.points(), kRecoveryCellM, kSearchM);
-  for (const CorrelativeMatch& place : search.SearchPeaks(scan, {predicted, kSearchM, kSearchRad},
-                                                          kMinScore, kMaxRecoveryPlaces, kPeak)) {
-    starts.push_back(place.map_from_scan);
+// All round the predicted heading, or anywhere around the prediction if that was not measured.
+std::vector<ScanMatch> SequentialMatcher::MatchesFarOff(const Pose2& predicted,
+                                                        const SurfacePoints& scan) const {
+  if (kind_ != StepKind::kMeasured) {
+    return MatchInWindow(map_, scan, {predicted, kSearchM, kSearchRad});
   }
-  return starts;
+  ScanMatchOptions wide;
+  wide.coarse_gate_m *= 2.0;
+  constexpr double kTurnRad = 0.12;  // the matcher finds back from half of this and more
+  constexpr int kTurns = 4;          // to either side
+  std::vector<ScanMatch> matches;
+  matches.reserve(2 * kTurns + 1);
+  for (int turn = -kTurns; turn <= kTurns; ++turn) {
+    PosePrediction start;
+    start.world_from_robot = predicted * Pose2(0.0, 0.0, turn * kTurnRad);
+    matches.push_back(MatchScan(map_, scan, start, wide));
+  }
+  return matches;
 }
 
 bool SequentialMatcher::IsCovered(const Pose2& pose) const {

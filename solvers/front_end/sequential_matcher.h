@@ -56,7 +56,7 @@ class SequentialMatcher {
   void SearchAll(const PosePrediction& predicted, const SurfacePoints& scan,
                  ScanMatch* match) const;
   bool Recover(const Pose2& predicted, const SurfacePoints& scan, ScanMatch* match) const;
-  std::vector<Pose2> SearchStarts(const Pose2& predicted, const SurfacePoints& scan) const;
+  std::vector<ScanMatch> MatchesFarOff(const Pose2& predicted, const SurfacePoints& scan) const;
   bool IsCovered(const Pose2& pose) const;
   void RebuildMap();
 

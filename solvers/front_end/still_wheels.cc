@@ -8,8 +8,9 @@ namespace {
 
 // Length of the spans that are compared [m]: 100 times what a match is off by.
 constexpr double kStillSpanM = 1.0;
-// The wheels stand still if they report less than this share of the way over so many spans in a
-// row. Outdoors, where little is near, a matching without odometry may jump by a few metres.
+// The wheels stand still if they report less than this share of the way over this number of
+// consecutive spans. Outdoors, where little is near, a matching without odometry may jump by a few
+// metres.
 constexpr double kMaxReportedShare = 0.1;
 constexpr std::size_t kMinStillSpans = 5;
 

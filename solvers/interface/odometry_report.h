@@ -50,8 +50,8 @@ struct RandomError {
   double sigma_per_sqrt_rad = 0.0;  ///< [m/sqrt(rad)] or [rad/sqrt(rad)]
 };
 
-/// Standard deviations of given poses whose errors are independent of each other, as those of
-/// another mapper. Odometry is otherwise: its errors add up along the drive.
+/// Standard deviations of given poses whose errors are independent of each other. Poses of another
+/// mapper are like that. The errors of odometry add up along the drive.
 struct PoseNoise {
   double position_m = 0.0;  ///< of x and of y [m]
   double yaw_rad = 0.0;     ///< [rad]

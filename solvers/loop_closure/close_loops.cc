@@ -188,7 +188,7 @@ void OptimizeKeyframes(KeyframeGraph* keys) {
     OptimizeRobustly(certain, uncertain, &keys->world_from_key);
     return;
   }
-  // The given frame is one more pose, seen from each keyframe.
+  // The given frame is one more pose, which sees each keyframe.
   std::vector<Pose2> poses = keys->world_from_key;
   const int given_frame = keys->size();
   poses.push_back(keys->given.world_from_given);

@@ -10,7 +10,6 @@
 
 #include "plumbline/core/angle.h"
 #include "plumbline/core/over_peers.h"
-#include "plumbline/solvers/front_end/correlative_matcher.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
 #include "plumbline/solvers/interface/seeding_report.h"
@@ -28,11 +27,6 @@ constexpr std::size_t kMaxNearKeyframes = 40;
 constexpr double kFittingShare = 0.9;
 // Half of the search window, in standard deviations of the given pose.
 constexpr double kWindowSigmas = 4.0;
-// Cells of the search [m], as for loop closures.
-constexpr double kRematchCellM = 0.1;
-constexpr double kMinSearchScore = 0.3;
-constexpr int kMaxPeaks = 5;
-constexpr PeakSize kPeakSize{0.5, 0.3};
 // A scan moves if chi-squared falls by this: odds of e^2 to 1.
 constexpr double kMinFall = 4.0;
 // Neighbouring points that count as one measurement of where the scan is. Tuned on
@@ -66,14 +60,9 @@ class GivenPoseMatcher {
     }
     const SearchWindow window{expected, kWindowSigmas * keys_.given.noise.position_m,
                               std::min(0.5 * kPi, kWindowSigmas * keys_.given.noise.yaw_rad)};
-    const CorrelativeMatcher search(map.points(), kRematchCellM, window.half_width_m);
     double chi2 = Chi2(as_it_is, expected) - kMinFall;
     std::optional<Pose2> better;
-    for (const CorrelativeMatch& peak :
-         search.SearchPeaks(scan, window, kMinSearchScore, kMaxPeaks, kPeakSize)) {
-      PosePrediction start;
-      start.world_from_robot = peak.map_from_scan;
-      const ScanMatch match = MatchScan(map, scan, start, ScanMatchOptions());
+    for (const ScanMatch& match : MatchInWindow(map, scan, window)) {
       if (Chi2(match, expected) >= chi2) continue;
       chi2 = Chi2(match, expected);
       better = match.world_from_robot;
