@@ -179,6 +179,7 @@ class PoseGraphRun {
     const std::optional<MapConsistency> start = MeasureConsistency();
     if (!start || MapAlarms(*start, file_.graph, state_.poses).empty()) return Status::Ok();
     MapLogOptions options;
+    options.seeding = options_.seeding;
     options.solver = options_.solver;
     LogMapping mapping;
     SlamGraph drive;

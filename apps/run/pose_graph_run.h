@@ -7,6 +7,7 @@
 #include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/core/peers.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
@@ -20,11 +21,13 @@ struct PoseGraphRunOptions {
   /// Processes that run with the same options and share the work once process 0 has read the graph,
   /// which needs scans then; null: this one does it all.
   const Peers* peers = nullptr;
+  SeedingOptions seeding;  ///< where the scans have to give the start
 };
 
 /// Refines a pose graph that another system has saved: by its edges alone, then, if scans are
 /// attached to its vertices, by edges and scans together; or, with options that MovesPosesOnly(),
-/// by nothing but the edges. Prints what happens; leaves in the output
+/// by nothing but the edges. A map that contradicts itself is seeded by its scans, which must be in
+/// order of time, one per pose. Prints what happens; leaves in the output
 /// folder
 ///   trajectory.tum      pose of the robot per vertex; time of its scan, or else its index
 ///   graph.g2o or .toro  the file that came in, with the refined poses

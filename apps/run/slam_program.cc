@@ -94,7 +94,7 @@ Status RefinePoseGraphFile(const LogRunOptions& options) {
                                    " is a pose graph");
   }
   return RunPoseGraph({options.log, options.output_dir, options.outputs, options.mapping.solver,
-                       options.budget, options.peers});
+                       options.budget, options.peers, options.mapping.seeding});
 }
 
 }  // namespace
