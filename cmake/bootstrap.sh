@@ -3,8 +3,8 @@
 # Installs what a build needs and the system lacks: of the library alone, of the programs too, or of
 # the tests as well (the default). `all` adds what tests can do without: doxygen for the API
 # reference, clang-format, clang-tidy, other locales, what the Python module needs, the browser that
-# report.html is tested in (300 MB), libraries of ROS, for its bags and for the plug-in (200 MB), and
-# MPI with PETSc, for plumbline_slam_mpi (400 MB).
+# report.html is tested in (300 MB), what the plug-in of slam_toolbox builds and loads with (190 MB),
+# and MPI with PETSc, for plumbline_slam_mpi (400 MB).
 # Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
@@ -14,12 +14,11 @@ packages=(
 )
 programs=(
   libgflags-dev libgoogle-glog-dev nlohmann-json3-dev zlib1g-dev libcairo2-dev libpng-dev
-  libsqlite3-dev liblz4-dev libzstd-dev libyaml-cpp-dev  # bags of ROS 2
+  libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev libyaml-cpp-dev  # bags of ROS
 )
 tests=(libgtest-dev libgmock-dev clang-14 ccache)
 browser=(chromium chromium-driver python3-selenium)
 python=(pybind11-dev python3-dev python3-numpy python3-pytest)
-rosbag=(librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev)
 mpi=(petsc-dev libopenmpi-dev openmpi-bin)
 plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)
 
@@ -37,8 +36,7 @@ esac
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
   if [[ $wanted != library ]]; then
-    echo "bootstrap: bags of ROS 1 want ${rosbag[*]}, the Python module ${python[*]}," >&2
-    echo "  plumbline_slam_mpi ${mpi[*]}" >&2
+    echo "bootstrap: the Python module wants ${python[*]}, plumbline_slam_mpi ${mpi[*]}" >&2
   fi
   exit 0
 fi
@@ -77,7 +75,7 @@ fi
 tools=(doxygen git clang-tidy-14 clang-format-14 locales)
 # One call of apt-get takes half the time of one call per set.
 if install_missing "${packages[@]}" "${tools[@]}" "${python[@]}" "${browser[@]}" "${plugin[@]}" \
-  "${mpi[@]}" "${rosbag[@]}"; then
+  "${mpi[@]}"; then
   exit
 fi
 install_missing "${packages[@]}"
@@ -89,4 +87,3 @@ optional "no pybind11; the Python module is not built" "${python[@]}"
 optional "no browser; the test of report.html is skipped" "${browser[@]}"
 optional "no ament; the plug-in of slam_toolbox is not built" "${plugin[@]}"
 optional "no PETSc; plumbline_slam_mpi is not built" "${mpi[@]}"
-optional "no library for bags of ROS 1; the build goes without" "${rosbag[@]}"

@@ -39,6 +39,10 @@ class BagContainer {
   /// at the first failure of `take`, which it returns. DataLoss, naming file and place, where the
   /// recording is damaged; InvalidArgument if it is none. May be called several times.
   virtual Status ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) = 0;
+
+  /// Part of the recording that the last ReadMessages had to leave out, as a clause for people;
+  /// empty: none.
+  virtual std::string Omission() const { return {}; }
 };
 
 }  // namespace plumbline

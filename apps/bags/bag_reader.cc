@@ -99,9 +99,13 @@ class BagReader {
       return Status::Ok();
     };
     PLUMBLINE_RETURN_IF_ERROR(bag->ReadMessages(list, take));
+    recording_.omission = bag->Omission();
     PLUMBLINE_RETURN_IF_ERROR(ChooseTopics());
     PLUMBLINE_RETURN_IF_ERROR(CheckEncodings());
-    return bag->ReadMessages([this](const BagTopic& topic) { return IsWanted(topic); }, take);
+    PLUMBLINE_RETURN_IF_ERROR(
+        bag->ReadMessages([this](const BagTopic& topic) { return IsWanted(topic); }, take));
+    recording_.omission = bag->Omission();
+    return Status::Ok();
   }
 
   RosRecording&& recording() { return std::move(recording_); }
@@ -120,7 +124,8 @@ class BagReader {
   std::string TopicList() const {
     std::string text;
     for (const BagTopic& topic : topics_) text += (text.empty() ? "" : ", ") + Description(topic);
-    return "; the bag has " + (text.empty() ? "no topics" : text);
+    return "; the bag has " + (text.empty() ? "no topics" : text) +
+           (recording_.omission.empty() ? "" : " (" + recording_.omission + ")");
   }
 
   // The wanted topic, or the only one of the type; null if there is none.

@@ -3,17 +3,14 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
-#include <fstream>
 #include <istream>
 #include <map>
-#include <streambuf>
 #include <utility>
 
+#include "plumbline/apps/bags/bag_stream.h"
 #include "plumbline/apps/io/byte_reader.h"
 #include "plumbline/apps/io/compressed_frames.h"
-#include "plumbline/apps/io/file_status.h"
 
 namespace plumbline {
 namespace {
@@ -39,14 +36,6 @@ std::uint32_t Crc(std::string_view bytes, std::uint32_t before = 0) {
   return static_cast<std::uint32_t>(
       crc32_z(before, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
-
-// Lets a stream read from memory.
-class MemoryBuffer : public std::streambuf {
- public:
-  explicit MemoryBuffer(std::string* bytes) {
-    setg(bytes->data(), bytes->data(), bytes->data() + bytes->size());
-  }
-};
 
 // Goes through the records of a file once.
 class McapWalk {
@@ -299,22 +288,14 @@ class McapBag : public BagContainer {
       : path_(std::move(path)), expanded_(std::move(expanded)) {}
 
   Status ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) override {
-    if (expanded_) {
-      MemoryBuffer buffer(&*expanded_);
-      std::istream file(&buffer);
-      return McapWalk(path_, &file, expanded_->size(), is_wanted, take).Run();
-    }
-    errno = 0;
-    std::ifstream file(path_, std::ios::binary | std::ios::ate);
-    if (!file) return ReadError("open", path_, errno);
-    const auto size = static_cast<std::uint64_t>(file.tellg());
-    file.seekg(0);
-    return McapWalk(path_, &file, size, is_wanted, take).Run();
+    return ReadBagStream(path_, expanded_, [&](std::istream* file, std::uint64_t size) {
+      return McapWalk(path_, file, size, is_wanted, take).Run();
+    });
   }
 
  private:
   const std::string path_;
-  std::optional<std::string> expanded_;
+  const std::optional<std::string> expanded_;
 };
 
 }  // namespace

@@ -105,11 +105,11 @@ Status OpenFile(const std::string& path, std::size_t max_bytes,
   if (format == Format::kZstd) {
     PLUMBLINE_RETURN_IF_ERROR(ExpandFile(path, max_bytes, &expanded.emplace()));
     format = FormatOf(std::string_view(*expanded).substr(0, kStartBytes));
-    if (format == Format::kRos1) format = Format::kUnknown;  // its library reads files
   }
   switch (format) {
     case Format::kRos1:
-      return OpenRos1Bag(path, bag);
+      *bag = MakeRos1Bag(path, std::move(expanded));
+      return Status::Ok();
     case Format::kSqlite:
       *bag = MakeSqliteBag(path, std::move(expanded));
       return Status::Ok();
@@ -121,10 +121,11 @@ Status OpenFile(const std::string& path, std::size_t max_bytes,
   }
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return ReadError("open", path, ENOENT);
+  constexpr char kFormats[] = "neither a bag of ROS 1, nor a database of SQLite, nor an MCAP file";
   return Status::InvalidArgument(
-      path + (expanded ? ": what zstd has compressed there is neither a database of SQLite nor "
-                         "an MCAP file; zstd -d makes a file of it that may be read"
-                       : ": neither a bag of ROS 1, nor a database of SQLite, nor an MCAP file"));
+      path + (expanded ? ": what zstd has compressed there is " + std::string(kFormats) +
+                             "; zstd -d makes a file of it that may be read"
+                       : std::string(": ") + kFormats));
 }
 
 // The files of a recording, one after the other.

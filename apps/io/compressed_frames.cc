@@ -1,5 +1,6 @@
 #include "plumbline/apps/io/compressed_frames.h"
 
+#include <bzlib.h>
 #include <lz4frame.h>
 #include <zlib.h>
 #include <zstd.h>
@@ -116,6 +117,51 @@ class GzipExpander {
   bool at_end_ = false;
 };
 
+class Bzip2Expander {
+ public:
+  Bzip2Expander() { Restart(); }
+
+  bool ok() const { return stream_ != nullptr; }
+
+  Step Expand(std::string_view in, std::vector<char>* out) {
+    if (at_end_) Restart();
+    if (!ok()) return {0, 0, false, "no memory to decompress with"};
+    constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // of the sizes of libbz2
+    const auto num_in = static_cast<unsigned>(std::min(in.size(), kMostAtOnce));
+    stream_->next_in = const_cast<char*>(in.data());  // which libbz2 does not write
+    stream_->avail_in = num_in;
+    stream_->next_out = out->data();
+    stream_->avail_out = static_cast<unsigned>(out->size());
+    const int code = BZ2_bzDecompress(stream_.get());
+    at_end_ = code == BZ_STREAM_END;
+    Step step{num_in - stream_->avail_in, out->size() - stream_->avail_out, at_end_, nullptr};
+    if (code != BZ_OK && code != BZ_STREAM_END) {
+      step.fault = code == BZ_MEM_ERROR ? "no memory to decompress with" : "no valid bzip2 data";
+    }
+    return step;
+  }
+
+ private:
+  struct Free {
+    void operator()(bz_stream* stream) const {
+      BZ2_bzDecompressEnd(stream);
+      delete stream;
+    }
+  };
+
+  // libbz2 cannot begin a second stream with the state of the first.
+  void Restart() {
+    auto stream = std::make_unique<bz_stream>();
+    *stream = {};
+    stream_.reset();
+    if (BZ2_bzDecompressInit(stream.get(), 0, 0) == BZ_OK) stream_.reset(stream.release());
+    at_end_ = false;
+  }
+
+  std::unique_ptr<bz_stream, Free> stream_;
+  bool at_end_ = false;
+};
+
 template <typename Expander>
 Status ExpandWith(Expander expander, const std::function<std::string_view()>& next_block,
                   std::size_t max_size, std::string* expanded) {
@@ -159,6 +205,8 @@ Status ExpandFrames(FrameFormat format, const std::function<std::string_view()>&
       return ExpandWith(Lz4Expander(), next_block, max_size, expanded);
     case FrameFormat::kZstd:
       return ExpandWith(ZstdExpander(), next_block, max_size, expanded);
+    case FrameFormat::kBzip2:
+      return ExpandWith(Bzip2Expander(), next_block, max_size, expanded);
     case FrameFormat::kGzip:
       break;
   }

@@ -29,7 +29,8 @@ struct RosScan {
 /// slash; messages are in the order of the recording.
 struct RosRecording {
   std::string path;        ///< to name in errors
-  std::string scan_topic;  ///< likewise
+  std::string omission;    ///< of a part that could not be read, for people; empty: none
+  std::string scan_topic;  ///< to name in errors
   std::vector<RosScan> scans;
 
   std::string odom_topic;  ///< empty: the transforms tell the odometry

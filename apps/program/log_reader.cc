@@ -56,6 +56,7 @@ Status ReadRosLog(const std::string& path, const LogReadOptions& options, LogNot
   read_options.max_bytes = options.max_bytes;
   RosRecording recording;
   PLUMBLINE_RETURN_IF_ERROR(ReadBag(path, read_options, &recording));
+  if (!recording.omission.empty()) Warn(path, recording.omission, notes);
   RosGraphOptions graph_options;
   graph_options.sweep_time_s = options.sweep_time_s;
   RosGraphNotes ros_notes;

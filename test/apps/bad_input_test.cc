@@ -142,11 +142,9 @@ TEST_F(BadInputTest, LogsToReplay) {
   ExpectRefusedAsWell("carmen", "benchmark", "--experiment=replay --log=IN --output_dir=OUTout");
 }
 
-#ifdef PLUMBLINE_HAS_ROSBAG
 TEST_F(BadInputTest, BagsToMap) {
   ExpectAsWritten("bag", "slam", "--log=IN --output_dir=OUTout --picture_side_px=200");
 }
-#endif
 
 TEST_F(BadInputTest, PoseGraphsToRefine) {
   ExpectAsWritten("pose_graph", "slam", "--log=IN --output_dir=OUTout --picture_side_px=200");

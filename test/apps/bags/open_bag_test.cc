@@ -132,7 +132,7 @@ TEST_F(OpenBagTest, CompressedFilesThatAreDamagedAreNamed) {
                 AllOf(HasSubstr(path + ": the compressed data are"), HasSubstr("zstd -d")));
   }
   WriteFile(path, ZstdBytes("FLASER 1 2 0 0 0 0 0 0 1 h 1\n"));
-  ExpectRefused(path, path + ": what zstd has compressed there is neither a database of SQLite");
+  ExpectRefused(path, path + ": what zstd has compressed there is neither a bag of ROS 1, nor");
 }
 
 TEST_F(OpenBagTest, EarlyDescriptionsHaveTheFolderInTheirPaths) {

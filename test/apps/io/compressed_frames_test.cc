@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "plumbline/test/apps/bags/bag_testing.h"
+#include "plumbline/test/apps/bags/ros1_writer.h"
 #include "plumbline/test/apps/io/gzip_bytes.h"
 
 namespace plumbline {
@@ -17,6 +18,8 @@ std::string Compress(FrameFormat format, const std::string& bytes) {
       return Lz4Bytes(bytes);
     case FrameFormat::kZstd:
       return ZstdBytes(bytes);
+    case FrameFormat::kBzip2:
+      return Bzip2Bytes(bytes);
     case FrameFormat::kGzip:
       break;
   }
@@ -82,8 +85,8 @@ TEST_P(CompressedFramesTest, StopsAtTheLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, CompressedFramesTest,
-                         testing::Values(FrameFormat::kLz4, FrameFormat::kZstd,
-                                         FrameFormat::kGzip));
+                         testing::Values(FrameFormat::kLz4, FrameFormat::kZstd, FrameFormat::kGzip,
+                                         FrameFormat::kBzip2));
 
 TEST(GzipFrameTest, WhatIsWrittenCanBeRead) {
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1000000}}) {
