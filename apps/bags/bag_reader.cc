@@ -21,6 +21,9 @@ namespace plumbline {
 namespace {
 
 constexpr char kScanType[] = "sensor_msgs/LaserScan";
+constexpr char kMultiEchoType[] = "sensor_msgs/MultiEchoLaserScan";
+constexpr char kCloudType[] = "sensor_msgs/PointCloud2";
+constexpr char kScanTypes[] = "sensor_msgs/LaserScan, MultiEchoLaserScan or PointCloud2";
 constexpr char kOdometryType[] = "nav_msgs/Odometry";
 // Of a message that rosbag2 has compressed.
 constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 28;
@@ -31,6 +34,11 @@ std::string TypeOf(const BagTopic& topic) {
   std::string type = topic.type;
   const std::size_t at = type.find(kOfRos2);
   return at == type.npos ? type : type.replace(at, kOfRos2.size(), "/");
+}
+
+bool IsOfScans(const BagTopic& topic) {
+  const std::string type = TypeOf(topic);
+  return type == kScanType || type == kMultiEchoType || type == kCloudType;
 }
 
 bool IsOfTransforms(const BagTopic& topic) {
@@ -70,7 +78,8 @@ bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* 
 
 // With a graph of the same scan.
 std::size_t BytesOf(const RosScan& scan) {
-  return 2 * (sizeof(scan) + scan.frame.size() + scan.ranges.size() * sizeof(double));
+  const std::size_t num_readings = scan.ranges.size() + scan.bearings_rad.size();
+  return 2 * (sizeof(scan) + scan.frame.size() + num_readings * sizeof(double));
 }
 
 // As the tree keeps it: any number of frames may have long names.
@@ -82,7 +91,7 @@ std::size_t BytesOf(const RosTransform& transform) {
 class BagReader {
  public:
   BagReader(const std::string& path, const BagReadOptions& options)
-      : options_(options), memory_(options.max_bytes) {
+      : options_(options), cutter_(options.slice_height_m), memory_(options.max_bytes) {
     recording_.path = path;
     recording_.odom_frame = WithoutSlash(options.odom_frame);
     recording_.needs_odometry = options.needs_odometry || !options.odom_topic.empty();
@@ -150,12 +159,15 @@ class BagReader {
 
   Status ChooseTopics() {
     const BagTopic* scans = nullptr;
-    PLUMBLINE_RETURN_IF_ERROR(ChooseTopic(options_.scan_topic, kScanType, "scan_topic", &scans));
-    if (scans == nullptr) {
-      return Error(std::string("there is no topic of type ") + kScanType + TopicList());
+    for (const char* type : {kScanType, kMultiEchoType, kCloudType}) {
+      if (scans != nullptr) break;
+      PLUMBLINE_RETURN_IF_ERROR(ChooseTopic(options_.scan_topic, type, "scan_topic", &scans));
     }
-    if (TypeOf(*scans) != kScanType) {
-      return Error(Shown(scans->name) + " is not of type " + kScanType + TopicList());
+    if (scans == nullptr) {
+      return Error(std::string("there is no topic of type ") + kScanTypes + TopicList());
+    }
+    if (!IsOfScans(*scans)) {
+      return Error(Shown(scans->name) + " is not of type " + kScanTypes + TopicList());
     }
     recording_.scan_topic = scans->name;
     const BagTopic* odometry = nullptr;
@@ -212,12 +224,21 @@ class BagReader {
     return memory_.Keep(bytes) ? Status::Ok() : MessageError(message, memory_.Fault());
   }
 
+  bool DecodeAnyScan(const Message& message, RosScan* scan, std::string* fault) {
+    const std::string type = TypeOf(message.topic);
+    const RosEncoding encoding = EncodingOf(message);
+    if (type == kScanType) return DecodeScan(encoding, message.bytes, scan, fault);
+    if (type == kMultiEchoType) {
+      return DecodeMultiEchoScan(encoding, message.bytes, options_.echo, scan, fault);
+    }
+    RosCloud cloud;
+    return DecodeCloud(encoding, message.bytes, &cloud, fault) && cutter_.Cut(cloud, scan, fault);
+  }
+
   Status TakeScan(const Message& message) {
     RosScan scan;
     std::string fault;
-    if (!DecodeScan(EncodingOf(message), message.bytes, &scan, &fault)) {
-      return MessageError(message, fault);
-    }
+    if (!DecodeAnyScan(message, &scan, &fault)) return MessageError(message, fault);
     scan.frame = WithoutSlash(scan.frame);
     PLUMBLINE_RETURN_IF_ERROR(Keep(message, BytesOf(scan)));
     recording_.scans.push_back(std::move(scan));
@@ -265,6 +286,7 @@ class BagReader {
   std::set<BagTopic> topics_;
   std::map<std::string, std::size_t> num_messages_;  // read so far, by topic
   std::string expanded_;
+  CloudCutter cutter_;
   MemoryLimit memory_;
   RosRecording recording_;
 };
@@ -273,6 +295,7 @@ class BagReader {
 
 bool BagReadOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_bytes, >=, 0.0);
+  if (slice_height_m && !slice_height_m->Check(error)) return false;
   if (odom_frame.empty() && error != nullptr) *error = "odom_frame is empty";
   return !odom_frame.empty();
 }

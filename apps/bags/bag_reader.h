@@ -1,8 +1,11 @@
 #ifndef PLUMBLINE_APPS_BAGS_BAG_READER_H_
 #define PLUMBLINE_APPS_BAGS_BAG_READER_H_
 
+#include <optional>
 #include <string>
 
+#include "plumbline/apps/bags/cloud_cutter.h"
+#include "plumbline/apps/bags/ros_message.h"
 #include "plumbline/apps/io/ros_recording.h"
 #include "plumbline/core/status.h"
 
@@ -10,8 +13,12 @@ namespace plumbline {
 
 /// Which topics of a bag to read.
 struct BagReadOptions {
-  /// Of type sensor_msgs/LaserScan; empty: the only one of that type.
+  /// Of type sensor_msgs/LaserScan, MultiEchoLaserScan or PointCloud2; empty: the only one of the
+  /// first of these types that the bag has.
   std::string scan_topic;
+  RosEcho echo = RosEcho::kFirst;  ///< of the beams of a MultiEchoLaserScan
+  /// The points of a PointCloud2 that make a scan; empty: all, which have to be at one height.
+  std::optional<HeightBand> slice_height_m;
   /// Of type nav_msgs/Odometry, or a topic of transforms to take the odometry from; empty: the only
   /// nav_msgs/Odometry, or the transforms if there is none.
   std::string odom_topic;

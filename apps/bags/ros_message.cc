@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #include "plumbline/apps/io/byte_reader.h"
 
@@ -16,6 +17,15 @@ constexpr std::uint8_t kBigEndian = 0, kLittleEndian = 1;
 constexpr std::size_t kHeaderBytes = 4;
 // CDR may be filled up to a multiple of its largest type.
 constexpr std::size_t kMaxPaddingBytes = 7;
+
+// The number that these bits are.
+template <typename T, typename Bits>
+double FloatOf(Bits bits) {
+  static_assert(sizeof(T) == sizeof(Bits), "IEEE 754");
+  T value = 0;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
+}
 
 // Takes the fields of a message in their order. The first failure sticks.
 class FieldDecoder {
@@ -71,6 +81,12 @@ class FieldDecoder {
     return values;
   }
 
+  std::uint32_t Unsigned(const char* field) { return Number<std::uint32_t>(field); }
+  std::uint8_t Byte(const char* field) { return Number<std::uint8_t>(field); }
+
+  // A sequence of bytes.
+  std::string_view Bytes(const char* field) { return reader_.Bytes(Count(field, 1)); }
+
   void SkipSingles(const char* field) {
     reader_.Bytes(Count(field, sizeof(float)) * sizeof(float));
   }
@@ -78,6 +94,13 @@ class FieldDecoder {
   void SkipDoubles(const char* field, int count) {
     for (int i = 0; i < count; ++i) Double(field);
   }
+
+  // Refuses the message if it does not hold.
+  void Require(bool holds, const char* field, const std::string& problem) {
+    if (!holds) Fail(field, problem);
+  }
+
+  bool ok() const { return fault_.empty(); }
 
   // Nothing may be left.
   bool Finish(std::string* fault) {
@@ -125,11 +148,7 @@ class FieldDecoder {
 
   template <typename T, typename Bits>
   double Float(const char* field) {
-    static_assert(sizeof(T) == sizeof(Bits), "IEEE 754");
-    const Bits bits = Number<Bits>(field);
-    T value = 0;
-    std::memcpy(&value, &bits, sizeof(value));
-    return value;
+    return FloatOf<T>(Number<Bits>(field));
   }
 
   const bool is_cdr_;
@@ -139,20 +158,151 @@ class FieldDecoder {
   std::string fault_;
 };
 
+// The fields that a LaserScan and a MultiEchoLaserScan begin with.
+void DecodeScanStart(FieldDecoder* decoder, RosScan* scan) {
+  decoder->Header(&scan->stamp_s, &scan->frame);
+  scan->angle_min_rad = decoder->Single("angle_min");
+  decoder->Single("angle_max");
+  scan->angle_increment_rad = decoder->Single("angle_increment");
+  scan->time_increment_s = decoder->Single("time_increment");
+  decoder->Single("scan_time");
+  scan->range_min_m = decoder->Single("range_min");
+  scan->range_max_m = decoder->Single("range_max");
+}
+
+// One list of numbers per beam.
+std::vector<std::vector<double>> DecodeEchoes(FieldDecoder* decoder, const char* field) {
+  constexpr std::size_t kMinEchoBytes = 4;
+  std::vector<std::vector<double>> echoes(decoder->Count(field, kMinEchoBytes));
+  for (std::vector<double>& echo : echoes) echo = decoder->Singles(field);
+  return echoes;
+}
+
+// A coordinate of the points of a cloud.
+struct CloudField {
+  std::string_view bytes;  // of the points, from this field of the first one on
+  bool is_double = false;
+  bool is_big_endian = false;
+
+  double At(std::size_t offset) const {
+    const std::string_view number = bytes.substr(offset, is_double ? 8 : 4);
+    std::array<char, 8> ordered = {};
+    if (is_big_endian) {
+      std::reverse_copy(number.begin(), number.end(), ordered.begin());
+    } else {
+      std::copy(number.begin(), number.end(), ordered.begin());
+    }
+    return is_double ? FloatOf<double>(LoadLittleEndian<std::uint64_t>(ordered.data()))
+                     : FloatOf<float>(LoadLittleEndian<std::uint32_t>(ordered.data()));
+  }
+};
+
+// Reads a PointCloud2 behind its header.
+class CloudDecoder {
+ public:
+  explicit CloudDecoder(FieldDecoder* decoder) : decoder_(*decoder) {}
+
+  std::vector<Eigen::Vector3d> Points() {
+    const std::uint64_t height = decoder_.Unsigned("height"), width = decoder_.Unsigned("width");
+    TakeFields();
+    const bool is_big_endian = decoder_.Byte("is_bigendian") != 0;
+    const std::uint64_t point_step = decoder_.Unsigned("point_step");
+    const std::uint64_t row_step = decoder_.Unsigned("row_step");
+    const std::string_view data = decoder_.Bytes("data");
+    decoder_.Byte("is_dense");
+    for (const std::uint64_t end : ends_) {
+      decoder_.Require(end <= point_step, "point_step", "it is less than the fields take");
+    }
+    if (!decoder_.ok() || height == 0 || width == 0) return {};
+    const std::uint64_t row = width * point_step;
+    const bool fits =
+        row <= data.size() &&
+        (height == 1 || (row_step >= row && height - 1 <= (data.size() - row) / row_step));
+    decoder_.Require(fits, "data", "it is shorter than height, width and the steps say");
+    if (!decoder_.ok()) return {};
+    for (std::size_t i = 0; i < 3; ++i) {
+      coordinates_[i].bytes = data.substr(offsets_[i]);
+      coordinates_[i].is_big_endian = is_big_endian;
+    }
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(height * width);
+    for (std::uint64_t y = 0; y < height; ++y) {
+      for (std::uint64_t x = 0; x < width; ++x) {
+        const std::size_t at = y * row_step + x * point_step;
+        points.emplace_back(coordinates_[0].At(at), coordinates_[1].At(at), coordinates_[2].At(at));
+      }
+    }
+    return points;
+  }
+
+ private:
+  // Of a sensor_msgs/PointField: x, y and z must be there.
+  void TakeFields() {
+    constexpr std::size_t kMinFieldBytes = 4 + 4 + 1 + 4;
+    constexpr std::uint8_t kFloat = 7, kDouble = 8;
+    const std::size_t num_fields = decoder_.Count("fields", kMinFieldBytes);
+    for (std::size_t i = 0; i < num_fields; ++i) {
+      const std::string name = decoder_.Text("fields.name");
+      const std::uint64_t offset = decoder_.Unsigned("fields.offset");
+      const std::uint8_t type = decoder_.Byte("fields.datatype");
+      decoder_.Unsigned("fields.count");
+      const std::size_t axis = name == "x" ? 0 : name == "y" ? 1 : name == "z" ? 2 : 3;
+      if (axis == 3) continue;
+      decoder_.Require(type == kFloat || type == kDouble, "fields",
+                       "'" + name + "' is neither FLOAT32 nor FLOAT64");
+      coordinates_[axis].is_double = type == kDouble;
+      offsets_[axis] = offset;
+      ends_[axis] = offset + (type == kDouble ? 8 : 4);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      decoder_.Require(ends_[axis] > 0, "fields", "x, y and z are not all among them");
+    }
+  }
+
+  FieldDecoder& decoder_;
+  std::array<CloudField, 3> coordinates_;
+  std::array<std::uint64_t, 3> offsets_ = {}, ends_ = {};  // within a point; end 0: no such field
+};
+
 }  // namespace
 
 bool DecodeScan(RosEncoding encoding, std::string_view bytes, RosScan* scan, std::string* fault) {
   FieldDecoder decoder(encoding, bytes);
-  decoder.Header(&scan->stamp_s, &scan->frame);
-  scan->angle_min_rad = decoder.Single("angle_min");
-  decoder.Single("angle_max");
-  scan->angle_increment_rad = decoder.Single("angle_increment");
-  scan->time_increment_s = decoder.Single("time_increment");
-  decoder.Single("scan_time");
-  scan->range_min_m = decoder.Single("range_min");
-  scan->range_max_m = decoder.Single("range_max");
+  DecodeScanStart(&decoder, scan);
   scan->ranges = decoder.Singles("ranges");
   decoder.SkipSingles("intensities");
+  return decoder.Finish(fault);
+}
+
+bool DecodeMultiEchoScan(RosEncoding encoding, std::string_view bytes, RosEcho echo, RosScan* scan,
+                         std::string* fault) {
+  FieldDecoder decoder(encoding, bytes);
+  DecodeScanStart(&decoder, scan);
+  const std::vector<std::vector<double>> ranges = DecodeEchoes(&decoder, "ranges");
+  const std::vector<std::vector<double>> intensities = DecodeEchoes(&decoder, "intensities");
+  scan->ranges.assign(ranges.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t beam = 0; beam < ranges.size(); ++beam) {
+    if (ranges[beam].empty()) continue;
+    std::size_t chosen = 0;
+    if (echo == RosEcho::kStrongest) {
+      const bool has_intensities =
+          beam < intensities.size() && intensities[beam].size() == ranges[beam].size();
+      decoder.Require(has_intensities, "intensities",
+                      "it does not have one for each echo, so none is known to be the strongest");
+      if (!has_intensities) break;
+      const auto largest = std::max_element(intensities[beam].begin(), intensities[beam].end());
+      chosen = static_cast<std::size_t>(largest - intensities[beam].begin());
+    }
+    scan->ranges[beam] = ranges[beam][chosen];
+  }
+  return decoder.Finish(fault);
+}
+
+bool DecodeCloud(RosEncoding encoding, std::string_view bytes, RosCloud* cloud,
+                 std::string* fault) {
+  FieldDecoder decoder(encoding, bytes);
+  decoder.Header(&cloud->stamp_s, &cloud->frame);
+  cloud->points = CloudDecoder(&decoder).Points();
   return decoder.Finish(fault);
 }
 

@@ -37,12 +37,30 @@ struct RosTransform {
   RosPose pose;  ///< frame_from_child
 };
 
+/// Which echo of a beam counts where there are several.
+enum class RosEcho {
+  kFirst,
+  kStrongest,  ///< the one with the largest intensity
+};
+
+/// The returns of a sensor_msgs/PointCloud2: x, y, z [m] in its frame, of all points.
+struct RosCloud {
+  double stamp_s = 0.0;
+  std::string frame;
+  std::vector<Eigen::Vector3d> points;
+};
+
 // Each takes the bytes of one message. False if they are none of the type: `fault` then says why,
 // as "field 'ranges': its 400 elements are more than the message holds", and the output is
 // anything. Numbers are not looked at. Memory stays within a few times the bytes of the message.
 
 /// A sensor_msgs/LaserScan.
 bool DecodeScan(RosEncoding encoding, std::string_view bytes, RosScan* scan, std::string* fault);
+/// A sensor_msgs/MultiEchoLaserScan, with one echo of each beam; infinity where there is none.
+bool DecodeMultiEchoScan(RosEncoding encoding, std::string_view bytes, RosEcho echo, RosScan* scan,
+                         std::string* fault);
+/// A sensor_msgs/PointCloud2 with fields x, y and z of 4 or 8 bytes, in any byte order.
+bool DecodeCloud(RosEncoding encoding, std::string_view bytes, RosCloud* cloud, std::string* fault);
 /// A nav_msgs/Odometry.
 bool DecodeOdometry(RosEncoding encoding, std::string_view bytes, RosOdometry* odometry,
                     std::string* fault);

@@ -51,10 +51,16 @@ std::string FaultOf(const RosScan& scan) {
   return "";
 }
 
+int NumBeams(const RosScan& scan) {
+  return scan.bearings_rad.empty()
+             ? static_cast<int>(scan.ranges.size())
+             : static_cast<int>(std::lround(2.0 * kPi / std::abs(scan.angle_increment_rad)));
+}
+
 LaserModel ModelOf(const RosScan& scan, double beam_period_s, const Mounting& mounting) {
   LaserModel laser;
   const double sign = mounting.upside_down ? -1.0 : 1.0;
-  laser.num_beams = static_cast<int>(scan.ranges.size());
+  laser.num_beams = NumBeams(scan);
   laser.first_bearing_rad = sign * scan.angle_min_rad;
   laser.bearing_step_rad = sign * scan.angle_increment_rad;
   laser.min_range_m = std::max(laser.min_range_m, scan.range_min_m);
@@ -180,7 +186,7 @@ class GraphBuilder {
 
   double BeamPeriod(const RosScan& scan) const {
     constexpr double kMaxSweepS = 1.0;
-    const auto num_beams = static_cast<double>(scan.ranges.size());
+    const auto num_beams = static_cast<double>(NumBeams(scan));
     if (options_.sweep_time_s) return *options_.sweep_time_s / num_beams;
     const double sweep_time_s = time_increment_s_ * num_beams;
     return sweep_time_s > 0.0 && sweep_time_s <= kMaxSweepS ? time_increment_s_ : 0.0;
@@ -246,13 +252,24 @@ class GraphBuilder {
     if (!first_pose_) first_pose_ = odom_from_robot;
     PLUMBLINE_RETURN_IF_ERROR(
         graph_.AddPose(Between(*first_pose_, *odom_from_robot), scan.stamp_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(pose, laser, scan.ranges));
+    PLUMBLINE_RETURN_IF_ERROR(AddReadings(scan, pose, laser));
     if (pose > 0 && timeline_) {
       PLUMBLINE_RETURN_IF_ERROR(
           graph_.AddOdometry({pose - 1, pose, Between(last_pose_, *odom_from_robot)}));
     }
     last_pose_ = *odom_from_robot;
     return Status::Ok();
+  }
+
+  Status AddReadings(const RosScan& scan, int pose, int laser) {
+    if (scan.bearings_rad.empty()) return graph_.AddScan(pose, laser, scan.ranges);
+    const double sign = mounting_->upside_down ? -1.0 : 1.0;
+    std::vector<Eigen::Vector2d> points;
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      points.push_back(mounting_->robot_from_laser *
+                       BeamEnd(scan.ranges[i], sign * scan.bearings_rad[i]));
+    }
+    return graph_.AddPoints(pose, laser, points);
   }
 
   void Skip(const std::string& reason) {

@@ -23,6 +23,10 @@ struct RosScan {
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   std::vector<double> ranges;
+  /// Directions of the ranges, for returns in any order, as in a point cloud. angle_min_rad and
+  /// angle_increment_rad then define a full circle of beams that tells which returns are
+  /// neighbours. Empty: range i is that of beam i.
+  std::vector<double> bearings_rad;
 };
 
 /// What a robot with ROS recorded of a drive, without any dependence on ROS. Frames have no leading

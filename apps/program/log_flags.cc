@@ -2,8 +2,19 @@
 
 #include <gflags/gflags.h>
 
-DEFINE_string(scan_topic, "",
-              "ROS bag: topic of the laser (empty: the only sensor_msgs/LaserScan)");
+#include <locale>
+#include <sstream>
+
+DEFINE_string(
+    scan_topic, "",
+    "ROS bag: topic of the laser (empty: the only sensor_msgs/LaserScan, or else the only "
+    "MultiEchoLaserScan, or else the only PointCloud2)");
+DEFINE_string(
+    echo, "first",
+    "ROS bag with a MultiEchoLaserScan: which echo of a beam to take, first or strongest");
+DEFINE_string(slice_height_m, "",
+              "ROS bag with a PointCloud2 of a 3D laser: LOW,HIGH, heights [m] in the frame of the "
+              "cloud between which points are taken for a scan (empty: the laser is planar)");
 DEFINE_string(
     odom_topic, "",
     "ROS bag: topic of the odometry (empty: the only nav_msgs/Odometry, or the transforms "
@@ -17,11 +28,32 @@ DEFINE_double(sweep_time_s, -1.0,
 
 namespace {
 
+bool IsEcho(const char* /*flag*/, const std::string& echo) {
+  return echo == "first" || echo == "strongest";
+}
+
+// Empty if the text is not two numbers with a comma between them, the lower one first.
+std::optional<plumbline::HeightBand> BandOf(const std::string& text) {
+  std::istringstream numbers(text);
+  numbers.imbue(std::locale::classic());
+  plumbline::HeightBand band;
+  char comma = 0;
+  numbers >> band.low_m >> comma >> band.high_m;
+  const bool is_whole = !numbers.fail() && comma == ',' && (numbers >> std::ws).eof();
+  return is_whole && band.Check(nullptr) ? std::optional(band) : std::nullopt;
+}
+
+bool IsBand(const char* /*flag*/, const std::string& text) {
+  return text.empty() || BandOf(text).has_value();
+}
+
 // A laser that takes longer is none that sweeps.
 bool IsSweepTime(const char* /*flag*/, double sweep_time_s) { return sweep_time_s <= 60.0; }
 
 }  // namespace
 
+DEFINE_validator(echo, &IsEcho);
+DEFINE_validator(slice_height_m, &IsBand);
 DEFINE_validator(sweep_time_s, &IsSweepTime);
 
 namespace plumbline {
@@ -29,6 +61,8 @@ namespace plumbline {
 BagReadOptions BagReadOptionsFromFlags() {
   BagReadOptions options;
   options.scan_topic = FLAGS_scan_topic;
+  options.echo = FLAGS_echo == "strongest" ? RosEcho::kStrongest : RosEcho::kFirst;
+  if (!FLAGS_slice_height_m.empty()) options.slice_height_m = BandOf(FLAGS_slice_height_m);
   options.odom_topic = FLAGS_odom_topic;
   options.odom_frame = FLAGS_odom_frame;
   options.needs_odometry = !gflags::GetCommandLineFlagInfoOrDie("odom_frame").is_default;

@@ -34,6 +34,8 @@ class MessageWriter {
   }
 
   void Unsigned(std::uint32_t value) { Append(value); }
+  void Byte(int value) { body_ += static_cast<char>(value); }
+  void Raw(const std::string& bytes) { body_ += bytes; }
   void Single(double value) { Append(static_cast<float>(value)); }
   void Double(double value) { Append(value); }
   void Text(const std::string& text) {

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "plumbline/test/apps/bags/bag_testing.h"
+#include "plumbline/test/apps/bags/scan_message_testing.h"
 
 namespace plumbline {
 namespace {
@@ -52,6 +55,123 @@ TEST_P(RosMessageTest, ScansOfFramesOfAnyLengthAreAligned) {
     EXPECT_EQ(scan.range_min_m, 5.0);
     EXPECT_EQ(scan.range_max_m, 6.0);
     EXPECT_THAT(scan.ranges, testing::ElementsAre(1.5, 2.5));
+  }
+}
+
+// The laser of the 2D recordings published with Cartographer: a Hokuyo UTM-30LX-EW.
+TEST_P(RosMessageTest, OneEchoOfABeamIsTaken) {
+  LaserModel laser;
+  laser.num_beams = 4;
+  laser.first_bearing_rad = -2.35619449615;
+  laser.bearing_step_rad = 0.00436332309619;
+  laser.min_range_m = 0.0230000019073;
+  laser.max_range_m = 60.0;
+  const std::vector<std::vector<double>> ranges = {{1.5, 2.5}, {}, {3.5}, {4.5, 5.5, 6.5}};
+  const std::vector<std::vector<double>> intensities = {{10, 20}, {}, {5}, {3, 9, 4}};
+  RosScan scan;
+  std::string fault;
+  const auto decode = [&](RosEcho echo, const auto& with_intensities) {
+    const std::string bytes =
+        MultiEchoBytes(GetParam(), kStart_ns, ranges, with_intensities, laser);
+    return DecodeMultiEchoScan(Decoded(GetParam()), bytes, echo, &scan, &fault);
+  };
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(decode(RosEcho::kFirst, intensities)) << fault;
+  EXPECT_EQ(scan.stamp_s, 1500000000.0);
+  EXPECT_EQ(scan.frame, "laser");
+  EXPECT_EQ(scan.angle_increment_rad, static_cast<float>(laser.bearing_step_rad));
+  EXPECT_EQ(scan.range_max_m, 60.0);
+  EXPECT_THAT(scan.ranges, testing::ElementsAre(1.5, kNone, 3.5, 4.5));
+  ASSERT_TRUE(decode(RosEcho::kStrongest, intensities)) << fault;
+  EXPECT_THAT(scan.ranges, testing::ElementsAre(2.5, kNone, 3.5, 5.5));
+  const std::vector<std::vector<double>> none;
+  ASSERT_TRUE(decode(RosEcho::kFirst, none)) << fault;
+  EXPECT_FALSE(decode(RosEcho::kStrongest, none));
+  EXPECT_THAT(fault, HasSubstr("field 'intensities': it does not have one for each echo"));
+}
+
+TEST_P(RosMessageTest, PointsOfCloudsOfAnyLayoutAreRead) {
+  const std::vector<std::array<double, 3>> points = {
+      {1.5, -2.5, 0.25}, {3.0, 4.0, 5.0}, {std::nan(""), 0.0, 1.0}, {-1.0, 0.0, 0.5}};
+  CloudLayout doubles{{{"x", 4, 8}, {"y", 12, 8}, {"z", 20, 8}, {"rgb", 0}}, 29};
+  CloudLayout backwards = PlanarLayout();
+  std::swap(backwards.fields[0].offset, backwards.fields[2].offset);
+  CloudLayout rows = OusterLayout();
+  rows.height = 2;
+  rows.row_padding = 16;
+  for (CloudLayout layout : {VelodyneLayout(), rows, PlanarLayout(), doubles, backwards}) {
+    for (const bool is_big_endian : {false, true}) {
+      layout.is_big_endian = is_big_endian;
+      RosCloud cloud;
+      std::string fault;
+      const std::string bytes = CloudBytes(GetParam(), kStart_ns, "lidar", points, layout);
+      ASSERT_TRUE(DecodeCloud(Decoded(GetParam()), bytes, &cloud, &fault)) << fault;
+      EXPECT_EQ(cloud.stamp_s, 1500000000.0);
+      EXPECT_EQ(cloud.frame, "lidar");
+      ASSERT_EQ(cloud.points.size(), points.size());
+      EXPECT_EQ(cloud.points[0], Eigen::Vector3d(1.5, -2.5, 0.25));
+      EXPECT_EQ(cloud.points[1], Eigen::Vector3d(3.0, 4.0, 5.0));
+      EXPECT_TRUE(std::isnan(cloud.points[2].x()));
+      EXPECT_EQ(cloud.points[3], Eigen::Vector3d(-1.0, 0.0, 0.5));
+    }
+  }
+}
+
+TEST_P(RosMessageTest, CloudsThatDoNotFitAreNamed) {
+  const std::vector<std::array<double, 3>> points(4, {1.0, 2.0, 3.0});
+  const auto expect_fault = [&](const std::string& bytes, const std::string& expected) {
+    RosCloud cloud;
+    std::string fault;
+    EXPECT_FALSE(DecodeCloud(Decoded(GetParam()), bytes, &cloud, &fault));
+    EXPECT_THAT(fault, HasSubstr(expected));
+    EXPECT_THAT(cloud.points, IsEmpty());
+  };
+  const auto bytes_of = [&](const CloudLayout& layout) {
+    return CloudBytes(GetParam(), kStart_ns, "lidar", points, layout);
+  };
+  CloudLayout layout = VelodyneLayout();
+  layout.fields[2].name = "depth";
+  expect_fault(bytes_of(layout), "field 'fields': x, y and z are not all among them");
+  layout = VelodyneLayout();
+  layout.fields[1].datatype = 6;
+  expect_fault(bytes_of(layout), "field 'fields': 'y' is neither FLOAT32 nor FLOAT64");
+  layout = {{{"x", 0}, {"y", 4}, {"z", 6}}, 8};
+  layout.row_padding = 4;  // for the z of the last point
+  expect_fault(bytes_of(layout), "field 'point_step': it is less than the fields take");
+  // Height and width that exceed the data, some with a product that overflows.
+  const std::string good = bytes_of(VelodyneLayout());
+  MessageWriter start(GetParam());
+  start.Header(kStart_ns, "lidar");
+  const std::size_t at = (start.bytes().size() + 3) / 4 * 4;  // of height
+  for (const unsigned size : {5u, 0x7fffffffu, 0xffffffffu}) {
+    MessageWriter sizes(GetParam());
+    sizes.Header(kStart_ns, "lidar");
+    sizes.Unsigned(size);
+    sizes.Unsigned(size);
+    std::string bytes = good;
+    bytes.replace(0, sizes.bytes().size(), sizes.bytes());
+    ASSERT_GT(sizes.bytes().size(), at);
+    expect_fault(bytes, "field 'data': it is shorter than height, width and the steps say");
+  }
+}
+
+TEST_P(RosMessageTest, EveryCutAndFlippedByteOfACloudIsReadOrNamed) {
+  const std::string bytes = CloudBytes(GetParam(), kStart_ns, "lidar",
+                                       {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}}, VelodyneLayout());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    RosCloud cloud;
+    std::string fault;
+    EXPECT_FALSE(DecodeCloud(Decoded(GetParam()), bytes.substr(0, size), &cloud, &fault)) << size;
+    EXPECT_THAT(fault, HasSubstr("field '")) << size;
+  }
+  for (const int change : {0x01, 0x80, 0xff}) {
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      std::string flipped = bytes, fault;
+      flipped[i] = static_cast<char>(flipped[i] ^ change);
+      RosCloud cloud;
+      const bool ok = DecodeCloud(Decoded(GetParam()), flipped, &cloud, &fault);
+      EXPECT_EQ(ok, fault.empty()) << i;
+    }
   }
 }
 
