@@ -20,6 +20,12 @@ constexpr char kGiveBag[] = "give the bag that the messages come from";
 constexpr char kWriteCarmen[] =
     "write each of its scans as a line of a CARMEN log: FLASER n r1 ... rn x y theta x y theta "
     "time host time [m, rad, s], with the poses of the laser and of the robot by odometry";
+constexpr char kExportRawlog[] =
+    "'rawlog-edit --export-2d-scans-txt -i FILE' and 'rawlog-edit --export-odometry-txt -i FILE' "
+    "of "
+    "MRPT write its scans and its odometry as text, of which each scan makes a line of a CARMEN "
+    "log: FLASER n r1 ... rn x y theta x y theta time host time [m, rad, s], with the poses of the "
+    "laser and of the robot";
 
 }  // namespace
 
@@ -61,10 +67,18 @@ const std::vector<ForeignFormat>& ForeignFormats() {
         "\x0A\x0D\x0D\x0A"sv},
        {".pcap", ".pcapng"},
        "play it into the ROS driver of the laser, and record scans and odometry in a bag"},
+      {"a map of MRPT (simplemap)",
+       {"mrpt::maps::CSimpleMap"sv, "CSimpleMap"sv, "CSensFrameProbSequence"sv},
+       {".simplemap"},
+       "give the log or the bag that it was made of; else 'sm-cli export-rawlog' of MOLA makes a "
+       "rawlog "
+       "of it, 'sm-cli export-keyframes' a trajectory (TUM), and " +
+           std::string(kExportRawlog),
+       1},
       {"a rawlog of MRPT",
        {"CActionCollection"sv, "CObservation"sv, "CSensoryFrame"sv, "mrpt::"sv},
        {".rawlog"},
-       "play it with the ROS package mrpt_rawlog, and record scans and odometry in a bag",
+       kExportRawlog,
        1},
       {"a log of LCM", {"\xED\xA1\xDA\x01"sv}, {".lcm", ".lcmlog"}, kWriteCarmen},
       {"a log of Player", {"## Player version"sv}, {}, kWriteCarmen},

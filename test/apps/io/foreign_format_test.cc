@@ -51,6 +51,22 @@ TEST_F(ForeignFormatTest, EveryFormatIsToldByItsFirstBytes) {
   }
 }
 
+TEST_F(ForeignFormatTest, FilesOfMrptAreRefusedWithTheCommandsThatConvertThem) {
+  WriteFile(folder_ + "a.rawlog",
+            "\x91"
+            "mrpt::obs::CActionCollection and so on");
+  EXPECT_THAT(Refusal("a.rawlog"),
+              testing::AllOf(HasSubstr("a rawlog of MRPT, which is not read: "),
+                             HasSubstr("'rawlog-edit --export-2d-scans-txt -i FILE'"),
+                             HasSubstr("'rawlog-edit --export-odometry-txt -i FILE'")));
+  WriteFile(folder_ + "a.simplemap",
+            "\x96"
+            "mrpt::maps::CSimpleMap and so on");
+  EXPECT_THAT(Refusal("a.simplemap"),
+              testing::AllOf(HasSubstr("a map of MRPT (simplemap), which is not read: "),
+                             HasSubstr("'sm-cli export-rawlog'"), HasSubstr("'rawlog-edit ")));
+}
+
 TEST_F(ForeignFormatTest, EveryFormatIsToldByTheEndingOfItsNameElse) {
   for (const ForeignFormat& format : ForeignFormats()) {
     for (const std::string& ending : format.endings) {
