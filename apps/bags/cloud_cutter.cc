@@ -56,7 +56,7 @@ int NumBeamsOf(std::vector<double> bearings_rad) {
                                              kMinBeams, kMaxBeams));
 }
 
-// Bearing of the first of so many beams that fit the bearings best.
+// Bearing of the first beam, for `num_beams` around that fit the bearings best.
 double FirstBearing(const std::vector<double>& bearings_rad, int num_beams) {
   double x = 0.0, y = 0.0;
   for (const double bearing_rad : bearings_rad) {

@@ -22,7 +22,7 @@ struct HeightBand {
 /// origin of the cloud's frame.
 class CloudCutter {
  public:
-  /// Without a band, all points of a cloud have to be at one height, as those of a planar laser.
+  /// Without a band, all points of a cloud have to be at one height, as a planar laser gives them.
   explicit CloudCutter(std::optional<HeightBand> band) : band_(band) {}
 
   /// Sets stamp, frame, readings and bearings. Within a band, the nearest of several points in one

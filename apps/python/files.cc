@@ -48,10 +48,16 @@ void WarnOf(const std::vector<std::string>& lines) {
 
 GraphObject ReadLogFile(const Path& path, int max_scans, const std::string& scan_topic,
                         const std::string& odom_topic, const std::optional<std::string>& odom_frame,
-                        const std::optional<double>& sweep_time_s) {
+                        const std::optional<double>& sweep_time_s, const std::string& echo,
+                        const std::optional<std::pair<double, double>>& slice_height_m) {
+  if (echo != "first" && echo != "strongest") {
+    RaiseIfError(Status::InvalidArgument("echo is neither 'first' nor 'strongest'"));
+  }
   LogReadOptions options;
   options.max_scans = max_scans;
   options.bag.scan_topic = scan_topic;
+  options.bag.echo = echo == "first" ? RosEcho::kFirst : RosEcho::kStrongest;
+  if (slice_height_m) options.bag.slice_height_m = {slice_height_m->first, slice_height_m->second};
   options.bag.odom_topic = odom_topic;
   options.bag.odom_frame = odom_frame.value_or(options.bag.odom_frame);
   options.bag.needs_odometry = odom_frame.has_value();
@@ -163,12 +169,16 @@ void BindLogs(py::module_* module) {
   module->def(
       "read_log", &ReadLogFile, py::arg("path"), py::arg("max_scans") = 0,
       py::arg("scan_topic") = "", py::arg("odom_topic") = "", py::arg("odom_frame") = py::none(),
-      py::arg("sweep_time_s") = py::none(),
+      py::arg("sweep_time_s") = py::none(), py::arg("echo") = "first",
+      py::arg("slice_height_m") = py::none(),
       "Reads a CARMEN log (plain or .gz), a bag of ROS 1 or ROS 2 (file or folder) or a map "
       "of slam_toolbox into a SlamGraph placed by odometry: a pose per scan. max_scans: "
       "the first ones; 0: all. Topics: of a bag; empty: the only one of its type. "
       "sweep_time_s: from the first beam of a sweep to the last [s]; None: what the log "
-      "says. What is skipped or doubtful is a UserWarning.");
+      "says. echo: of the beams of a MultiEchoLaserScan, 'first' or 'strongest'. slice_height_m: "
+      "(low, high), heights [m] in the frame of a PointCloud2 between which points are taken; "
+      "None: "
+      "the laser is planar. What is skipped or doubtful is a UserWarning.");
   Fields<PoseGraphObject>(module, "PoseGraphInput", "A pose graph that another system has saved.")
       .Field("graph", &PoseGraphObject::graph, "at the given poses")
       .FieldBy(

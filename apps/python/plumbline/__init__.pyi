@@ -716,6 +716,8 @@ def read_log(
     odom_topic: str = ...,
     odom_frame: str | None = ...,
     sweep_time_s: float | None = ...,
+    echo: str = ...,
+    slice_height_m: tuple[float, float] | None = ...,
 ) -> SlamGraph: ...
 
 class PoseGraphInput:

@@ -47,7 +47,7 @@ TEST(CloudCutterTest, AllPointsOfAPlanarLaserAreKeptAsTheyAre) {
     EXPECT_NEAR(scan.ranges[i] * std::cos(scan.bearings_rad[i]), cloud.points[i].x(), 1e-12);
     EXPECT_NEAR(scan.ranges[i] * std::sin(scan.bearings_rad[i]), cloud.points[i].y(), 1e-12);
   }
-  // The beams are those of the laser, all around.
+  // Beams all around, with the spacing of the laser.
   EXPECT_NEAR(RadToDeg(scan.angle_increment_rad), 0.25, 1e-9);
   const double beam = (DegToRad(-134.75) - scan.angle_min_rad) / scan.angle_increment_rad;
   EXPECT_NEAR(beam, std::round(beam), 1e-6);

@@ -1,4 +1,4 @@
-// Bags whose scans are no LaserScan: the maps are those of the same drive with LaserScan.
+// Bags with MultiEchoLaserScan or PointCloud2 give the map of the same drive with LaserScan.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

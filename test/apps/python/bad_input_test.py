@@ -174,6 +174,14 @@ def test_solves_refuse_what_they_cannot_use(room):
     assert state == state.copy()
 
 
+def test_options_for_the_scans_of_a_bag_are_checked(tmp_path):
+    with pytest.raises(plumbline.InvalidArgumentError, match="echo is neither"):
+        plumbline.read_log("a.bag", echo="last")
+    (tmp_path / "a.bag").write_text("#ROSBAG V2.0\n")
+    with pytest.raises(plumbline.InvalidArgumentError, match="slice_height_m is no band"):
+        plumbline.read_log(tmp_path / "a.bag", slice_height_m=(1.0, 0.0))
+
+
 def test_errors_are_of_the_kinds_that_python_has(tmp_path):
     assert issubclass(plumbline.InvalidArgumentError, (plumbline.Error, ValueError))
     with pytest.raises(FileNotFoundError, match="none.clf"):
