@@ -14,6 +14,9 @@ struct OdometryConstraint {
   int from = 0;        ///< pose id
   int to = 0;          ///< pose id
   Pose2 from_from_to;  ///< pose of the robot at `to` in its frame at `from`
+  /// False where no odometry was recorded: the motion is then a placeholder, and the seeding
+  /// matches the scans without it.
+  bool is_measured = true;
 };
 
 /// A measured relative pose with its covariance (order x, y [m], yaw [rad], in the frame of

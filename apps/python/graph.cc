@@ -87,6 +87,8 @@ void BindMeasurements(py::module_* module) {
                              "What the odometry says of the motion between two poses.")
       .Field("from_pose", &OdometryConstraint::from, "pose id")
       .Field("to_pose", &OdometryConstraint::to, "pose id")
+      .Field("is_measured", &OdometryConstraint::is_measured,
+             "False: a placeholder where no odometry was recorded")
       .Field("from_from_to", &OdometryConstraint::from_from_to,
              "pose of the robot at to_pose in its frame at from_pose");
   Fields<RelativePoseConstraint>(module, "RelativePoseConstraint",

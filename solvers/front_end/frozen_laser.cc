@@ -39,7 +39,8 @@ struct OdometryPose {
 std::vector<OdometryPose> IntegrateOdometry(const SlamGraph& graph) {
   std::vector<const Pose2*> steps(graph.num_poses(), nullptr);
   for (const OdometryConstraint& constraint : graph.odometry()) {
-    if (constraint.to == constraint.from + 1) steps[constraint.to] = &constraint.from_from_to;
+    if (constraint.is_measured && constraint.to == constraint.from + 1)
+      steps[constraint.to] = &constraint.from_from_to;
   }
   std::vector<OdometryPose> poses(graph.num_poses());
   for (int i = 1; i < graph.num_poses(); ++i) {

@@ -158,6 +158,18 @@ Status MatchGivenPoses(const SeedingOptions& options, const PoseNoise& noise,
   return Status::Ok();
 }
 
+// Per pose, whether the step to it was not measured; empty if all steps were.
+std::vector<char> UnmeasuredSteps(const SlamGraph& graph) {
+  std::vector<char> unmeasured(graph.num_poses(), 0);
+  bool is_any = false;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    if (step.is_measured || step.to != step.from + 1) continue;
+    unmeasured[step.to] = 1;
+    is_any = true;
+  }
+  return is_any ? unmeasured : std::vector<char>();
+}
+
 }  // namespace
 
 Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
@@ -166,6 +178,7 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
   StepSource steps;
   std::vector<Pose2>& odometry = steps.odometry;
   PLUMBLINE_RETURN_IF_ERROR(OdometrySteps(surfaces->graph(), &odometry));
+  steps.is_still = UnmeasuredSteps(surfaces->graph());
   const auto match = [&] {
     return Match(options, motion, steps, progress, pool, surfaces, trajectory, report);
   };
@@ -185,7 +198,8 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
     if (!report->odometry_noise.translation.estimated) scale = measured.gross_scale;
     const std::vector<char>& still = measured.still_wheels;
     if (scale == 1.0 && std::find(still.begin(), still.end(), 1) != still.end()) {
-      steps.is_still = std::move(measured.still_wheels);
+      steps.is_still.resize(still.size(), 0);
+      for (std::size_t pose = 0; pose < still.size(); ++pose) steps.is_still[pose] |= still[pose];
       return match();
     }
   }
@@ -197,6 +211,7 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
   }
   if (scale == 0.0) {
     odometry.clear();
+    steps.is_still.clear();
     PLUMBLINE_RETURN_IF_ERROR(match());
   }
   report->odometry_noise.gross_translation_scale = scale;

@@ -22,7 +22,8 @@ namespace plumbline {
 /// contradicts the scans even then, or reports no translation, the drive is matched without
 /// odometry.
 ///
-/// Where the wheels stand still while the scans move, steps are predicted (FindStillWheels).
+/// Where the wheels stand still while the scans move (FindStillWheels), and where the odometry was
+/// not measured, steps are predicted.
 ///
 /// motion: noise of the odometry, the prior of the matching. surfaces: surfaces of the drive; keeps
 /// the surfaces of the keyframes, see SeedSequentially. Sets `sequential` and `odometry_noise` of

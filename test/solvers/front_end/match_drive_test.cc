@@ -37,9 +37,7 @@ struct Matched {
   int num_wrong_steps = 0;    // by more than 0.05 m
 };
 
-Matched Match(const SimulatedLog& log) {
-  SlamGraph graph;
-  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+Matched Match(const SlamGraph& graph, const SimulatedLog& log) {
   ScanSurfaces surfaces(graph, Packed(SurfacesOf(graph)));
   ThreadPool pool(2);
   Matched matched;
@@ -57,6 +55,12 @@ Matched Match(const SimulatedLog& log) {
     if (error_m > 0.05) ++matched.num_wrong_steps;
   }
   return matched;
+}
+
+Matched Match(const SimulatedLog& log) {
+  SlamGraph graph;
+  EXPECT_TRUE(MakeGraph(log, &graph).ok());
+  return Match(graph, log);
 }
 
 // The drive with all positions of its odometry multiplied by a factor.
@@ -112,6 +116,26 @@ TEST(MatchDriveTest, WheelsThatStandStillForAPartAreNotBelieved) {
 }
 
 // Poses of another system: no odometry, but each is where the scan was, within half a metre.
+// Placeholders of no length, as for scans before the first message of the odometry.
+TEST(MatchDriveTest, StepsThatWereNotMeasuredArePredicted) {
+  SlamGraph given, graph;
+  ASSERT_TRUE(MakeGraph(Log(), &given).ok());
+  int id = 0;
+  for (int pose = 0; pose < given.num_poses(); ++pose) {
+    ASSERT_TRUE(graph.AddPose(given.InitialPose(pose), given.timestamp_s(pose), &id).ok());
+    ASSERT_TRUE(graph.AddScanOf(given, pose, pose).ok());
+  }
+  const int num_unmeasured = given.num_poses() / 3;
+  for (OdometryConstraint step : given.odometry()) {
+    if (step.to <= num_unmeasured) step = {step.from, step.to, Pose2(), false};
+    ASSERT_TRUE(graph.AddOdometry(step).ok());
+  }
+  const Matched matched = Match(graph, Log());
+  EXPECT_EQ(matched.noise.num_still_steps, num_unmeasured);
+  EXPECT_FALSE(matched.noise.is_prediction);
+  EXPECT_LT(matched.worst_step_m, 0.05);
+}
+
 TEST(MatchDriveTest, PosesWithLargeIndependentErrorsAreSearchedAround) {
   SimulatedLog log = Log();
   std::mt19937 random(1);
