@@ -21,6 +21,7 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
   core/measurements.h
+  core/no_return_level.h
   core/options_check.h
   core/pose_frame.h
   core/return_normal.h
