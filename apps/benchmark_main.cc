@@ -111,10 +111,10 @@ Status MakeSeed(SolverOptions* solver, LogMapping* mapping) {
   MapLogOptions options;
   options.solver = *solver;
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
-  LogCounts counts;
+  LogNotes notes;
   SlamGraph graph;
   PLUMBLINE_RETURN_IF_ERROR(FLAGS_log.empty() ? SimulateBuilding(&graph)
-                                              : ReadLogIntoGraph(FLAGS_log, 0, &counts, &graph));
+                                              : ReadLogIntoGraph(FLAGS_log, 0, &notes, &graph));
   ThreadPool pool(solver->num_threads);
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, mapping));
   PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, mapping));
@@ -246,8 +246,8 @@ Status Ablation(const OutputFolder& output, HtmlReport* page) {
       AblateBuildings(std::min(FLAGS_seeds, kNumBuildings), solver, &pool, &table));
   add(table);
   if (!FLAGS_log.empty()) {
-    LogCounts counts;
-    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, 0, &counts, &log.graph));
+    LogNotes notes;
+    PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(FLAGS_log, 0, &notes, &log.graph));
     const std::string name = FLAGS_log.substr(FLAGS_log.find_last_of('/') + 1);
     PLUMBLINE_RETURN_IF_ERROR(AblateLog(name, std::move(log), &table));
     add(table);

@@ -1,6 +1,7 @@
 #include "plumbline/apps/bags/bag_reader.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -15,6 +16,7 @@
 #include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/memory_limit.h"
+#include "plumbline/core/input_limits.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -67,6 +69,8 @@ std::string Description(const BagTopic& topic) {
 bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* fault) {
   if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite()) {
     *fault = "is not finite";
+  } else if (pose.position.cwiseAbs().maxCoeff() > kMaxCoordinateM) {
+    *fault = "is farther away than 10000 km";
   } else if (std::abs(pose.rotation.norm() - 1.0) > 0.01) {
     *fault = "has a quaternion that is no rotation";
   } else {
@@ -103,17 +107,22 @@ class BagReader {
       return false;
     };
     const auto take = [this](const BagTopic& topic, double time_s, std::string_view bytes) {
-      PLUMBLINE_RETURN_IF_ERROR(TakeMessage({topic, time_s, bytes}));
+      PLUMBLINE_RETURN_IF_ERROR(TakeMessage({topic, time_s, bytes, ""}));
       ++num_messages_[topic.name];
       return Status::Ok();
     };
     PLUMBLINE_RETURN_IF_ERROR(bag->ReadMessages(list, take));
     recording_.omission = bag->Omission();
+    PLUMBLINE_RETURN_IF_ERROR(DropEmptyTopics(bag));
     PLUMBLINE_RETURN_IF_ERROR(ChooseTopics());
     PLUMBLINE_RETURN_IF_ERROR(CheckEncodings());
     PLUMBLINE_RETURN_IF_ERROR(
         bag->ReadMessages([this](const BagTopic& topic) { return IsWanted(topic); }, take));
     recording_.omission = bag->Omission();
+    if (recording_.odometry.empty() && recording_.bad_odometry.num() == 0 &&
+        options_.odom_topic.empty()) {
+      recording_.odom_topic.clear();  // no message: the transforms may tell
+    }
     return Status::Ok();
   }
 
@@ -124,6 +133,7 @@ class BagReader {
     const BagTopic& topic;
     double time_s;
     std::string_view bytes;
+    std::string fault;  // why the bytes cannot be expanded; empty if they can be
   };
 
   Status Error(const std::string& problem) const {
@@ -137,11 +147,54 @@ class BagReader {
            (recording_.omission.empty() ? "" : " (" + recording_.omission + ")");
   }
 
+  // Where several topics may be meant, those without messages are no choice.
+  Status DropEmptyTopics(BagContainer* bag) {
+    if (options_.scan_topic.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(DropEmpty(bag, {kScanType, kMultiEchoType, kCloudType}));
+    }
+    return options_.odom_topic.empty() ? DropEmpty(bag, {kOdometryType}) : Status::Ok();
+  }
+
+  // Looks for messages in the topics of each type in turn, up to the first type that has some.
+  Status DropEmpty(BagContainer* bag, const std::vector<std::string>& types) {
+    const auto num_topics = std::count_if(topics_.begin(), topics_.end(), [&](const auto& topic) {
+      return std::find(types.begin(), types.end(), TypeOf(topic)) != types.end();
+    });
+    if (num_topics < 2) return Status::Ok();
+    std::set<BagTopic> empty;
+    for (const std::string& type : types) {
+      std::set<BagTopic> unseen;
+      for (const BagTopic& topic : topics_) {
+        if (TypeOf(topic) == type) unseen.insert(topic);
+      }
+      const std::size_t num_of_type = unseen.size();
+      PLUMBLINE_RETURN_IF_ERROR(DropSeen(bag, &unseen));
+      empty.insert(unseen.begin(), unseen.end());
+      if (unseen.size() == num_of_type) continue;
+      empty_topics_.insert(empty.begin(), empty.end());
+      break;
+    }
+    return Status::Ok();
+  }
+
+  // Keeps the topics that have no message. Reads no further than to the first message of each.
+  static Status DropSeen(BagContainer* bag, std::set<BagTopic>* topics) {
+    if (topics->empty()) return Status::Ok();
+    const std::set<BagTopic> wanted = *topics;
+    const Status status =
+        bag->ReadMessages([&](const BagTopic& topic) { return wanted.count(topic) > 0; },
+                          [&](const BagTopic& topic, double, std::string_view) {
+                            topics->erase(topic);
+                            return topics->empty() ? Status::Unavailable("") : Status::Ok();
+                          });
+    return topics->empty() ? Status::Ok() : status;
+  }
+
   // The wanted topic, or the only one of the type; null if there is none.
   Status ChooseTopic(const std::string& wanted, const std::string& type, const std::string& flag,
                      const BagTopic** chosen) const {
     for (const BagTopic& topic : topics_) {
-      if (wanted.empty() ? TypeOf(topic) != type
+      if (wanted.empty() ? TypeOf(topic) != type || empty_topics_.count(topic) > 0
                          : WithoutSlash(topic.name) != WithoutSlash(wanted)) {
         continue;
       }
@@ -201,7 +254,7 @@ class BagReader {
     if (message.topic.encoding == "cdr" && StartsWithZstdFrame(message.bytes)) {
       const Status status =
           ExpandFrames(FrameFormat::kZstd, message.bytes, kMaxMessageBytes, &expanded_);
-      if (!status.ok()) return MessageError(message, status.message());
+      message.fault = status.message();
       message.bytes = expanded_;
     }
     if (message.topic.name == recording_.scan_topic) return TakeScan(message);
@@ -213,32 +266,48 @@ class BagReader {
     return message.topic.encoding == "ros1" ? RosEncoding::kRos1 : RosEncoding::kCdr;
   }
 
-  Status MessageError(const Message& message, const std::string& problem) const {
+  std::string MessageName(const Message& message) const {
     const auto index = num_messages_.find(message.topic.name);
-    return Error(RosMessageName(Shown(message.topic.name),
-                                index == num_messages_.end() ? 0 : index->second, message.time_s) +
-                 problem);
+    return RosMessageName(Shown(message.topic.name),
+                          index == num_messages_.end() ? 0 : index->second, message.time_s);
+  }
+
+  Status MessageError(const Message& message, const std::string& problem) const {
+    return Error(MessageName(message) + problem);
   }
 
   Status Keep(const Message& message, std::size_t bytes) {
     return memory_.Keep(bytes) ? Status::Ok() : MessageError(message, memory_.Fault());
   }
 
-  bool DecodeAnyScan(const Message& message, RosScan* scan, std::string* fault) {
+  // Sets `fault` if the message is none of its type. Fails if the user has to choose heights.
+  Status DecodeAnyScan(const Message& message, RosScan* scan, std::string* fault) {
     const std::string type = TypeOf(message.topic);
     const RosEncoding encoding = EncodingOf(message);
-    if (type == kScanType) return DecodeScan(encoding, message.bytes, scan, fault);
-    if (type == kMultiEchoType) {
-      return DecodeMultiEchoScan(encoding, message.bytes, options_.echo, scan, fault);
+    if (type == kScanType) {
+      DecodeScan(encoding, message.bytes, scan, fault);
+    } else if (type == kMultiEchoType) {
+      DecodeMultiEchoScan(encoding, message.bytes, options_.echo, scan, fault);
+    } else {
+      RosCloud cloud;
+      std::string problem;
+      if (DecodeCloud(encoding, message.bytes, &cloud, fault) &&
+          !cutter_.Cut(cloud, scan, &problem)) {
+        return MessageError(message, problem);
+      }
     }
-    RosCloud cloud;
-    return DecodeCloud(encoding, message.bytes, &cloud, fault) && cutter_.Cut(cloud, scan, fault);
+    return Status::Ok();
   }
 
   Status TakeScan(const Message& message) {
     RosScan scan;
-    std::string fault;
-    if (!DecodeAnyScan(message, &scan, &fault)) return MessageError(message, fault);
+    std::string fault = message.fault;
+    if (fault.empty()) PLUMBLINE_RETURN_IF_ERROR(DecodeAnyScan(message, &scan, &fault));
+    if (!fault.empty()) {
+      scan = RosScan();
+      scan.fault = fault;
+    }
+    scan.received_s = message.time_s;
     scan.frame = WithoutSlash(scan.frame);
     PLUMBLINE_RETURN_IF_ERROR(Keep(message, BytesOf(scan)));
     recording_.scans.push_back(std::move(scan));
@@ -248,42 +317,53 @@ class BagReader {
   Status TakeOdometry(const Message& message) {
     RosOdometry odometry;
     Eigen::Isometry3d odom_from_robot;
-    std::string fault;
-    if (!DecodeOdometry(EncodingOf(message), message.bytes, &odometry, &fault)) {
-      return MessageError(message, fault);
+    std::string fault = message.fault;
+    if (fault.empty() && DecodeOdometry(EncodingOf(message), message.bytes, &odometry, &fault)) {
+      if (!ToIsometry(odometry.pose, &odom_from_robot, &fault))
+        fault = "field 'pose.pose' " + fault;
     }
-    if (!ToIsometry(odometry.pose, &odom_from_robot, &fault)) {
-      return MessageError(message, "field 'pose.pose' " + fault);
+    if (!fault.empty()) {
+      recording_.bad_odometry.Add(fault, MessageName(message) + fault);
+      return Status::Ok();
     }
     recording_.odom_frame = WithoutSlash(odometry.frame);
     recording_.robot_frame = WithoutSlash(odometry.child_frame);
     PLUMBLINE_RETURN_IF_ERROR(Keep(message, 2 * sizeof(TimedPose)));  // with a graph of them
     recording_.odometry.push_back({odometry.stamp_s, InPlane(odom_from_robot)});
+    recording_.odometry_received_s.push_back(message.time_s);
     return Status::Ok();
   }
 
   Status TakeTransforms(const Message& message) {
     std::vector<RosTransform> transforms;
-    std::string fault;
-    if (!DecodeTransforms(EncodingOf(message), message.bytes, &transforms, &fault)) {
-      return MessageError(message, fault);
+    std::string fault = message.fault;
+    ++recording_.num_transform_messages;
+    if (!fault.empty() ||
+        !DecodeTransforms(EncodingOf(message), message.bytes, &transforms, &fault)) {
+      recording_.bad_transforms.Add(fault, MessageName(message) + fault);
+      return Status::Ok();
     }
     for (const RosTransform& transform : transforms) {
       PLUMBLINE_RETURN_IF_ERROR(Keep(message, BytesOf(transform)));
+      const std::string parent = WithoutSlash(transform.frame);
+      const std::string child = WithoutSlash(transform.child_frame);
       StampedTransform sample;
       sample.stamp_s = transform.stamp_s;
-      if (!ToIsometry(transform.pose, &sample.parent_from_child, &fault)) {
-        return MessageError(message, "the transform from " + Quote(transform.frame) + " to " +
+      sample.received_s = message.time_s;
+      if (ToIsometry(transform.pose, &sample.parent_from_child, &fault)) {
+        recording_.transforms.Add(parent, child, sample);
+      } else {
+        recording_.transforms.AddBad(parent, child, "the transform " + fault,
+                                     MessageName(message) + "the transform from " +
+                                         Quote(transform.frame) + " to " +
                                          Quote(transform.child_frame) + " " + fault);
       }
-      recording_.transforms.Add(WithoutSlash(transform.frame), WithoutSlash(transform.child_frame),
-                                sample);
     }
     return Status::Ok();
   }
 
   const BagReadOptions& options_;
-  std::set<BagTopic> topics_;
+  std::set<BagTopic> topics_, empty_topics_;
   std::map<std::string, std::size_t> num_messages_;  // read so far, by topic
   std::string expanded_;
   CloudCutter cutter_;

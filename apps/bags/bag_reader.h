@@ -38,10 +38,13 @@ struct BagReadOptions {
 ///
 /// InvalidArgument, listing what is there, if a topic is not, or is not of the type wanted, or has
 /// to be chosen, or its messages have another encoding than those of ROS; and, naming topic,
-/// message (from 0), time and field, on messages that are none of their type, and on poses or
-/// transforms that are none (a number that is not finite, a quaternion whose norm is off by more
-/// than 1 %), and on the message that takes more memory than allowed. Fails like OpenBag and
-/// BagContainer. Replaces *recording on success only.
+/// message (from 0), time and field, on the message that takes more memory than allowed. Fails like
+/// OpenBag and BagContainer. Replaces *recording on success only.
+///
+/// Messages that are none of their type, and poses and transforms that are none (a number that is
+/// not finite, a quaternion whose norm is off by more than 1 %), are kept as faults of the
+/// recording: BuildGraph judges the needed ones. A topic without messages does not count where
+/// another one of its type has some.
 Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording);
 
 }  // namespace plumbline

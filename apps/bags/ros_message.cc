@@ -162,7 +162,7 @@ class FieldDecoder {
 void DecodeScanStart(FieldDecoder* decoder, RosScan* scan) {
   decoder->Header(&scan->stamp_s, &scan->frame);
   scan->angle_min_rad = decoder->Single("angle_min");
-  decoder->Single("angle_max");
+  scan->angle_max_rad = decoder->Single("angle_max");
   scan->angle_increment_rad = decoder->Single("angle_increment");
   scan->time_increment_s = decoder->Single("time_increment");
   decoder->Single("scan_time");

@@ -120,9 +120,9 @@ Status ProfileLog(const std::string& path, const MapLogOptions& options, const O
   LogProfile result;
   result.machine = MeasureMachine(pool);
   StageClock clock(&result);
-  LogCounts counts;
+  LogNotes notes;
   SlamGraph graph;
-  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(path, 0, &counts, &graph));
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(path, 0, &notes, &graph));
   result.num_returns = graph.num_returns();
   const auto n = static_cast<double>(graph.num_returns());
   clock.End("reading", BytesOfFile(path) + n * kReading);

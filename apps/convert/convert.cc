@@ -31,7 +31,9 @@ Status ReadInput(const ConvertOptions& options, PoseGraphFile* file, LogCounts* 
     }
     return ReadPoseGraphFile(options.input, file);
   }
-  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(options.input, 0, counts, &file->graph));
+  LogNotes notes;
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(options.input, 0, &notes, &file->graph));
+  *counts = notes.counts;
   if (std::none_of(options.targets.begin(), options.targets.end(), IsPoseGraph)) {
     return Status::Ok();
   }

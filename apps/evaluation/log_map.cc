@@ -14,8 +14,8 @@ namespace plumbline {
 Status ReadLogMap(const std::string& log_path, const std::string& trajectory_path,
                   const std::vector<TimedPose>& trajectory, LogMap* map) {
   SlamGraph log;
-  LogCounts counts;
-  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &counts, &log));
+  LogNotes notes;
+  PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &notes, &log));
   std::vector<double> scan_times_s;
   scan_times_s.reserve(log.num_scans());
   for (int scan = 0; scan < log.num_scans(); ++scan) {

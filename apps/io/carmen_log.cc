@@ -13,6 +13,7 @@
 #include "plumbline/apps/io/text_reader.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/laser_scan.h"
+#include "plumbline/core/no_return_level.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -44,12 +45,11 @@ std::vector<double> ReadRanges(FieldReader* fields) {
   return fields->Numbers("range", num_beams);
 }
 
-CarmenScan ReadFlaser(FieldReader* fields) {
+CarmenScan ReadFlaser(const std::optional<double>& fov_rad, FieldReader* fields) {
   CarmenScan scan;
   scan.ranges = ReadRanges(fields);
   const int num_beams = static_cast<int>(scan.ranges.size());
-  scan.first_bearing_rad = -0.5 * kPi;
-  scan.bearing_step_rad = kPi / std::max(1, num_beams % 2 == 0 ? num_beams : num_beams - 1);
+  SetFlaserBearings(num_beams, fov_rad, &scan.first_bearing_rad, &scan.bearing_step_rad);
   scan.max_range_m = kUnknown;
   scan.odom_from_laser = ReadPose(fields, "laser_x", "laser_y", "laser_theta");
   scan.odom_from_robot = ReadPose(fields, "odom_x", "odom_y", "odom_theta");
@@ -97,8 +97,11 @@ void AddIssue(CarmenIssue issue, CarmenLog* log) {
 /// Fills a log from the lines of one file.
 class LogParser {
  public:
-  LogParser(std::string path, double max_bytes, CarmenLog* log)
-      : path_(std::move(path)), memory_(max_bytes), log_(log) {}
+  LogParser(std::string path, const CarmenReadOptions& options, CarmenLog* log)
+      : path_(std::move(path)),
+        fov_rad_(options.flaser_fov_rad),
+        memory_(options.max_bytes),
+        log_(log) {}
 
   // An unreadable record is an issue of the log. InvalidArgument if there are too many to keep.
   Status ParseLine(std::string_view line, std::size_t line_number) {
@@ -106,7 +109,9 @@ class LogParser {
     FieldReader fields(line);
     const std::string_view keyword = fields.Word("keyword");
     if (keyword == "FLASER" || keyword == "ROBOTLASER1") {
-      CarmenScan scan = keyword == "FLASER" ? ReadFlaser(&fields) : ReadRobotLaser(&fields);
+      CarmenScan scan =
+          keyword == "FLASER" ? ReadFlaser(fov_rad_, &fields) : ReadRobotLaser(&fields);
+      scan.is_flaser = keyword == "FLASER";
       scan.line = line_number;
       if (fields.ok()) {
         if (!memory_.Keep(BytesOf(scan))) return Error(line_number, memory_.Fault());
@@ -118,6 +123,7 @@ class LogParser {
       if (!memory_.Keep(line.size())) return Error(line_number, memory_.Fault());
       ReadParam(&fields);
     } else {
+      if (keyword.substr(0, 8) == "RAWLASER") ++num_raw_scans_;
       return Status::Ok();
     }
     ++log_->num_records;
@@ -127,6 +133,9 @@ class LogParser {
              log_);
     return Status::Ok();
   }
+
+  /// Number of scans that come without a pose of the robot.
+  std::size_t num_raw_scans() const { return num_raw_scans_; }
 
   /// Of FLASER records, as the log's parameters state it.
   double flaser_max_range_m() const { return flaser_max_range_m_; }
@@ -153,9 +162,11 @@ class LogParser {
   }
 
   const std::string path_;
+  const std::optional<double> fov_rad_;
   MemoryLimit memory_;
   CarmenLog* const log_;
   double flaser_max_range_m_ = kUnknown;
+  std::size_t num_raw_scans_ = 0;
 };
 
 /// Sorts by time, if the clock is worth it, and returns how many scans were older than their
@@ -177,34 +188,29 @@ std::size_t SortByTime(std::vector<CarmenScan>* scans) {
   return num_out_of_order;
 }
 
-/// Lower edge [m] of the readings that stand for "no echo"; kUnknown if there are none. The rule
-/// is explained at ReadCarmenLog.
-double FindNoReturnLevel(const std::vector<CarmenScan>& scans) {
-  double largest_m = 0.0;
-  for (const CarmenScan& scan : scans) {
-    for (double range_m : scan.ranges) {
-      if (std::isfinite(range_m)) largest_m = std::max(largest_m, range_m);
-    }
+// Readings beyond the stated maximum range show the level as well, unless it lies up there.
+void FindLevel(CarmenLog* log) {
+  std::vector<SweepReadings> sweeps;
+  double max_range_m = 0.0;
+  for (const CarmenScan& scan : log->scans) {
+    sweeps.push_back({&scan.ranges, scan.bearing_step_rad});
+    max_range_m = std::max(max_range_m, scan.max_range_m);
   }
-  const double level_m = 0.999 * largest_m;
-  const double next_m = 0.99 * largest_m;
-  std::size_t num_top = 0, num_next = 0, num_lower = 0;
-  for (const CarmenScan& scan : scans) {
-    for (double range_m : scan.ranges) {
-      if (!std::isfinite(range_m)) continue;
-      ++(range_m >= level_m ? num_top : range_m >= next_m ? num_next : num_lower);
-    }
+  log->no_return_level_m = FindNoReturnLevel(sweeps);
+  if (log->no_return_level_m.value_or(0.0) < max_range_m) return;
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    sweeps[i].max_range_m = log->scans[i].max_range_m;
   }
-  const bool found = num_top >= 10 && num_top > 10 * num_next && num_next + num_lower > 0;
-  if (!found) return kUnknown;
-  return level_m;
+  log->no_return_level_m = FindNoReturnLevel(sweeps);
 }
 
-void SetMaxRanges(double flaser_max_range_m, std::vector<CarmenScan>* scans) {
-  const double no_return_level_m = FindNoReturnLevel(*scans);
-  for (CarmenScan& scan : *scans) {
+void SetMaxRanges(double flaser_max_range_m, CarmenLog* log) {
+  for (CarmenScan& scan : log->scans) {
     if (scan.max_range_m == kUnknown) scan.max_range_m = flaser_max_range_m;
-    scan.max_range_m = std::min(scan.max_range_m, no_return_level_m);
+  }
+  FindLevel(log);
+  for (CarmenScan& scan : log->scans) {
+    scan.max_range_m = std::min(scan.max_range_m, log->no_return_level_m.value_or(kUnknown));
     if (scan.max_range_m == kUnknown) scan.max_range_m = LaserModel().max_range_m;
   }
 }
@@ -215,10 +221,22 @@ std::string FirstIssue(const CarmenLog& log) {
 
 }  // namespace
 
+void SetFlaserBearings(int num_beams, const std::optional<double>& fov_rad, double* first_rad,
+                       double* step_rad) {
+  const bool is_three_quarters = num_beams == 541 || num_beams == 1081;
+  if (!fov_rad && !is_three_quarters) {
+    *first_rad = -0.5 * kPi;
+    *step_rad = kPi / std::max(1, num_beams % 2 == 0 ? num_beams : num_beams - 1);
+    return;
+  }
+  const double angle_rad = fov_rad.value_or(1.5 * kPi);
+  const bool is_full_turn = angle_rad >= 2.0 * kPi;
+  *first_rad = -0.5 * angle_rad;
+  *step_rad = angle_rad / std::max(1, is_full_turn ? num_beams : num_beams - 1);
+}
+
 bool CarmenReadOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION(max_bad_share, >=, 0.0);
-  PLUMBLINE_CHECK_OPTION(max_bad_share, <=, 1.0);
-  PLUMBLINE_CHECK_OPTION(max_bad_records, >=, 0);
+  PLUMBLINE_CHECK_NESTED_OPTIONS(bad_records);
   PLUMBLINE_CHECK_OPTION(max_bytes, >=, 0.0);
   return true;
 }
@@ -231,20 +249,19 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
   PLUMBLINE_RETURN_IF_ERROR(RefuseForeignContent(path));
 
   CarmenLog result;
-  LogParser parser(path, options.max_bytes, &result);
+  LogParser parser(path, options, &result);
   std::string_view line;
   while (reader.NextLine(&line)) {
     PLUMBLINE_RETURN_IF_ERROR(parser.ParseLine(line, reader.line_number()));
   }
   PLUMBLINE_RETURN_IF_ERROR(reader.status());
 
-  const double limit =
-      std::max<double>(options.max_bad_records, options.max_bad_share * result.num_records);
+  const std::size_t limit = options.bad_records.Of(result.num_records);
   if (result.num_issues > limit) {
-    return Status::DataLoss(
-        path + ": " + std::to_string(result.num_issues) + " of " +
-        std::to_string(result.num_records) + " records are unreadable, more than the " +
-        std::to_string(static_cast<int>(limit)) + " allowed" + FirstIssue(result));
+    return Status::DataLoss(path + ": " + std::to_string(result.num_issues) + " of " +
+                            std::to_string(result.num_records) +
+                            " records are unreadable, more than the " + std::to_string(limit) +
+                            " allowed" + FirstIssue(result));
   }
   if (reader.truncated()) {
     const std::string last_line = std::to_string(reader.line_number());
@@ -253,11 +270,19 @@ Status ReadCarmenLog(const std::string& path, const CarmenReadOptions& options, 
              &result);
   }
   if (result.scans.empty()) {
+    if (parser.num_raw_scans() > 0) {
+      return Status::InvalidArgument(
+          path + ": its " + std::to_string(parser.num_raw_scans()) +
+          " scans are RAWLASER records, which do not say where the robot was; write each as FLASER "
+          "n r1 ... rn x y theta x y theta time host time, with the poses of laser and robot by "
+          "the ODOM records (CARMEN's robot module does that), or zeros without odometry" +
+          FirstIssue(result));
+    }
     PLUMBLINE_RETURN_IF_ERROR(RefuseForeignName(path));
     return Status::InvalidArgument(path + ": no FLASER or ROBOTLASER1 record, as a CARMEN log has" +
                                    FirstIssue(result));
   }
-  SetMaxRanges(parser.flaser_max_range_m(), &result.scans);
+  SetMaxRanges(parser.flaser_max_range_m(), &result);
   result.num_out_of_order = SortByTime(&result.scans);
   *log = std::move(result);
   return Status::Ok();

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/io/bad_records.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
 
@@ -20,6 +22,7 @@ struct CarmenScan {
   double first_bearing_rad = 0.0;
   double bearing_step_rad = 0.0;
   double max_range_m = 0.0;  ///< readings from here on are "no return", see ReadCarmenLog
+  bool is_flaser = false;    ///< whose record does not state its bearings
   std::size_t line = 0;      ///< in the file, from 1
 };
 
@@ -37,6 +40,7 @@ struct CarmenLog {
   std::map<std::string, std::string> params;  ///< first word of the value; the last record wins
   /// From the first beam of a sweep to the last [s]. Logs do not say it: 0 when read.
   double sweep_time_s = 0.0;
+  std::optional<double> no_return_level_m;  ///< see FindNoReturnLevel
 
   std::size_t num_records = 0;  ///< FLASER, ROBOTLASER1, ODOM and PARAM lines, unreadable ones too
   std::size_t num_issues = 0;   ///< unreadable records, plus one if a compressed file lacks its end
@@ -46,17 +50,21 @@ struct CarmenLog {
   std::size_t num_out_of_order = 0;
 };
 
-/// How many unreadable records a log may have, the larger of two limits, and how large it may be.
+/// Number of unreadable records that a log may have, and its size.
 struct CarmenReadOptions {
-  /// Share of the records. A gap of 1 % costs a map little; more points to a wrong format.
-  double max_bad_share = 0.01;
-  /// Number of records, so that a short log survives a torn end or a burst of noise.
-  int max_bad_records = 10;
+  BadRecordLimits bad_records;
+  /// From the first beam of a FLASER record to the last [rad]; empty: see ReadCarmenLog.
+  std::optional<double> flaser_fov_rad;
   /// What its scans and parameters may take, a graph made of them included [bytes]; 0: no limit.
   double max_bytes = 0.0;
 
   bool Check(std::string* error) const;
 };
+
+/// Bearings [rad] of the first beam of a FLASER record and from a beam to the next, as
+/// ReadCarmenLog takes them.
+void SetFlaserBearings(int num_beams, const std::optional<double>& fov_rad, double* first_rad,
+                       double* step_rad);
 
 /// Reads a log of the CARMEN toolkit, plain or gzip-compressed. Records (blank-separated):
 ///
@@ -72,15 +80,12 @@ struct CarmenReadOptions {
 ///
 /// Bearings: ROBOTLASER1 states them. FLASER covers 180 deg from -90 deg on; an odd n (181, 361)
 /// has a beam at both ends, step 180/(n-1) deg, an even n (180, 360) leaves the last one out, step
-/// 180/n deg.
+/// 180/n deg. Lasers of 541 and 1081 beams cover 270 deg. With
+/// options.flaser_fov_rad, the beams of every FLASER cover that much, symmetrically; of a full turn
+/// the last beam is left out.
 ///
-/// Maximum range: what ROBOTLASER1 states, or PARAM robot_front_laser_max for FLASER. On top of
-/// that, many sensors report "no echo" as one fixed reading above all true ones: SICK's telegram
-/// reserves 8183..8191 (81.83 to 81.91 m, or 8.183 to 8.191 m in mm mode), simulators clip at a
-/// round figure. If the top 0.1 % of the range (the width of SICK's codes) holds at least 10
-/// readings, more than 10 times as many as the next 0.9 %, and is not all there is, those readings
-/// are taken for "no return". A surface would spread over both; should one be caught all the same,
-/// only the farthest 0.1 % is lost. With none of the three sources it is 80 m.
+/// Maximum range: what ROBOTLASER1 states, or PARAM robot_front_laser_max for FLASER, or the level
+/// that FindNoReturnLevel finds below that. With none of the three sources it is 80 m.
 ///
 /// An unreadable record (number of fields, text for a number, a pose or time that is not finite or
 /// beyond core/input_limits.h, no beams) is skipped and reported. A compressed file that is

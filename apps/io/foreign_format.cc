@@ -83,6 +83,11 @@ const std::vector<ForeignFormat>& ForeignFormats() {
       {"a log of LCM", {"\xED\xA1\xDA\x01"sv}, {".lcm", ".lcmlog"}, kWriteCarmen},
       {"a log of Player", {"## Player version"sv}, {}, kWriteCarmen},
       {"a recording of Rerun", {"RRF0"sv, "RRF1"sv, "RRF2"sv}, {".rrd"}, kWriteCarmen},
+      {"a pose graph of iSAM",
+       {"ODOMETRY "sv, "LANDMARK "sv, "POINT2D "sv},
+       {},
+       "write it as g2o: VERTEX_SE2 id x y yaw for each pose, and EDGE_SE2 with the information "
+       "matrix for each ODOMETRY i j x y yaw and its square root of it"},
       {"messages printed by rostopic echo -p", {"%time,"sv}, {}, kGiveBag},
       {"messages printed by rostopic or ros2 topic echo", {"header:"sv}, {}, kGiveBag},
       // Tables.

@@ -47,6 +47,36 @@ long long ReadId(FieldReader* fields, const char* field) {
   return id;
 }
 
+bool Contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
+
+// Names records of other programs by a part of their keyword, and says how to do without them.
+std::string UnknownRecordText(std::string_view keyword) {
+  constexpr struct {
+    std::string_view part;
+    const char* text;
+  } kRecords[] = {
+      {"SE3", "a record in 3D; write x, y and yaw as VERTEX_SE2 and EDGE_SE2"},
+      {"VERTEX3", "a record in 3D; write x, y and yaw as VERTEX2 and EDGE2"},
+      {"EDGE3", "a record in 3D; write x, y and yaw as VERTEX2 and EDGE2"},
+      {"SIM3", "a record in 3D; write x, y and yaw as VERTEX_SE2 and EDGE_SE2"},
+      {"EQUIV", "two vertices of one pose (TORO); write an EDGE2 of no length between them"},
+      {"SWITCH",
+       "a switchable constraint (Vertigo); write it as EDGE_SE2 and leave the switches "
+       "out: edges that the scans contradict do not count anyway"},
+      {"MAXMIX", "a mixture of constraints; write its likely component as EDGE_SE2"},
+      {"XY",
+       "a landmark; leave landmarks and their edges out: poses and edges between them, and "
+       "scans, are read"},
+      {"PRIOR",
+       "a prior on a pose; write FIX with the id of a vertex that is known, or leave it "
+       "out"},
+      {"LANDMARK", "a landmark; leave landmarks and their edges out"}};
+  for (const auto& record : kRecords) {
+    if (Contains(keyword, record.part)) return record.text;
+  }
+  return "a record that is not understood";
+}
+
 Eigen::Matrix3d ReadInformation(const PoseGraphDialect& dialect, FieldReader* fields) {
   Eigen::Matrix3d information;
   for (const char* field : dialect.information) {
@@ -82,7 +112,7 @@ class Parser {
       if (poses_.empty()) fields.Fail("keyword", "no vertex before it");
       pose_of_laser_line_[file_.lines.size()] = static_cast<int>(poses_.size()) - 1;
     } else {
-      fields.Fail("keyword", "a record that is not understood");
+      fields.Fail("keyword", UnknownRecordText(keyword));
     }
     return fields.ok() ? Status::Ok() : Error(file_.lines.size(), fields.error());
   }
@@ -154,8 +184,8 @@ class Parser {
   Status ReadScans(CarmenLog* log) const {
     if (pose_of_laser_line_.empty()) return Status::Ok();
     CarmenReadOptions strict;
-    strict.max_bad_share = 0.0;
-    strict.max_bad_records = 0;
+    strict.bad_records.max_share = 0.0;
+    strict.bad_records.max_records = 0;
     strict.max_bytes = max_bytes_;
     PLUMBLINE_RETURN_IF_ERROR(ReadCarmenLog(path_, strict, log));
     std::sort(log->scans.begin(), log->scans.end(),

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iomanip>
-#include <iterator>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -11,83 +11,50 @@
 
 #include "plumbline/apps/io/clock.h"
 #include "plumbline/apps/io/field_reader.h"
-#include "plumbline/apps/io/pose_timeline.h"
-#include "plumbline/core/angle.h"
+#include "plumbline/apps/io/ros_clock.h"
+#include "plumbline/apps/io/ros_mounting.h"
+#include "plumbline/apps/io/ros_odometry.h"
+#include "plumbline/apps/io/ros_scans.h"
 #include "plumbline/core/median.h"
+#include "plumbline/core/no_return_level.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
 namespace {
 
-// Beyond this the cut through the building is no longer the one at the laser's height.
-constexpr double kMaxTiltRad = DegToRad(3.0);
-// What transforms that are meant to rest may differ by.
-constexpr double kRestM = 0.01, kRestRad = 0.01;
 constexpr std::size_t kMaxNotes = 10;
 
-// Where a laser sits on the robot. Hung upside down, its bearings run clockwise.
-struct Mounting {
-  Pose2 robot_from_laser;
-  bool upside_down = false;
-
-  bool IsNear(const Mounting& other) const {
-    const Pose2 change = Between(robot_from_laser, other.robot_from_laser);
-    return upside_down == other.upside_down && change.translation().norm() <= kRestM &&
-           std::abs(change.yaw) <= kRestRad;
-  }
-};
-
-// Empty, or what makes a scan no sweep of a laser.
-std::string FaultOf(const RosScan& scan) {
-  if (!std::isfinite(scan.stamp_s) || scan.stamp_s <= 0.0) return "field 'header.stamp' is not set";
-  if (scan.ranges.empty()) return "field 'ranges' is empty";
-  if (!std::isfinite(scan.angle_min_rad)) return "field 'angle_min' is not finite";
-  if (!std::isfinite(scan.angle_increment_rad) || scan.angle_increment_rad == 0.0) {
-    return "field 'angle_increment' is zero or not finite";
-  }
-  if (!(scan.range_max_m > std::max(scan.range_min_m, 0.0))) {
-    return "field 'range_max' is not above range_min and zero";
-  }
-  return "";
-}
-
-int NumBeams(const RosScan& scan) {
-  return scan.bearings_rad.empty()
-             ? static_cast<int>(scan.ranges.size())
-             : static_cast<int>(std::lround(2.0 * kPi / std::abs(scan.angle_increment_rad)));
-}
-
-LaserModel ModelOf(const RosScan& scan, double beam_period_s, const Mounting& mounting) {
-  LaserModel laser;
-  const double sign = mounting.upside_down ? -1.0 : 1.0;
-  laser.num_beams = NumBeams(scan);
-  laser.first_bearing_rad = sign * scan.angle_min_rad;
-  laser.bearing_step_rad = sign * scan.angle_increment_rad;
-  laser.min_range_m = std::max(laser.min_range_m, scan.range_min_m);
-  if (std::isfinite(scan.range_max_m)) laser.max_range_m = scan.range_max_m;
-  laser.beam_period_s = beam_period_s;
-  laser.robot_from_laser = mounting.robot_from_laser;
-  return laser;
+std::string Percent(std::size_t part, std::size_t all) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1)
+       << 100.0 * static_cast<double>(part) / static_cast<double>(all) << " %";
+  return text.str();
 }
 
 // Makes a graph of one recording.
 class GraphBuilder {
  public:
   GraphBuilder(const RosRecording& recording, const RosGraphOptions& options)
-      : recording_(recording), options_(options) {}
+      : recording_(recording), options_(options), bad_odometry_(recording.bad_odometry) {}
 
   Status Build(int max_scans) {
-    PLUMBLINE_RETURN_IF_ERROR(CheckScans());
-    PLUMBLINE_RETURN_IF_ERROR(CheckClocks());
-    PLUMBLINE_RETURN_IF_ERROR(FindRobot());
+    PLUMBLINE_RETURN_IF_ERROR(Located(SelectScans(recording_, options_.laser_frame, &selection_)));
+    PLUMBLINE_RETURN_IF_ERROR(Located(FindRobot(recording_, selection_.laser_frame, &robot_)));
+    PLUMBLINE_RETURN_IF_ERROR(ChooseClock());
+    DropUnfitStamps();
+    PLUMBLINE_RETURN_IF_ERROR(MountLaser());
+    PLUMBLINE_RETURN_IF_ERROR(CheckBadScans());
+    PLUMBLINE_RETURN_IF_ERROR(CheckOrder());
     FindTimeIncrement();
-    for (const std::size_t i : ScansInOrderOfTime()) {
+    FindNoReturns();
+    SortScans();
+    PLUMBLINE_RETURN_IF_ERROR(PlaceScans());
+    AddWarnings();
+    for (std::size_t i = 0; i < selection_.scans.size(); ++i) {
       if (max_scans > 0 && graph_.num_scans() == max_scans) break;
-      PLUMBLINE_RETURN_IF_ERROR(AddScan(i));
+      if (places_.poses[i]) PLUMBLINE_RETURN_IF_ERROR(AddScan(i));
     }
-    if (graph_.num_scans() > 0) return Status::Ok();
-    return Error("no scan has odometry within " + std::to_string(options_.max_gap_s) +
-                 " s before and after it; the odometry comes from " + OdometryName());
+    return Status::Ok();
   }
 
   SlamGraph&& graph() { return std::move(graph_); }
@@ -95,91 +62,168 @@ class GraphBuilder {
 
  private:
   Status Error(const std::string& problem) const { return Status::InvalidArgument(Text(problem)); }
+  Status Located(const Status& status) const {
+    return status.ok() ? status : Error(status.message());
+  }
   // For people. The names of topics and frames come from the file.
   std::string Text(const std::string& problem) const {
     return recording_.path + ": " + Printable(problem, 4000);
   }
-  std::string ScanName(std::size_t index) const {
-    return RosMessageName(recording_.scan_topic, index, recording_.scans[index].stamp_s);
+  void Warn(const std::string& id, const std::string& problem) {
+    notes_.warnings.push_back({id, Text(problem)});
   }
-  bool odometry_is_in_messages() const { return !recording_.odom_topic.empty(); }
-  std::string OdometryName() const {
-    return odometry_is_in_messages()
-               ? recording_.odom_topic
-               : "the transform of '" + robot_frame_ + "' in '" + recording_.odom_frame + "'";
+  // scan: index into the selection.
+  const RosScan& Scan(std::size_t scan) const { return recording_.scans[selection_.scans[scan]]; }
+  std::string ScanName(std::size_t scan) const {
+    return RosMessageName(recording_.scan_topic, selection_.scans[scan], Scan(scan).stamp_s);
   }
-  const std::string& laser_frame() const { return recording_.scans.front().frame; }
 
-  Status CheckScans() const {
-    if (recording_.scans.empty()) return Error("there is no message on " + recording_.scan_topic);
-    for (std::size_t i = 0; i < recording_.scans.size(); ++i) {
-      const RosScan& scan = recording_.scans[i];
-      const std::string fault = FaultOf(scan);
-      if (!fault.empty()) return Error(ScanName(i) + fault);
-      if (scan.frame != laser_frame()) {
-        return Error(ScanName(i) + "field 'header.frame_id' is '" + scan.frame + "', but '" +
-                     laser_frame() + "' before: one laser is expected");
-      }
+  // From here on stamps_s_ has the times of the selected scans.
+  Status ChooseClock() {
+    StreamTimes scans{recording_.scan_topic, {}, {}};
+    for (const std::size_t scan : selection_.scans) {
+      scans.stamps_s.push_back(recording_.scans[scan].stamp_s);
+      scans.received_s.push_back(recording_.scans[scan].received_s);
     }
+    const std::string why = options_.clock == RosClock::kAuto
+                                ? WhyRecordClock(scans, robot_.times, options_.max_gap_s)
+                                : "";
+    by_record_clock_ = options_.clock == RosClock::kRecord || !why.empty();
+    if (!why.empty()) {
+      Warn("record_clock", why + "; the times of recording are used, as with --clock=record");
+    }
+    if (by_record_clock_) return UseRecordClock(std::move(scans));
+    for (const StreamTimes* times : {&scans, &robot_.times}) {
+      const std::string fault = StampFault(times->stamps_s);
+      if (!fault.empty()) return Error(times->topic + ": " + fault);
+    }
+    stamps_s_ = scans.stamps_s;
+    unfit_ = StampOutliers(scans, options_.max_gap_s);
+    DropUnfitOdometry();
     return Status::Ok();
   }
 
-  Status CheckClocks() {
+  Status UseRecordClock(StreamTimes scans) {
+    for (const StreamTimes* times : {&scans, &robot_.times}) {
+      const bool are_known = std::all_of(times->received_s.begin(), times->received_s.end(),
+                                         [](double time_s) { return time_s > 0.0; });
+      const std::string fault = ClockFault(times->received_s);
+      if (!are_known || times->received_s.size() != times->stamps_s.size() || !fault.empty()) {
+        return Error(times->topic + ": the times of recording, which --clock=record asks for, " +
+                     (fault.empty() ? "are not known" : "do not help: " + fault));
+      }
+    }
+    stamps_s_ = std::move(scans.received_s);
+    unfit_.assign(stamps_s_.size(), "");
+    transforms_by_record_clock_ = recording_.transforms.ByRecordClock();
+    // Of transforms: the samples in the order of their recording.
+    if (recording_.odometry.empty() && !robot_.odometry.empty()) {
+      robot_.odometry.clear();
+      for (const StampedTransform& sample :
+           transforms().Samples(recording_.odom_frame, robot_.frame)) {
+        robot_.odometry.push_back({sample.stamp_s, InPlane(sample.parent_from_child)});
+      }
+    } else {
+      for (std::size_t i = 0; i < robot_.odometry.size(); ++i) {
+        robot_.odometry[i].timestamp_s = robot_.times.received_s[i];
+      }
+    }
+    robot_.times.stamps_s = robot_.times.received_s;
+    return Status::Ok();
+  }
+
+  const TransformTree& transforms() const {
+    return transforms_by_record_clock_ ? *transforms_by_record_clock_ : recording_.transforms;
+  }
+
+  // Counts odometry messages whose stamps do not fit as bad.
+  void DropUnfitOdometry() {
+    if (robot_.times.stamps_s.size() != robot_.odometry.size() || recording_.odometry.empty()) {
+      return;
+    }
+    const std::vector<std::string> unfit = StampOutliers(robot_.times, options_.max_gap_s);
+    std::vector<TimedPose> odometry;
+    for (std::size_t i = 0; i < unfit.size(); ++i) {
+      if (unfit[i].empty()) {
+        odometry.push_back(robot_.odometry[i]);
+      } else {
+        bad_odometry_.Add(
+            unfit[i],
+            RosMessageName(recording_.odom_topic, i, robot_.times.stamps_s[i]) + unfit[i]);
+      }
+    }
+    robot_.odometry = std::move(odometry);
+    robot_.times.stamps_s.clear();
+    for (const TimedPose& pose : robot_.odometry) {
+      robot_.times.stamps_s.push_back(pose.timestamp_s);
+    }
+  }
+
+  // Keeps the scans without a fault; kinds and faults: per selected scan.
+  void DropScans(const std::vector<std::string>& kinds, const std::vector<std::string>& faults) {
+    std::vector<std::size_t> scans;
     std::vector<double> stamps_s;
-    for (const RosScan& scan : recording_.scans) stamps_s.push_back(scan.stamp_s);
-    PLUMBLINE_RETURN_IF_ERROR(CheckClock(recording_.scan_topic, stamps_s));
-    stamps_s.clear();
-    for (const TimedPose& pose : recording_.odometry) stamps_s.push_back(pose.timestamp_s);
-    return CheckClock(recording_.odom_topic, stamps_s);
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      if (faults[i].empty()) {
+        scans.push_back(selection_.scans[i]);
+        stamps_s.push_back(stamps_s_[i]);
+      } else {
+        selection_.bad.Add(kinds[i], ScanName(i) + faults[i]);
+      }
+    }
+    selection_.scans = std::move(scans);
+    stamps_s_ = std::move(stamps_s);
+  }
+
+  void DropUnfitStamps() { DropScans(unfit_, unfit_); }
+
+  Status MountLaser() {
+    PLUMBLINE_RETURN_IF_ERROR(Located(
+        FindLaserPlace(transforms(), robot_.frame, selection_.laser_frame, stamps_s_, &mounting_)));
+    DropScans(mounting_.kinds, mounting_.faults);
+    return Status::Ok();
+  }
+
+  Status CheckBadScans() {
+    const std::size_t num_scans = selection_.scans.size() + selection_.bad.num();
+    const std::size_t num_bad = selection_.bad.num();
+    if (num_bad <= BadRecordLimits().Of(num_scans) && 2 * num_bad <= num_scans) {
+      return Status::Ok();
+    }
+    return Error(BadScansText());
+  }
+
+  std::string BadScansText() const {
+    return selection_.bad.Text(selection_.scans.size() + selection_.bad.num(),
+                               "messages on " + recording_.scan_topic);
+  }
+
+  Status CheckOrder() {
+    PLUMBLINE_RETURN_IF_ERROR(CheckOrderOf(recording_.scan_topic, stamps_s_, selection_.scans));
+    return CheckOrderOf(robot_.times.topic, robot_.times.stamps_s, {});
   }
 
   // Messages that come a little late can be sorted in; after a jump of the clock nobody can tell
-  // which odometry belongs to which scan.
-  Status CheckClock(const std::string& topic, const std::vector<double>& stamps_s) {
-    const std::string fault = ClockFault(stamps_s);
-    if (!fault.empty()) return Error(topic + ": " + fault);
+  // which odometry belongs to which scan. indices: of the messages; empty: 0, 1, and so on.
+  Status CheckOrderOf(const std::string& topic, const std::vector<double>& stamps_s,
+                      const std::vector<std::size_t>& indices) {
     for (std::size_t i = 1; i < stamps_s.size(); ++i) {
       const double back_s = stamps_s[i - 1] - stamps_s[i];
       if (back_s > options_.max_gap_s) {
-        return Error(RosMessageName(topic, i, stamps_s[i]) + "the clock jumps back by " +
-                     std::to_string(back_s) + " s; cut the recording there (rosbag filter)");
+        return Error(RosMessageName(topic, indices.empty() ? i : indices[i], stamps_s[i]) +
+                     "the clock jumps back by " + std::to_string(back_s) +
+                     " s; cut the recording there (rosbag filter)");
       }
       if (back_s > 0.0) ++notes_.num_out_of_order;
     }
     return Status::Ok();
   }
 
-  // The frame that the odometry moves, and its poses.
-  Status FindRobot() {
-    if (odometry_is_in_messages() && !recording_.odometry.empty()) {
-      robot_frame_ = recording_.robot_frame;
-      TakeOdometry(recording_.odometry);
-      return Status::Ok();
-    }
-    std::vector<std::string> path;
-    const Status status = recording_.transforms.PathUp(laser_frame(), &path);
-    if (!status.ok()) return Error(status.message());
-    const auto odom = std::find(path.begin(), path.end(), recording_.odom_frame);
-    if (odom == path.end() || odom == path.begin() || odometry_is_in_messages()) {
-      if (!recording_.needs_odometry) return GoWithoutOdometry(path);
-      if (odometry_is_in_messages()) return Error("there is no message on " + OdometryName());
-      return Error("there is no odometry: no nav_msgs/Odometry, and no frame '" +
-                   recording_.odom_frame + "' above the laser's, '" + laser_frame() +
-                   "', in the transforms; frames: " + recording_.transforms.FrameNames());
-    }
-    robot_frame_ = *std::prev(odom);
-    std::vector<TimedPose> poses;
-    for (const StampedTransform& sample : recording_.transforms.Samples(robot_frame_)) {
-      poses.push_back({sample.stamp_s, InPlane(sample.parent_from_child)});
-    }
-    TakeOdometry(std::move(poses));
-    return Status::Ok();
-  }
-
   void FindTimeIncrement() {
     std::vector<double> increments_s;
-    for (const RosScan& scan : recording_.scans) {
-      increments_s.push_back(std::isfinite(scan.time_increment_s) ? scan.time_increment_s : 0.0);
+    for (std::size_t i = 0; i < selection_.scans.size(); ++i) {
+      const double increment_s = Scan(i).time_increment_s;
+      increments_s.push_back(std::isfinite(increment_s) ? increment_s : 0.0);
     }
     time_increment_s_ = Median(std::move(increments_s));
   }
@@ -192,84 +236,27 @@ class GraphBuilder {
     return sweep_time_s > 0.0 && sweep_time_s <= kMaxSweepS ? time_increment_s_ : 0.0;
   }
 
-  // Poses that are all the same are no odometry.
-  void TakeOdometry(std::vector<TimedPose> poses) {
-    const auto moved = [&](const TimedPose& pose) {
-      const Pose2 &a = poses.front().world_from_robot, &b = pose.world_from_robot;
-      return a.x != b.x || a.y != b.y || a.yaw != b.yaw;
-    };
-    if (std::any_of(poses.begin(), poses.end(), moved)) timeline_.emplace(std::move(poses));
-  }
-
-  // path: from the laser's frame to the root. The robot is as far up as nothing moves.
-  Status GoWithoutOdometry(const std::vector<std::string>& path) {
-    robot_frame_ = path.front();
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      if (!IsAtRest(recording_.transforms.Samples(path[i - 1]))) {
-        notes_.warnings.push_back(Text("the frame '" + robot_frame_ + "' moves in '" + path[i] +
-                                       "': --odom_frame=" + path[i] + " takes that as odometry"));
-        break;
-      }
-      robot_frame_ = path[i];
-    }
-    return Status::Ok();
-  }
-
-  static bool IsAtRest(const std::vector<StampedTransform>& samples) {
-    const auto mounting = [](const StampedTransform& sample) {
-      return Mounting{InPlane(sample.parent_from_child)};
-    };
-    return std::all_of(samples.begin(), samples.end(), [&](const StampedTransform& sample) {
-      return mounting(samples.front()).IsNear(mounting(sample));
-    });
-  }
-
-  // Where the robot was by its odometry; the origin if there is none. Empty outside of it.
-  std::optional<Pose2> OdomFromRobot(double stamp_s) const {
-    return timeline_ ? timeline_->Interpolate(stamp_s, options_.max_gap_s) : Pose2();
-  }
-
-  std::vector<std::size_t> ScansInOrderOfTime() const {
-    std::vector<std::size_t> order(recording_.scans.size());
+  void SortScans() {
+    std::vector<std::size_t> order(selection_.scans.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
-      return recording_.scans[a].stamp_s < recording_.scans[b].stamp_s;
-    });
-    return order;
+    std::stable_sort(order.begin(), order.end(),
+                     [this](std::size_t a, std::size_t b) { return stamps_s_[a] < stamps_s_[b]; });
+    const std::vector<std::size_t> scans = selection_.scans;
+    const std::vector<double> stamps_s = stamps_s_;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      selection_.scans[i] = scans[order[i]];
+      stamps_s_[i] = stamps_s[order[i]];
+    }
   }
 
-  Status AddScan(std::size_t index) {
-    const RosScan& scan = recording_.scans[index];
-    const std::optional<Pose2> odom_from_robot = OdomFromRobot(scan.stamp_s);
-    if (!odom_from_robot) {
-      Skip(ScanName(index) + "no odometry before and after it");
-      return Status::Ok();
+  Status PlaceScans() {
+    places_ = PlaceByOdometry(robot_.odometry, stamps_s_, options_.max_gap_s);
+    for (std::size_t i = 0; i < places_.poses.size(); ++i) {
+      if (!places_.poses[i]) Skip(ScanName(i) + "no odometry before and after it");
     }
-    PLUMBLINE_RETURN_IF_ERROR(UpdateMounting(index));
-    int laser = 0, pose = 0;
-    const Status status = graph_.AddLaser(ModelOf(scan, BeamPeriod(scan), *mounting_), &laser);
-    if (!status.ok()) return Error(ScanName(index) + status.message());
-    if (!first_pose_) first_pose_ = odom_from_robot;
-    PLUMBLINE_RETURN_IF_ERROR(
-        graph_.AddPose(Between(*first_pose_, *odom_from_robot), scan.stamp_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(AddReadings(scan, pose, laser));
-    if (pose > 0 && timeline_) {
-      PLUMBLINE_RETURN_IF_ERROR(
-          graph_.AddOdometry({pose - 1, pose, Between(last_pose_, *odom_from_robot)}));
-    }
-    last_pose_ = *odom_from_robot;
-    return Status::Ok();
-  }
-
-  Status AddReadings(const RosScan& scan, int pose, int laser) {
-    if (scan.bearings_rad.empty()) return graph_.AddScan(pose, laser, scan.ranges);
-    const double sign = mounting_->upside_down ? -1.0 : 1.0;
-    std::vector<Eigen::Vector2d> points;
-    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-      points.push_back(mounting_->robot_from_laser *
-                       BeamEnd(scan.ranges[i], sign * scan.bearings_rad[i]));
-    }
-    return graph_.AddPoints(pose, laser, points);
+    if (places_.num_held + places_.num_skipped < places_.poses.size()) return Status::Ok();
+    return Error("no scan has odometry before and after it; the odometry comes from " +
+                 robot_.odometry_name);
   }
 
   void Skip(const std::string& reason) {
@@ -277,54 +264,171 @@ class GraphBuilder {
     notes_.skipped_scans.push_back(Text(reason));
   }
 
-  // The first scan tells the mounting, the others must agree.
-  Status UpdateMounting(std::size_t index) {
-    std::optional<Mounting> mounting;
-    PLUMBLINE_RETURN_IF_ERROR(FindMounting(index, &mounting));
-    if (!mounting_) {
-      if (!mounting) WarnOfUnknownMounting();
-      mounting_ = mounting.value_or(Mounting());
-    } else if (mounting && !mounting_->IsNear(*mounting)) {
-      return Error(ScanName(index) + "the laser's frame '" + laser_frame() +
-                   "' has moved on the robot, '" + robot_frame_ + "': one at rest is expected");
+  void AddWarnings() {
+    for (const Warning& warning : robot_.warnings) Warn(warning.id, warning.message);
+    const std::string ignored = recording_.transforms.IgnoredText();
+    if (!ignored.empty()) {
+      Warn("ignored_transforms", "transforms are ignored, as tf2 does: " + ignored);
     }
+    WarnOfBadMessages();
+    if (selection_.num_repeated > 0) {
+      Warn("repeated_scans", std::to_string(selection_.num_repeated) + " of " +
+                                 std::to_string(recording_.scans.size()) + " messages on " +
+                                 recording_.scan_topic + " repeat the one before and are dropped");
+    }
+    if (!mounting_.is_known) {
+      Warn("unknown_mounting",
+           "no transform from the robot's frame '" + robot_.frame + "' to the laser's, '" +
+               selection_.laser_frame +
+               "': the laser is taken to sit upright at the robot's centre and to look ahead");
+    }
+    WarnOfAngles();
+    WarnOfSparseOdometry();
+  }
+
+  void WarnOfBadMessages() {
+    if (selection_.bad.num() > 0) {
+      Warn("bad_messages", BadScansText());
+      for (const std::string& example : selection_.bad.examples()) Skip(example);
+      notes_.num_skipped_scans += selection_.bad.num() - selection_.bad.examples().size();
+    }
+    if (bad_odometry_.num() > 0) {
+      Warn("bad_messages", bad_odometry_.Text(robot_.odometry.size() + bad_odometry_.num(),
+                                              "messages on " + recording_.odom_topic));
+    }
+    if (recording_.bad_transforms.num() > 0) {
+      Warn("bad_messages", recording_.bad_transforms.Text(recording_.num_transform_messages,
+                                                          "messages of transforms"));
+    }
+    for (const std::string& text : mounting_.bad_samples) Warn("bad_messages", text);
+  }
+
+  void WarnOfAngles() {
+    const RosScan* first = nullptr;
+    std::size_t num_contradicting = 0;
+    for (std::size_t i = 0; i < selection_.scans.size(); ++i) {
+      if (!AnglesOf(Scan(i), options_.angle_source).contradict) continue;
+      if (num_contradicting++ == 0) first = &Scan(i);
+    }
+    if (first == nullptr) return;
+    notes_.angles_contradict = true;
+    const bool by_angle_max = options_.angle_source == BeamAngleSource::kAngleMax;
+    std::ostringstream text;
+    text << num_contradicting << " of " << selection_.scans.size() << " scans on "
+         << recording_.scan_topic << " contradict themselves: " << first->ranges.size()
+         << " readings from angle_min = " << first->angle_min_rad
+         << " rad in steps of angle_increment = " << first->angle_increment_rad
+         << " rad do not end at angle_max = " << first->angle_max_rad << " rad; "
+         << (by_angle_max ? "angle_max" : "angle_increment")
+         << " is believed (--beam_direction turns the beams round)";
+    Warn("beam_angles_contradict", text.str());
+  }
+
+  void WarnOfSparseOdometry() {
+    const std::size_t num_scans = places_.poses.size();
+    const std::size_t num_sparse = places_.num_far + places_.num_held;
+    if (num_sparse == 0) return;
+    Warn("sparse_odometry", Percent(num_sparse, num_scans) +
+                                " of the scans have no odometry within " +
+                                std::to_string(options_.max_gap_s) +
+                                " s before and after: " + std::to_string(places_.num_far) +
+                                " lie between messages that are further apart, and " +
+                                std::to_string(places_.num_held) + " are matched without odometry");
+  }
+
+  double MaxRange(const RosScan& scan) const {
+    constexpr double kLongestM = 1e5;  // FLT_MAX and the like say nothing
+    const bool is_stated = scan.range_max_m <= kLongestM && selection_.range_max_is_stated;
+    return is_stated ? scan.range_max_m : LaserModel().max_range_m;
+  }
+
+  void FindNoReturns() {
+    std::vector<SweepReadings> sweeps;
+    for (std::size_t i = 0; i < selection_.scans.size(); ++i) {
+      const RosScan& scan = Scan(i);
+      sweeps.push_back(
+          {&scan.ranges, AnglesOf(scan, options_.angle_source).step_rad,
+           selection_.range_max_is_stated ? scan.range_max_m : SweepReadings().max_range_m});
+    }
+    notes_.no_return_level_m = FindNoReturnLevel(sweeps);
+  }
+
+  // The points of a cloud have no end to count them from.
+  BeamDirection DirectionOf(const RosScan& scan) const {
+    const bool is_stated = options_.beam_direction == BeamDirection::kStated;
+    return is_stated || scan.bearings_rad.empty() ? options_.beam_direction
+                                                  : BeamDirection::kUpsideDown;
+  }
+
+  double MountingSign() const { return mounting_.place.upside_down ? -1.0 : 1.0; }
+
+  LaserModel ModelOf(const RosScan& scan) const {
+    LaserModel laser;
+    const double sign = MountingSign();
+    BeamAngles angles = AnglesOf(scan, options_.angle_source);
+    laser.num_beams = NumBeams(scan);
+    TurnBeams(DirectionOf(scan), laser.num_beams, &angles.first_rad, &angles.step_rad);
+    laser.first_bearing_rad = sign * angles.first_rad;
+    laser.bearing_step_rad = sign * angles.step_rad;
+    laser.min_range_m = std::max(laser.min_range_m, scan.range_min_m);
+    laser.max_range_m = MaxRange(scan);
+    if (notes_.no_return_level_m) {
+      laser.max_range_m = std::min(laser.max_range_m, *notes_.no_return_level_m);
+    }
+    laser.beam_period_s = BeamPeriod(scan);
+    laser.robot_from_laser = mounting_.place.robot_from_laser;
+    return laser;
+  }
+
+  Status AddScan(std::size_t index) {
+    const RosScan& scan = Scan(index);
+    const Pose2& odom_from_robot = *places_.poses[index];
+    int laser = 0, pose = 0;
+    const Status status = graph_.AddLaser(ModelOf(scan), &laser);
+    if (!status.ok()) return Error(ScanName(index) + status.message());
+    if (!first_pose_) first_pose_ = odom_from_robot;
+    PLUMBLINE_RETURN_IF_ERROR(
+        graph_.AddPose(Between(*first_pose_, odom_from_robot), stamps_s_[index], &pose));
+    PLUMBLINE_RETURN_IF_ERROR(AddReadings(scan, pose, laser));
+    if (pose > 0 && !robot_.odometry.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(
+          graph_.AddOdometry({pose - 1, pose, Between(last_pose_, odom_from_robot),
+                              !last_is_held_ && places_.is_held[index] == 0}));
+    }
+    last_pose_ = odom_from_robot;
+    last_is_held_ = places_.is_held[index] != 0;
     return Status::Ok();
   }
 
-  // Empty without a transform.
-  Status FindMounting(std::size_t index, std::optional<Mounting>* mounting) const {
-    std::optional<Eigen::Isometry3d> robot_from_laser;
-    const Status status = recording_.transforms.Find(
-        robot_frame_, laser_frame(), recording_.scans[index].stamp_s, &robot_from_laser);
-    if (!status.ok()) return Error(status.message());
-    if (!robot_from_laser) return Status::Ok();
-    const double upright = robot_from_laser->linear()(2, 2);
-    if (std::abs(upright) < std::cos(kMaxTiltRad)) {
-      return Error("the laser's frame '" + laser_frame() + "' is tilted by " +
-                   std::to_string(RadToDeg(std::acos(std::abs(upright)))) + " deg in '" +
-                   robot_frame_ + "': its sweeps are no horizontal cuts");
+  Status AddReadings(const RosScan& scan, int pose, int laser) {
+    if (scan.bearings_rad.empty()) return graph_.AddScan(pose, laser, scan.ranges);
+    const bool is_turned = DirectionOf(scan) != BeamDirection::kStated;
+    const double sign = is_turned ? -MountingSign() : MountingSign();
+    std::vector<Eigen::Vector2d> points;
+    for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+      points.push_back(mounting_.place.robot_from_laser *
+                       BeamEnd(scan.ranges[i], sign * scan.bearings_rad[i]));
     }
-    *mounting = Mounting{InPlane(*robot_from_laser), upright < 0.0};
-    return Status::Ok();
-  }
-
-  void WarnOfUnknownMounting() {
-    notes_.warnings.push_back(
-        Text("no transform from the robot's frame '" + robot_frame_ + "' to the laser's, '" +
-             laser_frame() +
-             "': the laser is taken to sit upright at the robot's centre and to look ahead"));
+    return graph_.AddPoints(pose, laser, points);
   }
 
   const RosRecording& recording_;
   const RosGraphOptions& options_;
+  ScanSelection selection_;
+  std::vector<double> stamps_s_;    // of the selected scans
+  std::vector<std::string> unfit_;  // of the selected scans: why their stamps do not fit
+  RosRobot robot_;
+  BadRecords bad_odometry_;
+  bool by_record_clock_ = false;
+  std::optional<TransformTree> transforms_by_record_clock_;
+  LaserPlaces mounting_;
+  ScanPlaces places_;
+  double time_increment_s_ = 0.0;
   RosGraphNotes notes_;
   SlamGraph graph_;
-  std::string robot_frame_;
-  std::optional<PoseTimeline> timeline_;  // none without odometry
-  double time_increment_s_ = 0.0;
-  std::optional<Mounting> mounting_;
   std::optional<Pose2> first_pose_;  // in the frame of the odometry
   Pose2 last_pose_;
+  bool last_is_held_ = false;
 };
 
 }  // namespace
@@ -334,6 +438,19 @@ std::string RosMessageName(const std::string& topic, std::size_t index, double s
   text << topic << " message " << index << " (" << std::fixed << std::setprecision(6) << stamp_s
        << " s): ";
   return text.str();
+}
+
+bool FromString(const std::string& name, RosClock* clock) {
+  if (name == "auto") {
+    *clock = RosClock::kAuto;
+  } else if (name == "header") {
+    *clock = RosClock::kHeader;
+  } else if (name == "record") {
+    *clock = RosClock::kRecord;
+  } else {
+    return false;
+  }
+  return true;
 }
 
 bool RosGraphOptions::Check(std::string* error) const {

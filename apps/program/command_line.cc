@@ -194,6 +194,10 @@ ProgramEnd RunQuietly(const std::vector<FileFlag>& files,
   return end;
 }
 
+void PrintWarnings(const std::vector<Warning>& warnings) {
+  for (const Warning& warning : warnings) std::cerr << WarningLine(warning) << '\n';
+}
+
 void PrintFailure(const std::string& message) {
   std::cerr << gflags::ProgramInvocationShortName() << ": " << Legible(message) << '\n';
 }

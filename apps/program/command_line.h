@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/apps/program/file_flags.h"
 #include "plumbline/core/status.h"
 
@@ -53,6 +54,9 @@ struct ProgramEnd {
 ProgramEnd RunQuietly(const std::vector<FileFlag>& files,
                       const std::function<Status()>& check_flags,
                       const std::function<Status()>& run);
+
+/// Prints each warning as a line on standard error.
+void PrintWarnings(const std::vector<Warning>& warnings);
 
 /// The line on standard error: the name of the program and a message.
 void PrintFailure(const std::string& message);

@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <sstream>
 
+#include "plumbline/core/median.h"
+
 namespace plumbline {
 namespace {
 
 constexpr double kMinReturnShare = 0.01;  // of the beams of a scan
 constexpr double kShortestReachM = 1.0;   // of 2D lasers; the shortest on the market see 4 m
-constexpr double kLongestReachM = 250.0;  // likewise
+constexpr double kLongestReachM = 100.0;  // of 2D lasers, in most directions
 constexpr double kMaxShareOfEmptyScans = 0.5;
 
 std::string EmptyScans(const SlamGraph& graph) {
@@ -26,7 +28,7 @@ std::string EmptyScans(const SlamGraph& graph) {
        << laser.min_range_m << " m and " << laser.max_range_m << " m; "
        << (laser.max_range_m < kShortestReachM
                ? "the maximum range looks wrong"
-               : "the ranges look like millimetres, or are not positive");
+               : "the ranges look like millimetres or centimetres, or are not positive");
   return text.str();
 }
 
@@ -38,11 +40,46 @@ std::string LongRanges(const SlamGraph& graph) {
   if (*middle <= kLongestReachM) return "";
   std::ostringstream text;
   text << "half of the readings are above " << *middle
-       << " m, beyond the reach of a laser; the ranges look like millimetres";
+       << " m, beyond the reach of a laser; the ranges look like "
+       << (*middle > 10.0 * kLongestReachM ? "millimetres" : "centimetres or millimetres")
+       << ", but metres are expected";
   return text.str();
 }
 
+// Lengths of the odometry's steps [m], and speeds [m/s] where the clock tells, of a robot that
+// moves.
+struct Steps {
+  std::vector<double> lengths_m, speeds_m_s;
+};
+
+Steps MovingSteps(const SlamGraph& graph) {
+  Steps steps;
+  for (const OdometryConstraint& step : graph.odometry()) {
+    const double length_m = step.from_from_to.translation().norm();
+    const double time_s = graph.timestamp_s(step.to) - graph.timestamp_s(step.from);
+    if (length_m == 0.0) continue;
+    steps.lengths_m.push_back(length_m);
+    if (time_s > 0.0) steps.speeds_m_s.push_back(length_m / time_s);
+  }
+  return steps;
+}
+
 }  // namespace
+
+std::string ImplausibleOdometry(const SlamGraph& graph) {
+  constexpr double kFastestM_S = 40.0, kLongestStepM = 20.0;
+  const Steps steps = MovingSteps(graph);
+  if (steps.lengths_m.size() < 2) return "";
+  const double length_m = Median(steps.lengths_m);
+  const bool has_clock = 2 * steps.speeds_m_s.size() > steps.lengths_m.size();
+  const double speed_m_s = has_clock ? Median(steps.speeds_m_s) : 0.0;
+  if (speed_m_s <= kFastestM_S && length_m <= kLongestStepM) return "";
+  std::ostringstream text;
+  text << "by its odometry the robot moves by " << length_m << " m from one scan to the next";
+  if (has_clock) text << ", at " << speed_m_s << " m/s";
+  text << "; the odometry looks like millimetres or centimetres, but metres are expected";
+  return text.str();
+}
 
 std::vector<std::string> ImplausibleReadings(const SlamGraph& graph) {
   std::vector<std::string> faults = {EmptyScans(graph), LongRanges(graph)};

@@ -5,6 +5,8 @@
 #include <locale>
 #include <sstream>
 
+#include "plumbline/core/angle.h"
+
 DEFINE_string(
     scan_topic, "",
     "ROS bag: topic of the laser (empty: the only sensor_msgs/LaserScan, or else the only "
@@ -21,6 +23,18 @@ DEFINE_string(
     "if there is none, or the scans alone; /tf: the transforms)");
 DEFINE_string(odom_frame, plumbline::BagReadOptions().odom_frame,
               "ROS bag: frame of the odometry in the transforms");
+
+DEFINE_string(laser_frame, "",
+              "ROS bag: frame of the laser, where several share the topic (empty: the only one)");
+DEFINE_string(clock, "auto",
+              "ROS bag: times of the messages: header (their stamps), record (the times of "
+              "recording), or auto (record where the stamps are useless)");
+DEFINE_string(beam_direction, "stated",
+              "Side from which the beams are counted: stated (as the log says), reversed (from the "
+              "other end of the fan), or upside_down (mirrored about the laser's forward axis)");
+DEFINE_double(fov_deg, 0.0,
+              "CARMEN log: angle from the first beam of FLASER records to the last [deg]; 0: 270 "
+              "for 541 and 1081 beams, 180 for others");
 
 DEFINE_double(sweep_time_s, -1.0,
               "Time that the laser takes from the first beam of a sweep to the last [s]; 0: all "
@@ -50,22 +64,44 @@ bool IsBand(const char* /*flag*/, const std::string& text) {
 // A laser that takes longer is none that sweeps.
 bool IsSweepTime(const char* /*flag*/, double sweep_time_s) { return sweep_time_s <= 60.0; }
 
+bool IsFieldOfView(const char* /*flag*/, double fov_deg) {
+  return fov_deg >= 0.0 && fov_deg <= 360.0;
+}
+
+bool IsClock(const char* /*flag*/, const std::string& name) {
+  plumbline::RosClock clock;
+  return plumbline::FromString(name, &clock);
+}
+
+bool IsBeamDirection(const char* /*flag*/, const std::string& name) {
+  plumbline::BeamDirection direction;
+  return plumbline::FromString(name, &direction);
+}
+
 }  // namespace
 
 DEFINE_validator(echo, &IsEcho);
 DEFINE_validator(slice_height_m, &IsBand);
+DEFINE_validator(clock, &IsClock);
+DEFINE_validator(beam_direction, &IsBeamDirection);
+DEFINE_validator(fov_deg, &IsFieldOfView);
 DEFINE_validator(sweep_time_s, &IsSweepTime);
 
 namespace plumbline {
 
-BagReadOptions BagReadOptionsFromFlags() {
-  BagReadOptions options;
-  options.scan_topic = FLAGS_scan_topic;
-  options.echo = FLAGS_echo == "strongest" ? RosEcho::kStrongest : RosEcho::kFirst;
-  if (!FLAGS_slice_height_m.empty()) options.slice_height_m = BandOf(FLAGS_slice_height_m);
-  options.odom_topic = FLAGS_odom_topic;
-  options.odom_frame = FLAGS_odom_frame;
-  options.needs_odometry = !gflags::GetCommandLineFlagInfoOrDie("odom_frame").is_default;
+LogReadOptions LogReadOptionsFromFlags() {
+  LogReadOptions options;
+  options.bag.scan_topic = FLAGS_scan_topic;
+  options.bag.echo = FLAGS_echo == "strongest" ? RosEcho::kStrongest : RosEcho::kFirst;
+  if (!FLAGS_slice_height_m.empty()) options.bag.slice_height_m = BandOf(FLAGS_slice_height_m);
+  options.bag.odom_topic = FLAGS_odom_topic;
+  options.bag.odom_frame = FLAGS_odom_frame;
+  options.bag.needs_odometry = !gflags::GetCommandLineFlagInfoOrDie("odom_frame").is_default;
+  options.laser_frame = FLAGS_laser_frame;
+  options.sweep_time_s = SweepTimeFromFlags();
+  if (FLAGS_fov_deg > 0.0) options.flaser_fov_rad = DegToRad(FLAGS_fov_deg);
+  FromString(FLAGS_clock, &options.clock);
+  FromString(FLAGS_beam_direction, &options.beam_direction);
   return options;
 }
 

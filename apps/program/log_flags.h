@@ -3,12 +3,12 @@
 
 #include <optional>
 
-#include "plumbline/apps/bags/bag_reader.h"
+#include "plumbline/apps/program/log_reader.h"
 
 namespace plumbline {
 
-/// What the command line says of the topics of a bag of ROS.
-BagReadOptions BagReadOptionsFromFlags();
+/// The options that the command line sets for reading a log.
+LogReadOptions LogReadOptionsFromFlags();
 
 /// Time that a sweep takes [s]; empty: what the log says.
 std::optional<double> SweepTimeFromFlags();

@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "plumbline/apps/bags/bag_reader.h"
+#include "plumbline/apps/io/beam_direction.h"
+#include "plumbline/apps/io/ros_recording.h"
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -14,8 +17,13 @@ namespace plumbline {
 
 /// How a log of any format is read.
 struct LogReadOptions {
-  int max_scans = 0;   ///< the first ones are read; 0: all
-  BagReadOptions bag;  ///< topics of a bag of ROS; its max_bytes does not matter
+  int max_scans = 0;                 ///< the first ones are read; 0: all
+  BagReadOptions bag;                ///< topics of a bag of ROS; its max_bytes does not matter
+  std::string laser_frame;           ///< of a bag, see RosGraphOptions
+  RosClock clock = RosClock::kAuto;  ///< of a bag
+  BeamDirection beam_direction = BeamDirection::kStated;
+  /// Field of view of FLASER records [rad]; empty: see ReadCarmenLog.
+  std::optional<double> flaser_fov_rad;
   /// From the first beam of a sweep to the last [s]; empty: what the scans of a bag say, 0 for
   /// other logs.
   std::optional<double> sweep_time_s;
@@ -28,12 +36,12 @@ struct LogCounts {
   std::size_t num_out_of_order = 0;
 };
 
-/// What is to be said of a log.
+/// Messages about a log.
 struct LogNotes {
   LogCounts counts;
-  /// Lines for people: the first records that are skipped, and what is doubtful about the laser's
-  /// mounting, the order of its beams or its readings (ImplausibleReadings).
-  std::vector<std::string> lines;
+  std::vector<std::string> skipped;  ///< lines for people, one per record; the first records only
+  std::vector<Warning> warnings;
+  std::optional<double> no_return_level_m;  ///< see FindNoReturnLevel
 };
 
 /// The files that a log is made of, see FilesOfLog; of what cannot be read, the path itself.
@@ -43,7 +51,7 @@ std::vector<std::string> LogFiles(const std::string& path);
 /// slam_toolbox has saved is read as well, with its own poses and edges and all of its scans. Fails
 /// like the reader of the format and its BuildGraph, and with InvalidArgument if no scan has a
 /// return, or if reading takes more memory than allowed; *graph is then untouched, and *notes has
-/// the lines up to there.
+/// the messages up to there.
 Status ReadLog(const std::string& path, const LogReadOptions& options, LogNotes* notes,
                SlamGraph* graph);
 

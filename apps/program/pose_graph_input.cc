@@ -7,6 +7,7 @@
 
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
+#include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/apps/saved_maps/cartographer_graph.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/apps/saved_maps/cartographer_writer.h"
@@ -51,11 +52,15 @@ Status ReadCartographerGraph(const std::string& path, double max_bytes, PoseGrap
   input->num_robot_poses = static_cast<int>(state.nodes.size());
   input->note = NoteText(state, notes);
   for (const int trajectory : notes.frozen_trajectories) {
-    input->warnings.push_back("trajectory " + std::to_string(trajectory) +
-                              " has no constraints within its submaps, as if it had been loaded "
-                              "frozen: it stays where it is");
+    input->warnings.push_back(
+        {"frozen_trajectory", path + ": trajectory " + std::to_string(trajectory) +
+                                  " has no constraints within its submaps, as if it had been "
+                                  "loaded frozen: it stays where it is"});
   }
-  if (state.has_landmarks) input->warnings.emplace_back("landmarks are neither used nor moved");
+  if (state.has_landmarks) {
+    input->warnings.push_back(
+        {"landmarks_unused", path + ": landmarks are neither used nor moved"});
+  }
   const auto content = std::make_shared<const std::string>(std::move(state.content));
   input->write = [content](const std::string& to, const std::vector<double>& poses) {
     return WriteCartographerState(to, *content, poses);
@@ -94,6 +99,9 @@ Status ReadPoseGraph(const std::string& path, double max_bytes, PoseGraphInput* 
     PLUMBLINE_RETURN_IF_ERROR(ReadSlamToolboxGraph(path, max_bytes, &result));
   } else {
     PLUMBLINE_RETURN_IF_ERROR(ReadTextGraph(path, max_bytes, &result));
+  }
+  for (const std::string& fault : ImplausibleReadings(result.graph)) {
+    result.warnings.push_back({"implausible_ranges", path + ": " + fault});
   }
   *input = std::move(result);
   return Status::Ok();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
@@ -20,8 +21,8 @@ struct PoseGraphInput {
   std::vector<long long> names;  ///< of the poses, in the file; empty: their ids in the graph
   /// Writes the same file with other poses, as MapState::poses.
   std::function<Status(const std::string& path, const std::vector<double>& poses)> write;
-  std::string note;                   ///< lines for people; may be empty
-  std::vector<std::string> warnings;  ///< likewise, without the path
+  std::string note;  ///< lines for people; may be empty
+  std::vector<Warning> warnings;
 };
 
 /// Tells by its content whether a file is a pose graph, readable or not, and no log.

@@ -2,21 +2,20 @@
 
 #include <iostream>
 
+#include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/log_flags.h"
 
 namespace plumbline {
 
-Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph,
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogNotes* notes, SlamGraph* graph,
                         double max_bytes) {
-  LogReadOptions options;
+  LogReadOptions options = LogReadOptionsFromFlags();
   options.max_scans = max_scans;
-  options.bag = BagReadOptionsFromFlags();
-  options.sweep_time_s = SweepTimeFromFlags();
   options.max_bytes = max_bytes;
-  LogNotes notes;
-  Status status = ReadLog(path, options, &notes, graph);
-  for (const std::string& line : notes.lines) std::cerr << line << '\n';
-  if (status.ok()) *counts = notes.counts;
+  Status status = ReadLog(path, options, notes, graph);
+  for (const std::string& line : notes->skipped) std::cerr << Legible(line) << '\n';
+  PrintWarnings(notes->warnings);
   return status;
 }
 

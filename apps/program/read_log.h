@@ -9,9 +9,9 @@
 
 namespace plumbline {
 
-/// ReadLog for a program: log_flags.h says which topics of a bag, and the notes go to standard
-/// error. Fails like it; what the pointers lead to is then untouched.
-Status ReadLogIntoGraph(const std::string& path, int max_scans, LogCounts* counts, SlamGraph* graph,
+/// ReadLog for a program: log_flags.h says which topics of a bag, and the notes also go to
+/// standard error. Fails like it; what the pointers lead to is then untouched.
+Status ReadLogIntoGraph(const std::string& path, int max_scans, LogNotes* notes, SlamGraph* graph,
                         double max_bytes = 0.0);
 
 }  // namespace plumbline

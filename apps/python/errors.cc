@@ -91,6 +91,9 @@ void BindErrors(py::module_* module) {
              "The system refused (permission, disk, memory), a callback stopped the work, or a "
              "computation came to no end.",
              PyExc_RuntimeError)};
+  DefineError("InputWarning",
+              "Something is skipped or doubtful in an input; `id` names the cause for scripts.",
+              py::make_tuple(py::handle(PyExc_UserWarning)), module);
   py::register_local_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));

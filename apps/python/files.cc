@@ -41,19 +41,33 @@ void RunUnlocked(const Work& work) {
   RaiseIfError(status);
 }
 
-void WarnOf(const std::vector<std::string>& lines) {
+void Warn(const std::vector<Warning>& warnings) {
   const py::object warn = py::module_::import("warnings").attr("warn");
-  for (const std::string& line : lines) warn(TextOf(line));
+  const py::object type = py::module_::import("plumbline").attr("InputWarning");
+  for (const Warning& warning : warnings) {
+    const py::object object = type(TextOf(warning.message));
+    object.attr("id") = warning.id;
+    warn(object);
+  }
 }
 
 GraphObject ReadLogFile(const Path& path, int max_scans, const std::string& scan_topic,
                         const std::string& odom_topic, const std::optional<std::string>& odom_frame,
                         const std::optional<double>& sweep_time_s, const std::string& echo,
-                        const std::optional<std::pair<double, double>>& slice_height_m) {
+                        const std::optional<std::pair<double, double>>& slice_height_m,
+                        const std::string& laser_frame, const std::string& clock,
+                        const std::string& beam_direction,
+                        const std::optional<double>& flaser_fov_rad) {
   if (echo != "first" && echo != "strongest") {
     RaiseIfError(Status::InvalidArgument("echo is neither 'first' nor 'strongest'"));
   }
   LogReadOptions options;
+  if (!FromString(clock, &options.clock)) throw py::value_error("clock: no such name: " + clock);
+  if (!FromString(beam_direction, &options.beam_direction)) {
+    throw py::value_error("beam_direction: no such name: " + beam_direction);
+  }
+  options.laser_frame = laser_frame;
+  options.flaser_fov_rad = flaser_fov_rad;
   options.max_scans = max_scans;
   options.bag.scan_topic = scan_topic;
   options.bag.echo = echo == "first" ? RosEcho::kFirst : RosEcho::kStrongest;
@@ -65,7 +79,8 @@ GraphObject ReadLogFile(const Path& path, int max_scans, const std::string& scan
   LogNotes notes;
   SlamGraph graph;
   RunUnlocked([&] { return ReadLog(path.string(), options, &notes, &graph); });
-  WarnOf(notes.lines);
+  for (const std::string& line : notes.skipped) Warn({{"skipped_record", line}});
+  Warn(notes.warnings);
   return GraphObject(std::move(graph));
 }
 
@@ -79,11 +94,7 @@ struct PoseGraphObject {
 PoseGraphObject ReadPoseGraphInput(const Path& path) {
   PoseGraphInput input;
   RunUnlocked([&] { return ReadPoseGraph(path.string(), 0.0, &input); });
-  std::vector<std::string> lines;
-  for (const std::string& warning : input.warnings) {
-    lines.push_back("warning: " + path.string() + ": " + warning);
-  }
-  WarnOf(lines);
+  Warn(input.warnings);
   const std::size_t num_coordinates = input.graph.initial_poses().size();
   py::object graph = py::cast(GraphObject(std::exchange(input.graph, SlamGraph())));
   return {std::move(input), std::move(graph), num_coordinates};
@@ -170,15 +181,17 @@ void BindLogs(py::module_* module) {
       "read_log", &ReadLogFile, py::arg("path"), py::arg("max_scans") = 0,
       py::arg("scan_topic") = "", py::arg("odom_topic") = "", py::arg("odom_frame") = py::none(),
       py::arg("sweep_time_s") = py::none(), py::arg("echo") = "first",
-      py::arg("slice_height_m") = py::none(),
+      py::arg("slice_height_m") = py::none(), py::arg("laser_frame") = "",
+      py::arg("clock") = "auto", py::arg("beam_direction") = "stated",
+      py::arg("flaser_fov_rad") = py::none(),
       "Reads a CARMEN log (plain or .gz), a bag of ROS 1 or ROS 2 (file or folder) or a map "
       "of slam_toolbox into a SlamGraph placed by odometry: a pose per scan. max_scans: "
       "the first ones; 0: all. Topics: of a bag; empty: the only one of its type. "
       "sweep_time_s: from the first beam of a sweep to the last [s]; None: what the log "
       "says. echo: of the beams of a MultiEchoLaserScan, 'first' or 'strongest'. slice_height_m: "
       "(low, high), heights [m] in the frame of a PointCloud2 between which points are taken; "
-      "None: "
-      "the laser is planar. What is skipped or doubtful is a UserWarning.");
+      "None: the laser is planar. laser_frame, clock, beam_direction, flaser_fov_rad: as the flags "
+      "of plumbline_slam. What is skipped or doubtful is an InputWarning.");
   Fields<PoseGraphObject>(module, "PoseGraphInput", "A pose graph that another system has saved.")
       .Field("graph", &PoseGraphObject::graph, "at the given poses")
       .FieldBy(

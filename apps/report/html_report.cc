@@ -138,9 +138,9 @@ std::string FiguresHtml(const std::vector<ReportFigure>& figures) {
   return html;
 }
 
-std::string AlarmsHtml(const std::vector<std::string>& alarms) {
+std::string ItemsHtml(const std::vector<std::string>& items) {
   std::string html;
-  for (const std::string& alarm : alarms) html += Element("li", "", EscapeHtml(alarm)) + "\n";
+  for (const std::string& item : items) html += Element("li", "", EscapeHtml(item)) + "\n";
   return html;
 }
 
@@ -283,7 +283,8 @@ Status WriteHtmlReport(const std::string& path, const HtmlReport& report) {
   PLUMBLINE_RETURN_IF_ERROR(PicturesHtml(report.pictures, &values["pictures"]));
   values["title"] = EscapeHtml(report.title);
   values["subtitle"] = EscapeHtml(report.subtitle);
-  values["alarms"] = AlarmsHtml(report.alarms);
+  values["alarms"] = ItemsHtml(report.alarms);
+  values["warnings"] = ItemsHtml(report.warnings);
   values["all_clear"] = report.alarms.empty() ? EscapeHtml(report.all_clear) : "";
   values["figures"] = FiguresHtml(report.figures);
   values["tables"] = TablesHtml(report.tables) + TextsHtml(report.texts);

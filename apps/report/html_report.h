@@ -95,8 +95,9 @@ struct ReportOption {
 struct HtmlReport {
   std::string title;
   std::string subtitle;
-  std::vector<std::string> alarms;  ///< where and why the result may be wrong
-  std::string all_clear;            ///< shown where there is no alarm
+  std::vector<std::string> alarms;    ///< where and why the result may be wrong
+  std::string all_clear;              ///< shown where there is no alarm
+  std::vector<std::string> warnings;  ///< about the input and the results
   std::vector<ReportFigure> figures;
   /// In the order in which they came about: the viewer compares the first with the last, until the
   /// reader chooses others.

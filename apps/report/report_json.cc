@@ -225,6 +225,14 @@ Json AlarmsJson(const std::vector<Alarm>& alarms) {
   return json;
 }
 
+Json WarningsJson(const std::vector<Warning>& warnings) {
+  Json json = Json::array();
+  for (const Warning& warning : warnings) {
+    json.push_back({{"id", warning.id}, {"message", warning.message}});
+  }
+  return json;
+}
+
 Json StoppedByJson(const std::string& signal_name) {
   return signal_name.empty() ? Json() : Json(signal_name);
 }

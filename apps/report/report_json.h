@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plumbline/apps/evaluation/map_sharpness.h"
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/alarm.h"
@@ -31,6 +32,9 @@ Json ConsistencyJson(const MapConsistency& map);
 
 /// One object per alarm: scan (null if none was taken there), time, place, reason.
 Json AlarmsJson(const std::vector<Alarm>& alarms);
+
+/// One object per warning: id, message.
+Json WarningsJson(const std::vector<Warning>& warnings);
 
 /// Of the signal that has ended an estimation early; null for an empty name.
 Json StoppedByJson(const std::string& signal_name);

@@ -170,6 +170,12 @@ void AddAlarms(const std::vector<Alarm>& alarms, const std::string& all_clear, H
   report->all_clear = all_clear;
 }
 
+void AddWarnings(const std::vector<Warning>& warnings, HtmlReport* report) {
+  for (const Warning& warning : warnings) {
+    report->warnings.push_back(warning.message + " [" + warning.id + "]");
+  }
+}
+
 void AddStop(const std::string& signal_name, HtmlReport* report) {
   if (signal_name.empty()) return;
   report->figures.push_back({"Stopped early", signal_name, "the best state so far"});

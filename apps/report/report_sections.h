@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/solvers/alarm.h"
@@ -16,6 +17,9 @@ namespace plumbline {
 
 /// The alarms, or else `all_clear`.
 void AddAlarms(const std::vector<Alarm>& alarms, const std::string& all_clear, HtmlReport* report);
+
+/// The warnings about inputs and results.
+void AddWarnings(const std::vector<Warning>& warnings, HtmlReport* report);
 
 /// Says that a signal of this name has ended the estimation early; nothing if it is empty.
 void AddStop(const std::string& signal_name, HtmlReport* report);

@@ -59,6 +59,7 @@ HtmlReport MakeRunReport(const RunSummary& summary) {
                     WithThousands(summary.num_skipped_records) + " records skipped";
   AddStop(summary.stopped_by, &report);
   AddAlarms(summary.mapping.alarms, "No sign that the map contradicts itself.", &report);
+  AddWarnings(summary.warnings, &report);
   AddStages(summary.stages, &report);
   AddLoops(summary.mapping.seeding.loops, &report);
   AddHypotheses(summary.mapping.seeding.hypotheses, &report);

@@ -167,26 +167,28 @@ std::size_t PeakMemoryBytes() {
 }
 
 Json RunSummaryJson(const RunSummary& summary) {
-  return {{"log", summary.log},
-          {"scans", summary.num_scans},
-          {"returns", summary.num_returns},
-          {"skipped_records", summary.num_skipped_records},
-          {"read_time_s", summary.read_time_s},
-          {"alarm", !summary.mapping.alarms.empty()},
-          {"alarm_reasons", AlarmsJson(summary.mapping.alarms)},
-          {"consistency",
-           {{"seed", ConsistencyJson(summary.mapping.seeding.consistency)},
-            {"refined", ConsistencyJson(summary.mapping.consistency)}}},
-          {"seeding", SeedingJson(summary)},
-          {"solver", SolverJson(summary.mapping.solver)},
-          {"misplaced_poses", summary.mapping.misplaced_poses},
-          {"calibration", CalibrationJson(summary.mapping.calibration)},
-          {"stages", StagesJson(summary.stages)},
-          {"stopped_by", StoppedByJson(summary.stopped_by)},
-          {"warnings", summary.warnings},
-          {"peak_memory_bytes", PeakMemoryBytes()},
-          {"processes", ProcessesJson(summary.processes)},
-          {"flags", FlagsInForce()}};
+  return {
+      {"log", summary.log},
+      {"scans", summary.num_scans},
+      {"returns", summary.num_returns},
+      {"skipped_records", summary.num_skipped_records},
+      {"no_return_level_m", summary.no_return_level_m ? Json(*summary.no_return_level_m) : Json()},
+      {"read_time_s", summary.read_time_s},
+      {"alarm", !summary.mapping.alarms.empty()},
+      {"alarm_reasons", AlarmsJson(summary.mapping.alarms)},
+      {"consistency",
+       {{"seed", ConsistencyJson(summary.mapping.seeding.consistency)},
+        {"refined", ConsistencyJson(summary.mapping.consistency)}}},
+      {"seeding", SeedingJson(summary)},
+      {"solver", SolverJson(summary.mapping.solver)},
+      {"misplaced_poses", summary.mapping.misplaced_poses},
+      {"calibration", CalibrationJson(summary.mapping.calibration)},
+      {"stages", StagesJson(summary.stages)},
+      {"stopped_by", StoppedByJson(summary.stopped_by)},
+      {"warnings", WarningsJson(summary.warnings)},
+      {"peak_memory_bytes", PeakMemoryBytes()},
+      {"processes", ProcessesJson(summary.processes)},
+      {"flags", FlagsInForce()}};
 }
 
 }  // namespace plumbline

@@ -2,9 +2,11 @@
 #define PLUMBLINE_APPS_REPORT_RUN_SUMMARY_H_
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/io/warning.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/core/peers.h"
@@ -27,12 +29,13 @@ struct RunSummary {
   std::size_t num_scans = 0;
   std::size_t num_returns = 0;
   std::size_t num_skipped_records = 0;
+  std::optional<double> no_return_level_m;  ///< of the log, see FindNoReturnLevel
   double read_time_s = 0.0;
   double seed_time_s = 0.0;  ///< normals included
   MappingReport mapping;
   std::vector<Stage> stages;
-  std::string stopped_by;             ///< name of the signal; empty if the run came to its own end
-  std::vector<std::string> warnings;  ///< lines for people
+  std::string stopped_by;         ///< name of the signal; empty if the run came to its own end
+  std::vector<Warning> warnings;  ///< of the input first
   std::vector<ProcessSummary> processes;  ///< by rank; empty if there is one only
 };
 

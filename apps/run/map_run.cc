@@ -9,6 +9,7 @@
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
+#include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/calibration_report.h"
@@ -50,6 +51,7 @@ MapRun::MapRun(const MapLogOptions& options, const RunOutputOptions& outputs,
       output_(output),
       truth_(truth),
       summary_(std::move(summary)),
+      num_printed_warnings_(summary_.warnings.size()),
       pool_(pool),
       mapping_(mapping) {}
 
@@ -127,8 +129,10 @@ Status MapRun::WriteMap(ExtraResults extras) {
   tasks.push_back(
       Together([&] { return Measure("refined, optimised points", mapping_->state, &optimised); }));
   PLUMBLINE_RETURN_IF_ERROR(RunAll(tasks, pool_, mapping_->graph.peers()));
-  if (!map_warning.empty()) summary_.warnings.push_back(map_warning);
-  if (!saved.ok()) summary_.warnings.push_back("map.g2o is not written: " + saved.message());
+  if (!map_warning.empty()) summary_.warnings.push_back({"coarse_map", map_warning});
+  if (!saved.ok()) {
+    summary_.warnings.push_back({"map_not_saved", "map.g2o is not written: " + saved.message()});
+  }
   summary_.stages.push_back(measured);
   summary_.stages.push_back(optimised);
   summary_.mapping = std::move(mapping_->report);
@@ -185,7 +189,8 @@ void MapRun::PrintResults() const {
               : "")
       << "  summary.json                                      options and figures\n"
       << std::flush;
-  for (const std::string& warning : summary_.warnings) std::cerr << "warning: " << warning << '\n';
+  PrintWarnings({summary_.warnings.begin() + static_cast<std::ptrdiff_t>(num_printed_warnings_),
+                 summary_.warnings.end()});
   std::cerr << AlarmText(summary_.mapping.alarms);
 }
 

@@ -37,7 +37,8 @@ struct ExtraResults {
 /// MapRun of the same options, with which it writes its part of the files (collective).
 class MapRun {
  public:
-  /// summary: what is known of the run up to here. All else is only referred to; truth may be null.
+  /// summary: of the run up to here; its warnings have been printed. All else is only referred to;
+  /// truth may be null.
   MapRun(const MapLogOptions& options, const RunOutputOptions& outputs, const OutputFolder& output,
          const Truth* truth, RunSummary summary, ThreadPool* pool, LogMapping* mapping);
 
@@ -77,7 +78,8 @@ class MapRun {
   const OutputFolder& output_;
   const Truth* truth_;
   RunSummary summary_;
-  PeersTraffic estimation_traffic_;  // of a shared graph
+  const std::size_t num_printed_warnings_;  // the first of the summary's
+  PeersTraffic estimation_traffic_;         // of a shared graph
   ThreadPool* pool_;
   LogMapping* mapping_;
   ExtraResults extras_;

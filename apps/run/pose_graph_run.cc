@@ -14,7 +14,7 @@
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
-#include "plumbline/apps/program/implausible_readings.h"
+#include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/program/output_folder.h"
 #include "plumbline/apps/program/pose_graph_input.h"
 #include "plumbline/apps/program/pose_graph_log.h"
@@ -113,11 +113,7 @@ class PoseGraphRun {
   Status Read() {
     PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.budget.memory, &file_));
     state_ = file_.graph.InitialState();
-    std::vector<std::string> warnings = ImplausibleReadings(file_.graph);
-    warnings.insert(warnings.end(), file_.warnings.begin(), file_.warnings.end());
-    for (const std::string& warning : warnings) {
-      std::cerr << "warning: " << Legible(options_.log) << ": " << warning << '\n';
-    }
+    PrintWarnings(file_.warnings);
     std::cout << "Read " << Legible(options_.log) << " (" << file_.format
               << "): " << file_.graph.num_poses() << " poses, "
               << file_.graph.relative_poses().size() << " edges, " << file_.graph.num_scans()
@@ -279,7 +275,7 @@ class PoseGraphRun {
                 << MapFilesText(refined_consistency_.has_value());
     }
     std::cout << std::flush;
-    if (!map_warning_.empty()) std::cerr << "warning: " << map_warning_ << '\n';
+    PrintWarnings(MapWarnings());
     std::cerr << AlarmText(alarms_);
     return Status::Ok();
   }
@@ -366,6 +362,17 @@ class PoseGraphRun {
     return json;
   }
 
+  std::vector<Warning> MapWarnings() const {
+    if (map_warning_.empty()) return {};
+    return {{"coarse_map", map_warning_}};
+  }
+
+  std::vector<Warning> AllWarnings() const {
+    std::vector<Warning> warnings = file_.warnings;
+    for (Warning& warning : MapWarnings()) warnings.push_back(std::move(warning));
+    return warnings;
+  }
+
   Status WriteSummary() const {
     Json json = {{"log", options_.log},
                  {"format", file_.format},
@@ -388,8 +395,7 @@ class PoseGraphRun {
                              {"refined", ConsistencyJson(*refined_consistency_)}};
     }
     json["stopped_by"] = StoppedByJson(stopped_by_);
-    json["warnings"] = Json::array();
-    if (!map_warning_.empty()) json["warnings"].push_back(map_warning_);
+    json["warnings"] = WarningsJson(AllWarnings());
     json["flags"] = FlagsInForce();
     return WriteJson(output_.File("summary.json"), json);
   }
@@ -416,6 +422,7 @@ class PoseGraphRun {
                       WithThousands(file_.graph.num_returns_of_all()) + " returns";
     AddAlarms(alarms_, refined_consistency_ ? "No sign that the map contradicts itself." : "",
               &report);
+    AddWarnings(AllWarnings(), &report);
     AddStop(stopped_by_, &report);
     AddStages(stages_, &report);
     report.tables.push_back(

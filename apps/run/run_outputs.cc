@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "plumbline/apps/io/occupancy_grid.h"
 #include "plumbline/apps/io/pcd_writer.h"
@@ -15,6 +17,7 @@
 #include "plumbline/apps/pictures/before_after_picture.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
+#include "plumbline/apps/program/implausible_readings.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/over_peers.h"
 
@@ -112,7 +115,14 @@ Status CheckRobotMap(const std::string& input, const SlamGraph& graph, const Map
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
   const Status status = CheckGridSize(graph, state, options);
-  return status.ok() ? status : Status::InvalidArgument(input + ": " + status.message());
+  if (status.ok()) return status;
+  std::vector<std::string> causes = ImplausibleReadings(graph);
+  causes.push_back(ImplausibleOdometry(graph));
+  std::string text = input + ": " + status.message();
+  for (const std::string& cause : causes) {
+    if (!cause.empty()) text += "; likely cause: " + cause;
+  }
+  return Status::InvalidArgument(text);
 }
 
 Status WriteRobotMap(const std::string& stem, const SlamGraph& graph, const MapState& state,

@@ -200,6 +200,7 @@ class SessionsRun {
         summary.num_returns += read.num_returns;
         summary.num_skipped_records += read.num_skipped_records;
         summary.read_time_s += read.read_time_s;
+        summary.warnings.insert(summary.warnings.end(), read.warnings.begin(), read.warnings.end());
         results.marks.push_back(
             {names_[session.session], session.session, session.first_scan, session.num_scans});
       }

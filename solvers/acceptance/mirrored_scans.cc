@@ -88,20 +88,28 @@ double Mismatch(const SlamGraph& graph, const TurnPair& pair, Mirror mirror) {
   return queries.empty() ? kNoCounterpartM : sum_m / static_cast<double>(queries.size());
 }
 
+// The pairs of this process that are looked at.
+std::vector<TurnPair> VotersOf(const SlamGraph& graph, const std::vector<double>& poses) {
+  constexpr double kMaxPairs = 48.0;
+  const std::vector<TurnPair> pairs = TurnsOf(graph, poses);
+  const auto num_own = static_cast<double>(pairs.size());
+  const double num_pairs = std::max(1.0, SumOverPeers(graph.peers(), num_own));
+  const auto num_voters =
+      static_cast<std::size_t>(std::ceil(num_own * std::min(num_pairs, kMaxPairs) / num_pairs));
+  std::vector<TurnPair> voters;
+  for (std::size_t i = 0; i < num_voters; ++i) {
+    voters.push_back(pairs[i * pairs.size() / num_voters]);
+  }
+  return voters;
+}
+
 }  // namespace
 
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) {
-  constexpr double kMaxPairs = 48.0;
   constexpr double kFarBetter = 0.6;  // of mismatches
   const Peers* peers = graph.peers();
-  const std::vector<TurnPair> pairs = TurnsOf(graph, poses);
-  const auto num_own = static_cast<double>(pairs.size());
-  const double num_pairs = std::max(1.0, SumOverPeers(peers, num_own));
-  const auto num_voters =
-      static_cast<std::size_t>(std::ceil(num_own * std::min(num_pairs, kMaxPairs) / num_pairs));
   TurnVotes votes;
-  for (std::size_t i = 0; i < num_voters; ++i) {
-    const TurnPair& pair = pairs[i * pairs.size() / num_voters];
+  for (const TurnPair& pair : VotersOf(graph, poses)) {
     const double as_they_are = Mismatch(graph, pair, Mirror::kNone);
     const double mirrored = std::min(Mismatch(graph, pair, Mirror::kFanMiddle),
                                      Mismatch(graph, pair, Mirror::kForwardAxis));
@@ -111,6 +119,18 @@ TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses) 
   std::vector<int> sums = {votes.as_they_are, votes.mirrored};
   SumOverPeers(peers, &sums);
   return {sums[0], sums[1]};
+}
+
+std::optional<double> TurnMismatch(const SlamGraph& graph, const std::vector<double>& poses) {
+  constexpr double kMinPairs = 8.0;
+  std::vector<double> sums = {0.0, 0.0};
+  for (const TurnPair& pair : VotersOf(graph, poses)) {
+    sums[0] += Mismatch(graph, pair, Mirror::kNone);
+    sums[1] += 1.0;
+  }
+  SumOverPeers(graph.peers(), &sums);
+  if (sums[1] < kMinPairs) return std::nullopt;
+  return sums[0] / sums[1];
 }
 
 Status CheckScansAreNotMirrored(const SlamGraph& graph, const std::vector<double>& poses,

@@ -32,6 +32,11 @@ struct TurnVotes {
 /// shared graph: each process looks at its share of them, and all have the votes.
 TurnVotes VoteOnTurns(const SlamGraph& graph, const std::vector<double>& poses);
 
+/// Mean distance [m] of the returns of one scan of such a pair from the nearest ones of the other,
+/// where a return without a counterpart counts as 0.5 m: low if the bearings of the beams go with
+/// the poses. Empty if there are fewer than 8 pairs. Collective for a shared graph.
+std::optional<double> TurnMismatch(const SlamGraph& graph, const std::vector<double>& poses);
+
 /// InvalidArgument if the scans look mirrored to these poses, or to other ones that they may
 /// start from, and right to neither. Mirrored scans still agree with each other where the poses
 /// give way, so that no energy tells.

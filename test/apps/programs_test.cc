@@ -365,9 +365,14 @@ TEST_F(ProgramsTest, AClockThatStandsStillIsNoted) {
   WriteLog();
   const Outcome run = Slam("a.clf", "--picture_side_px=200");
   ASSERT_EQ(run.exit_code, 0);
-  EXPECT_EQ(run.err, "note: " + folder_ +
-                         "a.clf: its clock is useless: 1 different time for 20 entries; the scans "
-                         "are taken in the order of the file\n");
+  const std::string message =
+      folder_ +
+      "a.clf: its clock is useless: 1 different time for 20 entries; the scans "
+      "are taken in the order of the file";
+  EXPECT_EQ(run.err, "warning: " + message + " [useless_clock]\n");
+  EXPECT_EQ(Summary()["warnings"],
+            nlohmann::json::array({{{"id", "useless_clock"}, {"message", message}}}));
+  EXPECT_THAT(Result("out", "report.html"), HasSubstr(message + " [useless_clock]"));
   EXPECT_EQ(Summary()["alarm"], false);
 }
 

@@ -34,6 +34,9 @@ class NotFoundError(Error, FileNotFoundError): ...
 class DataLossError(Error, ValueError): ...
 class UnavailableError(Error, RuntimeError): ...
 
+class InputWarning(UserWarning):
+    id: str
+
 class Pose2:
     @overload
     def __init__(self) -> None: ...
@@ -68,6 +71,7 @@ class SweepOrder(_Choice):
 class OdometryConstraint:
     from_pose: Final[int]
     to_pose: Final[int]
+    is_measured: Final[bool]
     from_from_to: Final[Pose2]
 
 class RelativePoseConstraint:
@@ -718,6 +722,10 @@ def read_log(
     sweep_time_s: float | None = ...,
     echo: str = ...,
     slice_height_m: tuple[float, float] | None = ...,
+    laser_frame: str = ...,
+    clock: str = ...,
+    beam_direction: str = ...,
+    flaser_fov_rad: float | None = ...,
 ) -> SlamGraph: ...
 
 class PoseGraphInput:

@@ -18,6 +18,7 @@ namespace plumbline {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -54,11 +55,12 @@ void ExpectSmallBag(const RosRecording& recording) {
   EXPECT_EQ(recording.odometry[1].timestamp_s, 1500000000.25);
   EXPECT_NEAR(recording.odometry[1].world_from_robot.x, 0.1, 1e-12);
   EXPECT_NEAR(recording.odometry[1].world_from_robot.yaw, 0.2, 1e-12);
-  std::optional<Eigen::Isometry3d> mounting;
-  ASSERT_TRUE(recording.transforms.Find("base_link", "laser", 1500000000.0, &mounting).ok());
-  ASSERT_TRUE(mounting);
-  EXPECT_NEAR(InPlane(*mounting).y, 0.2, 1e-12);
-  EXPECT_NEAR(InPlane(*mounting).yaw, 0.3, 1e-12);
+  std::optional<TransformPath> path;
+  ASSERT_TRUE(recording.transforms.FindPath("base_link", "laser", &path).ok());
+  ASSERT_TRUE(path);
+  const Eigen::Isometry3d mounting = recording.transforms.At(*path, 1500000000.0);
+  EXPECT_NEAR(InPlane(mounting).y, 0.2, 1e-12);
+  EXPECT_NEAR(InPlane(mounting).yaw, 0.3, 1e-12);
 }
 
 class BagReaderTest : public BagFile, public testing::TestWithParam<Container> {
@@ -83,8 +85,10 @@ TEST_P(BagReaderTest, ReadsMessagesThatAreCompressedOneByOne) {
 
   bag.back().bytes.pop_back();
   Write(bag);
-  EXPECT_THAT(Fails().message(),
-              HasSubstr("/scan message 1 (1500000000.250001 s): the compressed data are cut off"));
+  const std::vector<RosScan> scans = Read().scans;
+  ASSERT_EQ(scans.size(), 2u);
+  EXPECT_EQ(scans[0].fault, "");
+  EXPECT_THAT(scans[1].fault, HasSubstr("the compressed data are cut off"));
 }
 
 TEST_P(BagReaderTest, OneOfTwoScanTopicsHasToBeChosen) {
@@ -144,28 +148,66 @@ TEST_P(BagReaderTest, ABagWithoutMessagesHasNoTopics) {
   EXPECT_THAT(Fails().message(), HasSubstr("; the bag has no topics"));
 }
 
-TEST_P(BagReaderTest, AMessageThatIsNoneOfItsTypeIsNamed) {
+TEST_P(BagReaderTest, MessagesThatAreNoneOfTheirTypeAreKeptAsFaults) {
   TestBag bag = SmallBag();
-  bag.back().bytes.resize(40);
+  for (const std::size_t message : {0, 1, 3}) {
+    bag.push_back(bag[message]);
+    bag.back().bytes.resize(40);
+  }
   Write(bag);
-  const Status status = Fails();
-  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(status.message(), HasSubstr("/scan message 1 (1500000000.250001 s): field '"));
+  const RosRecording recording = Read();
+  ASSERT_EQ(recording.scans.size(), 3u);
+  EXPECT_EQ(recording.scans[1].fault, "");
+  EXPECT_THAT(recording.scans[2].fault, HasSubstr("field '"));
+  EXPECT_NEAR(recording.scans[2].received_s, 1500000000.000001, 1e-6);
+  EXPECT_EQ(recording.odometry.size(), 2u);
+  EXPECT_THAT(recording.bad_odometry.examples(),
+              ElementsAre(HasSubstr("/odom message 2 (1500000000.000000 s): field '")));
+  EXPECT_EQ(recording.num_transform_messages, 2u);
+  EXPECT_THAT(recording.bad_transforms.examples(),
+              ElementsAre(HasSubstr("/tf_static message 1 (1500000000.000000 s): field '")));
 }
 
-TEST_P(BagReaderTest, APoseThatIsNoneIsNamed) {
+TEST_P(BagReaderTest, TopicsWithoutMessagesAreNoChoice) {
+  if (std::string(GetParam().name) != "Sqlite") return;  // the only writer of empty topics
+  TestBag bag = SmallBag();
+  std::vector<std::string> statements = BagStatements(bag);
+  for (const char* topic :
+       {"7, '/scan2', 'sensor_msgs/msg/LaserScan'", "8, '/odom2', 'nav_msgs/msg/Odometry'"}) {
+    statements.insert(statements.end() - 1,
+                      std::string("INSERT INTO topics VALUES(") + topic + ", 'cdr', '')");
+  }
+  WriteDatabase(path_, statements);
+  ExpectSmallBag(Read());
+}
+
+TEST_P(BagReaderTest, OdometryWithoutMessagesLeavesItToTheTransforms) {
+  if (std::string(GetParam().name) != "Sqlite") return;  // the only writer of empty topics
+  std::vector<std::string> statements = BagStatements(SmallBag());
+  statements.insert(statements.end() - 1, "DELETE FROM messages WHERE topic_id = 2");
+  WriteDatabase(path_, statements);
+  const RosRecording recording = Read();
+  EXPECT_EQ(recording.odom_topic, "");
+  EXPECT_THAT(recording.odometry, IsEmpty());
+}
+
+TEST_P(BagReaderTest, APoseThatIsNoneIsKeptAsAFault) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   TestBag bag = SmallBag();
   bag.push_back(bag[1]);
   bag.back().bytes = OdometryBytes(TestEncoding::kCdr, kStart_ns, {kNan, 0.0, 0.0});
   Write(bag);
-  EXPECT_THAT(Fails().message(),
-              HasSubstr("/odom message 2 (1500000000.000000 s): field 'pose.pose' is not finite"));
+  RosRecording recording = Read();
+  EXPECT_EQ(recording.odometry.size(), 2u);
+  EXPECT_THAT(
+      recording.bad_odometry.examples(),
+      ElementsAre("/odom message 2 (1500000000.000000 s): field 'pose.pose' is not finite"));
   bag = SmallBag();
   std::string& transform = bag[0].bytes;
   transform.replace(transform.size() - 8, 8, 8, '\0');  // the w of the rotation
   Write(bag);
-  EXPECT_THAT(Fails().message(),
+  std::optional<TransformPath> path;
+  EXPECT_THAT(Read().transforms.FindPath("base_link", "laser", &path).message(),
               HasSubstr("/tf_static message 0 (1500000000.000000 s): the transform from "
                         "'base_link' to 'laser' has a quaternion that is no rotation"));
 }
@@ -225,10 +267,11 @@ TEST(McapFixtureTest, AFileOfAnotherWriterIsRead) {
     EXPECT_NEAR(scan.ranges[90], 2.0, 1e-6);               // to the left
     EXPECT_EQ(recording.odometry[i].world_from_robot.x, 0.125 * i);
   }
-  std::optional<Eigen::Isometry3d> mounting;
-  ASSERT_TRUE(recording.transforms.Find("base_link", "laser", 0.0, &mounting).ok());
-  ASSERT_TRUE(mounting);
-  EXPECT_EQ(mounting->translation(), Eigen::Vector3d(0.25, 0.0, 0.5));
+  std::optional<TransformPath> path;
+  ASSERT_TRUE(recording.transforms.FindPath("base_link", "laser", &path).ok());
+  ASSERT_TRUE(path);
+  const Eigen::Isometry3d mounting = recording.transforms.At(*path, 0.0);
+  EXPECT_EQ(mounting.translation(), Eigen::Vector3d(0.25, 0.0, 0.5));
 }
 
 TEST(BagReadOptionsTest, TheFrameOfTheOdometryNeedsAName) {

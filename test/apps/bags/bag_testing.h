@@ -86,7 +86,7 @@ inline std::string ScanBytes(TestEncoding encoding, std::int64_t stamp_ns,
   MessageWriter writer(encoding);
   writer.Header(stamp_ns, "laser");
   writer.Single(laser.first_bearing_rad);
-  writer.Single(laser.first_bearing_rad + laser.bearing_step_rad * laser.num_beams);
+  writer.Single(laser.Bearing(laser.num_beams - 1));
   writer.Single(laser.bearing_step_rad);
   writer.Single(0.0);
   writer.Single(0.0);

@@ -109,11 +109,12 @@ TEST_F(Ros1BagTest, TransformsKeepNoLeadingSlash) {
   bag[0].bytes = TransformBytes(kRos1, 0, "/base_link", "/laser", {0.1, 0.2, 0.3}, true);
   WriteFile(path_, Ros1Bytes(bag));
   const RosRecording recording = Read();
-  std::optional<Eigen::Isometry3d> transform;
-  ASSERT_TRUE(recording.transforms.Find("base_link", "laser", 1.5e9, &transform).ok());
-  ASSERT_TRUE(transform);
-  EXPECT_NEAR(InPlane(*transform).yaw, 0.3, 1e-12);
-  EXPECT_NEAR(transform->linear()(2, 2), -1.0, 1e-12);
+  std::optional<TransformPath> path;
+  ASSERT_TRUE(recording.transforms.FindPath("base_link", "laser", &path).ok());
+  ASSERT_TRUE(path);
+  const Eigen::Isometry3d transform = recording.transforms.At(*path, 1.5e9);
+  EXPECT_NEAR(InPlane(transform).yaw, 0.3, 1e-12);
+  EXPECT_NEAR(transform.linear()(2, 2), -1.0, 1e-12);
 }
 
 TEST_F(Ros1BagTest, ABagWithoutScansListsItsTopics) {

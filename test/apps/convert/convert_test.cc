@@ -80,8 +80,8 @@ TEST_F(ConvertTest, ALogBecomesAPoseGraphWithItsScans) {
   EXPECT_EQ(report_.num_returns, 3u * 59u);
   EXPECT_THAT(report_.left_out, ElementsAre("", ""));
   SlamGraph log;
-  LogCounts counts;
-  ASSERT_TRUE(ReadLogIntoGraph(Path("a.clf"), 0, &counts, &log).ok());
+  LogNotes notes;
+  ASSERT_TRUE(ReadLogIntoGraph(Path("a.clf"), 0, &notes, &log).ok());
   for (const char* name : {"a.g2o", "a.toro"}) {
     const SlamGraph graph = Graph(name);
     EXPECT_EQ(graph.initial_poses(), log.initial_poses());

@@ -72,7 +72,7 @@ TEST_F(CarmenLogTest, ReadsFlaser) {
 
 TEST_F(CarmenLogTest, FlaserBearingsDependOnWhetherTheNumberOfBeamsIsOdd) {
   const std::vector<std::pair<int, double>> steps_deg = {{2, 90.0},  {180, 1.0}, {181, 1.0},
-                                                         {360, 0.5}, {361, 0.5}, {541, 1.0 / 3.0}};
+                                                         {360, 0.5}, {361, 0.5}, {721, 0.25}};
   for (const auto& [num_beams, step_deg] : steps_deg) {
     ASSERT_TRUE(Read(Flaser(std::vector<double>(num_beams, 1.0))).ok());
     EXPECT_NEAR(RadToDeg(log_.scans[0].first_bearing_rad), -90.0, 1e-12);
@@ -80,6 +80,30 @@ TEST_F(CarmenLogTest, FlaserBearingsDependOnWhetherTheNumberOfBeamsIsOdd) {
   }
   ASSERT_TRUE(Read(Flaser({1.0})).ok());
   EXPECT_TRUE(std::isfinite(log_.scans[0].bearing_step_rad));
+}
+
+TEST_F(CarmenLogTest, FlaserOfCertainLasersOrOnDemandCoversMore) {
+  const auto expect = [&](int num_beams, double first_deg, double step_deg) {
+    ASSERT_TRUE(Read(Flaser(std::vector<double>(num_beams, 1.0))).ok());
+    EXPECT_TRUE(log_.scans[0].is_flaser);
+    EXPECT_NEAR(RadToDeg(log_.scans[0].first_bearing_rad), first_deg, 1e-12);
+    EXPECT_NEAR(RadToDeg(log_.scans[0].bearing_step_rad), step_deg, 1e-12);
+  };
+  expect(541, -135.0, 0.5);
+  expect(1081, -135.0, 0.25);
+  options_.flaser_fov_rad = DegToRad(240.0);
+  expect(481, -120.0, 0.5);
+  expect(541, -120.0, 240.0 / 540.0);
+  options_.flaser_fov_rad = DegToRad(360.0);
+  expect(360, -180.0, 1.0);
+}
+
+TEST_F(CarmenLogTest, ALogOfRawScansSaysWhatIsMissing) {
+  const Status status = Read("RAWLASER1 0 -1.57 3.14 0.0174 81 0.01 0 2 1 2 0 1.0 host 1.0\n");
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(),
+              HasSubstr("its 1 scans are RAWLASER records, which do not say where the robot was; "
+                        "write each as FLASER"));
 }
 
 TEST_F(CarmenLogTest, ReadsRobotLaserWithItsOwnGeometry) {
@@ -168,7 +192,7 @@ TEST_F(CarmenLogTest, TooManyBadRecordsAreDataLoss) {
             HasSubstr(":2: ODOM field 'x': 'bad' is not a number")));
   EXPECT_EQ(log_.num_issues, 10u);  // Of the log read before.
 
-  options_.max_bad_records = 0;
+  options_.bad_records.max_records = 0;
   EXPECT_EQ(Read(content).code(), StatusCode::kDataLoss);
 }
 
@@ -297,10 +321,10 @@ TEST_F(CarmenLogTest, FilesWithoutScansAreRefused) {
 }
 
 TEST_F(CarmenLogTest, OptionsAreChecked) {
-  options_.max_bad_share = 1.5;
+  options_.bad_records.max_share = 1.5;
   const Status status = Read(kGoodScan);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(status.message(), HasSubstr("max_bad_share = 1.5"));
+  EXPECT_THAT(status.message(), HasSubstr("max_share = 1.5"));
 }
 
 TEST_F(CarmenLogTest, TakesNoMoreMemoryThanAllowed) {

@@ -20,8 +20,8 @@ class ForeignFormatTest : public testing::Test {
   // What the reader of the programs says.
   std::string Refusal(const std::string& name) const {
     SlamGraph graph;
-    LogCounts counts;
-    const Status status = ReadLogIntoGraph(folder_ + name, 0, &counts, &graph);
+    LogNotes notes;
+    const Status status = ReadLogIntoGraph(folder_ + name, 0, &notes, &graph);
     EXPECT_EQ(status.code(), StatusCode::kInvalidArgument) << name << ": " << status.message();
     return status.message();
   }
@@ -96,8 +96,8 @@ TEST_F(ForeignFormatTest, ALogOfAnyNameIsReadByItsContent) {
                 "# CARMEN Logfile\nFLASER 2 1 2 0 0 0 0 0 0 1.0 host 0\n"
                 "FLASER 2 1 2 1 0 0 1 0 0 2.0 host 0\n");
       SlamGraph graph;
-      LogCounts counts;
-      EXPECT_TRUE(ReadLogIntoGraph(folder_ + "a" + ending, 0, &counts, &graph).ok()) << ending;
+      LogNotes notes;
+      EXPECT_TRUE(ReadLogIntoGraph(folder_ + "a" + ending, 0, &notes, &graph).ok()) << ending;
     }
   }
 }

@@ -152,11 +152,21 @@ TEST_F(PoseGraphFileTest, NamesTheCulprit) {
 
 TEST_F(PoseGraphFileTest, LeavesNoConstraintOut) {
   const std::string one = "VERTEX_SE2 1 0 0 0\n";
-  for (const std::string record : {"EDGE_SE2_XY", "VERTEX_XY", "EDGE_PRIOR_SE2", "EDGE2", "EQUIV",
-                                   "VERTEX_SE3:QUAT", "FLASER"}) {
-    ExpectError(one + record + " 1 2 3 4 5\n",
-                ":2: " + record + " field 'keyword': a record that is not understood");
+  const struct {
+    std::string record, advice;
+  } kRecords[] = {{"EDGE_SE2_XY", "a landmark; leave"},
+                  {"VERTEX_XY", "a landmark; leave"},
+                  {"EDGE_PRIOR_SE2", "a prior on a pose; write FIX"},
+                  {"EDGE2", "a record that is not understood"},
+                  {"EQUIV", "two vertices of one pose (TORO); write an EDGE2"},
+                  {"VERTEX_SWITCH", "a switchable constraint (Vertigo); write it as EDGE_SE2"},
+                  {"EDGE_SE2_SWITCHABLE", "a switchable constraint (Vertigo)"},
+                  {"VERTEX_SE3:QUAT", "a record in 3D; write x, y and yaw as VERTEX_SE2"},
+                  {"FLASER", "a record that is not understood"}};
+  for (const auto& [record, advice] : kRecords) {
+    ExpectError(one + record + " 1 2 3 4 5\n", ":2: " + record + " field 'keyword': " + advice);
   }
+  ExpectError("VERTEX3 0 0 0 0 0 0 0\n", ":1: VERTEX3 field 'keyword': a record in 3D");
   ExpectError("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n", ":1: VERTEX_SE3:QUAT field 'keyword'");
 }
 

@@ -82,6 +82,12 @@ class RosRecordingTest : public testing::Test {
     EXPECT_EQ(graph_.num_poses(), 0);
     return status.message();
   }
+  // The only warning.
+  void ExpectWarning(const std::string& id, const testing::Matcher<std::string>& message) const {
+    ASSERT_EQ(notes_.warnings.size(), 1u);
+    EXPECT_EQ(notes_.warnings[0].id, id);
+    EXPECT_THAT(notes_.warnings[0].message, message);
+  }
   void ExpectDrive() const {
     ASSERT_EQ(graph_.num_poses(), 3);
     const double ahead_m[] = {0.0, 0.2, 0.35};
@@ -131,7 +137,7 @@ TEST_F(RosRecordingTest, TheRobotIsRightBelowTheOdometry) {
   MoveOdometryToTransforms();
   TransformTree longer = recording_.transforms;
   recording_.transforms = TransformTree();
-  for (const StampedTransform& sample : longer.Samples("base")) {
+  for (const StampedTransform& sample : longer.Samples("odom", "base")) {
     recording_.transforms.Add("odom", "footprint", sample);
   }
   recording_.transforms.Add("map", "odom", {0.0, Upright(7.0, 7.0, 1.0)});
@@ -194,8 +200,10 @@ TEST_F(RosRecordingTest, AMovingLaserIsRefused) {
   recording_.transforms.Add("base", "laser", {100.2, Upright(0.2, 0.0, 0.1)});
   recording_.transforms.Add("base", "laser", {100.3, Upright(0.2, 0.0, 0.15)});
   EXPECT_THAT(Failure(),
-              HasSubstr("a.bag: /scan message 1 (100.250000 s): the laser's frame 'laser' has "
-                        "moved on the robot, 'base'"));
+              AllOf(HasSubstr("a.bag: 2 of 3 messages on /scan cannot be used: the laser has moved "
+                              "on the robot (2)"),
+                    HasSubstr("/scan message 1 (100.250000 s): the laser's frame 'laser' has "
+                              "moved on the robot, 'base'")));
 }
 
 TEST_F(RosRecordingTest, AnUnknownMountingIsSaidAndTakenAsTheCentre) {
@@ -203,8 +211,8 @@ TEST_F(RosRecordingTest, AnUnknownMountingIsSaidAndTakenAsTheCentre) {
   Build();
   ExpectDrive();
   EXPECT_EQ(graph_.laser(0).robot_from_laser.x, 0.0);
-  EXPECT_THAT(notes_.warnings, ElementsAre(AllOf(HasSubstr("a.bag"), HasSubstr("'base'"),
-                                                 HasSubstr("'laser'"), HasSubstr("centre"))));
+  ExpectWarning("unknown_mounting", AllOf(HasSubstr("a.bag"), HasSubstr("'base'"),
+                                          HasSubstr("'laser'"), HasSubstr("centre")));
 }
 
 TEST_F(RosRecordingTest, WhatIsNoReadingIsNoReturn) {
@@ -250,17 +258,46 @@ TEST_F(RosRecordingTest, BeamsAreTheMedianOfTheTimeIncrementsApart) {
   EXPECT_EQ(period_s(0.01, 0.01, 0.01), 0.02);
 }
 
-TEST_F(RosRecordingTest, ScansWithoutOdometryAreLeftOutAndNamed) {
+TEST_F(RosRecordingTest, FewScansWithoutOdometryAreLeftOutAndNamed) {
+  for (int i = 0; i < 160; ++i) recording_.scans.push_back(Scan(100.4 + 0.0005 * (i + 1)));
   recording_.scans.push_back(Scan(100.51));  // after the last
   recording_.scans.push_back(Scan(101.5));   // in a gap of 2 s
   recording_.odometry.push_back({102.6, {5.0, 2.6, DegToRad(90.0)}});
-  for (int i = 0; i < 12; ++i) recording_.scans.push_back(Scan(103.0 + i));
+  Build();
+  EXPECT_EQ(graph_.num_poses(), 163);
+  EXPECT_EQ(notes_.num_skipped_scans, 2u);
+  EXPECT_THAT(
+      notes_.skipped_scans,
+      ElementsAre("a.bag: /scan message 163 (100.510000 s): no odometry before and after it",
+                  "a.bag: /scan message 164 (101.500000 s): no odometry before and after it"));
+}
+
+TEST_F(RosRecordingTest, SlowOdometryIsInterpolated) {
+  recording_.odometry = {{100.0, {5.0, 0.0, DegToRad(90.0)}}, {101.0, {5.0, 1.0, DegToRad(90.0)}}};
   Build();
   ExpectDrive();
-  EXPECT_EQ(notes_.num_skipped_scans, 14u);
-  EXPECT_EQ(notes_.skipped_scans.size(), 10u);
-  EXPECT_EQ(notes_.skipped_scans[1],
-            "a.bag: /scan message 4 (101.500000 s): no odometry before and after it");
+  ExpectWarning("sparse_odometry",
+                AllOf(HasSubstr("100.0 % of the scans have no odometry within 0.5"),
+                      HasSubstr("3 lie between messages that are further apart, and 0 are")));
+}
+
+TEST_F(RosRecordingTest, ScansBeforeAndAfterTheOdometryKeepItsEnds) {
+  recording_.scans.insert(recording_.scans.begin(), Scan(99.9));
+  recording_.scans.push_back(Scan(102.0));
+  // A leap of 9 m tells nothing of the way there.
+  recording_.odometry.push_back({103.0, {5.0, 9.5, DegToRad(90.0)}});
+  Build();
+  ASSERT_EQ(graph_.num_poses(), 5);
+  EXPECT_EQ(graph_.InitialPose(0).x, 0.0);
+  EXPECT_NEAR(graph_.InitialPose(1).x, 0.05, 1e-9);
+  EXPECT_NEAR(graph_.InitialPose(3).x, 0.4, 1e-9);
+  EXPECT_NEAR(graph_.InitialPose(4).x, 9.5, 1e-9);
+  ASSERT_EQ(graph_.odometry().size(), 4u);
+  EXPECT_FALSE(graph_.odometry()[0].is_measured);
+  EXPECT_TRUE(graph_.odometry()[1].is_measured);
+  EXPECT_FALSE(graph_.odometry()[3].is_measured);
+  ExpectWarning("sparse_odometry", HasSubstr("0 lie between messages that are further apart, and "
+                                             "2 are matched without odometry"));
 }
 
 TEST_F(RosRecordingTest, WithoutAnyScanInTheOdometryThereIsNoGraph) {
@@ -279,6 +316,7 @@ TEST_F(RosRecordingTest, LateMessagesAreSortedIn) {
 
 TEST_F(RosRecordingTest, AClockThatStandsStillIsAnError) {
   for (RosScan& scan : recording_.scans) scan.stamp_s = 100.2;
+  for (int i = 0; i < 3; ++i) recording_.scans[i].ranges[0] += i;
   EXPECT_THAT(Failure(),
               HasSubstr("a.bag: /scan: its clock is useless: 1 different time for 3 entries"));
   recording_.scans.resize(1);
@@ -337,8 +375,8 @@ TEST_F(RosRecordingTest, WithoutOdometryTheRobotIsAsFarUpAsNothingMoves) {
   Build();
   EXPECT_TRUE(graph_.odometry().empty());
   EXPECT_NEAR(graph_.laser(0).robot_from_laser.x, 0.3, 1e-12);
-  EXPECT_THAT(notes_.warnings,
-              ElementsAre(HasSubstr("'footprint' moves in 'map': --odom_frame=map takes that")));
+  ExpectWarning("unused_transforms",
+                HasSubstr("'footprint' moves in 'map': --odom_frame=map takes that"));
 }
 
 TEST_F(RosRecordingTest, OdometryThatNeverChangesIsNone) {
@@ -357,12 +395,13 @@ TEST_F(RosRecordingTest, ATopicThatWasAskedForNeedsMessages) {
 
 TEST_F(RosRecordingTest, WithoutTheOdometryThatWasAskedForTheFramesAreNamed) {
   recording_.odom_topic.clear();
+  recording_.odometry.clear();
   recording_.needs_odometry = true;
   EXPECT_THAT(Failure(), AllOf(HasSubstr("no frame 'odom' above the laser's, 'laser'"),
                                HasSubstr("frames: base, laser")));
 }
 
-TEST_F(RosRecordingTest, AScanThatIsNoneIsNamedWithItsField) {
+TEST_F(RosRecordingTest, OneBadScanIsSkippedAndNamedWithItsField) {
   const struct {
     std::function<void(RosScan*)> spoil;
     std::string message;
@@ -371,17 +410,230 @@ TEST_F(RosRecordingTest, AScanThatIsNoneIsNamedWithItsField) {
       {[](RosScan* s) { s->ranges.clear(); }, "field 'ranges' is empty"},
       {[](RosScan* s) { s->angle_min_rad = kNan; }, "field 'angle_min'"},
       {[](RosScan* s) { s->angle_increment_rad = 0.0; }, "field 'angle_increment'"},
+      {[](RosScan* s) { s->range_max_m = 0.0; }, "field 'range_max'"},
       {[](RosScan* s) { s->range_max_m = 0.05; }, "field 'range_max'"},
-      {[](RosScan* s) { s->range_min_m = kNan; }, "field 'range_max'"},
+      {[](RosScan* s) { s->range_min_m = kNan; }, "field 'range_min'"},
       {[](RosScan* s) { s->frame = "other"; }, "field 'header.frame_id' is 'other', but 'laser'"},
+      {[](RosScan* s) { s->fault = "field 'ranges': cut off"; }, "field 'ranges': cut off"},
       {[](RosScan* s) { s->angle_min_rad = 100.0; }, "first_bearing_rad"},
   };
-  const RosScan sound = recording_.scans[1];
+  while (recording_.scans.size() < 12) recording_.scans.push_back(Scan(100.4));
+  for (int i = 0; i < 12; ++i) recording_.scans[i].stamp_s = 100.02 + 0.03 * i;
+  const std::vector<RosScan> sound = recording_.scans;
   for (const auto& c : kCases) {
-    recording_.scans[1] = sound;
+    recording_.scans = sound;
     c.spoil(&recording_.scans[1]);
-    EXPECT_THAT(Failure(), AllOf(HasSubstr("a.bag: /scan message 1 ("), HasSubstr(c.message)));
+    Build();
+    EXPECT_EQ(graph_.num_scans(), 11);
+    EXPECT_EQ(notes_.num_skipped_scans, 1u);
+    EXPECT_THAT(notes_.skipped_scans,
+                ElementsAre(AllOf(HasSubstr("a.bag: /scan message 1 ("), HasSubstr(c.message))));
+    ExpectWarning("bad_messages", AllOf(HasSubstr("1 of 12 messages on /scan cannot be used: "),
+                                        HasSubstr(c.message)));
+    // More than half of them are no accident.
+    for (int i = 0; i < 8; ++i) c.spoil(&recording_.scans[i]);
+    graph_ = SlamGraph();
+    // Then it is not stated, or the scans repeat each other.
+    if (c.message == "field 'range_max'" || c.message == "field 'header.stamp'") continue;
+    EXPECT_NE(BuildGraph(recording_, options_, 0, &notes_, &graph_).code(), StatusCode::kOk)
+        << c.message;
   }
+}
+
+TEST_F(RosRecordingTest, MoreBadScansThanAllowedAreRefused) {
+  while (recording_.scans.size() < 100) recording_.scans.push_back(Scan(100.0));
+  for (int i = 0; i < 100; ++i) {
+    recording_.scans[i].stamp_s = 100.0 + 0.005 * i;
+    if (i % 9 == 0) recording_.scans[i].ranges.clear();
+  }
+  EXPECT_THAT(Failure(), HasSubstr("12 of 100 messages on /scan cannot be used: field 'ranges' is "
+                                   "empty (12); the first one: /scan message 0 (100.000000 s)"));
+}
+
+TEST_F(RosRecordingTest, BadOdometryIsToldOrRefused) {
+  recording_.bad_odometry.Add("field 'pose.pose' is not finite", "/odom message 0: not finite");
+  Build();
+  ExpectDrive();
+  ExpectWarning("bad_messages", HasSubstr("1 of 7 messages on /odom cannot be used: field "
+                                          "'pose.pose' is not finite (1)"));
+  for (int i = 0; i < 10; ++i) recording_.bad_odometry.Add("no pose", "another");
+  graph_ = SlamGraph();
+  EXPECT_THAT(Failure(), HasSubstr("11 of 17 messages on /odom cannot be used"));
+}
+
+TEST_F(RosRecordingTest, AScanWhileTheLaserIsTiltedIsSkipped) {
+  recording_.transforms = TransformTree();
+  for (const double stamp_s : {100.0, 100.2, 100.25, 100.3}) {
+    recording_.transforms.Add(
+        "base", "laser", {stamp_s, Rolled(Upright(0.2, 0.0, 0.1), stamp_s == 100.25 ? 8.0 : 0.0)});
+  }
+  Build();
+  EXPECT_EQ(graph_.num_scans(), 2);
+  ExpectWarning("bad_messages", HasSubstr("the laser is tilted (1); the first one: /scan message 1 "
+                                          "(100.250000 s)"));
+}
+
+TEST_F(RosRecordingTest, ARepeatedScanIsDropped) {
+  const std::vector<RosScan> scans = recording_.scans;
+  recording_.scans.clear();
+  for (const RosScan& scan : scans) recording_.scans.insert(recording_.scans.end(), 3, scan);
+  Build();
+  recording_.scans = scans;
+  ExpectDrive();
+  ExpectWarning("repeated_scans", HasSubstr("6 of 9 messages on /scan repeat the one before"));
+}
+
+TEST_F(RosRecordingTest, ARangeMaxOfZeroInAllScansIsNotStated) {
+  for (RosScan& scan : recording_.scans) {
+    scan.range_max_m = 0.0;
+    scan.ranges = {1.0, 79.0, kInf, 81.0};
+  }
+  Build();
+  EXPECT_THAT(graph_.Beams(), ElementsAre(0, 1, 0, 1, 0, 1));
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+}
+
+TEST_F(RosRecordingTest, SeveralLasersAreAChoiceOfTheUser) {
+  recording_.scans[1].frame = "rear";
+  const Status status = BuildGraph(recording_, options_, 0, &notes_, &graph_);
+  EXPECT_THAT(status.message(), AllOf(HasSubstr("several lasers share /scan: choose one by "
+                                                "--laser_frame"),
+                                      HasSubstr("'laser' (2 scans), 'rear' (1 scans)")));
+  options_.laser_frame = "laser";
+  Build();
+  EXPECT_EQ(graph_.num_scans(), 2);
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+  options_.laser_frame = "front";
+  EXPECT_THAT(BuildGraph(recording_, options_, 0, &notes_, &graph_).message(),
+              HasSubstr("no scan on /scan is of the frame 'front'"));
+}
+
+TEST_F(RosRecordingTest, OdometryCountsWhereNoTransformKnowsTheLaser) {
+  MoveOdometryToTransforms();
+  for (RosScan& scan : recording_.scans) scan.frame = "stranger";
+  Build();
+  ExpectDrive();
+  EXPECT_EQ(graph_.laser(0).robot_from_laser.x, 0.0);
+  ExpectWarning("unknown_mounting", AllOf(HasSubstr("'base'"), HasSubstr("'stranger'")));
+}
+
+TEST_F(RosRecordingTest, AngleMaxDecidesWhatTheIncrementLeavesOpen) {
+  const auto bearings = [this](double min, double max, double increment) {
+    for (RosScan& scan : recording_.scans) {
+      scan.angle_min_rad = min;
+      scan.angle_max_rad = max;
+      scan.angle_increment_rad = increment;
+    }
+    Build();
+    return std::make_pair(graph_.laser(0).first_bearing_rad, graph_.laser(0).bearing_step_rad);
+  };
+  EXPECT_EQ(bearings(-0.5, 0.25, 0.25), std::make_pair(-0.5, 0.25));
+  EXPECT_EQ(bearings(-0.5, 0.5, 0.25), std::make_pair(-0.5, 0.25));             // one step more
+  EXPECT_EQ(bearings(-0.5, 0.0, 0.3), std::make_pair(-0.5, 0.3));               // not stated
+  EXPECT_EQ(bearings(3.0, 3.75 - 2.0 * kPi, 0.25), std::make_pair(3.0, 0.25));  // within a turn
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+  EXPECT_EQ(bearings(0.5, -0.25, 0.0), std::make_pair(0.5, -0.25));
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+  EXPECT_EQ(bearings(0.5, -0.25, 0.25), std::make_pair(0.5, -0.25));
+  ExpectWarning("beam_angles_contradict",
+                AllOf(HasSubstr("3 of 3 scans on /scan contradict themselves: 4 readings from "
+                                "angle_min = 0.5 rad"),
+                      HasSubstr("angle_max is believed (--beam_direction")));
+  EXPECT_TRUE(notes_.angles_contradict);
+  EXPECT_EQ(bearings(-0.75, 0.75, 0.125), std::make_pair(-0.75, 0.5));
+  options_.angle_source = BeamAngleSource::kIncrement;
+  EXPECT_EQ(bearings(0.5, -0.25, 0.25), std::make_pair(0.5, 0.25));
+}
+
+TEST_F(RosRecordingTest, TheBeamsCanBeTurnedRound) {
+  options_.beam_direction = BeamDirection::kReversed;
+  Build();
+  EXPECT_EQ(graph_.laser(0).first_bearing_rad, 0.25);
+  EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
+  options_.beam_direction = BeamDirection::kUpsideDown;
+  Build();
+  EXPECT_EQ(graph_.laser(0).first_bearing_rad, 0.5);
+  EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
+}
+
+// The times of recording, which tests give here, are a little later than the stamps.
+class RecordClockTest : public RosRecordingTest {
+ protected:
+  RecordClockTest() {
+    for (RosScan& scan : recording_.scans) scan.received_s = scan.stamp_s;
+    for (const TimedPose& pose : recording_.odometry) {
+      recording_.odometry_received_s.push_back(pose.timestamp_s);
+    }
+    for (int i = 0; i < 3; ++i) recording_.scans[i].ranges[0] += 0.1 * i;
+    stamps_s_ = {100.05, 100.25, 100.4};
+  }
+
+  // The drive by the times of recording, and why.
+  void ExpectRecordClock(const std::string& why) {
+    Build();
+    for (int i = 0; i < 3; ++i) recording_.scans[i].stamp_s = stamps_s_[i];
+    ExpectDrive();
+    ExpectWarning("record_clock", AllOf(HasSubstr(why), HasSubstr("as with --clock=record")));
+  }
+
+  std::vector<double> stamps_s_;
+};
+
+TEST_F(RecordClockTest, TakesThePlaceOfStampsThatAreNotSet) {
+  for (RosScan& scan : recording_.scans) scan.stamp_s = 0.0;
+  ExpectRecordClock("/scan: the stamps of 3 of 3 headers are not set");
+}
+
+TEST_F(RecordClockTest, TakesThePlaceOfAClockSinceBoot) {
+  for (RosScan& scan : recording_.scans) scan.stamp_s -= 90.0;
+  ExpectRecordClock("the stamps on /scan and /odom are of different times");
+}
+
+TEST_F(RecordClockTest, TakesThePlaceOfWholeSeconds) {
+  for (RosScan& scan : recording_.scans) scan.stamp_s = std::floor(scan.stamp_s);
+  for (TimedPose& pose : recording_.odometry) pose.timestamp_s = std::floor(pose.timestamp_s);
+  ExpectRecordClock("/scan: its clock is useless");
+}
+
+TEST_F(RecordClockTest, TakesThePlaceOfTheStampsOfTransforms) {
+  recording_.odom_topic.clear();
+  recording_.robot_frame.clear();
+  for (const TimedPose& pose : recording_.odometry) {
+    recording_.transforms.Add(
+        "odom", "base",
+        {0.0, Upright(5.0, pose.world_from_robot.y, DegToRad(90.0)), pose.timestamp_s});
+  }
+  recording_.odometry.clear();
+  recording_.odometry_received_s.clear();
+  ExpectRecordClock("headers are not set");
+}
+
+TEST_F(RecordClockTest, IsTakenOnDemandAndNotWithoutTimes) {
+  options_.clock = RosClock::kRecord;
+  for (RosScan& scan : recording_.scans) scan.received_s += 0.01;
+  Build();
+  EXPECT_NEAR(graph_.timestamp_s(0), 100.06, 1e-9);
+  EXPECT_THAT(notes_.warnings, IsEmpty());
+  recording_.scans[1].received_s = 0.0;
+  graph_ = SlamGraph();
+  EXPECT_THAT(BuildGraph(recording_, options_, 0, &notes_, &graph_).message(),
+              HasSubstr("/scan: the times of recording, which --clock=record asks for, are not"));
+  options_.clock = RosClock::kHeader;
+  for (RosScan& scan : recording_.scans) scan.stamp_s = 100.2;
+  EXPECT_THAT(BuildGraph(recording_, options_, 0, &notes_, &graph_).message(),
+              HasSubstr("its clock is useless"));
+}
+
+TEST_F(RecordClockTest, OneStampThatDoesNotFitIsSkipped) {
+  for (int i = 0; i < 4; ++i) {
+    recording_.scans.push_back(Scan(100.41 + 0.01 * i));
+    recording_.scans.back().received_s = recording_.scans.back().stamp_s;
+  }
+  recording_.scans[4].stamp_s = 7.0;
+  Build();
+  EXPECT_EQ(graph_.num_scans(), 6);
+  ExpectWarning("bad_messages", HasSubstr("field 'header.stamp' does not fit the time of recording "
+                                          "(1); the first one: /scan message 4 (7.000000 s)"));
 }
 
 TEST_F(RosRecordingTest, MaxScansTakesTheFirst) {

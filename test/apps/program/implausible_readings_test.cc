@@ -54,9 +54,10 @@ TEST_F(ImplausibleReadingsTest, AGraphWithoutScansIsPlausible) {
 TEST_F(ImplausibleReadingsTest, MillimetresBeyondTheMaximumRangeAreNoticed) {
   AddScans(2, 50.0);
   AddScans(10, 5000.0);
-  EXPECT_THAT(ImplausibleReadings(graph_),
-              ElementsAre(AllOf(HasSubstr("10 of 12 scans have next to no readings"),
-                                HasSubstr("look like millimetres, or are not positive"))));
+  EXPECT_THAT(
+      ImplausibleReadings(graph_),
+      ElementsAre(AllOf(HasSubstr("10 of 12 scans have next to no readings"),
+                        HasSubstr("look like millimetres or centimetres, or are not positive"))));
 }
 
 TEST_F(ImplausibleReadingsTest, MillimetresWithinTheMaximumRangeAreNoticed) {
@@ -64,7 +65,27 @@ TEST_F(ImplausibleReadingsTest, MillimetresWithinTheMaximumRangeAreNoticed) {
   AddScans(10, 2500.0);
   EXPECT_THAT(ImplausibleReadings(graph_),
               ElementsAre("half of the readings are above 2500 m, beyond the reach of a laser; the "
-                          "ranges look like millimetres"));
+                          "ranges look like millimetres, but metres are expected"));
+}
+
+TEST_F(ImplausibleReadingsTest, CentimetresWithinTheMaximumRangeAreNoticed) {
+  max_range_m_ = 8000.0;
+  AddScans(10, 250.0);
+  EXPECT_THAT(ImplausibleReadings(graph_), ElementsAre(HasSubstr("look like centimetres or")));
+}
+
+TEST_F(ImplausibleReadingsTest, OdometryInMillimetresIsNoticed) {
+  AddScans(4, 5.0);
+  for (int i = 1; i < 4; ++i) {
+    ASSERT_TRUE(graph_.AddOdometry({i - 1, i, {i == 1 ? 0.0 : 0.3, 0.0, 0.1}}).ok());
+  }
+  EXPECT_EQ(ImplausibleOdometry(graph_), "");
+  for (int i = 1; i < 4; ++i) {
+    ASSERT_TRUE(graph_.AddOdometry({i - 1, i, {30.0, 0.0, 0.1}}).ok());
+  }
+  EXPECT_THAT(ImplausibleOdometry(graph_),
+              AllOf(HasSubstr("30 m from one scan to the next, at 300 m/s"),
+                    HasSubstr("looks like millimetres or centimetres")));
 }
 
 TEST_F(ImplausibleReadingsTest, NegativeRangesAreNoticed) {
@@ -86,8 +107,8 @@ TEST_F(ImplausibleReadingsTest, RealLogsGiveNoWarning) {
        {"acapulco.log.gz", "fr-clinic.clf.gz", "fr079-radish-4791.log.gz", "fr079.clf.gz",
         "infinite-corridor.log.gz", "intel.clf.gz", "mit-killian.clf.gz", "orebro.log.gz"}) {
     SlamGraph graph;
-    LogCounts counts;
-    const Status status = ReadLogIntoGraph(DatasetsFolder() + "/" + log, 0, &counts, &graph);
+    LogNotes notes;
+    const Status status = ReadLogIntoGraph(DatasetsFolder() + "/" + log, 0, &notes, &graph);
     ASSERT_TRUE(status.ok()) << status.message();
     EXPECT_THAT(ImplausibleReadings(graph), IsEmpty()) << log;
   }

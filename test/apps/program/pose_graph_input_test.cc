@@ -55,7 +55,9 @@ TEST_F(PoseGraphInputTest, AStateOfCartographerHasPosesOfSubmapsBehindThoseOfThe
   EXPECT_EQ(input_.note,
             "  3 nodes, 2 submaps; matches are off by 14.4 mm and 0.4 deg (sigma); 0 of 4 are off "
             "by more than three sigmas, and count for less\n");
-  EXPECT_THAT(input_.warnings, ElementsAre("landmarks are neither used nor moved"));
+  ASSERT_EQ(input_.warnings.size(), 1u);
+  EXPECT_EQ(input_.warnings[0].id, "landmarks_unused");
+  EXPECT_EQ(input_.warnings[0].message, folder_ + "a: landmarks are neither used nor moved");
   std::vector<double> poses = input_.graph.initial_poses();
   poses[3] += 0.5;
   ASSERT_TRUE(input_.write(folder_ + "b", poses).ok());

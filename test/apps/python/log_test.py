@@ -115,8 +115,9 @@ def test_what_is_skipped_is_a_warning(tmp_path):
     scan = "FLASER 2 {} 2 {} 0 0 {} 0 0 {} host 0\n"
     lines = [scan.format(r, x, x, x) for r, x in [(1, 0), ("oops", 1), (1, 2)]]
     (tmp_path / "a.clf").write_text("".join(lines))
-    with pytest.warns(UserWarning, match="skipped .*a.clf:2: "):
+    with pytest.warns(plumbline.InputWarning, match="skipped .*a.clf:2: ") as caught:
         graph = plumbline.read_log(tmp_path / "a.clf")
+    assert [warning.message.id for warning in caught] == ["skipped_record", "skipped_records"]
     assert graph.num_scans == 2
     with warnings.catch_warnings():
         warnings.simplefilter("error")
