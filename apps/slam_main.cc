@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
       "joint estimation of all poses and all laser returns.\n\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out\n"
       "  plumbline_slam --log=monday.clf,tuesday.bag --output_dir=out\n"
+      "  plumbline_slam --info=x.bag\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",
       argc, argv);

@@ -2,9 +2,12 @@
 
 #include <gflags/gflags.h>
 
+#include <iostream>
 #include <string>
 #include <utility>
 
+#include "plumbline/apps/program/log_flags.h"
+#include "plumbline/apps/program/log_info.h"
 #include "plumbline/apps/program/log_list.h"
 #include "plumbline/apps/program/log_reader.h"
 #include "plumbline/apps/program/output_folder.h"
@@ -16,6 +19,7 @@
 #include "plumbline/apps/run/pose_graph_run.h"
 #include "plumbline/apps/run/run_outputs.h"
 #include "plumbline/apps/run/sessions_run.h"
+#include "plumbline/core/over_peers.h"
 
 DEFINE_string(
     log, "",
@@ -23,6 +27,10 @@ DEFINE_string(
     "TORO, or a saved map: a state of Cartographer, .pbstream, or a map of slam_toolbox, "
     ".posegraph); text plain or .gz. Several, separated by commas, or @FILE with one per line, are "
     "sessions whose relative poses are unknown: those that show the same place become one map");
+DEFINE_string(
+    info, "",
+    "File to describe instead of mapping it: topics or records, times, lasers, what a run "
+    "would use, and its warnings");
 DEFINE_string(output_dir, "",
               "Folder for the results; made if it is not there, and for one run at a time");
 DEFINE_int32(max_scans, 0, "Use the first scans of a log only [scans]; 0: all of them");
@@ -85,9 +93,16 @@ Status CheckFlagsOfSessions(const MapLogOptions& mapping) {
                                  " looks at no returns, which tie logs to each other");
 }
 
+Status PrintInfo() {
+  std::string text;
+  PLUMBLINE_RETURN_IF_ERROR(DescribeInput(FLAGS_info, LogReadOptionsFromFlags(), &text));
+  std::cout << text;
+  return Status::Ok();
+}
+
 Status RefinePoseGraphFile(const LogRunOptions& options) {
   for (const char* flag : {"start", "max_scans", "save_map", "truth", "calibrate", "checkpoint",
-                           "resume", "sweep_time_s"}) {
+                           "resume", "sweep_time_s", "beam_direction"}) {
     const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
     if (info.current_value == info.default_value) continue;
     return Status::InvalidArgument("--" + info.name + " goes with a log, but " + options.log +
@@ -102,6 +117,7 @@ Status RefinePoseGraphFile(const LogRunOptions& options) {
 const std::vector<FileFlag>& SlamFiles() {
   static const std::vector<FileFlag> flags = {
       {"log", &FLAGS_log, FileUse::kInput, FilesOfLogList},
+      {"info", &FLAGS_info, FileUse::kInput, LogFiles},
       {"fixed_map", &FLAGS_fixed_map, FileUse::kInput, LogFiles},
       {"truth", &FLAGS_truth, FileUse::kInput},
       {"hits", &FLAGS_hits, FileUse::kInput},
@@ -113,6 +129,9 @@ const std::vector<FileFlag>& SlamFiles() {
 }
 
 Status SlamOptionsFromFlags(LogRunOptions* options) {
+  if (!FLAGS_info.empty()) {
+    return FLAGS_log.empty() ? Status::Ok() : Status::InvalidArgument("--info goes without --log");
+  }
   if (FLAGS_log.empty()) return Status::InvalidArgument("--log is missing; see --help");
   std::vector<std::string> logs;
   PLUMBLINE_RETURN_IF_ERROR(LogsFromFlags(&logs));
@@ -159,6 +178,7 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
 }
 
 Status RunSlam(LogRunOptions options) {
+  if (!FLAGS_info.empty()) return BySpeaker(options.peers, PrintInfo);
   EndIfStoppedWhile("reading " + options.log);
   std::vector<std::string> logs;
   PLUMBLINE_RETURN_IF_ERROR(ParseLogList(options.log, &logs));

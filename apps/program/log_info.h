@@ -1,0 +1,19 @@
+#ifndef PLUMBLINE_APPS_PROGRAM_LOG_INFO_H_
+#define PLUMBLINE_APPS_PROGRAM_LOG_INFO_H_
+
+#include <string>
+
+#include "plumbline/apps/program/log_reader.h"
+#include "plumbline/core/status.h"
+
+namespace plumbline {
+
+/// Describes a log, a bag or a pose graph for people, a line each, without mapping it: topics or
+/// records with their number, time and rate, the geometry of the laser, and what a run would use,
+/// with its warnings, or why it would refuse the file. Fails like the container of the format, and
+/// on a file that is none of these.
+Status DescribeInput(const std::string& path, const LogReadOptions& options, std::string* text);
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_APPS_PROGRAM_LOG_INFO_H_
