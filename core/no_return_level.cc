@@ -42,7 +42,7 @@ bool IsLevel(const Counts& counts) {
 
 bool IsPeak(const Counts& counts) {
   return counts.num_top >= 20 && counts.num_top > 5 * counts.num_next &&
-         20 * (counts.num_next + counts.num_lower) >= counts.num_top;
+         10 * (counts.num_next + counts.num_lower) >= counts.num_top;
 }
 
 // How the readings of one sweep from `top_m` on are spread over its directions.

@@ -26,7 +26,7 @@ struct SweepReadings {
 ///   more than 10 times as many as the next 0.9 %, and is not all there is. A surface would spread
 ///   over both. Should one be caught all the same, only the farthest 0.1 % is lost.
 /// - A band, for a level with noise: the top 0.1 m holds at least 20 readings and more than 5 times
-///   as many as the next 0.1 m, at most 20 times as many as all lower ones, in at least a fifth of
+///   as many as the next 0.1 m, at most 10 times as many as all lower ones, in at least a fifth of
 ///   the sweeps. In most of these it takes
 ///   directions that no surface takes at one distance: at least three that lie apart, or an angle
 ///   1.5 times as wide as that of a flat wall within a band of this depth.

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/test/apps/io/ros_recording_testing.h"
 
 namespace plumbline {
 namespace {
@@ -19,94 +20,6 @@ using testing::IsEmpty;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-Eigen::Isometry3d Upright(double x, double y, double yaw) {
-  return Eigen::Translation3d(x, y, 0.3) * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
-}
-Eigen::Isometry3d Rolled(const Eigen::Isometry3d& transform, double roll_deg) {
-  return transform * Eigen::AngleAxisd(DegToRad(roll_deg), Eigen::Vector3d::UnitX());
-}
-
-RosScan Scan(double stamp_s) {
-  RosScan scan;
-  scan.stamp_s = stamp_s;
-  scan.frame = "laser";
-  scan.angle_min_rad = -0.5;
-  scan.angle_increment_rad = 0.25;
-  scan.range_min_m = 0.1;
-  scan.range_max_m = 10.0;
-  scan.ranges = {1.0, 2.0, 3.0, 4.0};
-  return scan;
-}
-
-// A robot that drives 1 m/s along the y axis of its odometry, from t = 100 s on; its laser sits
-// 0.2 m ahead, turned by 0.1 rad.
-class RosRecordingTest : public testing::Test {
- protected:
-  RosRecordingTest() {
-    recording_.path = "a.bag";
-    recording_.scan_topic = "/scan";
-    for (const double stamp_s : {100.05, 100.25, 100.4}) recording_.scans.push_back(Scan(stamp_s));
-    recording_.odom_topic = "/odom";
-    recording_.robot_frame = "base";
-    for (int i = 0; i < 6; ++i) {
-      recording_.odometry.push_back({100.0 + 0.1 * i, {5.0, 0.1 * i, DegToRad(90.0)}});
-    }
-    recording_.transforms.Add("base", "laser", {0.0, Upright(0.2, 0.0, 0.1)});
-  }
-
-  // The same odometry as transforms.
-  void MoveOdometryToTransforms() {
-    recording_.odom_topic.clear();
-    recording_.robot_frame.clear();
-    for (const TimedPose& pose : recording_.odometry) {
-      recording_.transforms.Add(
-          "odom", "base",
-          {pose.timestamp_s,
-           Upright(pose.world_from_robot.x, pose.world_from_robot.y, pose.world_from_robot.yaw)});
-    }
-    recording_.odometry.clear();
-  }
-  void PutLaser(const Eigen::Isometry3d& robot_from_laser) {
-    recording_.transforms = TransformTree();
-    recording_.transforms.Add("base", "laser", {0.0, robot_from_laser});
-  }
-
-  void Build(int max_scans = 0) {
-    const Status status = BuildGraph(recording_, options_, max_scans, &notes_, &graph_);
-    ASSERT_TRUE(status.ok()) << status.message();
-  }
-  std::string Failure() {
-    const Status status = BuildGraph(recording_, RosGraphOptions(), 0, &notes_, &graph_);
-    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-    EXPECT_EQ(graph_.num_poses(), 0);
-    return status.message();
-  }
-  // The only warning.
-  void ExpectWarning(const std::string& id, const testing::Matcher<std::string>& message) const {
-    ASSERT_EQ(notes_.warnings.size(), 1u);
-    EXPECT_EQ(notes_.warnings[0].id, id);
-    EXPECT_THAT(notes_.warnings[0].message, message);
-  }
-  void ExpectDrive() const {
-    ASSERT_EQ(graph_.num_poses(), 3);
-    const double ahead_m[] = {0.0, 0.2, 0.35};
-    for (int i = 0; i < 3; ++i) {
-      const Pose2 pose = graph_.InitialPose(i);
-      EXPECT_NEAR(pose.x, ahead_m[i], 1e-9);
-      EXPECT_NEAR(pose.y, 0.0, 1e-9);
-      EXPECT_NEAR(pose.yaw, 0.0, 1e-9);
-      EXPECT_EQ(graph_.timestamp_s(i), recording_.scans[i].stamp_s);
-    }
-    ASSERT_EQ(graph_.odometry().size(), 2u);
-    EXPECT_NEAR(graph_.odometry()[1].from_from_to.x, 0.15, 1e-9);
-  }
-
-  RosRecording recording_;
-  RosGraphOptions options_;
-  RosGraphNotes notes_;
-  SlamGraph graph_;
-};
 
 TEST_F(RosRecordingTest, ScansTakeTheirPlaceFromOdometryMessages) {
   Build();
@@ -554,86 +467,6 @@ TEST_F(RosRecordingTest, TheBeamsCanBeTurnedRound) {
   Build();
   EXPECT_EQ(graph_.laser(0).first_bearing_rad, 0.5);
   EXPECT_EQ(graph_.laser(0).bearing_step_rad, -0.25);
-}
-
-// The times of recording, which tests give here, are a little later than the stamps.
-class RecordClockTest : public RosRecordingTest {
- protected:
-  RecordClockTest() {
-    for (RosScan& scan : recording_.scans) scan.received_s = scan.stamp_s;
-    for (const TimedPose& pose : recording_.odometry) {
-      recording_.odometry_received_s.push_back(pose.timestamp_s);
-    }
-    for (int i = 0; i < 3; ++i) recording_.scans[i].ranges[0] += 0.1 * i;
-    stamps_s_ = {100.05, 100.25, 100.4};
-  }
-
-  // The drive by the times of recording, and why.
-  void ExpectRecordClock(const std::string& why) {
-    Build();
-    for (int i = 0; i < 3; ++i) recording_.scans[i].stamp_s = stamps_s_[i];
-    ExpectDrive();
-    ExpectWarning("record_clock", AllOf(HasSubstr(why), HasSubstr("as with --clock=record")));
-  }
-
-  std::vector<double> stamps_s_;
-};
-
-TEST_F(RecordClockTest, TakesThePlaceOfStampsThatAreNotSet) {
-  for (RosScan& scan : recording_.scans) scan.stamp_s = 0.0;
-  ExpectRecordClock("/scan: the stamps of 3 of 3 headers are not set");
-}
-
-TEST_F(RecordClockTest, TakesThePlaceOfAClockSinceBoot) {
-  for (RosScan& scan : recording_.scans) scan.stamp_s -= 90.0;
-  ExpectRecordClock("the stamps on /scan and /odom are of different times");
-}
-
-TEST_F(RecordClockTest, TakesThePlaceOfWholeSeconds) {
-  for (RosScan& scan : recording_.scans) scan.stamp_s = std::floor(scan.stamp_s);
-  for (TimedPose& pose : recording_.odometry) pose.timestamp_s = std::floor(pose.timestamp_s);
-  ExpectRecordClock("/scan: its clock is useless");
-}
-
-TEST_F(RecordClockTest, TakesThePlaceOfTheStampsOfTransforms) {
-  recording_.odom_topic.clear();
-  recording_.robot_frame.clear();
-  for (const TimedPose& pose : recording_.odometry) {
-    recording_.transforms.Add(
-        "odom", "base",
-        {0.0, Upright(5.0, pose.world_from_robot.y, DegToRad(90.0)), pose.timestamp_s});
-  }
-  recording_.odometry.clear();
-  recording_.odometry_received_s.clear();
-  ExpectRecordClock("headers are not set");
-}
-
-TEST_F(RecordClockTest, IsTakenOnDemandAndNotWithoutTimes) {
-  options_.clock = RosClock::kRecord;
-  for (RosScan& scan : recording_.scans) scan.received_s += 0.01;
-  Build();
-  EXPECT_NEAR(graph_.timestamp_s(0), 100.06, 1e-9);
-  EXPECT_THAT(notes_.warnings, IsEmpty());
-  recording_.scans[1].received_s = 0.0;
-  graph_ = SlamGraph();
-  EXPECT_THAT(BuildGraph(recording_, options_, 0, &notes_, &graph_).message(),
-              HasSubstr("/scan: the times of recording, which --clock=record asks for, are not"));
-  options_.clock = RosClock::kHeader;
-  for (RosScan& scan : recording_.scans) scan.stamp_s = 100.2;
-  EXPECT_THAT(BuildGraph(recording_, options_, 0, &notes_, &graph_).message(),
-              HasSubstr("its clock is useless"));
-}
-
-TEST_F(RecordClockTest, OneStampThatDoesNotFitIsSkipped) {
-  for (int i = 0; i < 4; ++i) {
-    recording_.scans.push_back(Scan(100.41 + 0.01 * i));
-    recording_.scans.back().received_s = recording_.scans.back().stamp_s;
-  }
-  recording_.scans[4].stamp_s = 7.0;
-  Build();
-  EXPECT_EQ(graph_.num_scans(), 6);
-  ExpectWarning("bad_messages", HasSubstr("field 'header.stamp' does not fit the time of recording "
-                                          "(1); the first one: /scan message 4 (7.000000 s)"));
 }
 
 TEST_F(RosRecordingTest, MaxScansTakesTheFirst) {
