@@ -45,6 +45,21 @@ bool IsPeak(const Counts& counts) {
          10 * (counts.num_next + counts.num_lower) >= counts.num_top;
 }
 
+// The beams of the readings of one sweep from `top_m` on, in their order around the laser.
+std::vector<double> BeamsFrom(const SweepReadings& sweep, double step_rad, double top_m) {
+  const bool has_bearings = sweep.bearings_rad != nullptr && !sweep.bearings_rad->empty();
+  std::vector<double> beams;
+  for (std::size_t i = 0; i < sweep.ranges_m->size(); ++i) {
+    const double range_m = (*sweep.ranges_m)[i];
+    if (!IsReading(range_m, sweep) || range_m < top_m) continue;
+    beams.push_back(has_bearings ? std::round((*sweep.bearings_rad)[i] / step_rad)
+                                 : static_cast<double>(i));
+  }
+  std::sort(beams.begin(), beams.end());
+  beams.erase(std::unique(beams.begin(), beams.end()), beams.end());
+  return beams;
+}
+
 // How the readings of one sweep from `top_m` on are spread over its directions.
 struct Spread {
   std::size_t num_beams = 0;
@@ -53,15 +68,11 @@ struct Spread {
 
 Spread SpreadOf(const SweepReadings& sweep, double top_m) {
   constexpr double kApartRad = DegToRad(5.0);
-  Spread spread;
-  double last_rad = -2.0 * kApartRad;
-  for (std::size_t beam = 0; beam < sweep.ranges_m->size(); ++beam) {
-    const double range_m = (*sweep.ranges_m)[beam];
-    if (!IsReading(range_m, sweep) || range_m < top_m) continue;
-    const double bearing_rad = static_cast<double>(beam) * std::abs(sweep.bearing_step_rad);
-    if (bearing_rad - last_rad > kApartRad) ++spread.num_groups;
-    last_rad = bearing_rad;
-    ++spread.num_beams;
+  const double step_rad = std::abs(sweep.bearing_step_rad);
+  const std::vector<double> beams = BeamsFrom(sweep, step_rad, top_m);
+  Spread spread{beams.size(), beams.empty() ? std::size_t{0} : 1};
+  for (std::size_t i = 1; i < beams.size(); ++i) {
+    if ((beams[i] - beams[i - 1]) * step_rad > kApartRad) ++spread.num_groups;
   }
   return spread;
 }

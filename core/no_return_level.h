@@ -9,10 +9,13 @@ namespace plumbline {
 
 /// Readings of one sweep. Refers to them.
 struct SweepReadings {
-  const std::vector<double>* ranges_m = nullptr;  ///< one per beam; not finite: no return
+  const std::vector<double>* ranges_m = nullptr;  ///< not finite: no return
   double bearing_step_rad = 0.0;                  ///< from a beam to the next
   /// Readings from here on are known to be no returns [m].
   double max_range_m = std::numeric_limits<double>::infinity();
+  /// Finite directions [rad] of the ranges, in any order, as in a point cloud; null or empty: range
+  /// i is that of beam i.
+  const std::vector<double>* bearings_rad = nullptr;
 };
 
 /// Finds the reading that a laser gives where nothing comes back: the range [m] from which on

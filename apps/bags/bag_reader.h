@@ -44,7 +44,7 @@ struct BagReadOptions {
 /// Messages that are none of their type, and poses and transforms that are none (a number that is
 /// not finite, a quaternion whose norm is off by more than 1 %), are kept as faults of the
 /// recording: BuildGraph judges the needed ones. A topic without messages does not count where
-/// another one of its type has some.
+/// another one that could take its place has some.
 Status ReadBag(const std::string& path, const BagReadOptions& options, RosRecording* recording);
 
 }  // namespace plumbline

@@ -8,7 +8,7 @@ namespace plumbline {
 /// The side from which the beams of a laser are counted.
 enum class BeamDirection {
   kStated,      ///< as the log says
-  kReversed,    ///< from the other end of the fan
+  kReversed,    ///< from the other end of the fan; the points of a cloud as kUpsideDown
   kUpsideDown,  ///< mirrored about the laser's forward axis, as of one that hangs upside down
 };
 

@@ -348,7 +348,8 @@ class GraphBuilder {
       const RosScan& scan = Scan(i);
       sweeps.push_back(
           {&scan.ranges, AnglesOf(scan, options_.angle_source).step_rad,
-           selection_.range_max_is_stated ? scan.range_max_m : SweepReadings().max_range_m});
+           selection_.range_max_is_stated ? scan.range_max_m : SweepReadings().max_range_m,
+           &scan.bearings_rad});
     }
     notes_.no_return_level_m = FindNoReturnLevel(sweeps);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -110,6 +111,43 @@ TEST(NoReturnLevelTest, AFarWallThroughAGapIsNone) {
     for (int beam = 40; beam < 52; ++beam) ranges[beam] = 8.0 + noise(random);
   }
   EXPECT_FALSE(Level(sweeps, 30.0));
+}
+
+// As a point cloud: returns in any order, some beams without one.
+std::optional<double> LevelOfShuffled(const std::vector<std::vector<double>>& sweeps) {
+  std::mt19937 random(7);
+  std::vector<std::vector<double>> ranges(sweeps.size()), bearings_rad(sweeps.size());
+  std::vector<SweepReadings> readings;
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    std::vector<std::size_t> order(sweeps[s].size());
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), random);
+    for (const std::size_t beam : order) {
+      if (beam % 10 == 9) continue;
+      ranges[s].push_back(sweeps[s][beam]);
+      bearings_rad[s].push_back(static_cast<double>(beam) * kStepRad - kPi);
+    }
+    readings.push_back(
+        {&ranges[s], kStepRad, std::numeric_limits<double>::infinity(), &bearings_rad[s]});
+  }
+  return FindNoReturnLevel(readings);
+}
+
+TEST(NoReturnLevelTest, ReadingsInAnyOrderAreJudgedByTheirDirections) {
+  std::vector<std::vector<double>> sweeps = Room(12);
+  const double lowest_m = AddNoReturns(29.96, 0.01, 7, &sweeps);
+  const std::optional<double> found = LevelOfShuffled(sweeps);
+  ASSERT_TRUE(found);
+  EXPECT_LE(*found, lowest_m);
+  EXPECT_GE(*found, 29.7);
+  // A far wall through a gap, with the noise of a laser: one direction.
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.01);
+  for (std::vector<double>& ranges : sweeps) {
+    ranges.assign(360, 2.0);
+    for (int beam = 40; beam < 52; ++beam) ranges[beam] = 8.0 + noise(random);
+  }
+  EXPECT_FALSE(LevelOfShuffled(sweeps));
 }
 
 TEST(NoReturnLevelTest, FewReadingsAreNone) {

@@ -11,6 +11,7 @@
 #include "plumbline/test/apps/bags/bag_file_testing.h"
 #include "plumbline/test/apps/bags/bag_testing.h"
 #include "plumbline/test/apps/bags/mcap_writer.h"
+#include "plumbline/test/apps/bags/scan_message_testing.h"
 #include "plumbline/test/apps/bags/sqlite_writer.h"
 #include "plumbline/test/core/temp_file.h"
 
@@ -179,6 +180,54 @@ TEST_P(BagReaderTest, TopicsWithoutMessagesAreNoChoice) {
   }
   WriteDatabase(path_, statements);
   ExpectSmallBag(Read());
+}
+
+TEST_P(BagReaderTest, ScansOfAnotherTypeTakeThePlaceOfATopicWithoutMessages) {
+  if (std::string(GetParam().name) != "Sqlite") return;  // the only writer of empty topics
+  TestBag bag = SmallBag();
+  LaserModel laser;
+  laser.num_beams = 3;
+  for (TestMessage& message : bag) {
+    if (message.topic != "/scan") continue;
+    message.topic = "/echoes";
+    message.type = "sensor_msgs/msg/MultiEchoLaserScan";
+    message.bytes = MultiEchoBytes(TestEncoding::kCdr, kStart_ns, {{1.0}, {2.0}, {}},
+                                   {{9.0}, {9.0}, {}}, laser);
+  }
+  std::vector<std::string> statements = BagStatements(bag);
+  for (const char* topic : {"7, '/scan', 'sensor_msgs/msg/LaserScan'",
+                            "8, '/echoes2', 'sensor_msgs/msg/"
+                            "MultiEchoLaserScan'",
+                            "9, '/points', 'sensor_msgs/msg/PointCloud2'"}) {
+    statements.insert(statements.end() - 1,
+                      std::string("INSERT INTO topics VALUES(") + topic + ", 'cdr', '')");
+  }
+  WriteDatabase(path_, statements);
+  const RosRecording recording = Read();
+  EXPECT_EQ(recording.scan_topic, "/echoes");
+  EXPECT_EQ(recording.scans.size(), 2u);
+  // A topic that the user names is taken as it is.
+  BagReadOptions options;
+  options.scan_topic = "/points";
+  EXPECT_EQ(Read(options).scan_topic, "/points");
+}
+
+TEST_P(BagReaderTest, CloudsThatAreNoneAreKeptAsFaults) {
+  TestBag bag = SmallBag();
+  for (TestMessage& message : bag) {
+    if (message.topic != "/scan") continue;
+    message.type = "sensor_msgs/msg/PointCloud2";
+    message.bytes =
+        CloudBytes(TestEncoding::kCdr, kStart_ns, "laser", {{1.0, 2.0, 0.5}}, PlanarLayout());
+  }
+  bag.push_back(bag.back());
+  bag.back().bytes.resize(60);
+  Write(bag);
+  const std::vector<RosScan> scans = Read().scans;
+  ASSERT_EQ(scans.size(), 3u);
+  EXPECT_EQ(scans[1].fault, "");
+  EXPECT_EQ(scans[1].bearings_rad.size(), 1u);
+  EXPECT_THAT(scans[2].fault, HasSubstr("field '"));
 }
 
 TEST_P(BagReaderTest, OdometryWithoutMessagesLeavesItToTheTransforms) {

@@ -406,7 +406,8 @@ TEST_F(Ros1DriveTest, AnInterruptedRecordingGivesTheSameMapAndAWarning) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Result("again", "trajectory.tum"), expected);
   EXPECT_EQ(run.err, "warning: " + path_ +
-                         ": the recording was not closed or is cut off, its index is missing\n");
+                         ": the recording was not closed or is cut off, its index is missing "
+                         "[interrupted_recording]\n");
 }
 
 }  // namespace

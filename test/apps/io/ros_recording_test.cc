@@ -69,16 +69,22 @@ TEST_F(RosRecordingTest, ReturnsInAnyDirectionKeepIt) {
     scan.ranges = {3.0, kInf, 1.0, 2.0};
     scan.bearings_rad = {2.5, 0.0, -1.25, 0.125};
   }
-  for (const bool upside_down : {false, true}) {
-    PutLaser(Rolled(Upright(0.2, 0.0, 0.1), upside_down ? 180.0 : 0.0));
-    Build();
-    EXPECT_EQ(graph_.laser(0).num_beams, 8);
-    ASSERT_EQ(graph_.num_returns(), 9u);
-    for (std::size_t i = 0; i < 3; ++i) {  // each of the first scan, in whichever order
-      const double bearing_rad = graph_.Bearing(i);
-      const float range_m = graph_.returns().range_m[i];
-      const double expected_rad = range_m == 3.0f ? 2.5 : range_m == 1.0f ? -1.25 : 0.125;
-      EXPECT_NEAR(bearing_rad, upside_down ? -expected_rad : expected_rad, 1e-6) << range_m;
+  for (const BeamDirection direction :
+       {BeamDirection::kStated, BeamDirection::kReversed, BeamDirection::kUpsideDown}) {
+    for (const bool upside_down : {false, true}) {
+      PutLaser(Rolled(Upright(0.2, 0.0, 0.1), upside_down ? 180.0 : 0.0));
+      options_.beam_direction = direction;
+      Build();
+      EXPECT_THAT(notes_.warnings, IsEmpty());
+      EXPECT_EQ(graph_.laser(0).num_beams, 8);
+      ASSERT_EQ(graph_.num_returns(), 9u);
+      const bool is_mirrored = upside_down != (direction != BeamDirection::kStated);
+      for (std::size_t i = 0; i < 3; ++i) {  // each of the first scan, in whichever order
+        const double bearing_rad = graph_.Bearing(i);
+        const float range_m = graph_.returns().range_m[i];
+        const double expected_rad = range_m == 3.0f ? 2.5 : range_m == 1.0f ? -1.25 : 0.125;
+        EXPECT_NEAR(bearing_rad, is_mirrored ? -expected_rad : expected_rad, 1e-6) << range_m;
+      }
     }
   }
 }
