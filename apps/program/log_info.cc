@@ -182,7 +182,7 @@ Status DescribeInput(const std::string& path, const LogReadOptions& options, std
   }
   result += WarningsText(notes.warnings);
   *text = std::move(result);
-  return Status::Ok();
+  return status;
 }
 
 }  // namespace plumbline

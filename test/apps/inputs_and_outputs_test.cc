@@ -38,11 +38,11 @@ struct Program {
 
 // Flags that are empty by default, as those of files are, and mean no file. Any other one that is
 // no input means an output.
-const std::set<std::string> kTexts = {"start",      "calibrate",  "building",  "format",
-                                      "experiment", "scan_topic", "odom_topic"};
+const std::set<std::string> kTexts = {"start",      "calibrate",  "building",   "format",
+                                      "experiment", "scan_topic", "odom_topic", "laser_frame"};
 const std::vector<Program> kPrograms = {
     {"slam",
-     {"log", "fixed_map", "truth", "hits", "resume"},
+     {"log", "info", "fixed_map", "truth", "hits", "resume"},
      {{"log", "IN/a.clf"}, {"truth", "IN/a.tum"}, {"output_dir", "IN/out"}},
      "output_dir"},
     {"simulate",

@@ -123,9 +123,11 @@ TEST_F(ProgramsTest, BadLinesAreNamedAndSkipped) {
   WriteLog();
   const Outcome run = Slam("a.clf");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(Lines(run.err).size(), 2u) << run.err;
+  EXPECT_EQ(Lines(run.err).size(), 3u) << run.err;
   EXPECT_THAT(run.err, HasSubstr(folder_ + "a.clf:6: FLASER field 'range"));
   EXPECT_THAT(run.err, HasSubstr(folder_ + "a.clf:9: ODOM "));
+  EXPECT_THAT(run.err, HasSubstr("a.clf: 2 of 42 records are skipped; the first one: "));
+  EXPECT_EQ(Summary()["warnings"][0]["id"], "skipped_records");
   EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 19u);
   EXPECT_EQ(Summary()["skipped_records"], 2);
 }

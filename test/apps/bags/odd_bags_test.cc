@@ -277,8 +277,6 @@ TEST_F(OddBagsTest, InfoDescribesABagWithoutMappingIt) {
                         "a.db3: 60 of 60 messages on /scan cannot be "
                         "used: field 'ranges' is empty (60)"));
   ExpectError(Run("slam", "--info=" + folder_ + "none"), "none");
-  ExpectError(Run("slam", "--info=a --log=b --output_dir=c"), "--info goes without --log",
-              kExitWrongUsage);
 }
 
 }  // namespace
