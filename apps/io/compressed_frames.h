@@ -18,8 +18,8 @@ bool StartsWithZstdFrame(std::string_view bytes);
 /// Expands the frames of LZ4, zstd, gzip or bzip2 that the blocks hold together, into *expanded,
 /// whose memory is used again. `next_block` gives one block after the other, and an empty one at
 /// the end. With a reason but no path, DataLoss if they are damaged or cut off, InvalidArgument if
-/// they expand to more than `max_size` bytes. Memory grows with what comes out, not with what a
-/// frame says about its size.
+/// they expand to more than `max_size` bytes. Memory grows with the expanded bytes, not with
+/// the size that a frame states.
 Status ExpandFrames(FrameFormat format, const std::function<std::string_view()>& next_block,
                     std::size_t max_size, std::string* expanded);
 

@@ -17,10 +17,10 @@ struct StreamTimes {
 /// or stamps of which more than BadRecordLimits allow are not set, or whole seconds that repeat.
 std::string StampFault(const std::vector<double>& stamps_s);
 
-/// Per message, the reason why its stamp does not fit; empty for most. These are stamps that are
-/// not set and, if the clock goes back by more than max_back_s [s], those that are off the time of
-/// recording by that much more than the median. Where these are more than BadRecordLimits allow,
-/// none of them is named.
+/// Per message, the reason why its stamp does not fit; empty for most. A stamp does not fit if
+/// it is not set. If the clock goes back by more than max_back_s [s], a stamp that is off the time
+/// of recording by that much more than the median does not fit either; none of these is named if
+/// there are more than BadRecordLimits allow.
 std::vector<std::string> StampOutliers(const StreamTimes& times, double max_back_s);
 
 /// Why the header stamps of scans and odometry are useless while their recording times are not;
