@@ -21,7 +21,6 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
   core/measured_surface.h
   core/measurements.h
-  core/no_return_level.h
   core/options_check.h
   core/pose_frame.h
   core/return_normal.h
@@ -35,10 +34,11 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   solvers/interface/odometry_report.h
   solvers/interface/seeding_options.h
   solvers/interface/seeding_report.h)
-# Those for a host with a solver or a residual of its own, for Ceres' switches, for several drives, and
-# for a window of poses that is solved like a map. Also listed in the API reference; solvers/README.md says how to use
-# them.
+# Headers for a host with a solver, a residual or a reader of logs of its own, for Ceres' switches, for
+# several drives, and for a window of poses that is solved like a map. Also listed in the API
+# reference; solvers/README.md says how to use them.
 set(PLUMBLINE_EXTENSION_HEADERS
+  core/no_return_level.h
   core/thread_pool.h
   factors/analytic_factor_forward.h
   factors/manifold_factor.h
