@@ -28,19 +28,19 @@ class MemoryBuffer : public std::streambuf {
 
 }  // namespace
 
-Status ReadBagStream(const std::string& path, const std::optional<std::string>& expanded,
-                     const std::function<Status(std::istream* stream, std::uint64_t size)>& read) {
-  if (expanded) {
-    MemoryBuffer buffer(*expanded);
+Status StreamBag::ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) {
+  omission_.clear();
+  if (expanded_) {
+    MemoryBuffer buffer(*expanded_);
     std::istream stream(&buffer);
-    return read(&stream, expanded->size());
+    return walk_(path_, &stream, expanded_->size(), is_wanted, take, &omission_);
   }
   errno = 0;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return ReadError("open", path, errno);
+  std::ifstream file(path_, std::ios::binary | std::ios::ate);
+  if (!file) return ReadError("open", path_, errno);
   const auto size = static_cast<std::uint64_t>(file.tellg());
   file.seekg(0);
-  return read(&file, size);
+  return walk_(path_, &file, size, is_wanted, take, &omission_);
 }
 
 }  // namespace plumbline

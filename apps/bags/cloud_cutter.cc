@@ -64,7 +64,8 @@ double FirstBearing(const std::vector<double>& bearings_rad, int num_beams) {
     y += std::sin(num_beams * bearing_rad);
   }
   const double step_rad = 2.0 * kPi / num_beams;
-  return std::atan2(y, x) / num_beams - (num_beams / 2) * step_rad;
+  const int num_before = num_beams / 2;  // beams to the right of the forward axis
+  return std::atan2(y, x) / num_beams - num_before * step_rad;
 }
 
 std::string HeightText(double low_m, double high_m) {

@@ -282,26 +282,14 @@ class McapWalk {
   ByteReader chunk_{{}};
 };
 
-class McapBag : public BagContainer {
- public:
-  McapBag(std::string path, std::optional<std::string> expanded)
-      : path_(std::move(path)), expanded_(std::move(expanded)) {}
-
-  Status ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) override {
-    return ReadBagStream(path_, expanded_, [&](std::istream* file, std::uint64_t size) {
-      return McapWalk(path_, file, size, is_wanted, take).Run();
-    });
-  }
-
- private:
-  const std::string path_;
-  const std::optional<std::string> expanded_;
-};
-
 }  // namespace
 
 std::unique_ptr<BagContainer> MakeMcapBag(std::string path, std::optional<std::string> expanded) {
-  return std::make_unique<McapBag>(std::move(path), std::move(expanded));
+  return std::make_unique<StreamBag>(
+      std::move(path), std::move(expanded),
+      [](const std::string& name, std::istream* file, std::uint64_t size,
+         const BagContainer::IsWanted& is_wanted, const BagContainer::TakeMessage& take,
+         std::string* /*omission*/) { return McapWalk(name, file, size, is_wanted, take).Run(); });
 }
 
 }  // namespace plumbline

@@ -17,8 +17,8 @@ bool IsBag(const std::string& path);
 /// Opens a bag, told by its content: a file of ROS 1, SQLite or MCAP, each also compressed as a
 /// whole by zstd, which takes the memory that it expands to, at most 1 GiB and max_bytes (0: no
 /// limit of the caller's own); or a folder of ROS 2 with a metadata.yaml, given itself or by that
-/// file, whose files come one after the other. NotFound or InvalidArgument, saying what is there
-/// instead, if there is none; DataLoss like the containers.
+/// file, whose files come one after the other. If there is no bag, NotFound, or
+/// InvalidArgument with the kind of file that is there; DataLoss like the containers.
 Status OpenBag(const std::string& path, std::unique_ptr<BagContainer>* bag, double max_bytes = 0.0);
 
 /// The files that a log is made of: of a folder with a bag, or of its metadata.yaml, this and the

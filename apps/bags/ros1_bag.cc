@@ -93,7 +93,7 @@ class Ros1Walk {
   // See BagContainer.
   std::string Omission() const {
     if (has_index_) return "";
-    const std::string text = "the recording was not closed or is cut off, its index is missing";
+    std::string text = "the recording was not closed or is cut off, its index is missing";
     if (at_ >= size_) return text;
     return text + ", and the last " + std::to_string(size_ - at_) + " of its " +
            std::to_string(size_) + " bytes, which are no whole records, are not read";
@@ -345,32 +345,19 @@ class Ros1Walk {
   ByteReader chunk_{{}};
 };
 
-class Ros1Bag : public BagContainer {
- public:
-  Ros1Bag(std::string path, std::optional<std::string> expanded)
-      : path_(std::move(path)), expanded_(std::move(expanded)) {}
-
-  Status ReadMessages(const IsWanted& is_wanted, const TakeMessage& take) override {
-    return ReadBagStream(path_, expanded_, [&](std::istream* file, std::uint64_t size) {
-      Ros1Walk walk(path_, file, size, is_wanted, take);
-      PLUMBLINE_RETURN_IF_ERROR(walk.Run());
-      omission_ = walk.Omission();
-      return Status::Ok();
-    });
-  }
-
-  std::string Omission() const override { return omission_; }
-
- private:
-  const std::string path_;
-  const std::optional<std::string> expanded_;
-  std::string omission_;
-};
-
 }  // namespace
 
 std::unique_ptr<BagContainer> MakeRos1Bag(std::string path, std::optional<std::string> expanded) {
-  return std::make_unique<Ros1Bag>(std::move(path), std::move(expanded));
+  return std::make_unique<StreamBag>(
+      std::move(path), std::move(expanded),
+      [](const std::string& name, std::istream* file, std::uint64_t size,
+         const BagContainer::IsWanted& is_wanted, const BagContainer::TakeMessage& take,
+         std::string* omission) {
+        Ros1Walk walk(name, file, size, is_wanted, take);
+        PLUMBLINE_RETURN_IF_ERROR(walk.Run());
+        *omission = walk.Omission();
+        return Status::Ok();
+      });
 }
 
 }  // namespace plumbline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "plumbline/apps/io/bad_records.h"
 #include "plumbline/apps/io/clock.h"
@@ -65,7 +66,7 @@ std::string StampFault(const std::vector<double>& stamps_s) {
     return "the stamps of " + std::to_string(num_unset) + " of " + std::to_string(stamps_s.size()) +
            " headers are not set";
   }
-  const std::string fault = ClockFault(set);
+  std::string fault = ClockFault(set);
   if (!fault.empty()) return fault;
   return AreRepeatedSeconds(set) ? "its clock is useless: the stamps are whole seconds" : "";
 }

@@ -38,11 +38,14 @@ std::optional<LaserPlace> UsualPlace(const std::vector<std::optional<LaserPlace>
 
 }  // namespace
 
-bool LaserPlace::IsNear(const LaserPlace& other) const {
+bool AreAtRest(const Pose2& before, const Pose2& after) {
   constexpr double kRestM = 0.01, kRestRad = 0.01;
-  const Pose2 change = Between(robot_from_laser, other.robot_from_laser);
-  return upside_down == other.upside_down && change.translation().norm() <= kRestM &&
-         std::abs(change.yaw) <= kRestRad;
+  const Pose2 change = Between(before, after);
+  return change.translation().norm() <= kRestM && std::abs(change.yaw) <= kRestRad;
+}
+
+bool LaserPlace::IsNear(const LaserPlace& other) const {
+  return upside_down == other.upside_down && AreAtRest(robot_from_laser, other.robot_from_laser);
 }
 
 Status FindLaserPlace(const TransformTree& transforms, const std::string& robot_frame,

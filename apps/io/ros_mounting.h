@@ -12,12 +12,15 @@
 
 namespace plumbline {
 
+/// True if two poses of a frame in another differ by 0.01 m and 0.01 rad at most.
+bool AreAtRest(const Pose2& before, const Pose2& after);
+
 /// The place of a laser on its robot.
 struct LaserPlace {
   Pose2 robot_from_laser;
   bool upside_down = false;  ///< its bearings then run clockwise
 
-  /// Within 0.01 m and 0.01 rad.
+  /// The same way up, and AreAtRest.
   bool IsNear(const LaserPlace& other) const;
 };
 

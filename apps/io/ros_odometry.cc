@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "plumbline/apps/io/pose_timeline.h"
+#include "plumbline/apps/io/ros_mounting.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
@@ -20,6 +20,12 @@ bool NeverChanges(const std::vector<TimedPose>& poses) {
   });
 }
 
+// A message that was recorded several times counts once.
+bool IsRepeated(const TimedPose& pose, const TimedPose& before) {
+  return pose.timestamp_s == before.timestamp_s &&
+         AreSame(pose.world_from_robot, before.world_from_robot);
+}
+
 void TakeOdometry(std::vector<TimedPose> poses, RosRobot* robot) {
   if (NeverChanges(poses)) {
     robot->times = {robot->times.topic, {}, {}};
@@ -28,16 +34,12 @@ void TakeOdometry(std::vector<TimedPose> poses, RosRobot* robot) {
   }
 }
 
-// A message that was recorded several times counts once.
 void TakeMessages(const RosRecording& recording, RosRobot* robot) {
   std::vector<TimedPose> poses;
   const bool has_times = recording.odometry_received_s.size() == recording.odometry.size();
   for (std::size_t i = 0; i < recording.odometry.size(); ++i) {
     const TimedPose& pose = recording.odometry[i];
-    if (!poses.empty() && pose.timestamp_s == poses.back().timestamp_s &&
-        AreSame(pose.world_from_robot, poses.back().world_from_robot)) {
-      continue;
-    }
+    if (!poses.empty() && IsRepeated(pose, poses.back())) continue;
     poses.push_back(pose);
     robot->times.stamps_s.push_back(pose.timestamp_s);
     if (has_times) robot->times.received_s.push_back(recording.odometry_received_s[i]);
@@ -53,10 +55,8 @@ void TakeTransforms(const RosRecording& recording, const std::string& robot_fram
   for (const StampedTransform& sample :
        recording.transforms.Samples(recording.odom_frame, robot_frame)) {
     const TimedPose pose{sample.stamp_s, InPlane(sample.parent_from_child)};
-    const bool is_repeated = !poses.empty() && poses.back().timestamp_s == pose.timestamp_s &&
-                             AreSame(poses.back().world_from_robot, pose.world_from_robot);
+    if (!poses.empty() && IsRepeated(pose, poses.back())) continue;
     poses.push_back(pose);
-    if (is_repeated) continue;
     robot->times.stamps_s.push_back(sample.stamp_s);
     robot->times.received_s.push_back(sample.received_s);
   }
@@ -68,11 +68,8 @@ void TakeTransforms(const RosRecording& recording, const std::string& robot_fram
 }
 
 bool IsAtRest(const std::vector<StampedTransform>& samples) {
-  constexpr double kRestM = 0.01, kRestRad = 0.01;
   return std::all_of(samples.begin(), samples.end(), [&](const StampedTransform& sample) {
-    const Pose2 change =
-        Between(InPlane(samples.front().parent_from_child), InPlane(sample.parent_from_child));
-    return change.translation().norm() <= kRestM && std::abs(change.yaw) <= kRestRad;
+    return AreAtRest(InPlane(samples.front().parent_from_child), InPlane(sample.parent_from_child));
   });
 }
 

@@ -169,7 +169,7 @@ Status DescribeInput(const std::string& path, const LogReadOptions& options, std
                                         : RecordsText(path, &result));
   LogNotes notes;
   SlamGraph graph;
-  const Status status = ReadLog(path, options, &notes, &graph);
+  Status status = ReadLog(path, options, &notes, &graph);
   if (status.ok()) {
     result += GraphText(graph);
     if (notes.no_return_level_m) {

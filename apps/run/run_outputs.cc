@@ -114,7 +114,7 @@ Status CheckRobotMap(const std::string& input, const SlamGraph& graph, const Map
                      double resolution_m) {
   OccupancyGridOptions options;
   options.resolution_m = resolution_m;
-  const Status status = CheckGridSize(graph, state, options);
+  Status status = CheckGridSize(graph, state, options);
   if (status.ok()) return status;
   std::vector<std::string> causes = ImplausibleReadings(graph);
   causes.push_back(ImplausibleOdometry(graph));

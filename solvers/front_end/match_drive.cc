@@ -199,7 +199,9 @@ Status MatchDrive(const SeedingOptions& options, const MotionOptions& motion,
     const std::vector<char>& still = measured.still_wheels;
     if (scale == 1.0 && std::find(still.begin(), still.end(), 1) != still.end()) {
       steps.is_still.resize(still.size(), 0);
-      for (std::size_t pose = 0; pose < still.size(); ++pose) steps.is_still[pose] |= still[pose];
+      for (std::size_t pose = 0; pose < still.size(); ++pose) {
+        if (still[pose] != 0) steps.is_still[pose] = 1;
+      }
       return match();
     }
   }

@@ -53,7 +53,7 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
                     const PosePrediction& prediction, const ScanMatchOptions& options);
 
 /// The matches of a scan from the places in a window where it fits best, at most five, without a
-/// prediction. The best place comes first. None if the map or the scan is empty.
+/// prediction. The best place comes first. Empty if the map or the scan is.
 std::vector<ScanMatch> MatchInWindow(const LocalMap& map, const SurfacePoints& scan,
                                      const SearchWindow& window);
 

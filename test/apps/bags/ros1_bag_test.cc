@@ -295,9 +295,8 @@ class Ros1DriveTest : public Ros1BagTest {
     return kStart_ns + std::llround(1e9 * log_.scans[scan].scan.timestamp_s);
   }
   double Stamp(int scan) const {
-    const std::int64_t stamp_ns = StampNs(scan);
-    return static_cast<double>(stamp_ns / 1000000000) +
-           1e-9 * static_cast<double>(stamp_ns % 1000000000);
+    const std::int64_t stamp_ns = StampNs(scan), seconds = stamp_ns / 1000000000;
+    return static_cast<double>(seconds) + 1e-9 * static_cast<double>(stamp_ns % 1000000000);
   }
 
   void WriteDrive(bool as_transforms, const Ros1Layout& layout) {

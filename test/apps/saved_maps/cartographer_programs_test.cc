@@ -130,7 +130,8 @@ TEST_F(CartographerProgramsTest, FrozenTrajectoriesAndLandmarksAreWarnings) {
   const Outcome run = Slam("a.pbstream", "--picture_side_px=200");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("a.pbstream: trajectory 1 has no constraints within its submaps"));
-  EXPECT_THAT(run.err, HasSubstr("a.pbstream: landmarks are neither used nor moved\n"));
+  EXPECT_THAT(run.err,
+              HasSubstr("a.pbstream: landmarks are neither used nor moved [landmarks_unused]\n"));
   CartographerState refined;
   ASSERT_TRUE(ReadCartographerState(folder_ + "out/graph.pbstream", &refined).ok());
   EXPECT_NEAR(refined.nodes[12].map_from_tracking.x, node.map_from_level.x, 1e-15);
