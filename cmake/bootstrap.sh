@@ -3,7 +3,7 @@
 # Installs what a build needs and the system lacks: of the library alone, of the programs too, or of
 # the tests as well (the default). `all` adds what tests can do without: doxygen for the API
 # reference, clang-format, clang-tidy, other locales, what the Python module needs, the browser that
-# report.html is tested in (300 MB), what the plug-in of slam_toolbox builds and loads with (190 MB),
+# report.html is tested in (450 MB), what the plug-in of slam_toolbox builds and loads with (190 MB),
 # and MPI with PETSc, for plumbline_slam_mpi (400 MB).
 # Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
@@ -17,7 +17,7 @@ programs=(
   libsqlite3-dev liblz4-dev libzstd-dev libbz2-dev libyaml-cpp-dev  # bags of ROS
 )
 tests=(libgtest-dev libgmock-dev clang-14 ccache)
-browser=(chromium chromium-driver python3-selenium)
+browser=(chromium-headless-shell)
 python=(pybind11-dev python3-dev python3-numpy python3-pytest)
 mpi=(petsc-dev libopenmpi-dev openmpi-bin)
 plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)

@@ -1,11 +1,9 @@
 """Opens a run's report.html in a headless Chromium, as a user does from a folder.
 
 Usage: report_browser_test.py PROGRAMS_DIR WORLD_FILE OUTPUT_DIR
-Exit code 77: skipped, since the browser, its driver or selenium is not installed.
+Exit code 77: skipped, since no browser is installed.
 """
 
-import base64
-import json
 import math
 import os
 import re
@@ -14,21 +12,14 @@ import subprocess
 import sys
 import unittest
 
+sys.dont_write_bytecode = True  # not beside the sources
+from headless_browser import Browser
+
 SKIPPED = 77
-try:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.action_chains import ActionChains
-    from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.common.keys import Keys
-except ImportError:
-    print("SKIPPED: python3-selenium is not installed")
-    sys.exit(SKIPPED)
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-DRIVER = shutil.which("chromedriver")
-if not BROWSER or not DRIVER:
-    print("SKIPPED: chromium or chromium-driver is not installed")
+BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser")
+BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
+if not BROWSER:
+    print("SKIPPED: chromium-headless-shell is not installed")
     sys.exit(SKIPPED)
 
 PROGRAMS, WORLD, OUTPUT = sys.argv[1:4]
@@ -54,56 +45,105 @@ def make_report():
         )
 
 
-def start_browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(service=Service(DRIVER), options=options)
+def is_error(event):
+    """Whether it is an error in the console, or a dialog."""
+    method, what = event["method"], event["params"]
+    return (
+        method in ("Runtime.exceptionThrown", "Page.javascriptDialogOpening")
+        or (method == "Log.entryAdded" and what["entry"]["level"] == "error")
+        or (method == "Runtime.consoleAPICalled" and what["type"] in ("error", "assert"))
+    )
 
 
 class ReportTest(unittest.TestCase):
+    maxDiff = None  # Errors are shown in full.
+
     @classmethod
     def setUpClass(cls):
         make_report()
-        cls.browser = start_browser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.quit()
+        cls.browser = Browser(BROWSER)
+        cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
         self.open(DESKTOP)
 
     def tearDown(self):
-        severe = [entry for entry in self.browser.get_log("browser") if entry["level"] == "SEVERE"]
-        self.assertEqual(severe, [])
+        self.script("")  # The page replies after it has sent its events.
+        errors = list(filter(is_error, self.browser.events))
+        self.browser.events.clear()
+        self.assertEqual(errors, [])
 
     def open(self, size, scheme="light"):
-        self.command(
+        self.browser.command(
             "Emulation.setDeviceMetricsOverride",
             width=size[0],
             height=size[1],
             deviceScaleFactor=1,
             mobile=size == PHONE,
         )
-        self.command(
+        self.browser.command(
             "Emulation.setEmulatedMedia",
             features=[{"name": "prefers-color-scheme", "value": scheme}],
         )
-        self.browser.get("file://" + REPORT)
+        self.browser.open("file://" + REPORT)
         self.script("return Promise.all([...document.images].map((image) => image.decode()))")
-        self.script("document.getElementById('stage').scrollIntoView({block: 'center'})")
+        self.scroll_to("#stage")
 
-    def command(self, name, **arguments):
-        return self.browser.execute_cdp_cmd(name, arguments)
+    def script(self, body, *arguments):
+        return self.browser.evaluate(body, *arguments)
 
-    def script(self, text, *arguments):
-        return self.browser.execute_script(text, *arguments)
+    def texts(self, selector):
+        """Texts of the elements that are shown."""
+        return self.script(
+            """return [...document.querySelectorAll(arguments[0])]
+                .filter((e) => e.checkVisibility({checkOpacity: true, checkVisibilityCSS: true}))
+                .map((e) => (e.innerText ?? e.textContent).trim())""",
+            selector,
+        )
 
-    def find(self, selector):
-        return self.browser.find_element(By.CSS_SELECTOR, selector)
+    def text(self, selector):
+        return " ".join(self.texts(selector))
+
+    def attributes(self, selector, name):
+        return self.script(
+            """return [...document.querySelectorAll(arguments[0])]
+                .map((e) => e.getAttribute(arguments[1]))""",
+            selector,
+            name,
+        )
+
+    def scroll_to(self, selector):
+        self.script(
+            "document.querySelector(arguments[0]).scrollIntoView({block: 'center'})", selector
+        )
+
+    def center(self, selector, index=0):
+        """Where in the window an element has its centre [CSS px]."""
+        return self.script(
+            """const box = document.querySelectorAll(arguments[0])[arguments[1]]
+                .getBoundingClientRect();
+            return [box.x + box.width / 2, box.y + box.height / 2]""",
+            selector,
+            index,
+        )
+
+    def beside_center(self, selector, right, down):
+        x, y = self.center(selector)
+        return x + right, y + down
+
+    def click(self, selector):
+        self.script(
+            "document.querySelector(arguments[0]).scrollIntoView({block: 'nearest'})", selector
+        )
+        at = self.center(selector)
+        is_on_top = """const [selector, [x, y]] = arguments;
+            return document.querySelector(selector).contains(document.elementFromPoint(x, y))"""
+        self.assertTrue(self.script(is_on_top, selector, at), selector)
+        self.browser.click(at)
+
+    def press(self, selector, *keys):
+        self.script("document.querySelector(arguments[0]).focus()", selector)
+        self.browser.press(*keys)
 
     def layer(self, name):
         """Transform and clip of a map as shown."""
@@ -119,17 +159,15 @@ class ReportTest(unittest.TestCase):
 
     def position(self):
         """World position under the mouse, as the viewer says [m]."""
-        text = self.find("#position").text.replace("\u2212", "-")
+        text = self.text("#position").replace("\u2212", "-")
         return [float(number) for number in re.findall(r"-?[\d.]+", text)]
 
     def divided_at(self):
-        return float(self.find("#divide").get_property("value"))
+        return float(self.script("return document.getElementById('divide').value"))
 
     def screenshot(self, name):
         """Saves what the window shows; returns its width and its number of colours."""
-        png = self.browser.get_screenshot_as_base64()
-        with open(os.path.join(OUTPUT, name + ".png"), "wb") as file:
-            file.write(base64.b64decode(png))
+        png = self.browser.screenshot(os.path.join(OUTPUT, name + ".png"))
         return self.script(
             """const image = new Image();
             image.src = 'data:image/png;base64,' + arguments[0];
@@ -145,143 +183,138 @@ class ReportTest(unittest.TestCase):
         )
 
     def test_asks_for_nothing_but_itself(self):
-        self.browser.get_log("performance")
+        start = len(self.browser.events)
         self.open(DESKTOP)
-        urls = []
-        for entry in self.browser.get_log("performance"):
-            message = json.loads(entry["message"])["message"]
-            if message["method"] == "Network.requestWillBeSent":
-                urls.append(message["params"]["request"]["url"])
+        urls = [
+            event["params"]["request"]["url"]
+            for event in self.browser.events[start:]
+            if event["method"] == "Network.requestWillBeSent"
+        ]
         foreign = [url for url in urls if not url.startswith("data:")]
         self.assertEqual(len(foreign), 1, foreign)
         self.assertTrue(foreign[0].endswith("/run/report.html"))
-        policy = self.find("meta[http-equiv=Content-Security-Policy]").get_attribute("content")
-        self.assertIn("default-src 'none'", policy)
+        policy = self.attributes("meta[http-equiv=Content-Security-Policy]", "content")
+        self.assertIn("default-src 'none'", policy[0])
         # The policy is in force: a picture from elsewhere is refused. It logs an error of its own.
-        refused = self.browser.execute_async_script(
-            "const done = arguments[0]; const image = new Image();"
-            "document.addEventListener('securitypolicyviolation', () => done(true));"
-            "image.onload = () => done(false); image.src = 'http://127.0.0.1:9/x.png'"
+        start = len(self.browser.events)
+        refused = self.script(
+            """return new Promise((done) => {
+              document.addEventListener('securitypolicyviolation', () => done(true));
+              const image = new Image();
+              image.onload = () => done(false);
+              setTimeout(() => done(false), 10000);
+              image.src = 'http://127.0.0.1:9/x.png';
+            })"""
         )
         self.assertTrue(refused)
-        self.browser.get_log("browser")
+        del self.browser.events[start:]
 
     def test_shows_texts_as_they_are(self):
-        self.assertEqual(self.find("h1").text, os.path.basename(LOG))
-        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "h1 img"), [])
+        self.assertEqual(self.texts("h1"), [os.path.basename(LOG)])
+        self.assertEqual(self.attributes("h1 img", "src"), [])
 
     def test_mouse_and_keys_move_the_divider(self):
         before = self.layer("Refined")["clip"], self.layer("Odometry")["clip"]
         self.assertEqual(self.divided_at(), 50)
-        grip = self.find("#divider")
-        ActionChains(self.browser).drag_and_drop_by_offset(grip, -200, 0).perform()
-        stage = self.find("#stage").rect["width"]
+        self.browser.drag(self.center("#divider"), self.beside_center("#divider", -200, 0))
+        stage = self.script("return document.getElementById('stage').offsetWidth")
         self.assertAlmostEqual(self.divided_at(), 50 - 100 * 200 / stage, delta=1)
         after = self.layer("Refined")["clip"], self.layer("Odometry")["clip"]
         self.assertNotEqual(after[0], before[0])
         self.assertNotEqual(after[1], before[1])
         dragged_to = self.divided_at()
-        self.find("#divide").send_keys(Keys.ARROW_RIGHT)
+        self.press("#divide", "ArrowRight")
         self.assertGreater(self.divided_at(), dragged_to)
         self.assertNotEqual(self.layer("Refined")["clip"], after[0])
 
     def test_the_wheel_zooms_about_the_cursor(self):
-        stage = self.find("#stage")
-        ActionChains(self.browser).move_to_element_with_offset(stage, 210, 60).perform()
+        cursor = self.beside_center("#stage", 210, 60)
+        self.browser.mouse("Moved", cursor)
         before, zoom = self.position(), self.zoom_of("Refined")
-        origin = ScrollOrigin.from_element(stage, 210, 60)
-        ActionChains(self.browser).scroll_from_origin(origin, 0, -240).perform()
+        self.browser.mouse("Wheel", cursor, deltaX=0, deltaY=-240)
         self.assertGreater(self.zoom_of("Refined"), 1.5 * zoom)
         for at, was in zip(self.position(), before):
             self.assertAlmostEqual(at, was, delta=0.03)
 
     def test_buttons_and_keys_zoom_and_reset(self):
         start, zoom = self.layer("Refined")["transform"], self.zoom_of("Refined")
-        self.find("#zoom-in").click()
+        self.click("#zoom-in")
         self.assertAlmostEqual(self.zoom_of("Refined"), 1.5 * zoom, delta=1e-3 * zoom)
-        self.find("#zoom-out").click()
+        self.click("#zoom-out")
         self.assertAlmostEqual(self.zoom_of("Refined"), zoom, delta=1e-3 * zoom)
-        stage = self.find("#stage")
-        stage.send_keys("+")
+        self.press("#stage", "+")
         self.assertAlmostEqual(self.zoom_of("Refined"), 1.5 * zoom, delta=1e-3 * zoom)
-        stage.send_keys("-")
+        self.press("#stage", "-")
+        self.assertAlmostEqual(self.zoom_of("Refined"), zoom, delta=1e-3 * zoom)
         moved = self.layer("Refined")["transform"]
-        stage.send_keys(Keys.ARROW_LEFT)
+        self.press("#stage", "ArrowLeft")
         self.assertNotEqual(self.layer("Refined")["transform"], moved)
-        stage.send_keys("0")
+        self.press("#stage", "0")
         self.assertEqual(self.layer("Refined")["transform"], start)
         for _ in range(12):
-            self.find("#zoom-in").click()
+            self.click("#zoom-in")
         self.assertEqual(self.layer("Refined")["rendering"], "pixelated")
-        self.find("#zoom-reset").click()
+        self.click("#zoom-reset")
         self.assertEqual(self.layer("Refined")["transform"], start)
 
     def test_dragging_takes_the_map_along(self):
-        stage = self.find("#stage")
-        chain = ActionChains(self.browser).move_to_element_with_offset(stage, 200, 50)
-        chain.perform()
+        start = self.beside_center("#stage", 200, 50)
+        end = self.beside_center("#stage", 280, 90)
+        self.browser.mouse("Moved", start)
         before = self.position()
-        chain = ActionChains(self.browser).click_and_hold().move_by_offset(80, 40).release()
-        chain.perform()
+        self.browser.drag(start, end)
         for at, was in zip(self.position(), before):
             self.assertAlmostEqual(at, was, delta=0.03)
         zoom = self.zoom_of("Refined")
-        ActionChains(self.browser).double_click().perform()
+        self.browser.click(end, times=2)
         self.assertAlmostEqual(self.zoom_of("Refined"), 2 * zoom, delta=1e-3 * zoom)
 
     def test_other_maps_can_be_chosen(self):
         self.assertEqual(self.layer("Seed")["visibility"], "hidden")
-        self.find("#map-left").send_keys("Seed")
+        self.press("#map-left", *"Seed")  # A list chooses what is typed.
         self.assertEqual(self.layer("Seed")["visibility"], "visible")
         self.assertEqual(self.layer("Odometry")["visibility"], "hidden")
 
     def test_two_fingers_zoom(self):
         self.open(PHONE)
-        box = self.script("return document.getElementById('stage').getBoundingClientRect()")
-        x, y = box["left"] + 0.25 * box["width"], box["top"] + box["height"] / 2
+        width = self.script("return document.getElementById('stage').offsetWidth")
+        x, y = self.beside_center("#stage", -0.25 * width, 0)
         zoom = self.zoom_of("Refined")
-
-        def touch(kind, *offsets):
-            points = [{"x": x + offset, "y": y, "id": i} for i, offset in enumerate(offsets)]
-            self.command("Input.dispatchTouchEvent", type=kind, touchPoints=points)
-
-        touch("touchStart", -20)
-        touch("touchStart", -20, 20)
+        touch = self.browser.touch
+        touch("Start", (x - 20, y))
+        touch("Start", (x - 20, y), (x + 20, y))
         for distance in range(20, 61, 5):
-            touch("touchMove", -distance, distance)
-        touch("touchEnd")
+            touch("Move", (x - distance, y), (x + distance, y))
+        touch("End")
         self.assertGreater(self.zoom_of("Refined"), 2 * zoom)
         for _ in range(2):
-            touch("touchStart", 0)
-            touch("touchEnd")
+            touch("Start", (x, y))
+            touch("End")
         self.assertGreater(self.zoom_of("Refined"), 4 * zoom)
 
     def test_charts_are_drawn_and_explain_themselves(self):
-        plot = self.find("[data-plot='0']")
-        self.script("arguments[0].scrollIntoView({block: 'center'})", plot)
-        marks = plot.find_elements(By.CSS_SELECTOR, "circle")
-        self.assertGreater(len(marks), 2)
-        ActionChains(self.browser).move_to_element(marks[1]).perform()
-        self.assertIn("energy", plot.find_element(By.CSS_SELECTOR, ".tip").text)
-        label = plot.find_element(By.CSS_SELECTOR, "text.label")
-        self.assertEqual(label.text, "seconds")
-        self.find("input[name=plot-0] ~ *, .switch label:last-child").click()
-        self.assertEqual(plot.find_element(By.CSS_SELECTOR, "text.label").text, "iterations")
-        for chart in self.browser.find_elements(By.CSS_SELECTOR, "[data-histogram]"):
-            heights = [float(bar.get_attribute("height"))
-                       for bar in chart.find_elements(By.CSS_SELECTOR, "rect.bin")]
+        plot = "[data-plot='0'] "
+        self.scroll_to(plot)
+        self.assertGreater(len(self.attributes(plot + "circle", "cy")), 2)
+        self.browser.mouse("Moved", self.center(plot + "circle", 1))
+        self.assertIn("energy", self.text(plot + ".tip"))
+        self.assertEqual(self.texts(plot + "text.label"), ["seconds"])
+        self.click("input[name=plot-0] ~ *, .switch label:last-child")
+        self.assertEqual(self.texts(plot + "text.label"), ["iterations"])
+        for number in self.attributes("[data-histogram]", "data-histogram"):
+            bars = self.attributes(f"[data-histogram='{number}'] rect.bin", "height")
+            heights = [float(height) for height in bars]
             self.assertGreater(max(heights), 100)
             self.assertTrue(all(math.isfinite(height) for height in heights))
 
     def test_errors_by_stage_fall(self):
-        plot = self.find("[data-stage-plot='0']")
-        self.script("arguments[0].scrollIntoView({block: 'center'})", plot)
-        marks = plot.find_elements(By.CSS_SELECTOR, "circle")
-        heights = [float(mark.get_attribute("cy")) for mark in marks]
+        plot = "[data-stage-plot='0'] "
+        self.scroll_to(plot)
+        heights = [float(height) for height in self.attributes(plot + "circle", "cy")]
         self.assertEqual(len(heights) % 2, 0)  # of poses, then of the map
         self.assertLess(heights[0] + 50, heights[len(heights) // 2 - 1])
-        ActionChains(self.browser).move_to_element(marks[0]).perform()
-        self.assertIn("odometry, pose", plot.find_element(By.CSS_SELECTOR, ".tip").text)
+        self.browser.mouse("Moved", self.center(plot + "circle"))
+        self.assertIn("odometry, pose", self.text(plot + ".tip"))
 
     def test_tables_need_no_scrolling_on_a_desktop(self):
         wider = """
@@ -291,11 +324,11 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(self.script(wider), [])
 
     def test_options_can_be_searched(self):
-        self.find("#options summary").click()
-        rows = self.browser.find_elements(By.CSS_SELECTOR, ".options tbody tr")
-        self.assertTrue(all(row.is_displayed() for row in rows))
-        self.find("#option-search").send_keys("sigma_range")
-        shown = [row.text for row in rows if row.is_displayed()]
+        self.click("#options summary")
+        rows = ".options tbody tr"
+        self.assertEqual(len(self.texts(rows)), len(self.attributes(rows, "class")))
+        self.press("#option-search", *"sigma_range")
+        shown = self.texts(rows)
         self.assertEqual(len(shown), 1)
         self.assertIn("sigma_range_m", shown[0])
 
@@ -312,7 +345,8 @@ class ReportTest(unittest.TestCase):
                     for channel in re.findall(r"\d+", page)[:3]:
                         self.assertTrue(is_right(int(channel)), page)
                     overflow = self.script(
-                        "return document.documentElement.scrollWidth - innerWidth"
+                        """const page = document.documentElement;
+                        return page.scrollWidth - page.clientWidth"""
                     )
                     self.assertLessEqual(overflow, 0)
 
