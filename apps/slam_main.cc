@@ -4,7 +4,6 @@
 #include <glog/logging.h>
 
 #include "plumbline/apps/program/command_line.h"
-#include "plumbline/apps/run/array_storage.h"
 #include "plumbline/apps/run/slam_program.h"
 
 int main(int argc, char** argv) {
@@ -24,8 +23,6 @@ int main(int argc, char** argv) {
     options = plumbline::LogRunOptions();
     return plumbline::SlamOptionsFromFlags(&options);
   };
-  return plumbline::RunProgram(plumbline::SlamFiles(), check_flags, [&options] {
-    plumbline::KeepArraysWithin(options.output_dir, &options.budget);
-    return plumbline::RunSlam(options);
-  });
+  return plumbline::RunProgram(plumbline::SlamFiles(), check_flags,
+                               [&options] { return plumbline::RunSlam(options); });
 }

@@ -6,7 +6,6 @@
 #include "plumbline/apps/mpi/mpi_program.h"
 #include "plumbline/apps/mpi/refused_flags.h"
 #include "plumbline/apps/program/stop_signal.h"
-#include "plumbline/apps/run/array_storage.h"
 #include "plumbline/apps/run/slam_program.h"
 #include "plumbline/solvers/mpi/petsc_pose_solver.h"
 
@@ -31,7 +30,6 @@ int main(int argc, char** argv) {
           plumbline::MakePetscPoseSolver(*program.peers());
       plumbline::EndOnEveryStopSignal();  // PETSc has handled signals
     }
-    plumbline::KeepArraysWithin(options.output_dir, &options.budget);
     return plumbline::RunSlam(options);
   });
 }

@@ -10,10 +10,6 @@ Status CheckGoesWithPeers(const LogRunOptions& options) {
     return Status::InvalidArgument("--solver=" + std::string(ToString(solver.type)) +
                                    " runs in one process only (plumbline_slam)");
   }
-  if (solver.reduced.polish_sweeps > 0) {
-    return Status::InvalidArgument(
-        "--reduced_polish_sweeps goes with one process only (plumbline_slam)");
-  }
   return Status::Ok();
 }
 

@@ -40,11 +40,7 @@ std::vector<std::string> FilesOf(const FileFlag& flag) {
 }
 
 bool Exclude(const FileFlag& one, const FileFlag& other) {
-  if (one.use == FileUse::kInput && other.use == FileUse::kInput) return false;
-  const auto replaces = [](const FileFlag& output, const FileFlag& input) {
-    return output.may_replace != nullptr && std::string(output.may_replace) == input.name;
-  };
-  return !replaces(one, other) && !replaces(other, one);
+  return one.use != FileUse::kInput || other.use != FileUse::kInput;
 }
 
 std::string SameFileText(const FileFlag& one, const FileFlag& other, const std::string& file) {

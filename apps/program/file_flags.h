@@ -23,8 +23,6 @@ struct FileFlag {
   /// The files that a value stands for; null: it is the path of a file. Of a folder: what the
   /// program may write in it, or remove from it.
   std::vector<std::string> (*files)(const std::string& value) = nullptr;
-  /// Name of the input that this output may replace, since it is read before; null: none.
-  const char* may_replace = nullptr;
 };
 
 /// Before anything is read or written: InvalidArgument names two flags (or one, twice) and a file

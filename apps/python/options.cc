@@ -110,9 +110,7 @@ void BindMinimiserOptions(py::module_* module) {
       .Option("lines_follow", &ReducedOptions::lines_follow,
               "the lines are refitted exactly after each step")
       .Option("cg_tolerance", &ReducedOptions::cg_tolerance,
-              "conjugate gradients end at this fraction of the right-hand side")
-      .Option("polish_sweeps", &ReducedOptions::polish_sweeps,
-              "sweeps of alternating conjugate gradients afterwards; 0: none");
+              "conjugate gradients end at this fraction of the right-hand side");
   Fields<AlternatingCgOptions>(module, "AlternatingCgOptions", "Alternating conjugate gradients.")
       .Options()
       .Option("max_sweeps", &AlternatingCgOptions::max_sweeps,

@@ -128,10 +128,7 @@ DEFINE_double(reduced_move_tolerance, Defaults().reduced.move_tolerance_sigmas,
 DEFINE_double(
     reduced_cg_tolerance, Defaults().reduced.cg_tolerance,
     "reduced: conjugate gradients on a linear system end at this fraction of its right-hand side");
-DEFINE_int32(reduced_polish_sweeps, Defaults().reduced.polish_sweeps,
-             "reduced: sweeps of alternating_cg afterwards, on the exact energy of all points");
-
-// --solver=alternating_cg; all but the first also for --reduced_polish_sweeps.
+// --solver=alternating_cg.
 DEFINE_int32(cg_max_sweeps, Defaults().alternating_cg.max_sweeps,
              "alternating_cg: most sweeps over map, poses and scans per round");
 DEFINE_int32(cg_map_iterations, Defaults().alternating_cg.map_iterations_per_sweep,
@@ -233,11 +230,6 @@ bool IsSgd(const SolverOptions& options) { return options.type == SolverType::kS
 bool IsAlternatingCg(const SolverOptions& options) {
   return options.type == SolverType::kAlternatingCg;
 }
-bool SweepsByCg(const SolverOptions& options) {
-  return IsAlternatingCg(options) ||
-         (options.IsOverLandmarks() && options.reduced.polish_sweeps > 0);
-}
-
 // Flags that not every solver reads. A name that ends in _ stands for all that begin with it; the
 // first row that fits counts.
 struct FlagReaders {
@@ -272,7 +264,7 @@ constexpr FlagReaders kFlagReaders[] = {
     {"reduced", IsCeres},
     {"ceres_", IsCeres},
     {"cg_max_sweeps", IsAlternatingCg},
-    {"cg_", SweepsByCg},
+    {"cg_", IsAlternatingCg},
     {"published_", IsPublished},
     {"sgd_", IsSgd},
 };
@@ -340,7 +332,6 @@ ReducedOptions ReducedOptionsFromFlags() {
   reduced.relative_tolerance = FLAGS_reduced_tolerance;
   reduced.move_tolerance_sigmas = FLAGS_reduced_move_tolerance;
   reduced.cg_tolerance = FLAGS_reduced_cg_tolerance;
-  reduced.polish_sweeps = FLAGS_reduced_polish_sweeps;
   return reduced;
 }
 

@@ -15,7 +15,6 @@
 #include "plumbline/apps/report/run_summary.h"
 #include "plumbline/apps/report/seeding_text.h"
 #include "plumbline/apps/report/stage.h"
-#include "plumbline/apps/run/checkpoint.h"
 #include "plumbline/apps/run/log_input.h"
 #include "plumbline/apps/run/map_run.h"
 #include "plumbline/apps/run/memory_estimate.h"
@@ -49,7 +48,7 @@ class LogRun {
     PLUMBLINE_RETURN_IF_ERROR(WriteWithStopSignal(
         [&](const std::string& signal_name) { return map.WriteReport(signal_name); }));
     map.PrintResults();
-    return checkpoint_written_;
+    return Status::Ok();
   }
 
  private:
@@ -71,11 +70,9 @@ class LogRun {
   // Not where the speaker has to look at the whole log.
   bool SeedTogether() const {
     return options_.peers != nullptr &&
-           CanShareSeeding(*options_.peers,
-                           options_.resume.empty() && CanSeedTogether(options_.mapping, mapping_));
+           CanShareSeeding(*options_.peers, CanSeedTogether(options_.mapping, mapping_));
   }
 
-  // The speaker may have a checkpoint to write meanwhile.
   void AwaitLimits() {
     if (options_.peers == nullptr) return;
     options_.peers->WaitForAll();
@@ -83,15 +80,9 @@ class LogRun {
   }
 
   Status Read() {
-    const bool needs_fingerprint = !options_.resume.empty() || !options_.checkpoint.empty();
-    LogStamp stamp;
-    if (needs_fingerprint) {
-      PLUMBLINE_RETURN_IF_ERROR(FingerprintOfRun(options_.log, &fingerprint_, &stamp));
-    }
     SlamGraph graph;
     PLUMBLINE_RETURN_IF_ERROR(
-        ReadLogInput(options_.log, options_.max_scans, options_.budget.memory, &summary_, &graph));
-    if (needs_fingerprint) PLUMBLINE_RETURN_IF_ERROR(CheckUnchanged(options_.log, stamp));
+        ReadLogInput(options_.log, options_.max_scans, options_.max_memory, &summary_, &graph));
     PLUMBLINE_RETURN_IF_ERROR(CheckLimits(graph));
     const auto start = std::chrono::steady_clock::now();
     PLUMBLINE_RETURN_IF_ERROR(TakeLog(options_.mapping, std::move(graph), &pool_, &mapping_));
@@ -112,39 +103,25 @@ class LogRun {
     const SolverOptions& solver = options_.mapping.solver;
     memory_ = EstimateMemory(graph, odometry, solver, options_.mapping.calibration.IsOn(),
                              outputs_.picture_side_px);
-    return FitMemory(options_.budget, graph, solver, &memory_, &outputs_.picture_side_px,
+    return FitMemory(options_.max_memory, graph, solver, &memory_, &outputs_.picture_side_px,
                      &std::cout);
   }
 
-  // The seed: of the scans, or of an earlier run's checkpoint. together: the processes that find it
-  // together; null if this one does alone.
+  // together: the processes that find the seed together; null if this one does alone.
   Status FindSeed(const Peers* together) {
-    if (options_.resume.empty()) {
-      // What cannot be written is known before the work.
-      PLUMBLINE_RETURN_IF_ERROR(BySpeaker(together, [this] { return MakeFolder(); }));
-      EndIfStoppedWhile("seeding", output_.made_folders());
-      if (together != nullptr) PLUMBLINE_RETURN_IF_ERROR(ShareLog(together, &mapping_));
-      PLUMBLINE_RETURN_IF_ERROR(Seed());
-      KeepStopSignal();
-    } else {
-      EndIfStoppedWhile("reading " + options_.resume);
-      PLUMBLINE_RETURN_IF_ERROR(Resume());
-      PLUMBLINE_RETURN_IF_ERROR(MakeFolder());
-      std::cout << "Seeding: as in " << Legible(options_.resume) << '\n';
-    }
+    // What cannot be written is known before the work.
+    PLUMBLINE_RETURN_IF_ERROR(BySpeaker(together, [this] { return MakeFolder(); }));
+    EndIfStoppedWhile("seeding", output_.made_folders());
+    if (together != nullptr) PLUMBLINE_RETURN_IF_ERROR(ShareLog(together, &mapping_));
+    PLUMBLINE_RETURN_IF_ERROR(Seed());
+    KeepStopSignal();
     // Collective if the graph is shared. What it limits, all take from the speaker.
     const std::string grid_text =
-        FitGrid(memory_, mapping_.graph, mapping_.state, options_.budget.memory, &outputs_);
+        FitGrid(memory_, mapping_.graph, mapping_.state, options_.max_memory, &outputs_);
     const SeedingReport& seeding = mapping_.report.seeding;
     std::cout << RangeNoiseText(options_.mapping, mapping_.report)
               << SeedingText(seeding, mapping_.graph, mapping_.state.poses)
               << ConsistencyText("The seed", seeding.consistency) << grid_text << std::flush;
-    if (options_.checkpoint.empty() || !SpeaksForAll(together)) return Status::Ok();
-    checkpoint_written_ =
-        WriteCheckpoint(options_.checkpoint, fingerprint_, mapping_.start_poses, seeding);
-    if (checkpoint_written_.ok()) {
-      std::cout << "Checkpoint: " << Legible(options_.checkpoint) << std::endl;
-    }
     return Status::Ok();
   }
 
@@ -152,14 +129,6 @@ class LogRun {
   Status MakeFolder() {
     KeepStopSignal();
     return output_.Make();
-  }
-
-  Status Resume() {
-    std::vector<double> start_poses;
-    SeedingReport seeding;
-    PLUMBLINE_RETURN_IF_ERROR(
-        ReadCheckpoint(options_.resume, fingerprint_, mapping_.graph, &start_poses, &seeding));
-    return StartFromSeed(options_.mapping, std::move(start_poses), std::move(seeding), &mapping_);
   }
 
   // The odometry's map is measured meanwhile: matching scans keeps one thread busy.
@@ -197,9 +166,6 @@ class LogRun {
       return MeasureStage("odometry", mapping_.graph, {mapping_.graph.initial_poses(), {}},
                           TruthOrNull(), &pool_);
     }
-    if (!odometry_stage_.valid()) {  // resumed: nothing was seeded
-      StartMeasuring();
-    }
     return odometry_stage_.get();
   }
 
@@ -223,9 +189,7 @@ class LogRun {
   ThreadPool pool_;
   OutputFolder output_;
   LogMapping mapping_;
-  RunFingerprint fingerprint_;  // if there is a checkpoint to read or to write
-  Status checkpoint_written_;   // a run that cannot keep its seed goes on: it is all the run has
-  Truth truth_;                 // where it is given
+  Truth truth_;                        // where it is given
   std::future<Stage> odometry_stage_;  // refers to the truth
   RunSummary summary_;
 };

@@ -17,10 +17,8 @@ struct LogRunOptions {
   int max_scans = 0;  ///< the first ones are used; 0: all
   MapLogOptions mapping;
   RunOutputOptions outputs;
-  MemoryBudget budget;      ///< what needs more by estimate is refused
+  double max_memory = 0.0;  ///< what needs more by estimate is refused [bytes]; 0: no limit
   std::string truth, hits;  ///< of a simulated log, see ReadTruth; may be empty
-  std::string checkpoint;   ///< where to keep the state after the seeding; may be empty
-  std::string resume;       ///< checkpoint to go on from; may be empty
   /// Processes that run with the same options and share the work; null: this one does it all.
   /// Without calibration then.
   const Peers* peers = nullptr;
@@ -29,8 +27,7 @@ struct LogRunOptions {
 /// Maps a log: reads it, finds the seed, estimates all poses and points, and leaves all results in
 /// the output folder. Prints what happens. Until there is a seed, a stop signal (stop_signal.h)
 /// ends the program; after that it ends the estimation, and what is written is the best state so
-/// far. A failed Status names the culprit; that of a checkpoint that cannot be written comes after
-/// all results.
+/// far. A failed Status names the culprit.
 Status RunLog(const LogRunOptions& options);
 
 }  // namespace plumbline

@@ -19,9 +19,6 @@ namespace {
 
 constexpr double kBytesPerMb = 1e6, kBytesPerGb = 1e9;
 constexpr double kBytesOfProgram = 25e6;
-// A run with its arrays on disk holds the program with its libraries, and its poses and keyframes,
-// 40 MB and 2.3 kB per scan, in three fifths of its memory: the rest is for pages of the arrays.
-constexpr double kBytesWithDisk = 67e6, kBytesPerScanWithDisk = 3.8e3;
 constexpr double kBytesPerPixel = 20.0;  // two pictures are drawn at a time
 
 // What a stage takes beside the program.
@@ -102,54 +99,16 @@ MapRaster RasterOfPicture(const SlamGraph& graph, const MapState& state, int pic
 
 std::string MbText(double bytes) { return FixedText(bytes / kBytesPerMb, 0) + " MB"; }
 
-// The same run with its arrays on disk.
-MemoryEstimate WithDisk(const MemoryEstimate& estimate) {
-  MemoryEstimate with_disk = estimate;
-  with_disk.uses_disk = true;
-  with_disk.seeding = with_disk.joint = estimate.on_disk;
-  with_disk.results = estimate.on_disk + estimate.pictures;
-  return with_disk;
-}
-
-struct Fitted {
-  MemoryEstimate estimate;
-  int picture_side_px;
-  std::string text;  // for people
-  bool fits;
-};
-
-// What it takes with pictures as large as the limit allows.
-Fitted WithFittingPictures(const MemoryEstimate& asked, double limit, int picture_side_px) {
-  Fitted fitted{asked, picture_side_px, "", false};
-  fitted.text = FitPictures(limit, &fitted.estimate, &fitted.picture_side_px);
-  fitted.fits = fitted.estimate.Peak() <= limit;
-  return fitted;
-}
-
-// How many scans would fit; base: what a run over none takes.
-double FittingScans(const MemoryEstimate& estimate, double base, double limit,
-                    const SlamGraph& graph) {
-  return std::floor((limit - base) / (estimate.Peak() - base) * graph.num_scans());
-}
-
-// What would fit; empty if nothing does.
-std::string Advice(const MemoryEstimate& estimate, const MemoryBudget& budget,
-                   const SlamGraph& graph, const SolverOptions& solver) {
+// What would fit within the limit; empty if nothing does.
+std::string Advice(const MemoryEstimate& estimate, double limit, const SlamGraph& graph,
+                   const SolverOptions& solver) {
   std::string advice;
   const auto add = [&](const std::string& flag) {
     advice += (advice.empty() ? "" : " or ") + flag;
   };
-  const double limit = budget.memory;
-  const bool may_use_disk = budget.disk > 0.0;
-  // With arrays on disk, solvers of our own need the same.
-  const bool depends_on_solver = !may_use_disk || solver.type == SolverType::kCeres;
-  if (depends_on_solver && estimate.joint > limit && solver.type != SolverType::kReduced) {
-    add("--solver=reduced");
-  }
-  double num_scans = FittingScans(estimate, kBytesOfProgram, limit, graph);
-  if (may_use_disk) {
-    num_scans = std::max(num_scans, FittingScans(WithDisk(estimate), kBytesWithDisk, limit, graph));
-  }
+  if (estimate.joint > limit && solver.type != SolverType::kReduced) add("--solver=reduced");
+  const double num_scans = std::floor((limit - kBytesOfProgram) /
+                                      (estimate.Peak() - kBytesOfProgram) * graph.num_scans());
   if (num_scans >= 1.0) add("--max_scans=" + FixedText(num_scans, 0));
   return advice.empty() ? "" : "; " + advice + " would need less";
 }
@@ -172,7 +131,6 @@ void MemoryEstimate::Add(const MemoryEstimate& other) {
   seeding += other.seeding - kBytesOfProgram;
   joint += other.joint - kBytesOfProgram;
   results += other.results - other.pictures - pictures - kBytesOfProgram;
-  on_disk += other.on_disk - kBytesWithDisk;
   pictures = std::max(pictures, other.pictures);
   results += pictures;
   picture_side_px = std::max(picture_side_px, other.picture_side_px);
@@ -194,10 +152,6 @@ MemoryEstimate EstimateMemory(const SlamGraph& graph, const MapState& state,
   estimate.seeding = base + bytes(kSeeding);
   estimate.joint = base + bytes(JointRates(solver)) + DenseBytes(graph, solver);
   if (calibrates) estimate.joint += bytes(kCalibration);
-  estimate.on_disk = kBytesWithDisk + kBytesPerScanWithDisk * graph.num_scans();
-  if (solver.type == SolverType::kCeres) {
-    estimate.on_disk = std::max(estimate.on_disk, estimate.joint);  // of parts that are small
-  }
   const MapRaster raster = RasterOfPicture(graph, state, picture_side_px);
   estimate.pictures = kBytesPerPixel * raster.width * raster.height;
   estimate.results = base + bytes(kResults) + estimate.pictures;
@@ -236,56 +190,33 @@ std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_sid
 
 std::string FitGrid(const MemoryEstimate& expected, const SlamGraph& graph, const MapState& seed,
                     double limit, RunOutputOptions* outputs) {
-  // A grid on disk is limited by the share of the memory that it had from the start.
-  if (limit > 0.0 && !expected.uses_disk) {
-    outputs->LimitGrid(std::max(limit - expected.results, 0.1 * limit));
-  }
+  if (limit > 0.0) outputs->LimitGrid(std::max(limit - expected.results, 0.1 * limit));
   double num_cells = 0.0;
   if (!CheckGridSize(graph, seed, outputs->GridOptions(), &num_cells).ok()) return "";
   const double grid = OccupancyGridOptions::kBytesPerCell * num_cells;
   const double results = expected.results + grid;
   constexpr double kMuchMore = 1.25;
-  if (expected.uses_disk || results <= kMuchMore * expected.Peak()) return "";
+  if (results <= kMuchMore * expected.Peak()) return "";
   return "The results may need more memory than that, up to " + MbText(results) +
          ": the occupancy grid takes up to " + MbText(grid) + '\n';
 }
 
-Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
+Status FitMemory(double limit, const SlamGraph& graph, const SolverOptions& solver,
                  MemoryEstimate* estimate, int* picture_side_px, std::ostream* out) {
   *out << estimate->Text() << std::flush;
-  const double limit = budget.memory;
   if (limit == 0.0) return CheckDenseSolver(*estimate, solver);
-  const MemoryEstimate asked = *estimate;
-  const Fitted in_memory = WithFittingPictures(asked, limit, *picture_side_px);
-  const Fitted on_disk = WithFittingPictures(WithDisk(asked), limit, *picture_side_px);
-  const bool disk_is_enough = asked.Peak() <= budget.disk;
-  const bool uses_disk = !in_memory.fits;
-  if (in_memory.fits || (on_disk.fits && disk_is_enough)) {
-    const Fitted& fitted = uses_disk ? on_disk : in_memory;
-    *estimate = fitted.estimate;
-    *picture_side_px = fitted.picture_side_px;
-    *out << fitted.text;
-    if (uses_disk) {
-      *out << "To stay within --max_memory, arrays are kept on disk, beside the results: about "
-           << MbText(asked.Peak()) << '\n';
-    }
-    *out << std::flush;
-    if (budget.decide) budget.decide(uses_disk);
-    return Status::Ok();
+  MemoryEstimate fitted = *estimate;
+  int side_px = *picture_side_px;
+  const std::string text = FitPictures(limit, &fitted, &side_px);
+  if (fitted.Peak() > limit) {
+    return Status::InvalidArgument("the run needs about " + MbText(estimate->Peak()) +
+                                   " of memory, but --max_memory allows " + MbText(limit) +
+                                   Advice(*estimate, limit, graph, solver));
   }
-  std::string problem = "the run needs about " + MbText(asked.Peak()) + " of memory";
-  const double peak_on_disk = on_disk.estimate.Peak();
-  if (!on_disk.fits && budget.disk > 0.0 && peak_on_disk < asked.Peak()) {
-    problem += ", " + MbText(peak_on_disk) + " with its arrays on disk";
-  }
-  problem += ", but --max_memory allows " + MbText(limit);
-  if (on_disk.fits) {
-    problem += ", and " + (!budget.no_disk.empty()
-                               ? budget.no_disk
-                               : "its arrays do not fit in the " + MbText(budget.disk) +
-                                     " that are left on disk beside the results");
-  }
-  return Status::InvalidArgument(problem + Advice(asked, budget, graph, solver));
+  *estimate = fitted;
+  *picture_side_px = side_px;
+  *out << text << std::flush;
+  return Status::Ok();
 }
 
 }  // namespace plumbline

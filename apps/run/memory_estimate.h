@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
 #define PLUMBLINE_APPS_RUN_MEMORY_ESTIMATE_H_
 
-#include <functional>
 #include <ostream>
 #include <string>
 
@@ -33,31 +32,19 @@ namespace plumbline {
 /// quarter, all to a factor of two; where few places are revisited, the reduced problem takes ceres
 /// less than this. With Ceres' dense linear solvers the matrices come on top, by their size.
 ///
-/// With arrays on disk (array_storage.h), 67 MB and 3.8 kB per scan are enough for all stages, but
-/// for what a solver of ceres takes, and for pictures. Reading takes 8 bytes per beam before that.
+/// Reading takes 8 bytes per beam before that.
 struct MemoryEstimate {
   double seeding = 0.0;
   double joint = 0.0;
   double results = 0.0;
   double pictures = 0.0;    ///< part of the results
-  double on_disk = 0.0;     ///< enough for every stage with arrays on disk, without pictures
   int picture_side_px = 0;  ///< longer side of the largest picture: a small map has a small one
-  bool uses_disk = false;   ///< whether the others are those with arrays on disk
 
   double Peak() const;
   /// Takes in those of another log of the same run.
   void Add(const MemoryEstimate& other);
   /// A line for people.
   std::string Text() const;
-};
-
-/// What a run may take [bytes].
-struct MemoryBudget {
-  double memory = 0.0;  ///< 0: no limit
-  double disk = 0.0;    ///< for arrays that the memory does not hold; 0: none
-  std::string no_disk;  ///< why there is none, for people
-  /// Is told whether the arrays have to be on disk, or are to stay in memory; may be empty.
-  std::function<void(bool on_disk)> decide;
 };
 
 /// For a graph as it was read, and its initial state. calibrates: whether sensor
@@ -81,11 +68,11 @@ Status ParseMemorySize(const std::string& text, double* bytes);
 /// pictures of 300 pixels would not either.
 std::string FitPictures(double limit, MemoryEstimate* estimate, int* picture_side_px);
 
-/// Makes a run fit its budget: with smaller pictures (FitPictures), or else with arrays on disk, to
-/// which the estimate then changes. Prints lines for people. InvalidArgument if it does not fit all
-/// the same, or, without a limit, if this machine does not hold what a dense linear solver of Ceres
-/// needs; the message says what would need less.
-Status FitMemory(const MemoryBudget& budget, const SlamGraph& graph, const SolverOptions& solver,
+/// Makes a run fit into `limit` [bytes, 0: no limit] with smaller pictures (FitPictures). Prints
+/// lines for people. InvalidArgument if it does not fit all the same, or, without a limit, if this
+/// machine does not hold what a dense linear solver of Ceres needs; the message says what would
+/// need less.
+Status FitMemory(double limit, const SlamGraph& graph, const SolverOptions& solver,
                  MemoryEstimate* estimate, int* picture_side_px, std::ostream* out);
 
 }  // namespace plumbline

@@ -111,7 +111,7 @@ class PoseGraphRun {
   }
 
   Status Read() {
-    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.budget.memory, &file_));
+    PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(options_.log, options_.max_memory, &file_));
     state_ = file_.graph.InitialState();
     PrintWarnings(file_.warnings);
     std::cout << "Read " << Legible(options_.log) << " (" << file_.format
@@ -126,7 +126,7 @@ class PoseGraphRun {
     if (!has_scans()) return Status::Ok();
     MemoryEstimate memory =
         EstimateMemory(file_.graph, state_, options_.solver, false, outputs_.picture_side_px);
-    return FitMemory(options_.budget, file_.graph, options_.solver, &memory,
+    return FitMemory(options_.max_memory, file_.graph, options_.solver, &memory,
                      &outputs_.picture_side_px, &std::cout);
   }
 

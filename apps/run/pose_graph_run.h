@@ -17,7 +17,7 @@ struct PoseGraphRunOptions {
   std::string output_dir;
   RunOutputOptions outputs;
   SolverOptions solver;
-  MemoryBudget budget;  ///< what needs more by estimate is refused
+  double max_memory = 0.0;  ///< what needs more by estimate is refused [bytes]; 0: no limit
   /// Processes that run with the same options and share the work once process 0 has read the graph,
   /// which needs scans then; null: this one does it all.
   const Peers* peers = nullptr;

@@ -118,16 +118,16 @@ class SessionsRun {
       }
       if (read_[i].num_scans > read_[largest].num_scans) largest = i;
     }
-    return FitMemory(options_.budget, sessions_[largest].graph, options_.mapping.solver, &memory,
-                     &outputs_.picture_side_px, &std::cout);
+    return FitMemory(options_.max_memory, sessions_[largest].graph, options_.mapping.solver,
+                     &memory, &outputs_.picture_side_px, &std::cout);
   }
 
   Status ReadSessionOrFixedMap(std::size_t index, SlamGraph* graph) {
     if (index < options_.logs.size()) {
-      return ReadSession(paths_[index], options_.max_scans, options_.budget.memory, &read_[index],
+      return ReadSession(paths_[index], options_.max_scans, options_.max_memory, &read_[index],
                          graph);
     }
-    return ReadFixedMap(paths_[index], options_.budget.memory, &read_[index], graph);
+    return ReadFixedMap(paths_[index], options_.max_memory, &read_[index], graph);
   }
 
   // Not to be cut off by a signal: it tries out a file.

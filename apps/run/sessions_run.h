@@ -21,7 +21,7 @@ struct SessionsRunOptions {
   int max_scans = 0;  ///< the first ones of each log are used; 0: all
   MapLogOptions mapping;
   RunOutputOptions outputs;
-  MemoryBudget budget;  ///< what needs more by estimate is refused
+  double max_memory = 0.0;  ///< what needs more by estimate is refused [bytes]; 0: no limit
   /// Processes that run with the same options and share the work; null: this one does it all.
   const Peers* peers = nullptr;
 };

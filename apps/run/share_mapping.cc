@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plumbline/apps/program/heap.h"
-#include "plumbline/apps/run/checkpoint.h"
+#include "plumbline/apps/run/packed_seed.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/partition.h"

@@ -54,16 +54,9 @@ DEFINE_string(calibrate, "",
               "range_bias, range_scale, odometry_scale");
 DEFINE_string(hits, "", "True point of every return ('t beam x y'), to go with --truth");
 DEFINE_string(
-    checkpoint, "",
-    "File to keep the state after the seeding in, to --resume from; may be that of --resume");
-DEFINE_string(resume, "",
-              "Checkpoint of an earlier run over the same log with the same options: goes on from "
-              "there, to the same results");
-DEFINE_string(
     max_memory, "0",
     "Where a run needs more than this by estimate, as 4GB or 500MB: make pictures and the "
-    "occupancy grid coarser, or keep arrays on disk, beside the results, or else refuse it; "
-    "0: no limit");
+    "occupancy grid coarser, or else refuse it; 0: no limit");
 
 namespace plumbline {
 namespace {
@@ -77,7 +70,7 @@ Status LogsFromFlags(std::vector<std::string>* logs) {
 
 // Several sessions have no common odometry or truth, and each its own laser.
 Status CheckFlagsOfSessions(const MapLogOptions& mapping) {
-  for (const char* flag : {"truth", "calibrate", "checkpoint", "resume"}) {
+  for (const char* flag : {"truth", "calibrate"}) {
     const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
     if (info.current_value == info.default_value) continue;
     return Status::InvalidArgument("--" + info.name +
@@ -101,15 +94,15 @@ Status PrintInfo() {
 }
 
 Status RefinePoseGraphFile(const LogRunOptions& options) {
-  for (const char* flag : {"start", "max_scans", "save_map", "truth", "calibrate", "checkpoint",
-                           "resume", "sweep_time_s", "beam_direction"}) {
+  for (const char* flag :
+       {"start", "max_scans", "save_map", "truth", "calibrate", "sweep_time_s", "beam_direction"}) {
     const gflags::CommandLineFlagInfo info = gflags::GetCommandLineFlagInfoOrDie(flag);
     if (info.current_value == info.default_value) continue;
     return Status::InvalidArgument("--" + info.name + " goes with a log, but " + options.log +
                                    " is a pose graph");
   }
   return RunPoseGraph({options.log, options.output_dir, options.outputs, options.mapping.solver,
-                       options.budget, options.peers, options.mapping.seeding});
+                       options.max_memory, options.peers, options.mapping.seeding});
 }
 
 }  // namespace
@@ -121,9 +114,6 @@ const std::vector<FileFlag>& SlamFiles() {
       {"fixed_map", &FLAGS_fixed_map, FileUse::kInput, LogFiles},
       {"truth", &FLAGS_truth, FileUse::kInput},
       {"hits", &FLAGS_hits, FileUse::kInput},
-      {"resume", &FLAGS_resume, FileUse::kInput},
-      // A run that goes on from a checkpoint may go on keeping its state there.
-      {"checkpoint", &FLAGS_checkpoint, FileUse::kOutput, nullptr, "resume"},
       {"output_dir", &FLAGS_output_dir, FileUse::kOutputFolder, ResultsIn}};
   return flags;
 }
@@ -156,13 +146,13 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
   if (logs.size() > 1 || !FLAGS_fixed_map.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(CheckFlagsOfSessions(mapping));
   }
-  const Status memory = ParseMemorySize(FLAGS_max_memory, &options->budget.memory);
+  const Status memory = ParseMemorySize(FLAGS_max_memory, &options->max_memory);
   if (!memory.ok()) return Status::InvalidArgument("--max_memory: " + memory.message());
   RunOutputOptions& outputs = options->outputs;
   outputs.picture_side_px = FLAGS_picture_side_px;
   outputs.map_resolution_m = FLAGS_map_resolution_m;
   outputs.save_map = FLAGS_save_map;
-  if (options->budget.memory > 0.0) outputs.LimitGrid(0.5 * options->budget.memory);
+  if (options->max_memory > 0.0) outputs.LimitGrid(0.5 * options->max_memory);
   std::string error;
   if (!outputs.Check(&error)) return Status::InvalidArgument("results: " + error);
   options->log = FLAGS_log;
@@ -170,8 +160,6 @@ Status SlamOptionsFromFlags(LogRunOptions* options) {
   options->max_scans = FLAGS_max_scans;
   options->truth = FLAGS_truth;
   options->hits = FLAGS_hits;
-  options->checkpoint = FLAGS_checkpoint;
-  options->resume = FLAGS_resume;
   return Status::Ok();
 }
 
@@ -182,7 +170,7 @@ Status RunSlam(LogRunOptions options) {
   PLUMBLINE_RETURN_IF_ERROR(ParseLogList(options.log, &logs));
   if (logs.size() > 1 || !FLAGS_fixed_map.empty()) {
     return RunSessions({std::move(logs), FLAGS_fixed_map, options.output_dir, options.max_scans,
-                        options.mapping, options.outputs, options.budget, options.peers});
+                        options.mapping, options.outputs, options.max_memory, options.peers});
   }
   options.log = logs.front();
   return IsPoseGraph(options.log) ? RefinePoseGraphFile(options) : RunLog(options);

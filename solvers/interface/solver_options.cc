@@ -42,7 +42,6 @@ bool ReducedOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(move_tolerance_sigmas, 0.0, 1000.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(cg_tolerance, 1e-15, 0.99);
-  PLUMBLINE_CHECK_OPTION_WITHIN(polish_sweeps, 0, kMostIterations);
   return true;
 }
 

@@ -41,9 +41,6 @@ struct ReducedOptions {
   /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
   /// in the preconditioner's norm; from 1e-15, what doubles can tell apart, to 0.99.
   double cg_tolerance = 1e-2;
-  /// Sweeps of the alternating conjugate gradients afterwards, on the exact energy of all points
-  /// and their own lines. 0: none.
-  int polish_sweeps = 0;
   /// Of the engine of another library, see pose_system_solver.h; null: conjugate gradients of our
   /// own.
   std::shared_ptr<const PoseSystemSolver> linear_solver;

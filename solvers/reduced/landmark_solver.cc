@@ -4,7 +4,6 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/acceptance/candidate.h"
-#include "plumbline/solvers/full/alternating_cg.h"
 #include "plumbline/solvers/full/joint_run.h"
 #include "plumbline/solvers/full/point_recovery.h"
 #include "plumbline/solvers/interface/built_in_solvers.h"
@@ -32,7 +31,7 @@ class LandmarkRun final : public JointRun {
     const std::vector<DownweightedStep> downweighted = StepsAgainst(&found);
     if (!downweighted.empty()) MinimizeDownweighting(downweighted, &result, &found);
     RunAcceptanceTest(&found);
-    KeepForPolish(found.cut);
+    seed_landmarks_ = LineLandmarks();
     last_landmarks_ = {std::move(result.last_landmarks), std::move(found.cut.landmark_of_return),
                        std::move(found.cut.shared)};
     if (summary_.acceptance.IsBetter()) {
@@ -94,15 +93,6 @@ class LandmarkRun final : public JointRun {
     converged_ = converged;
   }
 
-  // Only a polish is judged once more.
-  void KeepForPolish(const LineLandmarks& fitted) {
-    if (options_.reduced.polish_sweeps > 0) {
-      fitted_landmarks_ = fitted;
-    } else {
-      seed_landmarks_ = LineLandmarks();
-    }
-  }
-
   // For want of something better, the terms after are those before.
   void RecordSeedTerms(const Associations& associations) {
     const Energy energy(graph_, associations, factors_, &pool_);
@@ -135,7 +125,6 @@ class LandmarkRun final : public JointRun {
     const Energy energy(graph_, *associations, factors_, &pool_);
     RecordSeed(energy, &TermSummary::initial_cost);
     state_.points = FinalPoints(*associations, &summary_.displacements);
-    if (options_.reduced.polish_sweeps > 0 && !Ended()) Polish(energy);
     RecordTerms(energy, state_, &TermSummary::final_cost);
   }
 
@@ -144,27 +133,8 @@ class LandmarkRun final : public JointRun {
     return RecoverPoints(graph_, state_.poses, associations.lines, factors_, &pool_, displacements);
   }
 
-  // Exact per-point sweeps on the lines at hand, which never raise the energy there; undone if the
-  // poses have become worse than the seed by that.
-  void Polish(const Energy& energy) {
-    const MapState unpolished = state_;
-    AlternatingCgOptions sweeps = options_.alternating_cg;
-    sweeps.max_sweeps = options_.reduced.polish_sweeps;
-    const auto start = Clock::now();
-    last_inner_.stopped = SolveByAlternatingCg(energy, sweeps, ReportCallback(), &state_).stopped;
-    summary_.solve_time_s += SecondsSince(start);
-    const Candidate polished = Evaluator().Evaluate(state_.poses, fitted_landmarks_);
-    if (!polished.acceptance.IsBetter()) {
-      state_ = unpolished;
-      return;
-    }
-    best_energy_ = MarginalEnergyUnder(CurrentLines());
-    summary_.displacements = Displacements();
-  }
-
   const CeresOptions* const ceres_;
-  LineLandmarks fitted_landmarks_;  // the surfaces as what is judged places them
-  LineLandmarks last_landmarks_;    // as the result does
+  LineLandmarks last_landmarks_;  // the surfaces as the result places them
 };
 
 class LandmarkSolver final : public Solver {

@@ -1,9 +1,8 @@
-// Runs that are stopped, run out of disk or memory, and go on from a checkpoint.
+// Runs that are stopped, or run out of disk or memory.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -11,7 +10,6 @@
 #include <tuple>
 #include <vector>
 
-#include "plumbline/apps/program/disk_arrays.h"
 #include "plumbline/test/apps/program_testing.h"
 #include "plumbline/test/apps/room_as_g2o.h"
 #include "plumbline/test/apps/running_program.h"
@@ -105,7 +103,7 @@ TEST_F(FaultsTest, ARunStoppedDuringTheSeedingLeavesEarlierResultsAlone) {
   SimulateLog(700);
   std::filesystem::create_directories(folder_ + "out");
   WriteFile(folder_ + "out/summary.json", "{}");
-  RunningProgram run(Command("a.clf", {"--checkpoint=" + folder_ + "seed"}), folder_ + "printed");
+  RunningProgram run(Command("a.clf"), folder_ + "printed");
   ASSERT_TRUE(run.Prints("Matching scans: 10 %")) << Printed();
   run.Send(SIGINT);
   EXPECT_EQ(run.Wait(), 130);
@@ -113,7 +111,6 @@ TEST_F(FaultsTest, ARunStoppedDuringTheSeedingLeavesEarlierResultsAlone) {
                                    "written\n"));
   EXPECT_EQ(FilesOf("out"), std::vector<std::string>{"summary.json"});
   EXPECT_EQ(Result("out", "summary.json"), "{}");
-  EXPECT_FALSE(std::filesystem::exists(folder_ + "seed"));
 }
 
 TEST_F(FaultsTest, ARunStoppedDuringReadingSaysSo) {
@@ -133,33 +130,6 @@ TEST_F(FaultsTest, ARunStoppedDuringReadingSaysSo) {
   }
 }
 
-TEST_F(FaultsTest, ResumesToTheSameResults) {
-  SimulateLog(120);
-  const std::string checkpoint = " --checkpoint=" + folder_ + "seed";
-  const std::string resume = " --resume=" + folder_ + "seed";
-  ASSERT_EQ(Slam("a.clf", checkpoint, "whole").exit_code, 0);
-  // Stopped once the checkpoint is there, and once the estimation has begun.
-  for (const char* moment : {"Checkpoint: ", "\n   1     1 "}) {
-    std::filesystem::remove(folder_ + "seed");
-    RunningProgram run(Command("a.clf", {"--checkpoint=" + folder_ + "seed"}), folder_ + "printed");
-    ASSERT_TRUE(run.Prints(moment)) << Printed();
-    run.Send(SIGINT);
-    EXPECT_EQ(run.Wait(), 130);
-    const Outcome resumed = Slam("a.clf", resume, "resumed");
-    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
-    EXPECT_THAT(resumed.out, AllOf(HasSubstr("Seeding: as in " + folder_ + "seed"),
-                                   Not(HasSubstr("Matching scans"))));
-    ExpectSameResults("whole", "resumed");
-  }
-  // The figures too, but for times and memory.
-  nlohmann::json whole = nlohmann::json::parse(Result("whole", "summary.json"));
-  const nlohmann::json resumed = nlohmann::json::parse(Result("resumed", "summary.json"));
-  whole["seeding"]["time_s"] = resumed["seeding"]["time_s"];
-  for (const char* same : {"seeding", "consistency", "stages", "alarm", "returns"}) {
-    EXPECT_EQ(whole[same], resumed[same]) << same;
-  }
-}
-
 TEST_F(FaultsTest, ReadingStaysWithinTheMemoryAllowed) {
   std::string scans;
   for (int i = 0; i < 200000; ++i)
@@ -169,41 +139,6 @@ TEST_F(FaultsTest, ReadingStaysWithinTheMemoryAllowed) {
               ": what was read so far takes more memory than the 20 MB allowed");
   WriteFile(folder_ + "a.g2o", "VERTEX_SE2 0 0 0 0\n" + std::string(1000000, '\n'));
   ExpectError(Slam("a.g2o", "--max_memory=20MB"), "takes more memory than the 20 MB allowed");
-}
-
-TEST_F(FaultsTest, ALogThatIsSwappedWhileItIsReadIsNoticed) {
-  SimulateLog(300);
-  const std::string log = ReadFile(folder_ + "a.clf");
-  std::atomic<bool> swaps{true};
-  std::thread swapper([&] {
-    while (swaps) {
-      WriteFile(folder_ + "b.clf", log);
-      std::filesystem::rename(folder_ + "b.clf", folder_ + "a.clf");
-    }
-  });
-  const Outcome run = Slam("a.clf", "--checkpoint=" + folder_ + "seed");
-  swaps = false;
-  swapper.join();
-  ExpectError(run, "a.clf: the log changed while it was read");
-  EXPECT_FALSE(std::filesystem::exists(folder_ + "seed"));
-}
-
-TEST_F(FaultsTest, RefusesTheCheckpointOfAnotherRun) {
-  SimulateLog(40);
-  const std::string resume = "--resume=" + folder_ + "seed";
-  ExpectError(Slam("a.clf", resume), "cannot open '" + folder_ + "seed'");
-  ASSERT_EQ(Slam("a.clf", "--checkpoint=" + folder_ + "seed").exit_code, 0);
-  std::filesystem::remove_all(folder_ + "out");
-  EXPECT_THAT(Slam("a.clf", resume + " --max_scans=30").err,
-              HasSubstr("--max_scans was 0, here it is 30"));
-  EXPECT_THAT(Slam("a.clf", resume + " --odom_translation_floor_m=0.02").err,
-              HasSubstr("--odom_translation_floor_m was 0.01, here it is 0.02"));
-  log_lines_.back() += "0";
-  WriteLog();
-  EXPECT_THAT(Slam("a.clf", resume).err, HasSubstr("the size of the log [bytes] was "));
-  WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
-  EXPECT_THAT(Slam("a.g2o", resume).err, HasSubstr("--resume goes with a log"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ + "out"));
 }
 
 TEST_F(FaultsTest, AFullDiskIsNamedAndLeavesNothingHalfWritten) {
@@ -256,41 +191,6 @@ TEST_F(FaultsTest, RefusesARunThatNeedsTooMuchMemory) {
   run = Slam("a.clf", "--max_memory=30MB --picture_side_px=4000");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("To stay within --max_memory, pictures have sides of "));
-}
-
-TEST_F(FaultsTest, ARunWithItsArraysOnDiskGivesTheSameBytesInLessMemory) {
-  if (PLUMBLINE_SANITIZED) GTEST_SKIP() << "sanitizers take memory of their own";
-  const Status usable = DiskArrays().Open(folder_);
-  if (!usable.ok()) GTEST_SKIP() << usable.message();
-  SimulateLog(300, "--scan_period_s=0.7 --num_beams=1440 --bearing_step_deg=0.25");
-  const std::string flags =
-      "--solver=alternating_cg --coarse_rounds=0 --fine_rounds=1 --picture_side_px=400";
-  const Outcome in_memory = Slam("a.clf", flags);
-  ASSERT_EQ(in_memory.exit_code, 0) << in_memory.err;
-  EXPECT_THAT(in_memory.out, Not(HasSubstr("on disk")));
-  const Outcome on_disk = Slam("a.clf", flags + " --max_memory=75MB", "disk");
-  ASSERT_EQ(on_disk.exit_code, 0) << on_disk.err;
-  EXPECT_THAT(on_disk.out, HasSubstr("arrays are kept on disk, beside the results: about "));
-  EXPECT_EQ(FilesOf("disk"), FilesOf("out"));
-  for (const std::string& name : kResults) {
-    if (name == "summary.json" || name == "report.html") continue;  // with times
-    EXPECT_EQ(Result("disk", name), Result("out", name)) << name;
-  }
-  const auto peak_of = [&](const std::string& folder) {
-    return nlohmann::json::parse(Result(folder, "summary.json"))["peak_memory_bytes"].get<double>();
-  };
-  std::cout << "peak: " << peak_of("out") / 1e6 << " MB, " << peak_of("disk") / 1e6
-            << " MB with arrays on disk\n";
-  EXPECT_LT(peak_of("disk"), 0.6 * peak_of("out"));
-  EXPECT_LT(peak_of("disk"), 1.25 * 75e6);
-  if (!std::filesystem::exists("/dev/shm")) return;
-  // Files in memory are no disk.
-  const Outcome nowhere =
-      Run("slam", "--log=" + folder_ + "a.clf --output_dir=/dev/shm/plumbline_none " + flags +
-                      " --max_memory=75MB");
-  EXPECT_EQ(nowhere.exit_code, kExitBadInput);
-  EXPECT_THAT(nowhere.err, HasSubstr("cannot keep arrays in '/dev/shm': it is no disk"));
-  EXPECT_FALSE(std::filesystem::exists("/dev/shm/plumbline_none"));
 }
 
 TEST_F(FaultsTest, AStackThatIsTooSmallIsRefused) {

@@ -43,7 +43,7 @@ const std::set<std::string> kTexts = {"start",      "calibrate",   "building",
                                       "odom_topic", "laser_frame", "slice_height_m"};
 const std::vector<Program> kPrograms = {
     {"slam",
-     {"log", "info", "fixed_map", "truth", "hits", "resume"},
+     {"log", "info", "fixed_map", "truth", "hits"},
      {{"log", "IN/a.clf"}, {"truth", "IN/a.tum"}, {"output_dir", "IN/out"}},
      "output_dir"},
     {"simulate",
@@ -99,9 +99,9 @@ class InputsAndOutputsTest : public ProgramTest {
     }
     return flags;
   }
-  // A log in a map has neither truth nor checkpoints.
+  // A log in a map has no truth.
   static bool ExcludeEachOther(const std::string& one, const std::string& other) {
-    const std::set<std::string> of_a_log = {"truth", "hits", "checkpoint", "resume"};
+    const std::set<std::string> of_a_log = {"truth", "hits"};
     return (one == "fixed_map" && of_a_log.count(other) > 0) ||
            (other == "fixed_map" && of_a_log.count(one) > 0);
   }
@@ -151,8 +151,7 @@ TEST_F(InputsAndOutputsTest, NoOutputIsAnInputOrAnotherOutput) {
           Flags both = program.flags;
           both[one] = file;
           both[other] = NameFor(std::string("IN/") + spelling);
-          const bool are_inputs = program.inputs.count(one) + program.inputs.count(other) == 2;
-          if (are_inputs || (one == "checkpoint" && other == "resume")) {
+          if (program.inputs.count(one) + program.inputs.count(other) == 2) {
             const Outcome run = RunWith(program, both);
             EXPECT_EQ(run.exit_code, kExitBadInput);  // what is in it
             EXPECT_THAT(run.err, Not(HasSubstr("an output must be")));
@@ -221,16 +220,6 @@ TEST_F(InputsAndOutputsTest, AnInputMayBeInTheOutputFolderUnderANameOfItsOwn) {
   const Outcome run = Slam("out/a.clf");
   EXPECT_EQ(run.exit_code, kExitDone) << run.err;
   EXPECT_EQ(FilesOf("out").size(), kResults.size() + 1);
-}
-
-TEST_F(InputsAndOutputsTest, ARunThatGoesOnFromACheckpointMayKeepItsStateThere) {
-  const std::string checkpoint = " --checkpoint=" + folder_ + "seed";
-  ASSERT_EQ(Slam("a.clf", checkpoint).exit_code, kExitDone);
-  const std::string seed = ReadFile(folder_ + "seed");
-  const Outcome run = Slam("a.clf", checkpoint + " --resume=" + folder_ + "seed", "resumed");
-  ASSERT_EQ(run.exit_code, kExitDone) << run.err;
-  EXPECT_TRUE(ReadFile(folder_ + "seed") == seed);
-  EXPECT_TRUE(Result("out", "trajectory.tum") == Result("resumed", "trajectory.tum"));
 }
 
 TEST_F(InputsAndOutputsTest, OneTableIsForOneExperiment) {

@@ -79,15 +79,9 @@ class KillTest : public ProgramTest {
     WriteFile(folder_ + "a.g2o", AsG2o(MakeNoisyRoom()));
     const std::string log = "--log=" + folder_ + "a.clf", graph = "--log=" + folder_ + "a.g2o";
     const std::string truth = "=" + folder_ + "a.tum", pictures = "--picture_side_px=200";
-    ASSERT_EQ(Slam("a.clf", "--checkpoint=" + folder_ + "seed").exit_code, 0);
     Add({"slam",
-         {log, "--output_dir=OUT", pictures, "--checkpoint=OUTseed"},
+         {log, "--output_dir=OUT", pictures},
          {"--max_scans=40", "--max_scans=30"},
-         false,  // for the checkpoint
-         true});
-    Add({"slam",
-         {log, "--output_dir=OUT", "--resume=" + folder_ + "seed"},
-         {pictures, "--picture_side_px=150"},
          true,
          true});
     Add({"slam", {graph, "--output_dir=OUT"}, {pictures, "--picture_side_px=150"}, true, true});

@@ -154,8 +154,8 @@ TEST_F(SessionsTest, WhatIsNoMapToLocaliseInIsRefused) {
 }
 
 TEST_F(SessionsTest, WhatGoesWithOneLogOnlyIsRefused) {
-  for (const char* flag : {"--truth=t.tum", "--calibrate=mounting", "--checkpoint=c.bin",
-                           "--resume=c.bin", "--start=odometry", "--solver=pose_graph"}) {
+  for (const char* flag :
+       {"--truth=t.tum", "--calibrate=mounting", "--start=odometry", "--solver=pose_graph"}) {
     const std::string text = flag;
     ExpectUsageError(Map({"a.clf", "b.clf"}, text), text.substr(0, text.find('=')));
   }

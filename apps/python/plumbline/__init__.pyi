@@ -241,7 +241,6 @@ class ReducedOptions(_Checked):
     move_tolerance_sigmas: float
     lines_follow: bool
     cg_tolerance: float
-    polish_sweeps: int
 
 class AlternatingCgOptions(_Checked):
     max_sweeps: int

@@ -108,19 +108,6 @@ TEST_F(BagProgramsTest, OdometryThatWasAskedForIsNotGoneWithout) {
   ExpectError(Slam("a.db3", "--odom_frame=odom"), "no frame 'odom' above the laser's");
 }
 
-TEST_F(BagProgramsTest, ACheckpointKnowsAllFilesOfAFolder) {
-  WriteFolder(SimulateDrive());
-  const std::string checkpoint = folder_ + "seed.bin";
-  const std::string expected = Map("bag", "--checkpoint=" + checkpoint);
-  EXPECT_EQ(Map("bag", "--resume=" + checkpoint), expected);
-  EXPECT_EQ(Map("bag/metadata.yaml", "--resume=" + checkpoint), expected);
-  std::filesystem::remove_all(folder_ + "out");
-  TestBag other = SimulateDrive();
-  other.back().bytes.back() = 'x';
-  WriteFolder(other);
-  ExpectError(Slam("bag", "--resume=" + checkpoint), "the checksum of the log was ");
-}
-
 TEST_F(BagProgramsTest, ConvertReadsAFolderAndOverwritesNoneOfItsFiles) {
   WriteFolder(SimulateDrive());
   const std::string in = "--input=" + folder_ + "bag --output=" + folder_;

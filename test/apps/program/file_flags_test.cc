@@ -93,17 +93,6 @@ TEST_F(FileFlagsTest, OtherFilesAreFine) {
   EXPECT_TRUE(Check("", FileUse::kInput, "", FileUse::kOutput).ok());
 }
 
-TEST_F(FileFlagsTest, AnOutputMayReplaceTheInputThatItGoesOnFrom) {
-  const std::string path = Path("state");
-  const FileFlag input = {"resume", &path, FileUse::kInput};
-  const FileFlag output = {"checkpoint", &path, FileUse::kOutput, nullptr, "resume"};
-  const FileFlag log = {"log", &path, FileUse::kInput};
-  EXPECT_TRUE(CheckFileFlags({input, output}).ok());
-  EXPECT_TRUE(CheckFileFlags({output, input}).ok());
-  EXPECT_THAT(CheckFileFlags({input, output, log}).message(),
-              AllOf(HasSubstr("--checkpoint"), HasSubstr("--log")));
-}
-
 TEST_F(FileFlagsTest, AFolderCountsWithTheFilesThatAreWrittenInIt) {
   const std::string folder = Path("out"), inside = Path("out/a.png"), beside = Path("out/b.png");
   const FileFlag output = {

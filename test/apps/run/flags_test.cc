@@ -74,7 +74,6 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"reduced_tolerance", [](O o) { return o.solver.reduced.relative_tolerance; }},
       {"reduced_move_tolerance", [](O o) { return o.solver.reduced.move_tolerance_sigmas; }},
       {"reduced_cg_tolerance", [](O o) { return o.solver.reduced.cg_tolerance; }},
-      {"reduced_polish_sweeps", [](O o) { return double(o.solver.reduced.polish_sweeps); }},
       {"cg_max_sweeps", [](O o) { return double(o.solver.alternating_cg.max_sweeps); }},
       {"cg_map_iterations",
        [](O o) { return double(o.solver.alternating_cg.map_iterations_per_sweep); }},
@@ -340,15 +339,6 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
                 is_read ? "" : "--" + std::string(it.flag) + " is ignored by --solver=" + solver);
     }
   }
-}
-
-TEST_F(FlagsTest, SweepsAfterTheReducedSolverReadTheFlagsOfSweeps) {
-  SetFlag("cg_scan_iterations", "2");
-  EXPECT_EQ(Refusal(), "--cg_scan_iterations is ignored by --solver=reduced");
-  SetFlag("reduced_polish_sweeps", "3");
-  EXPECT_EQ(Refusal(), "");
-  SetFlag("cg_max_sweeps", "3");  // there are as many as --reduced_polish_sweeps says
-  EXPECT_EQ(Refusal(), "--cg_max_sweeps is ignored by --solver=reduced");
 }
 
 TEST_F(FlagsTest, APlainStartReadsNoFlagsOfTheSeeding) {

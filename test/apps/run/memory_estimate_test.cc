@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <iomanip>
 #include <sstream>
 #include <string>
@@ -22,17 +21,17 @@ using testing::Not;
 
 class MemoryEstimateTest : public testing::Test {
  protected:
-  Status Fit(const MemoryBudget& budget, MemoryEstimate* estimate, std::string* text) const {
+  Status Fit(double limit, MemoryEstimate* estimate, std::string* text) const {
     int picture_side_px = 4000;
     std::ostringstream out;
-    Status status = FitMemory(budget, graph_, solver_, estimate, &picture_side_px, &out);
+    Status status = FitMemory(limit, graph_, solver_, estimate, &picture_side_px, &out);
     *text = out.str();
     return status;
   }
   std::string ErrorAt(double limit) const {
     std::string text;
     MemoryEstimate estimate = EstimateMemory(graph_, state_, solver_, false, 50);
-    return Fit({limit, 0.0, "", nullptr}, &estimate, &text).message();
+    return Fit(limit, &estimate, &text).message();
   }
 
   const SlamGraph graph_ = MakeNoisyRoom().graph;  // 12 scans
@@ -75,7 +74,7 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
   int picture_side_px = 50;
   std::ostringstream out;
-  EXPECT_THAT(FitMemory({}, large, solver_, &estimate, &picture_side_px, &out).message(),
+  EXPECT_THAT(FitMemory(0.0, large, solver_, &estimate, &picture_side_px, &out).message(),
               AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
 }
 
@@ -156,7 +155,7 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(estimate.seeding, asked.seeding);
     MemoryEstimate fitted = asked;
     std::string fitted_text;
-    EXPECT_TRUE(Fit({limit, 0.0, "", nullptr}, &fitted, &fitted_text).ok());
+    EXPECT_TRUE(Fit(limit, &fitted, &fitted_text).ok());
     EXPECT_EQ(fitted.results, estimate.results);
     EXPECT_EQ(fitted_text, asked.Text() + text);
   }
@@ -165,7 +164,7 @@ TEST_F(MemoryEstimateTest, PicturesAreMadeToFit) {
     EXPECT_EQ(fit(limit, &estimate, &side_px), "");
     EXPECT_EQ(side_px, kAskedPx);
     std::string text;
-    EXPECT_FALSE(Fit({limit, 0.0, "", nullptr}, &estimate, &text).ok());
+    EXPECT_FALSE(Fit(limit, &estimate, &text).ok());
     EXPECT_EQ(text, asked.Text());
   }
 }
@@ -181,100 +180,14 @@ TEST_F(MemoryEstimateTest, RefusesWhatDoesNotFitAndSaysWhatWould) {
   EXPECT_THAT(ErrorAt(25.05e6), Not(HasSubstr("--solver")));
 }
 
-// A run of 500 MB, of which 100 MB and 10 MB of pictures stay in memory where arrays are on disk.
-class DiskEstimateTest : public MemoryEstimateTest {
- protected:
-  DiskEstimateTest() {
-    estimate_.seeding = 400e6;
-    estimate_.joint = 450e6;
-    estimate_.results = 500e6;
-    estimate_.pictures = 10e6;
-    estimate_.on_disk = 100e6;
-    estimate_.picture_side_px = 1000;
-  }
-
-  MemoryEstimate estimate_;
-  std::string text_;
-  std::string decision_ = "none";
-  const std::function<void(bool)> decide_ = [this](bool on_disk) {
-    decision_ = on_disk ? "disk" : "memory";
-  };
-};
-
-TEST_F(DiskEstimateTest, WhatFitsInMemoryStaysThere) {
-  const MemoryEstimate before = estimate_;
-  ASSERT_TRUE(Fit({500e6, 1e9, "", decide_}, &estimate_, &text_).ok());
-  EXPECT_EQ(text_, before.Text());
-  EXPECT_EQ(estimate_.results, before.results);
-  EXPECT_EQ(decision_, "memory");
-}
-
-TEST_F(DiskEstimateTest, SmallerPicturesComeFirst) {
-  ASSERT_TRUE(Fit({495e6, 1e9, "", decide_}, &estimate_, &text_).ok());
-  EXPECT_THAT(text_, AllOf(HasSubstr("sides of 707 pixels"), Not(HasSubstr("on disk"))));
-  EXPECT_NEAR(estimate_.results, 495e6, 0.1e6);
-  EXPECT_EQ(decision_, "memory");
-}
-
-TEST_F(DiskEstimateTest, ArraysGoToDiskWhereThatIsEnough) {
-  ASSERT_TRUE(Fit({300e6, 500e6, "", decide_}, &estimate_, &text_).ok());
-  EXPECT_THAT(text_, AllOf(HasSubstr("arrays are kept on disk, beside the results: about 500 MB"),
-                           Not(HasSubstr("pixels"))));
-  EXPECT_EQ(estimate_.seeding, 100e6);
-  EXPECT_EQ(estimate_.joint, 100e6);
-  EXPECT_EQ(estimate_.results, 110e6);
-  EXPECT_EQ(decision_, "disk");
-}
-
-TEST_F(DiskEstimateTest, PicturesAreMadeToFitBesideWhatStaysInMemory) {
-  ASSERT_TRUE(Fit({105e6, 500e6, "", decide_}, &estimate_, &text_).ok());
-  EXPECT_THAT(text_, AllOf(HasSubstr("on disk"), HasSubstr("sides of 707 pixels")));
-  EXPECT_NEAR(estimate_.results, 105e6, 0.1e6);
-}
-
-TEST_F(DiskEstimateTest, RefusesWhatFitsNeitherWay) {
-  const auto error_of = [&](const MemoryBudget& budget) {
-    MemoryEstimate estimate = estimate_;
-    const Status status = Fit(budget, &estimate, &text_);
-    EXPECT_EQ(text_, estimate_.Text());
-    EXPECT_EQ(estimate.results, estimate_.results);
-    EXPECT_EQ(decision_, "none");
-    return status.message();
-  };
-  EXPECT_THAT(error_of({83.5e6, 500e6, "", decide_}),
-              AllOf(HasSubstr("needs about 500 MB of memory, 110 MB with its arrays on disk, but "
-                              "--max_memory allows 84 MB"),
-                    HasSubstr("--max_scans=4 would")));
-  EXPECT_THAT(error_of({300e6, 499e6, "", decide_}),
-              HasSubstr("its arrays do not fit in the 499 MB that are left on disk"));
-  EXPECT_THAT(error_of({300e6, 0.0, "there is no disk", decide_}),
-              HasSubstr(", and there is no disk; "));
-  // Where a disk would not help, there is no word of it.
-  EXPECT_THAT(error_of({83.5e6, 0.0, "there is no disk", decide_}),
-              AllOf(HasSubstr("needs about 500 MB of memory, but"), Not(HasSubstr("disk"))));
-}
-
 TEST_F(MemoryEstimateTest, SeveralLogsTakeTheProgramOnce) {
   const MemoryEstimate one = EstimateMemory(graph_, state_, solver_, false, 50);
   MemoryEstimate two = one;
   two.Add(one);
   EXPECT_NEAR(two.seeding - 25e6, 2.0 * (one.seeding - 25e6), 1.0);
   EXPECT_NEAR(two.joint - 25e6, 2.0 * (one.joint - 25e6), 1.0);
-  EXPECT_NEAR(two.on_disk - 67e6, 2.0 * (one.on_disk - 67e6), 1.0);
   EXPECT_EQ(two.pictures, one.pictures);
   EXPECT_NEAR(two.results - 25e6 - two.pictures, 2.0 * (one.results - 25e6 - one.pictures), 1.0);
-}
-
-TEST_F(MemoryEstimateTest, ProblemsOfCeresStayInMemory) {
-  const auto on_disk = [&] { return EstimateMemory(graph_, state_, solver_, false, 50).on_disk; };
-  EXPECT_NEAR(on_disk(), 67e6 + 12 * 3.8e3, 1.0);
-  NoisyRoomOptions many;
-  many.num_poses = 400;
-  many.num_beams = 360;
-  const SlamGraph large = MakeNoisyRoom(many).graph;
-  solver_.type = SolverType::kCeres;
-  const MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
-  EXPECT_EQ(estimate.on_disk, estimate.joint);
 }
 
 }  // namespace

@@ -451,17 +451,6 @@ TEST(ReducedSolveTest, AClockwiseLaserMountedUpsideDownWorks) {
   EXPECT_LT(RmsError(state, scene.poses, 0, 23), 0.4 * before_m);
 }
 
-TEST(ReducedSolveTest, PolishingDoesNotRaiseTheEnergy) {
-  NoisyRoom plain = DisturbedRoom(), polished = DisturbedRoom();
-  SolverOptions options = Reduced();
-  const SolverSummary without = SolveSoundly(options, plain.graph, &plain.state);
-  options.reduced.polish_sweeps = 3;
-  const SolverSummary with = SolveSoundly(options, polished.graph, &polished.state);
-  EXPECT_LE(with.final_marginal_energy, without.final_marginal_energy);
-  EXPECT_GT(with.iterations.size(), without.iterations.size());
-  EXPECT_EQ(with.iterations.back().phase, "joint");
-}
-
 TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {
   for (const double bad : {kNaN, kInfinity}) {
     NoisyRoom room = DisturbedRoom();
