@@ -12,7 +12,8 @@ constexpr double kBucketM = 0.25;
 // Returns from further than this off the first scan's robot do not enter: they would blow up the
 // grid, and a match is decided near by.
 constexpr double kReachM = 60.0;
-constexpr double kMinNormalCosine = 0.7071067811865476;  // 45 degrees
+// 45 degrees and a little more than kMarginRad.
+constexpr double kNearlyMinNormalCosine = 0.694;
 
 constexpr int kOctants = 8;
 
@@ -52,7 +53,29 @@ struct LocalMap::Search {
 
   void Offer(const SurfacePoint& point) {
     const double squared = (point.position - query.position).squaredNorm();
-    if (squared >= squared_distance || point.normal.dot(query.normal) < kMinNormalCosine) return;
+    if (squared >= squared_distance || !FacesAlike(query, point)) return;
+    best = &point;
+    squared_distance = squared;
+  }
+};
+
+// Also finds how far the next point is that is nearest once the query has turned a little.
+struct LocalMap::MarginSearch {
+  const SurfacePoint& query;
+  double squared_distance;  // to the best so far
+  double next_squared_distance;
+  const SurfacePoint* best = nullptr;
+
+  void Offer(const SurfacePoint& point) {
+    const double squared = (point.position - query.position).squaredNorm();
+    if (squared >= std::max(squared_distance, next_squared_distance) || &point == best) return;
+    const double cosine = point.normal.dot(query.normal);
+    if (cosine < kNearlyMinNormalCosine) return;
+    if (squared >= squared_distance || cosine < kMinNormalCosine) {
+      next_squared_distance = std::min(next_squared_distance, squared);
+      return;
+    }
+    if (best != nullptr) next_squared_distance = std::min(next_squared_distance, squared_distance);
     best = &point;
     squared_distance = squared;
   }
@@ -147,7 +170,8 @@ void LocalMap::AverageCells(const SurfacePoints& raw, const std::vector<RawPoint
 }
 
 // What the buckets within radius_m of the query hold, and perhaps more.
-void LocalMap::SearchBuckets(double radius_m, Search* search) const {
+template <typename AnySearch>
+void LocalMap::SearchBuckets(double radius_m, AnySearch* search) const {
   const Eigen::Vector2d at = (search->query.position - origin_) / bucket_m_;
   const double reach = radius_m / bucket_m_;
   const auto index = [](double at, int size) {
@@ -172,6 +196,22 @@ const SurfacePoint* LocalMap::Nearest(const SurfacePoint& query, double max_dist
   if (search.best == nullptr) SearchBuckets(0.0, &search);
   SearchBuckets(std::sqrt(search.squared_distance), &search);
   return search.best;
+}
+
+LocalMap::Neighbor LocalMap::NearestWithMargin(const SurfacePoint& query, double max_distance_m,
+                                               const SurfacePoint* hint) const {
+  const auto square = [](double x) { return x * x; };
+  Search near{query, square(max_distance_m)};
+  if (hint != nullptr) near.Offer(*hint);
+  if (near.best == nullptr) SearchBuckets(0.0, &near);
+  const double reach_m = std::sqrt(near.squared_distance) + kMostMarginM;
+  MarginSearch search{query, near.squared_distance, square(reach_m), near.best};
+  SearchBuckets(reach_m, &search);
+  const double next_m = std::sqrt(search.next_squared_distance);
+  // A point whose normal is a little farther off may be nearer than the best.
+  const double best_m = std::sqrt(search.squared_distance);
+  const double share = search.best == nullptr ? 1.0 : 0.5;  // the distance to the best grows, too
+  return {search.best, std::max(0.0, share * (next_m - best_m))};
 }
 
 }  // namespace plumbline

@@ -32,10 +32,46 @@ struct NormalEquations {
   int num_matched = 0;
 };
 
-// matches: of the scan's points, as the iteration before found them or null; brought up to date.
+// The point of the map that is nearest to a point of the scan, as an iteration has found it. The
+// search for it takes most of the time of a match.
+class Correspondence {
+ public:
+  // Null if there is none within the gate, which must not be wider than before.
+  const SurfacePoint* Update(const LocalMap& map, const SurfacePoint& in_world, double yaw,
+                             double gate_m, bool moves_little) {
+    if (Holds(in_world, yaw, gate_m)) return neighbor_.point;
+    if (moves_little) {
+      neighbor_ = map.NearestWithMargin(in_world, gate_m, neighbor_.point);
+    } else {
+      neighbor_ = {map.Nearest(in_world, gate_m, neighbor_.point), 0.0};
+    }
+    searched_at_ = in_world.position;
+    searched_yaw_ = yaw;
+    return neighbor_.point;
+  }
+
+ private:
+  bool Holds(const SurfacePoint& in_world, double yaw, double gate_m) const {
+    const auto square = [](double x) { return x * x; };
+    if (std::abs(yaw - searched_yaw_) > LocalMap::kMarginRad ||
+        (in_world.position - searched_at_).squaredNorm() >= square(neighbor_.margin_m)) {
+      return false;
+    }
+    const SurfacePoint* point = neighbor_.point;
+    return point == nullptr ||
+           ((point->position - in_world.position).squaredNorm() < square(gate_m) &&
+            LocalMap::FacesAlike(in_world, *point));
+  }
+
+  LocalMap::Neighbor neighbor_;
+  Eigen::Vector2d searched_at_ = Eigen::Vector2d::Zero();
+  double searched_yaw_ = 0.0;
+};
+
+// correspondences: of the scan's points, as the iteration before left them; brought up to date.
 NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
                           const Pose2& world_from_robot, double gate_m, double sigma_m,
-                          std::vector<const SurfacePoint*>* matches) {
+                          bool moves_little, std::vector<Correspondence>* correspondences) {
   NormalEquations equations;
   const FrameChange world_from_scan(world_from_robot);
   // A third of the gate: a correspondence at the gate weighs one hundredth of one on its surface.
@@ -44,8 +80,8 @@ NormalEquations Linearize(const LocalMap& map, const SurfacePoints& scan,
   const double inverse_variance = 1.0 / (sigma_m * sigma_m);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const SurfacePoint in_world = world_from_scan * scan[i];
-    const SurfacePoint* match = map.Nearest(in_world, gate_m, (*matches)[i]);
-    (*matches)[i] = match;
+    const SurfacePoint* match =
+        (*correspondences)[i].Update(map, in_world, world_from_robot.yaw, gate_m, moves_little);
     if (match == nullptr) {
       equations.robust_cost += scale_squared * inverse_variance;
       continue;
@@ -102,13 +138,14 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
   match.world_from_robot = prediction.world_from_robot;
   if (scan.empty() || map.points().empty()) return match;
   const double lever_m = RootMeanSquareRange(scan);
-  std::vector<const SurfacePoint*> matches(scan.size(), nullptr);
-  double gate_m = options.coarse_gate_m;
+  std::vector<Correspondence> correspondences(scan.size());
+  double gate_m = options.coarse_gate_m, moved_m = gate_m;
   for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
     const bool is_last = iteration == options.max_iterations;
     if (is_last) gate_m = options.fine_gate_m;
     Pose2& pose = match.world_from_robot;
-    NormalEquations equations = Linearize(map, scan, pose, gate_m, options.sigma_m, &matches);
+    NormalEquations equations = Linearize(map, scan, pose, gate_m, options.sigma_m,
+                                          moved_m < LocalMap::kMostMarginM, &correspondences);
     DropNormalNoise(&equations);
     // Told before the step: the one that ends the iterations is too small to change the fit.
     match.inlier_ratio =
@@ -126,7 +163,7 @@ ScanMatch MatchScan(const LocalMap& map, const SurfacePoints& scan,
     pose.yaw += step.z();
     // How far the step moves a typical point. A gate narrows only once its own correspondences
     // have settled: narrowed earlier, it would cut off the ones that still pull the right way.
-    const double moved_m = std::hypot(step.x(), step.y()) + lever_m * std::abs(step.z());
+    moved_m = std::hypot(step.x(), step.y()) + lever_m * std::abs(step.z());
     const bool at_fine_gate = gate_m <= options.fine_gate_m;
     match.converged = at_fine_gate && moved_m < options.step_tolerance_m;
     if (match.converged) break;

@@ -161,28 +161,39 @@ bool FitsClearlyBetter(const ScanMatch& match, const ScanMatch& than) {
          than.chi2 - match.chi2 >= kMinRelief * kPointsPerError;
 }
 
+Eigen::Vector2d WorstKnownDirection(const ScanMatch& match) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(match.information.topLeftCorner<2, 2>());
+  return axes.eigenvectors().col(0);
+}
+
+// Whether no match whatever could fit clearly better than this one.
+bool NothingFitsBetter(const ScanMatch& match) {
+  return match.inlier_ratio > 1.0 - kMinFittingMore || match.chi2 < kMinRelief * kPointsPerError;
+}
+
 // Where the scan fits clearly better than where it is, if there is such a place.
 std::optional<Pose2> WhereItFits(const LocalMap& map, const SurfacePoints& scan,
                                  const Pose2& world_from_robot) {
   const ScanMatch as_it_is = MeasureFit(map, scan, world_from_robot, ScanMatchOptions());
-  if (as_it_is.inlier_ratio > 1.0 - kMinFittingMore) return std::nullopt;  // nothing fits better
+  if (NothingFitsBetter(as_it_is)) return std::nullopt;
   // From bare walls a match may come to rest anywhere along them: elsewhere must be better than at
   // rest here.
   const ScanMatch at_rest = MatchFrom(map, scan, world_from_robot);
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(as_it_is.information.topLeftCorner<2, 2>());
-  const Eigen::Vector2d along = axes.eigenvectors().col(0);
   ScanMatch best = at_rest;
-  for (const double distance_m : kStartsM) {
-    for (const double shift_m : {-distance_m, distance_m}) {
-      Pose2 start = world_from_robot;
-      start.x += shift_m * along.x();
-      start.y += shift_m * along.y();
-      const ScanMatch match = MatchFrom(map, scan, start);
-      if (match.chi2 < best.chi2) best = match;
+  if (!NothingFitsBetter(at_rest)) {
+    const Eigen::Vector2d along = WorstKnownDirection(as_it_is);
+    for (const double distance_m : kStartsM) {
+      for (const double shift_m : {-distance_m, distance_m}) {
+        Pose2 start = world_from_robot;
+        start.x += shift_m * along.x();
+        start.y += shift_m * along.y();
+        const ScanMatch match = MatchFrom(map, scan, start);
+        if (match.chi2 < best.chi2) best = match;
+      }
     }
+    if (!FitsClearlyBetter(best, at_rest)) best = at_rest;
   }
-  if (!FitsClearlyBetter(best, at_rest)) best = at_rest;
   const Eigen::Vector2d off = best.world_from_robot.translation() - world_from_robot.translation();
   const bool is_misplaced =
       off.norm() > kMisplacedM && off.norm() <= kFarthestM && FitsClearlyBetter(best, as_it_is);

@@ -151,5 +151,41 @@ TEST(LocalMap, FindsNothingBeyondTheRadiusOrInAnEmptyMap) {
   EXPECT_EQ(nearest->position.x(), 2.0);
 }
 
+TEST(LocalMap, ANeighborIsTheSameWithinItsMargin) {
+  const SurfacePoints scan = Strewn(2000, 3), queries = Strewn(100, 4);
+  LocalMap map(0.1);
+  map.Rebuild({&scan}, {Pose2()});
+  std::mt19937 random(5);
+  const auto uniform = [&] { return 2.0 * (random() / 4294967296.0) - 1.0; };
+  int num_found = 0, num_missing = 0;
+  for (const double reach_m : {0.02, 0.2}) {
+    for (const SurfacePoint& query : queries) {
+      const LocalMap::Neighbor neighbor = map.NearestWithMargin(query, reach_m);
+      ASSERT_EQ(neighbor.point, NearestOfAll(map, query, reach_m));
+      ASSERT_GE(neighbor.margin_m, 0.0);
+      if (neighbor.margin_m == 0.0) continue;
+      for (int i = 0; i < 10; ++i) {
+        const double direction = kPi * uniform(), turn = LocalMap::kMarginRad * uniform();
+        const double moved_m = 0.999 * neighbor.margin_m * std::abs(uniform());
+        SurfacePoint moved = Pose2(0.0, 0.0, turn) * query;
+        moved.position =
+            query.position + moved_m * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+        const SurfacePoint* nearest = NearestOfAll(map, moved, reach_m);
+        if (neighbor.point == nullptr) {
+          ASSERT_EQ(nearest, nullptr);
+          ++num_missing;
+          continue;
+        }
+        const bool is_in_reach = (neighbor.point->position - moved.position).norm() < reach_m;
+        if (!is_in_reach || !LocalMap::FacesAlike(moved, *neighbor.point)) continue;
+        ASSERT_EQ(nearest, neighbor.point);
+        ++num_found;
+      }
+    }
+  }
+  EXPECT_GT(num_found, 300);
+  EXPECT_GT(num_missing, 300);
+}
+
 }  // namespace
 }  // namespace plumbline
