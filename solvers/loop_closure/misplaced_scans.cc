@@ -167,6 +167,13 @@ Eigen::Vector2d WorstKnownDirection(const ScanMatch& match) {
   return axes.eigenvectors().col(0);
 }
 
+// Twice the negative log likelihood of a scan at the gate that a match begins with.
+double CoarseChi2(const LocalMap& map, const SurfacePoints& scan, const Pose2& world_from_robot) {
+  ScanMatchOptions options;
+  options.fine_gate_m = kStartGateM;
+  return MeasureFit(map, scan, world_from_robot, options).chi2;
+}
+
 // Whether no match whatever could fit clearly better than this one.
 bool NothingFitsBetter(const ScanMatch& match) {
   return match.inlier_ratio > 1.0 - kMinFittingMore || match.chi2 < kMinRelief * kPointsPerError;
@@ -183,11 +190,14 @@ std::optional<Pose2> WhereItFits(const LocalMap& map, const SurfacePoints& scan,
   ScanMatch best = at_rest;
   if (!NothingFitsBetter(at_rest)) {
     const Eigen::Vector2d along = WorstKnownDirection(as_it_is);
+    const double chi2_here = CoarseChi2(map, scan, world_from_robot);
     for (const double distance_m : kStartsM) {
       for (const double shift_m : {-distance_m, distance_m}) {
         Pose2 start = world_from_robot;
         start.x += shift_m * along.x();
         start.y += shift_m * along.y();
+        // The start next to where the scan belongs fits better than where it is.
+        if (CoarseChi2(map, scan, start) >= chi2_here) continue;
         const ScanMatch match = MatchFrom(map, scan, start);
         if (match.chi2 < best.chi2) best = match;
       }
