@@ -1,14 +1,17 @@
 #include "plumbline/apps/benchmark/memory_use.h"
 
+#include <unistd.h>
+
 #include <fstream>
 
 #include "plumbline/apps/program/heap.h"
-#include "plumbline/apps/program/resident_memory.h"
 
 namespace plumbline {
 
 std::size_t ResidentMemoryBytes() {
-  return static_cast<std::size_t>(ResidentMemory().Read().total);
+  std::size_t num_addressed = 0, num_resident = 0;  // pages
+  std::ifstream("/proc/self/statm") >> num_addressed >> num_resident;
+  return num_resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 void RestartPeakMemory() {

@@ -1,18 +1,15 @@
 #include "plumbline/apps/io/atomic_file.h"
 
-#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <system_error>
-#include <vector>
 
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/temporary_files.h"
@@ -132,23 +129,6 @@ std::string_view TargetOfTemporary(std::string_view name) {
   }
   name.remove_suffix(kEnding.size());
   return CutNumber('-', &name) && CutNumber('.', &name) ? name : std::string_view();
-}
-
-void RemoveAbandonedTemporaries(const std::string& path) {
-  const std::filesystem::path target = FollowLinks(path);
-  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
-  std::vector<std::filesystem::path> abandoned;
-  std::error_code error;
-  std::filesystem::directory_iterator entry(folder, error), end;
-  for (; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (TargetOfTemporary(name) != target.filename().string()) continue;
-    int process = 0;
-    std::from_chars(&name[target.filename().string().size() + 1], name.data() + name.size(),
-                    process);
-    if (kill(process, 0) != 0 && errno == ESRCH) abandoned.push_back(entry->path());
-  }
-  for (const std::filesystem::path& file : abandoned) std::filesystem::remove(file, error);
 }
 
 }  // namespace plumbline

@@ -67,10 +67,6 @@ std::string FollowLinks(const std::string& path);
 /// for any other name.
 std::string_view TargetOfTemporary(std::string_view name);
 
-/// Removes the temporary files of a file that killed programs have left behind, and none that a
-/// running program of this machine is at work with. What cannot be removed stays.
-void RemoveAbandonedTemporaries(const std::string& path);
-
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_IO_ATOMIC_FILE_H_

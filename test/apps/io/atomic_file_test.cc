@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -206,23 +205,6 @@ TEST(AtomicFileTest, TemporaryFilesAreKnownByTheirNames) {
                             "map.pgm-1-2.tmp", "map.pgm.1-2.tmp.png", "1-2.tmp"}) {
     EXPECT_EQ(TargetOfTemporary(other), "") << other;
   }
-}
-
-TEST(AtomicFileTest, WhatKilledProgramsLeftIsRemoved) {
-  const std::string folder = TempFolder(), path = folder + "seed";
-  const pid_t child = fork();
-  if (child == 0) _exit(0);
-  ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  const std::string dead = "." + std::to_string(child) + "-0.tmp";
-  const std::string running = "." + std::to_string(getpid()) + "-7.tmp";
-  for (const std::string& name : {"seed" + dead, "seed" + running, "other" + dead}) {
-    WriteFile(folder + name, "half");
-  }
-  RemoveAbandonedTemporaries(path);
-  EXPECT_FALSE(std::filesystem::exists(folder + "seed" + dead));
-  EXPECT_TRUE(std::filesystem::exists(folder + "seed" + running));
-  EXPECT_TRUE(std::filesystem::exists(folder + "other" + dead));
-  RemoveAbandonedTemporaries(folder + "nowhere/seed");
 }
 
 TEST(AtomicFileTest, AFullDiskIsReportedAtCommit) {
