@@ -8,8 +8,8 @@
 
 namespace plumbline {
 
-/// The poses that the seeding left, (x, y, yaw) each, and what it reported, as bytes for another
-/// process of the same program. Every bit of a number is kept.
+/// The poses, (x, y, yaw) each, and the report of a seed as bytes, for another process of the same
+/// program. Every bit of a number is kept.
 std::string PackSeed(const std::vector<double>& poses, const SeedingReport& report);
 
 /// Reads what PackSeed wrote.
