@@ -188,24 +188,27 @@ void LocalMap::SearchBuckets(double radius_m, AnySearch* search) const {
   }
 }
 
-const SurfacePoint* LocalMap::Nearest(const SurfacePoint& query, double max_distance_m,
-                                      const SurfacePoint* hint) const {
+// A point that makes the rest of a search narrow: the hint, or else one of the query's own bucket.
+LocalMap::Search LocalMap::SearchCloseBy(const SurfacePoint& query, double max_distance_m,
+                                         const SurfacePoint* hint) const {
   Search search{query, max_distance_m * max_distance_m};
   if (hint != nullptr) search.Offer(*hint);
-  // A point in the query's own bucket makes the rest of the search narrow, too.
   if (search.best == nullptr) SearchBuckets(0.0, &search);
+  return search;
+}
+
+const SurfacePoint* LocalMap::Nearest(const SurfacePoint& query, double max_distance_m,
+                                      const SurfacePoint* hint) const {
+  Search search = SearchCloseBy(query, max_distance_m, hint);
   SearchBuckets(std::sqrt(search.squared_distance), &search);
   return search.best;
 }
 
 LocalMap::Neighbor LocalMap::NearestWithMargin(const SurfacePoint& query, double max_distance_m,
                                                const SurfacePoint* hint) const {
-  const auto square = [](double x) { return x * x; };
-  Search near{query, square(max_distance_m)};
-  if (hint != nullptr) near.Offer(*hint);
-  if (near.best == nullptr) SearchBuckets(0.0, &near);
-  const double reach_m = std::sqrt(near.squared_distance) + kMostMarginM;
-  MarginSearch search{query, near.squared_distance, square(reach_m), near.best};
+  const Search close = SearchCloseBy(query, max_distance_m, hint);
+  const double reach_m = std::sqrt(close.squared_distance) + kMostMarginM;
+  MarginSearch search{query, close.squared_distance, reach_m * reach_m, close.best};
   SearchBuckets(reach_m, &search);
   const double next_m = std::sqrt(search.next_squared_distance);
   // A point whose normal is a little farther off may be nearer than the best.

@@ -70,6 +70,8 @@ class LocalMap {
   void LayGrid(const SurfacePoints& raw);
   std::vector<RawPoint> SortIntoBuckets(const SurfacePoints& raw);
   void AverageCells(const SurfacePoints& raw, const std::vector<RawPoint>& sorted);
+  Search SearchCloseBy(const SurfacePoint& query, double max_distance_m,
+                       const SurfacePoint* hint) const;
   template <typename AnySearch>
   void SearchBuckets(double radius_m, AnySearch* search) const;
 
