@@ -17,6 +17,8 @@ function(make_good_tree)
        "#include \"plumbline/core/a.h\"\n\n#include <nanoflann.hpp>\n#include <vector>\n")
   file(WRITE ${TREE}/factors/b.h "#include <ceres/ceres.h>\n#include \"plumbline/core/a.h\"\n")
   file(WRITE ${TREE}/solvers/interface/c.h "#include \"plumbline/factors/b.h\"\n")
+  file(WRITE ${TREE}/solvers/interface/quiet_ceres.cc
+       "#include <glog/logging.h>\nceres::Solve(options, problem, summary);\n")
   file(WRITE ${TREE}/solvers/reduced/d.h "#include \"plumbline/solvers/interface/c.h\"\n")
   file(WRITE ${TREE}/solvers/door.h "#include \"plumbline/solvers/reduced/d.h\"\n")
   file(WRITE ${TREE}/apps/d_main.cc
@@ -59,6 +61,8 @@ expect_complaint(apps/slam_toolbox/x.h "#include \"plumbline/apps/d_main.h\"\n"
 expect_complaint(core/x.h "#include <ceres/jet.h>\n" "core may not include <ceres/jet.h>")
 expect_complaint(solvers/x.h "#include <nanoflann.hpp>\n" "a public header may not include")
 expect_complaint(solvers/x.cc "int x = std::fprintf (stderr, 0);\n" "the library may not print")
+expect_complaint(solvers/x.cc "ceres::Solve(options, &problem, &summary);\n"
+                 "ceres::Solve prints, call SolveQuietly")
 expect_complaint(solvers/x.cc "const ceres::Manifold* x;\n" "Ceres 2.0 has no manifolds")
 expect_complaint(solvers/x.h "ceres::LocalParameterization x;\n" "Ceres 2.0 has no manifolds")
 foreach(header gflags/gflags.h glog/logging.h iostream fstream)

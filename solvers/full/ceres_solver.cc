@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "plumbline/solvers/full/problem_builder.h"
 #include "plumbline/solvers/full/rounds_solver.h"
 #include "plumbline/solvers/interface/built_in_solvers.h"
+#include "plumbline/solvers/interface/quiet_ceres.h"
 
 namespace plumbline {
 namespace {
@@ -26,7 +28,6 @@ ceres::Solver::Options MakeOptions(const CeresOptions& options) {
   result.max_num_iterations = options.max_iterations;
   result.function_tolerance = options.function_tolerance;
   result.parameter_tolerance = 0.0;
-  result.logging_type = ceres::SILENT;
   // A callback is to see the state of its iteration.
   result.update_state_every_iteration = true;
   // Damping must not be stiffer than the bending modes of a long corridor.
@@ -90,7 +91,7 @@ InnerResult Minimize(ceres::Solver::Options ceres_options, int num_threads,
   ReportCallback callback(report);
   ceres_options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, problem, &summary);
+  SolveQuietly(std::move(ceres_options), problem, &summary);
 
   InnerResult result;
   result.usable = summary.IsSolutionUsable();

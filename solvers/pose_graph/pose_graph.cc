@@ -13,6 +13,7 @@
 #include "plumbline/factors/analytic_factor.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
+#include "plumbline/solvers/interface/quiet_ceres.h"
 #include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
 namespace plumbline {
@@ -52,7 +53,6 @@ ceres::Solver::Options SolverSettings() {
   // into hundreds.
   options.initial_trust_region_radius = 1e12;
   options.num_threads = 1;  // more would make the sums depend on their number
-  options.logging_type = ceres::SILENT;
   return options;
 }
 
@@ -114,7 +114,7 @@ PoseGraphResult OptimizePoseGraph(const std::vector<RelativePoseConstraint>& edg
   PoseGraphResult result;
   for (; scale >= kCauchyScale && !result.stopped; scale /= kNarrowing) {
     loss.Reset(new ceres::CauchyLoss(scale), ceres::TAKE_OWNERSHIP);
-    ceres::Solve(settings, &problem, &summary);
+    SolveQuietly(settings, &problem, &summary);
     // The first entry is the starting point; there is none if that could not be evaluated.
     result.iterations += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
     for (const ceres::IterationSummary& it : summary.iterations) result.costs.push_back(it.cost);
