@@ -5,7 +5,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kWidthPx = 1200, kHeightPx = 840;
+constexpr int kWidthPx = 1200, kChartPx = 808;  // without the legend
 
 bool HasPlace(const Eigen::Vector2d& point) {
   return point.allFinite() && point.x() > 0.0 && point.y() > 0.0;
@@ -25,7 +25,7 @@ Status WriteConvergencePlot(const std::string& path, const ConvergencePlot& plot
     }
     chart.series.push_back(series);
   }
-  return WriteLineChart(path, chart, kWidthPx, kHeightPx);
+  return WriteLineChart(path, chart, kWidthPx, kChartPx + LegendHeightPx(chart, kWidthPx));
 }
 
 }  // namespace plumbline

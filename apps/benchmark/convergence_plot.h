@@ -23,7 +23,8 @@ struct ConvergencePlot {
 
 /// Draws the lines as a PNG picture, 1200 pixels wide. Both axes are logarithmic and hold all
 /// points; a point with a coordinate that is not finite and positive has no place on them and is
-/// left out. The legend is below. The same plot gives the same bytes.
+/// left out. The legend is below and adds its height to the picture. The same plot gives the same
+/// bytes.
 ///
 /// InvalidArgument if there is no point to draw; Unavailable if the file cannot be
 /// written.

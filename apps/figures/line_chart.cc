@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "plumbline/apps/figures/plot_axes.h"
 #include "plumbline/apps/figures/series_marks.h"
@@ -64,6 +65,14 @@ Status CheckChart(const LineChart& chart, int width_px, int height_px) {
   return empty ? Status::InvalidArgument("there is no point to draw") : Status::Ok();
 }
 
+// The context has the font that labels are written in.
+ChartLegend LegendOf(const LineChart& chart, int width_px, cairo_t* context) {
+  std::vector<std::string> labels;
+  for (const ChartSeries& series : chart.series) labels.push_back(series.label);
+  const double font_px = PrintFontPx(width_px);
+  return ChartLegend(std::move(labels), width_px - font_px, font_px, context);
+}
+
 class ChartPainter {
  public:
   ChartPainter(const LineChart& chart, int width_px, int height_px, cairo_t* context)
@@ -80,7 +89,7 @@ class ChartPainter {
     cairo_set_source_rgb(context_, 1.0, 1.0, 1.0);
     cairo_paint(context_);
     const double font = frame_.font_px;
-    const ChartLegend legend(Labels(), width_px_ - font, font, context_);
+    const ChartLegend legend = LegendOf(chart_, width_px_, context_);
     const double legend_top = height_px_ - legend.height_px() - 0.3 * font;
     frame_.y.first_px = std::floor(legend_top - BottomMarginPx(font) - 0.3 * font);
     frame_.y.last_px = std::ceil((chart_.title.empty() ? 0.8 : 2.0) * font);
@@ -102,12 +111,6 @@ class ChartPainter {
   }
 
  private:
-  std::vector<std::string> Labels() const {
-    std::vector<std::string> labels;
-    for (const ChartSeries& series : chart_.series) labels.push_back(series.label);
-    return labels;
-  }
-
   AxisRange RangeOf(const std::vector<std::vector<double> ChartSeries::*>& values, bool log) const {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const ChartSeries& series : chart_.series) {
@@ -168,6 +171,13 @@ Status WriteLineChart(const std::string& path, const LineChart& chart, int width
   AtomicFile file;
   PLUMBLINE_RETURN_IF_ERROR(file.Open(path));
   return CommitPng(path, surface.get(), context.get(), &file);
+}
+
+int LegendHeightPx(const LineChart& chart, int width_px) {
+  const CairoSurface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1));
+  const CairoContext context(cairo_create(surface.get()));
+  SelectFont(PrintFontPx(width_px), context.get());
+  return static_cast<int>(LegendOf(chart, width_px, context.get()).height_px());
 }
 
 }  // namespace plumbline

@@ -32,6 +32,9 @@ struct LineChart {
 /// Unavailable if the file cannot be written.
 Status WriteLineChart(const std::string& path, const LineChart& chart, int width_px, int height_px);
 
+/// Height [px] of the chart's legend in a picture of that width.
+int LegendHeightPx(const LineChart& chart, int width_px);
+
 }  // namespace plumbline
 
 #endif  // PLUMBLINE_APPS_FIGURES_LINE_CHART_H_

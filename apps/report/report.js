@@ -4,6 +4,8 @@
   const data = JSON.parse(document.getElementById('report-data').textContent);
   const palette = ['#0f7b8a', '#d9622b', '#6a5acd', '#3c8d40', '#b8336a', '#a07a10', '#4878b8',
                    '#7a7a7a'];
+  const dashes = ['none', '7 3', '2 3'];  // of each further set of colours
+  const dashOf = (index) => Math.floor(index / palette.length) % dashes.length;
   const margin = {left: 56, right: 16, top: 12, bottom: 44};
 
   function add(parent, name, attributes = {}, text = '') {
@@ -170,12 +172,14 @@
     curves.forEach((curve, index) => {
       const item = addHtml(legend, 'li', '', curve.label);
       item.style.setProperty('--color', palette[index % palette.length]);
+      if (dashOf(index)) item.className = `dash${dashOf(index)}`;
     });
     box.after(legend);
   }
 
-  function drawCurve(drawing, points, color) {
+  function drawCurve(drawing, points, color, index) {
     add(drawing.svg, 'polyline', {class: 'curve', stroke: color,
+                                  'stroke-dasharray': dashes[dashOf(index)],
                                   points: points.map(({x, y}) => `${x},${y}`).join(' ')});
   }
 
@@ -205,7 +209,7 @@
         const onScreen = points
             .map((point) => ({point, x: xAxis.toPx(point[column]), y: yAxis.toPx(point[2])}))
             .filter(({x, y}) => Number.isFinite(x) && Number.isFinite(y));
-        drawCurve(drawing, onScreen, color);
+        drawCurve(drawing, onScreen, color, index);
         const radius = onScreen.length > 40 ? 1.5 : 3.5;
         for (const {point, x, y} of onScreen) {
           const mark = add(drawing.svg, 'circle', {cx: x, cy: y, r: radius, fill: color});
@@ -248,7 +252,7 @@
         const onScreen = curve.values
             .map((value, index) => ({value, index, x: xOf(index), y: yAxis.toPx(value)}))
             .filter(({value}) => value > 0);
-        drawCurve(drawing, onScreen, color);
+        drawCurve(drawing, onScreen, color, number);
         for (const {value, index, x, y} of onScreen) {
           const mark = add(drawing.svg, 'circle', {cx: x, cy: y, r: 3.5, fill: color});
           const lines = [`${stages[index]}, ${curve.label}`, `${exact(value)} ${plot.valueLabel}`];

@@ -70,6 +70,24 @@ TEST_F(ConvergencePlotTest, WhatHasNoPlaceOnALogarithmicAxisIsLeftOut) {
   EXPECT_TRUE(ReadFile(path_) == without);
 }
 
+TEST_F(ConvergencePlotTest, ALongLegendLeavesThePlotItsSize) {
+  const Picture short_legend = Draw(TwoLines());
+  ConvergencePlot plot = TwoLines();
+  for (int i = 2; i < 20; ++i) {
+    plot.lines.push_back({"ceres reduced line_search nonlinear_conjugate_gradient polak_ribiere " +
+                              std::to_string(i),
+                          {{1.0, 0.1}}});
+  }
+  const Picture picture = Draw(plot);
+  EXPECT_EQ(picture.width, 1200);
+  // Two lines fit in one row of the legend; the others have one each.
+  const int rows_px = picture.height - short_legend.height;
+  EXPECT_NEAR(rows_px, 19 * 32, 20);
+  constexpr int kLegendTop = 790;
+  EXPECT_NEAR(picture.Around(IsBlue, {0, picture.width, 0, kLegendTop}).height(),
+              short_legend.Around(IsBlue, {0, picture.width, 0, kLegendTop}).height(), 5);
+}
+
 TEST_F(ConvergencePlotTest, NothingToDrawIsAnError) {
   ConvergencePlot plot = TwoLines();
   plot.lines = {{"empty", {{0.0, 1.0}}}};
