@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <iomanip>
 #include <iostream>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -14,7 +13,6 @@
 
 #include "plumbline/apps/benchmark/ablation.h"
 #include "plumbline/apps/benchmark/benchmark_usage.h"
-#include "plumbline/apps/benchmark/comparison_report.h"
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
 #include "plumbline/apps/benchmark/mapper_record.h"
@@ -22,9 +20,10 @@
 #include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
 #include "plumbline/apps/benchmark/scan_solver_replay.h"
+#include "plumbline/apps/benchmark/seeded_log.h"
 #include "plumbline/apps/benchmark/sensor_matrix.h"
 #include "plumbline/apps/benchmark/sensor_report.h"
-#include "plumbline/apps/benchmark/solver_comparison.h"
+#include "plumbline/apps/benchmark/solver_experiment.h"
 #include "plumbline/apps/benchmark/stage_profile.h"
 #include "plumbline/apps/benchmark/studies.h"
 #include "plumbline/apps/benchmark/study_flags.h"
@@ -39,20 +38,8 @@
 #include "plumbline/apps/report/html_report.h"
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/run/flags.h"
-#include "plumbline/apps/simulation/building_generator.h"
-#include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/solve.h"
-
-namespace {
-
-// The comparison's defaults are those of the flags.
-const plumbline::ComparisonOptions& Defaults() {
-  static const plumbline::ComparisonOptions options;
-  return options;
-}
-
-}  // namespace
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, sessions_study, "
@@ -76,9 +63,6 @@ DEFINE_string(
 DEFINE_string(
     corrected_log, "",
     "log: the same drive with poses that another mapper corrected, to start from as well");
-DEFINE_int32(repeats, Defaults().repeats, "solver_comparison: runs of each solver");
-DEFINE_double(time_limit_s, Defaults().time_limit_s,
-              "solver_comparison: a solver is asked to stop after this time [s]");
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
@@ -98,80 +82,18 @@ DEFINE_int32(window_fixed_poses, plumbline::WindowOptions().max_fixed_poses,
 namespace plumbline {
 namespace {
 
-Status SimulateBuilding(SlamGraph* graph) {
-  SimulatedLog log;
-  PLUMBLINE_RETURN_IF_ERROR(
-      Simulate(World(GenerateBuilding(BuildingKind::kRandom, 1)), SimulationOptions(), &log));
-  return MakeGraph(log, graph);
-}
-
 // The log, or a simulated drive, with its seed. All threads have ended on return. solver: becomes
 // what the joint estimation goes by.
 Status MakeSeed(SolverOptions* solver, LogMapping* mapping) {
   MapLogOptions options;
   options.solver = *solver;
   PLUMBLINE_RETURN_IF_ERROR(SeedingOptionsFromFlags(&options.seeding));
-  LogNotes notes;
-  SlamGraph graph;
-  PLUMBLINE_RETURN_IF_ERROR(FLAGS_log.empty() ? SimulateBuilding(&graph)
-                                              : ReadLogIntoGraph(FLAGS_log, 0, &notes, &graph));
-  ThreadPool pool(solver->num_threads);
-  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, mapping));
-  PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool, mapping));
-  *solver = RefinementOptions(options, *mapping);
-  return Status::Ok();
-}
-
-Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
-  options->repeats = FLAGS_repeats;
-  options->time_limit_s = FLAGS_time_limit_s;
-  std::string error;
-  if (!options->Check(&error)) return Status::InvalidArgument("the flags set " + error);
-  return Status::Ok();
-}
-
-void PrintRun(const SolverRun& run) {
-  std::cout << "  " << run.solver << ", run " << run.repeat << ": ";
-  if (run.failure.empty()) {
-    std::cout << run.num_iterations << " iterations, " << std::fixed << std::setprecision(2)
-              << run.time_s() << " s\n";
-  } else {
-    std::cout << "failed: " << run.failure << '\n';
-  }
-  std::cout << std::flush;
-}
-
-Status WriteComparison(const OutputFolder& output, const Comparison& comparison, HtmlReport* page) {
-  std::cout << ComparisonTable(comparison);
-  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonJson(output.File("solver_comparison.json"), comparison));
-  PLUMBLINE_RETURN_IF_ERROR(WriteComparisonCsv(output.File("solver_comparison.csv"), comparison));
-  if (BestEnergy(comparison.runs) == std::numeric_limits<double>::infinity()) {
-    return Status::InvalidArgument("no run came to its end");
-  }
-  AddComparison(comparison, page);
-  return WriteComparisonPlot(output.File("solver_comparison.png"), comparison);
+  PLUMBLINE_RETURN_IF_ERROR(PrepareDrive(FLAGS_log, options, mapping));
+  return SeedPreparedDrive(options, mapping, solver);
 }
 
 Status CompareAllSolvers(const OutputFolder& output, HtmlReport* page) {
-  Comparison comparison;
-  SolverOptions solver;
-  PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison.options));
-  PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
-  std::vector<Relation> relations;
-  if (!FLAGS_relations.empty()) {
-    PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
-  }
-  LogMapping seed;
-  PLUMBLINE_RETURN_IF_ERROR(MakeSeed(&solver, &seed));
-  comparison.input = FLAGS_log.empty() ? "simulated building" : FLAGS_log;
-  comparison.num_scans = seed.graph.num_scans();
-  comparison.num_returns = seed.graph.num_returns();
-  std::cout << comparison.input << ": " << comparison.num_scans << " scans, "
-            << comparison.num_returns << " returns, seeded; " << solver.num_threads << " threads\n";
-  comparison.solvers = ComparedSolvers(solver);
-  comparison.runs = CompareSolvers(comparison.solvers, relations, comparison.options, PrintRun,
-                                   seed.graph, seed.state);
-  return WriteComparison(output, comparison, page);
+  return CompareSolversByFlags(FLAGS_log, FLAGS_relations, output, page);
 }
 
 Status MapLogByAll(const OutputFolder& output, HtmlReport* page) {
@@ -368,7 +290,7 @@ constexpr Experiment kExperiments[] = {
     {"variations", Variations, "", true, false, false, "start relations sweep_time_s", true},
     {"solver_comparison", CompareAllSolvers,
      "solver_comparison.json solver_comparison.csv solver_comparison.png", false, true, true,
-     "solver start"},
+     "solver"},
     {"scaling", Scaling, "", false, false, false, "solver start", true},
     {"log", MapLogByAll, "log.json log_relations.csv log_sharpness.csv log_maps.png", true, true,
      true, "start"},
@@ -483,10 +405,10 @@ Status CheckFlags() {
   std::vector<int> counts;
   const Status status = ParseScanCounts(FLAGS_scans, &counts);
   if (!status.ok()) return Status::InvalidArgument("--scans: " + status.message());
-  ComparisonOptions comparison;
   SolverOptions solver;
   SeedingOptions seeding;
-  PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison));
+  PLUMBLINE_RETURN_IF_ERROR(CheckComparisonNumbers());
+  if (IsWanted(CompareAllSolvers)) PLUMBLINE_RETURN_IF_ERROR(CheckComparedSolvers());
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   const bool one_solver = std::none_of(wanted.begin(), wanted.end(), [](const Experiment* wants) {
     return wants->runs_other_solvers;

@@ -1,5 +1,6 @@
 #include "plumbline/apps/benchmark/comparison_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iomanip>
@@ -39,9 +40,9 @@ const MapQuality& QualityAt(const MapSharpness& sharpness, double radius_m) {
   return nearest->quality;
 }
 
-std::string TableRow(const SolverFigures& figures, double best_energy) {
+std::string TableRow(const SolverFigures& figures, std::size_t name_width, double best_energy) {
   std::string name = figures.solver;
-  name.resize(34, ' ');
+  name.resize(name_width, ' ');
   if (figures.median_run == nullptr) return name + "failed: " + figures.failures.front() + '\n';
   const SolverRun& run = *figures.median_run;
   const MapQuality& quality = QualityAt(run.points, kTableRadius);
@@ -63,7 +64,17 @@ std::string TableRow(const SolverFigures& figures, double best_energy) {
 }
 
 std::string InputName(const Comparison& comparison) {
-  return comparison.input.substr(comparison.input.find_last_of('/') + 1);
+  return comparison.input.substr(comparison.input.find_last_of('/') + 1) +
+         ", start: " + comparison.start;
+}
+
+// Of the table's first column.
+std::size_t NameWidth(const Comparison& comparison) {
+  std::size_t width = std::string("solver").size();
+  for (const ComparedSolver& solver : comparison.solvers) {
+    width = std::max(width, solver.name.size());
+  }
+  return width + 1;
 }
 
 // How far above the best energy a state is: what the plots show. A tenth of what counts as reaching
@@ -131,10 +142,10 @@ Json FiguresJson(const SolverFigures& figures, const std::vector<ComparedSolver>
                {"cpu_time_s", run.cpu_time_s()},
                {"final_marginal_energy", figures.final_energy},
                {"time_to_final_energy_of_s", reach},
-               {"time_over_reduced", OptionalJson(figures.time_ratio)},
+               {"time_over_first", OptionalJson(figures.time_ratio)},
                {"start_memory_bytes", run.start_memory_bytes},
                {"peak_memory_bytes", figures.peak_memory_bytes},
-               {"memory_over_reduced", OptionalJson(figures.memory_ratio)},
+               {"memory_over_first", OptionalJson(figures.memory_ratio)},
                {"relations", RelationsJson(run.relations)},
                {"sharpness_of_raw_ranges", SharpnessJson(run.raw_ranges.radii)},
                {"sharpness_of_points", SharpnessJson(run.points.radii)}});
@@ -145,12 +156,13 @@ Json FiguresJson(const SolverFigures& figures, const std::vector<ComparedSolver>
 
 std::string ComparisonTable(const Comparison& comparison) {
   std::ostringstream table;
-  table << "solver                             rounds  iter.  seconds   CPU s       energy  above "
-           "%  x time"
+  const std::size_t name_width = NameWidth(comparison);
+  table << std::left << std::setw(static_cast<int>(name_width)) << "solver"
+        << " rounds  iter.  seconds   CPU s       energy  above %  x time"
            "       MB    x MB  relations m   wall mm  entropy\n";
   const double best = BestEnergy(comparison.runs);
   for (const SolverFigures& figures : SumUp(comparison.solvers, comparison.runs)) {
-    table << TableRow(figures, best);
+    table << TableRow(figures, name_width, best);
   }
   table << "energy: marginal, of the result; above: the best state of any solver. x time: to the "
            "solver's own final\nenergy (within 0.01 %), over the time of "
@@ -168,11 +180,10 @@ Status WriteComparisonCsv(const std::string& path, const Comparison& comparison)
   out << "solver,repeat,iteration,time_s,cpu_time_s,marginal_energy,gap\n" << std::setprecision(12);
   for (const SolverRun& run : comparison.runs) {
     if (!run.failure.empty()) continue;
-    for (std::size_t i = 0; i < run.trace.size(); ++i) {
-      const TracePoint& point = run.trace[i];
-      out << '"' << run.solver << "\"," << run.repeat << ',' << i << ',' << point.time_s << ','
-          << point.cpu_time_s << ',' << point.marginal_energy << ',' << point.marginal_energy - best
-          << '\n';
+    for (const TracePoint& point : run.trace) {
+      out << '"' << run.solver << "\"," << run.repeat << ',' << point.iteration << ','
+          << point.time_s << ',' << point.cpu_time_s << ',' << point.marginal_energy << ','
+          << point.marginal_energy - best << '\n';
     }
   }
   return file.Commit();
@@ -184,6 +195,7 @@ Status WriteComparisonJson(const std::string& path, const Comparison& comparison
     solvers.push_back(FiguresJson(figures, comparison.solvers));
   }
   return WriteJson(path, {{"input", comparison.input},
+                          {"start", comparison.start},
                           {"scans", comparison.num_scans},
                           {"returns", comparison.num_returns},
                           {"repeats", comparison.options.repeats},
@@ -218,9 +230,9 @@ void AddComparison(const Comparison& comparison, HtmlReport* page) {
   for (const SolverRun& run : comparison.runs) {
     if (!IsPlotted(run)) continue;
     ReportCurve curve{run.solver, {}};
-    for (std::size_t i = 0; i < run.trace.size(); ++i) {
+    for (const TracePoint& point : run.trace) {
       curve.points.push_back(
-          {run.trace[i].time_s, static_cast<double>(i), PlottedGap(run.trace[i], best)});
+          {point.time_s, static_cast<double>(point.iteration), PlottedGap(point, best)});
     }
     plot.curves.push_back(std::move(curve));
   }

@@ -13,6 +13,7 @@ namespace plumbline {
 /// What was compared: the input and all that came of it.
 struct Comparison {
   std::string input;  ///< log or building
+  std::string start;  ///< where every solver starts, a name of StartType
   int num_scans = 0;
   std::size_t num_returns = 0;
   ComparisonOptions options;
@@ -23,8 +24,8 @@ struct Comparison {
 /// A table for people, one row per solver.
 std::string ComparisonTable(const Comparison& comparison);
 
-/// One line per iteration of every run that came to its end, from the seed (iteration 0) to the
-/// result. Unavailable if the file cannot be written; so do the others.
+/// One line per state in the trace of every run that came to its end, from the start (iteration 0)
+/// to the result. Unavailable if the file cannot be written; so do the others.
 Status WriteComparisonCsv(const std::string& path, const Comparison& comparison);
 
 /// The figures of every solver, and the program's flags.

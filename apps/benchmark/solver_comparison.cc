@@ -8,7 +8,6 @@
 
 #include "plumbline/core/median.h"
 #include "plumbline/core/options_check.h"
-#include "plumbline/solvers/interface/ceres_options.h"
 
 namespace plumbline {
 namespace {
@@ -71,40 +70,14 @@ bool ComparisonOptions::Check(std::string* error) const {
   return true;
 }
 
-std::vector<ComparedSolver> ComparedSolvers(const SolverOptions& options) {
-  std::vector<ComparedSolver> solvers;
-  const auto add = [&](const char* name, SolverType type) {
-    solvers.push_back({name, options});
-    solvers.back().options.type = type;
-    return &solvers.back().options;
-  };
-  add("reduced", SolverType::kReduced);
-  add("alternating_cg", SolverType::kAlternatingCg);
-  add("published", SolverType::kPublished);
-  const auto add_ceres = [&](const char* name, ceres::LinearSolverType linear_solver,
-                             bool reduced) {
-    CeresOptions* ceres = &*add(name, SolverType::kCeres)->ceres;
-    ceres->linear_solver = linear_solver;
-    ceres->preconditioner =
-        linear_solver == ceres::ITERATIVE_SCHUR ? ceres::SCHUR_JACOBI : ceres::JACOBI;
-    ceres->reduced = reduced;
-  };
-  add_ceres("reduced by ceres, iterative Schur", ceres::ITERATIVE_SCHUR, true);
-  add_ceres("reduced by ceres, sparse Schur", ceres::SPARSE_SCHUR, true);
-  add_ceres("ceres, iterative Schur", ceres::ITERATIVE_SCHUR, false);
-  add_ceres("ceres, sparse Schur", ceres::SPARSE_SCHUR, false);
-  return solvers;
-}
-
 std::vector<SolverRun> CompareSolvers(const std::vector<ComparedSolver>& solvers,
-                                      const std::vector<Relation>& relations,
+                                      const ComparedProblem& problem,
                                       const ComparisonOptions& options,
-                                      const std::function<void(const SolverRun&)>& done,
-                                      const SlamGraph& graph, const MapState& seed) {
+                                      const std::function<void(const SolverRun&)>& done) {
   std::vector<SolverRun> runs;
   for (int repeat = 1; repeat <= options.repeats; ++repeat) {
     for (const ComparedSolver& solver : solvers) {
-      runs.push_back(RunSolverInChild(solver, relations, options.time_limit_s, graph, seed));
+      runs.push_back(RunSolverInChild(solver, problem, options.time_limit_s));
       runs.back().repeat = repeat;
       if (done) done(runs.back());
     }

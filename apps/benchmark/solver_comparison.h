@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/benchmark/compared_solvers.h"
 #include "plumbline/apps/benchmark/solver_run.h"
 
 namespace plumbline {
@@ -17,16 +18,12 @@ struct ComparisonOptions {
   bool Check(std::string* error) const;
 };
 
-/// Every solver, the reduced one first, with options that differ in nothing else.
-std::vector<ComparedSolver> ComparedSolvers(const SolverOptions& options);
-
-/// One process after the other, all from the same seed. Every solver has its
+/// One process after the other, all from the same start. Every solver has its
 /// first run before any has its second. `done` is called after each.
 std::vector<SolverRun> CompareSolvers(const std::vector<ComparedSolver>& solvers,
-                                      const std::vector<Relation>& relations,
+                                      const ComparedProblem& problem,
                                       const ComparisonOptions& options,
-                                      const std::function<void(const SolverRun&)>& done,
-                                      const SlamGraph& graph, const MapState& seed);
+                                      const std::function<void(const SolverRun&)>& done);
 
 /// The time [s] of the first state within 0.01 % of an energy; none if there is no such state.
 std::optional<double> TimeToReach(const SolverRun& run, double energy);
@@ -43,14 +40,13 @@ struct SolverFigures {
   /// The time [s] to the energy that each of the solvers ends at, in their order; none where half
   /// of the runs do not get there.
   std::vector<std::optional<double>> time_to_reach_s;
-  /// Time to its own final energy over that of the reduced solver to the same energy; none if that
+  /// Time to its own final energy over that of the first solver to the same energy; none if that
   /// one does not get there.
   std::optional<double> time_ratio;
-  std::optional<double> memory_ratio;  ///< of the peaks, to that of the reduced solver
+  std::optional<double> memory_ratio;  ///< of the peaks, to that of the first solver
 };
 
-/// Figures per solver, in the order of `solvers`, whose first is what the ratios refer to. They
-/// point into the runs.
+/// Figures per solver, in the order of `solvers`. They point into the runs.
 std::vector<SolverFigures> SumUp(const std::vector<ComparedSolver>& solvers,
                                  const std::vector<SolverRun>& runs);
 

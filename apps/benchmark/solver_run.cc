@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +14,8 @@
 #include "plumbline/apps/benchmark/child_process.h"
 #include "plumbline/apps/benchmark/memory_use.h"
 #include "plumbline/apps/report/run_summary.h"
+#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/solve.h"
@@ -59,34 +62,65 @@ class PoseStore {
   std::size_t state_size_;
 };
 
+// Which states of a trace are evaluated, which takes as long as several iterations of a fast
+// solver: the ends, and at most `max_states` between them, evenly spaced in the logarithm of time.
+std::vector<bool> StatesToEvaluate(const std::vector<TracePoint>& trace, std::size_t max_states) {
+  std::vector<bool> kept(trace.size(), trace.size() <= max_states);
+  kept.front() = kept.back() = true;
+  if (kept.size() <= max_states) return kept;
+  const double first_s = std::max(trace[1].time_s, 1e-6);
+  const double step =
+      std::log(std::max(1.0, trace.back().time_s / first_s)) / static_cast<double>(max_states);
+  double next = 0.0;
+  for (std::size_t i = 1; i + 1 < trace.size(); ++i) {
+    const double log_time = std::log(std::max(1.0, trace[i].time_s / first_s));
+    if (log_time < next) continue;
+    kept[i] = true;
+    next = std::max(next, log_time) + step;
+  }
+  return kept;
+}
+
 // One run, step by step.
 class TracedRun {
  public:
-  TracedRun(const ComparedSolver& solver, double time_limit_s, const SlamGraph& graph,
-            const MapState& seed)
+  TracedRun(const ComparedSolver& solver, const ComparedProblem& problem, double time_limit_s)
       : solver_(solver),
         time_limit_s_(time_limit_s),
-        graph_(graph),
-        state_(seed),
-        states_(seed.poses.size()) {
+        problem_(problem),
+        graph_(problem.graph),
+        state_(problem.start),
+        states_(problem.start.poses.size()) {
     run_.solver = solver.name;
   }
 
-  SolverRun Run(const std::vector<Relation>& relations) {
+  SolverRun Run() {
     Record({}, state_.poses);
     if (stored_) Minimise();
     if (run_.failure.empty() && !stored_) run_.failure = "no room for a temporary file";
-    if (run_.failure.empty()) Evaluate(relations);
+    if (run_.failure.empty()) Evaluate();
     return std::move(run_);
   }
 
  private:
   void Record(const Seconds& time, const std::vector<double>& poses) {
     stored_ = stored_ && states_.Add(poses);
-    run_.trace.push_back({time.wall, time.cpu, 0.0});
+    run_.trace.push_back({static_cast<int>(run_.trace.size()), time.wall, time.cpu, 0.0});
   }
 
   void Minimise() {
+    if (!solver_.options.MovesPosesOnly()) return Minimise(graph_);
+    SlamGraph with_edges = graph_;
+    for (const RelativePoseConstraint& edge : problem_.pose_graph) {
+      const Status added = with_edges.AddRelativePose(edge);
+      if (added.ok()) continue;
+      run_.failure = added.message();
+      return;
+    }
+    Minimise(with_edges);
+  }
+
+  void Minimise(const SlamGraph& graph) {
     SolverOptions options = solver_.options;
     Seconds start, aside;
     options.callback = [&](const IterationSummary& iteration) {
@@ -100,7 +134,7 @@ class TracedRun {
     run_.start_memory_bytes = ResidentMemoryBytes();
     alarm(1 + static_cast<unsigned>(2.0 * time_limit_s_));
     start = Seconds::Now();
-    const SolverSummary summary = Solve(options, graph_, &state_);
+    const SolverSummary summary = Solve(options, graph, &state_);
     const Seconds time = Seconds::Now() - start - aside;
     alarm(0);
     run_.peak_memory_bytes = PeakMemoryBytes();
@@ -111,11 +145,12 @@ class TracedRun {
     Record(time, state_.poses);
   }
 
-  void Evaluate(const std::vector<Relation>& relations) {
+  void Evaluate() {
     ThreadPool pool(solver_.options.num_threads);
-    if (!relations.empty()) {
+    if (!problem_.relations.empty()) {
       const PoseErrorStatistics all =
-          MeasureRelations(relations, TrajectoryOf(graph_, state_), RelationsOptions()).all;
+          MeasureRelations(problem_.relations, TrajectoryOf(graph_, state_), RelationsOptions())
+              .all;
       run_.relations = RelationsFigures{all.translation_m.mean, all.translation_m.std,
                                         all.rotation_deg.mean, all.rotation_deg.std};
     }
@@ -125,27 +160,34 @@ class TracedRun {
   }
 
   void EvaluateTrace(ThreadPool* pool) {
+    constexpr std::size_t kMaxStates = 200;
     const MeasuredSurface surface =
         MeasureSurface(graph_, NormalOptionsFor(solver_.options.factors.beam), pool);
+    const std::vector<bool> evaluate = StatesToEvaluate(run_.trace, kMaxStates);
     states_.Rewind();
+    std::vector<TracePoint> trace;
     std::vector<double> poses, evaluated;
     double energy = 0.0;
-    for (TracePoint& point : run_.trace) {
+    for (std::size_t i = 0; i < run_.trace.size(); ++i) {
       if (!states_.Next(&poses)) {
         run_.failure = "the temporary file is cut short";
         return;
       }
+      if (!evaluate[i]) continue;
       // Iterations on the map alone leave the poses as they are.
       if (poses != evaluated) {
         evaluated = poses;
         energy = MarginalEnergy(graph_, poses, surface, solver_.options, pool);
       }
-      point.marginal_energy = energy;
+      trace.push_back(run_.trace[i]);
+      trace.back().marginal_energy = energy;
     }
+    run_.trace = std::move(trace);
   }
 
   const ComparedSolver& solver_;
   const double time_limit_s_;
+  const ComparedProblem& problem_;
   const SlamGraph& graph_;
   MapState state_;
   PoseStore states_;
@@ -180,7 +222,7 @@ MapSharpness SharpnessOf(const json& from) {
 std::string Pack(const SolverRun& run) {
   json trace = json::array();
   for (const TracePoint& point : run.trace) {
-    trace.push_back({point.time_s, point.cpu_time_s, point.marginal_energy});
+    trace.push_back({point.iteration, point.time_s, point.cpu_time_s, point.marginal_energy});
   }
   json relations;
   if (run.relations) {
@@ -207,7 +249,7 @@ void Unpack(const std::string& packed, SolverRun* run) {
   run->num_iterations = from[2];
   run->num_rounds = from[3];
   for (const json& point : from[4]) {
-    run->trace.push_back({NumberOf(point[0]), NumberOf(point[1]), NumberOf(point[2])});
+    run->trace.push_back({point[0], NumberOf(point[1]), NumberOf(point[2]), NumberOf(point[3])});
   }
   run->start_memory_bytes = from[5];
   run->peak_memory_bytes = from[6];
@@ -221,18 +263,18 @@ void Unpack(const std::string& packed, SolverRun* run) {
 
 }  // namespace
 
-SolverRun RunSolver(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                    double time_limit_s, const SlamGraph& graph, const MapState& seed) {
-  return TracedRun(solver, time_limit_s, graph, seed).Run(relations);
+SolverRun RunSolver(const ComparedSolver& solver, const ComparedProblem& problem,
+                    double time_limit_s) {
+  return TracedRun(solver, problem, time_limit_s).Run();
 }
 
-SolverRun RunSolverInChild(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                           double time_limit_s, const SlamGraph& graph, const MapState& seed) {
+SolverRun RunSolverInChild(const ComparedSolver& solver, const ComparedProblem& problem,
+                           double time_limit_s) {
   SolverRun run;
   run.solver = solver.name;
   std::string packed;
-  const Status status = RunInChild(
-      [&] { return Pack(RunSolver(solver, relations, time_limit_s, graph, seed)); }, &packed);
+  const Status status =
+      RunInChild([&] { return Pack(RunSolver(solver, problem, time_limit_s)); }, &packed);
   if (status.ok()) {
     Unpack(packed, &run);
   } else {

@@ -6,24 +6,27 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/apps/benchmark/compared_solvers.h"
 #include "plumbline/apps/evaluation/map_sharpness.h"
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/core/map_state.h"
-#include "plumbline/core/measured_surface.h"
+#include "plumbline/core/measurements.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/interface/solver_options.h"
 
 namespace plumbline {
 
-/// A solver with its settings, under the name that tables give it.
-struct ComparedSolver {
-  std::string name;
-  SolverOptions options;
+/// What every solver is given.
+struct ComparedProblem {
+  SlamGraph graph;
+  MapState start;  ///< may be without points
+  /// Relative poses that solvers of relative poses alone find in the graph beside its own.
+  std::vector<RelativePoseConstraint> pose_graph;
+  std::vector<Relation> relations;  ///< that the results are measured by; may be empty
 };
 
 /// A state on a solver's way.
 struct TracePoint {
+  int iteration = 0;        ///< 0: the start; the result counts as one more than the last
   double time_s = 0.0;      ///< since Solve was called
   double cpu_time_s = 0.0;  ///< of all threads together, likewise; tells how busy the machine was
   double marginal_energy = 0.0;
@@ -35,7 +38,7 @@ struct RelationsFigures {
   double mean_deg = 0.0, std_deg = 0.0;
 };
 
-/// What one solver made of the seed.
+/// What one solver made of the start.
 struct SolverRun {
   std::string solver;
   int repeat = 1;
@@ -43,7 +46,9 @@ struct SolverRun {
   std::string termination;
   int num_iterations = 0;
   int num_rounds = 0;
-  std::vector<TracePoint> trace;       ///< the seed, the state after each iteration, the result
+  /// The start, states after iterations and the result. Of more than 200 states, those are kept
+  /// that are evenly spaced in the logarithm of time.
+  std::vector<TracePoint> trace;
   std::size_t start_memory_bytes = 0;  ///< resident before the solve, the graph included
   std::size_t peak_memory_bytes = 0;   ///< resident in the solve, at most
   std::optional<RelationsFigures> relations;
@@ -55,19 +60,19 @@ struct SolverRun {
   double final_energy() const { return trace.back().marginal_energy; }
 };
 
-/// Solves from a seed, with a trace of the way. The clocks stand still while a state is put aside
-/// (in a file, as memory is measured) and all evaluation comes after the solve; states are those
-/// that the callback is shown.
+/// Solves from the start, with a trace of the way. The clocks stand still while a state is put
+/// aside (in a file, as memory is measured) and all evaluation comes after the solve; states are
+/// those that the callback is shown. Energies are of the problem's graph, without its pose graph.
 ///
 /// After time_limit_s [s] the callback asks the solver to stop. A solver that does not call back
-/// for as long again ends the process by SIGALRM. `relations` may be empty.
-SolverRun RunSolver(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                    double time_limit_s, const SlamGraph& graph, const MapState& seed);
+/// for as long again ends the process by SIGALRM.
+SolverRun RunSolver(const ComparedSolver& solver, const ComparedProblem& problem,
+                    double time_limit_s);
 
 /// The same in a process of its own. A process that
 /// comes to a bad end is a failure of the run.
-SolverRun RunSolverInChild(const ComparedSolver& solver, const std::vector<Relation>& relations,
-                           double time_limit_s, const SlamGraph& graph, const MapState& seed);
+SolverRun RunSolverInChild(const ComparedSolver& solver, const ComparedProblem& problem,
+                           double time_limit_s);
 
 }  // namespace plumbline
 

@@ -12,5 +12,8 @@ DECLARE_int32(seeds);
 DECLARE_string(variations);
 DECLARE_int32(variation_seeds);
 DECLARE_string(scans);
+DECLARE_string(solvers);
+DECLARE_int32(repeats);
+DECLARE_double(time_limit_s);
 
 #endif  // PLUMBLINE_APPS_BENCHMARK_STUDY_FLAGS_H_

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -198,6 +199,11 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
                      flag.substr(0, flag.find('=')) +
                          " is ignored by --experiment=" + text.substr(0, text.find(' ')));
   }
+  const std::string comparison = "--experiment=solver_comparison --output_dir=out ";
+  ExpectUsageError(Run("benchmark", comparison + "--solvers=reduced,ceres:newton"),
+                   "--solvers: entry 'ceres:newton': ceres has no word 'newton'");
+  ExpectUsageError(Run("benchmark", comparison + "--ceres_minimizer=line_search"),
+                   "--ceres_minimizer is ignored by every entry of --solvers");
   ExpectUsageError(Slam("a.clf", "--max_scans=-1"), "--max_scans");
   ExpectUsageError(Slam("a.clf", "--hits=a.hits"), "--hits needs --truth");
   ExpectUsageError(Slam("a.clf", "--no_such_flag=1"), "no_such_flag");
@@ -314,6 +320,35 @@ TEST_F(ProgramsTest, ReplaysALog) {
   EXPECT_THAT(FilesOf("out"),
               ElementsAre("replay.csv", "replay.png", "report.html", "trajectory.tum"));
   EXPECT_EQ(Lines(Result("out", "replay.csv")).size(), 1u + 3u + 1u);
+}
+
+TEST_F(ProgramsTest, ComparesTheSolversThatAreNamed) {
+  SimulateLog(50);
+  const std::string files = "--log=" + folder_ + "a.clf --output_dir=" + folder_ + "out ";
+  const std::string comparison = "--experiment=solver_comparison --repeats=1 " + files;
+  const Outcome run = Run(
+      "benchmark", comparison +
+                       "--solvers=ceres:lbfgs:reduced,reduced,pose_graph,ceres --start=odometry "
+                       "--ceres_minimizer=line_search --ceres_max_iterations=2");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(FilesOf("out"), ElementsAre("report.html", "solver_comparison.csv",
+                                          "solver_comparison.json", "solver_comparison.png"));
+  const auto json = nlohmann::json::parse(Result("out", "solver_comparison.json"));
+  EXPECT_EQ(json["start"], "odometry");
+  // "solver",repeat,iteration,time_s,cpu_time_s,marginal_energy,gap
+  std::istringstream first_state(Lines(Result("out", "solver_comparison.csv"))[1]);
+  std::string field;
+  for (int i = 0; i < 6; ++i) std::getline(first_state, field, ',');
+  const double start_energy = std::stod(field);
+  std::vector<std::string> names;
+  for (const auto& solver : json["solvers"]) {
+    names.push_back(solver["solver"]);
+    EXPECT_THAT(solver["failures"], IsEmpty());
+    EXPECT_THAT(run.out, HasSubstr("\n" + names.back() + " "));
+    EXPECT_LT(solver["final_marginal_energy"], start_energy) << names.back();
+  }
+  EXPECT_THAT(names, ElementsAre("ceres reduced line_search lbfgs wolfe", "reduced", "pose_graph",
+                                 "ceres line_search lbfgs wolfe"));
 }
 
 TEST_F(ProgramsTest, ProfilesTheStagesOfALog) {

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
-#include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plumbline/apps/benchmark/comparison_report.h"
-#include "plumbline/solvers/full/ceres_solver.h"
 #include "plumbline/test/apps/pictures/picture.h"
 #include "plumbline/test/core/temp_file.h"
 #include "plumbline/test/solvers/noisy_room.h"
@@ -43,30 +42,18 @@ SolverRun Failed(const std::string& solver) {
 Comparison Synthetic() {
   Comparison comparison;
   comparison.input = "test";
+  comparison.start = "seed";
   comparison.solvers = {{"fast", {}}, {"slow", {}}, {"dead", {}}};
   comparison.runs = {
-      RunOf("fast", {{0.0, 0.0, 500.0}, {1.0, 1.0, 200.0}, {2.0, 2.0, 100.0}}, 1000000),
-      RunOf("slow", {{0.0, 0.0, 500.0}, {4.0, 4.0, 300.0}, {8.0, 8.0, 200.01}, {12.0, 12.0, 200.0}},
+      RunOf("fast", {{0, 0.0, 0.0, 500.0}, {1, 1.0, 1.0, 200.0}, {2, 2.0, 2.0, 100.0}}, 1000000),
+      RunOf("slow",
+            {{0, 0.0, 0.0, 500.0},
+             {1, 4.0, 4.0, 300.0},
+             {7, 8.0, 8.0, 200.01},
+             {9, 12.0, 12.0, 200.0}},
             3000000),
       Failed("dead")};
   return comparison;
-}
-
-TEST(SolverComparisonTest, EverySolverIsThereOnceAndAcceptsItsOptions) {
-  SolverOptions options;
-  options.num_threads = 1;
-  std::set<std::string> names;
-  const std::vector<ComparedSolver> solvers = ComparedSolvers(options);
-  for (const ComparedSolver& solver : solvers) {
-    std::string error;
-    EXPECT_TRUE(solver.options.Check(&error)) << error;
-    EXPECT_TRUE(CheckCeresOptions(*solver.options.ceres).ok());
-    EXPECT_EQ(solver.options.num_threads, 1);
-    names.insert(solver.name);
-  }
-  EXPECT_EQ(solvers[0].options.type, SolverType::kReduced);
-  EXPECT_EQ(names.size(), solvers.size());
-  EXPECT_EQ(names.count("published"), 1u);
 }
 
 TEST(SolverComparisonTest, RatiosAreOfTheTimeToTheSolversOwnEnergy) {
@@ -87,10 +74,10 @@ TEST(SolverComparisonTest, RatiosAreOfTheTimeToTheSolversOwnEnergy) {
 }
 
 TEST(SolverComparisonTest, FiguresAreMediansOverTheRunsThatSucceeded) {
-  const std::vector<SolverRun> runs = {RunOf("a", {{0.0, 0.0, 9.0}, {5.0, 5.0, 1.0}}, 10),
-                                       RunOf("a", {{0.0, 0.0, 9.0}, {3.0, 3.0, 1.0}}, 30),
+  const std::vector<SolverRun> runs = {RunOf("a", {{0, 0.0, 0.0, 9.0}, {1, 5.0, 5.0, 1.0}}, 10),
+                                       RunOf("a", {{0, 0.0, 0.0, 9.0}, {1, 3.0, 3.0, 1.0}}, 30),
                                        Failed("a"),
-                                       RunOf("a", {{0.0, 0.0, 9.0}, {4.0, 4.0, 1.0}}, 20)};
+                                       RunOf("a", {{0, 0.0, 0.0, 9.0}, {1, 4.0, 4.0, 1.0}}, 20)};
   const SolverFigures figures = SumUp({{"a", {}}}, runs)[0];
   EXPECT_EQ(figures.time_s, 4.0);
   EXPECT_EQ(figures.median_run, &runs[3]);
@@ -113,11 +100,12 @@ TEST(SolverComparisonTest, FilesHoldEveryIterationAndEveryFigure) {
       ReadFile(folder + "a.csv"),
       AllOf(StartsWith(
                 "solver,repeat,iteration,time_s,cpu_time_s,marginal_energy,gap\n\"fast\",1,0,"),
-            HasSubstr("\n\"slow\",1,2,8,8,200.01,100.01\n")));
+            HasSubstr("\n\"slow\",1,7,8,8,200.01,100.01\n")));
   ASSERT_TRUE(WriteComparisonJson(folder + "a.json", comparison).ok());
   const auto json = nlohmann::json::parse(ReadFile(folder + "a.json"));
+  EXPECT_EQ(json["start"], "seed");
   ASSERT_EQ(json["solvers"].size(), 3u);
-  EXPECT_EQ(json["solvers"][1]["time_over_reduced"], 8.0);
+  EXPECT_EQ(json["solvers"][1]["time_over_first"], 8.0);
   EXPECT_EQ(json["solvers"][0]["time_to_final_energy_of_s"]["slow"], 1.0);
   EXPECT_TRUE(json["solvers"][1]["time_to_final_energy_of_s"]["fast"].is_null());
   EXPECT_EQ(json["solvers"][2]["failures"][0], "ended by signal 9 (Killed)");
@@ -133,29 +121,131 @@ TEST(SolverComparisonTest, FilesHoldEveryIterationAndEveryFigure) {
   EXPECT_EQ(NumFilesIn(folder), 4);
 }
 
-TEST(SolverComparisonTest, AllSolversRunFromOneSeed) {
-  NoisyRoom room = MakeNoisyRoom();
+TEST(SolverComparisonTest, LongNamesKeepTheColumnsInLine) {
+  Comparison comparison = Synthetic();
+  const std::string name = "ceres reduced line_search nonlinear_conjugate_gradient polak_ribiere";
+  comparison.solvers[1].name = comparison.runs[1].solver = name;
+  std::istringstream table(ComparisonTable(comparison));
+  std::string header, first, second;
+  std::getline(table, header);
+  std::getline(table, first);
+  std::getline(table, second);
+  EXPECT_EQ(second.find(name + " "), 0u);
+  EXPECT_EQ(first.find("converged"), second.find("converged"));
+}
+
+// A small room, off its optimum, with edges for solvers of relative poses.
+ComparedProblem SmallProblem() {
+  NoisyRoomOptions size;
+  size.num_poses = 5;
+  size.num_beams = 40;
+  NoisyRoom room = MakeNoisyRoom(size);
   DisturbPoses(0.02, room.graph, &room.state);
-  SolverOptions options;
-  options.rounds.max_coarse_rounds = 0;
-  options.rounds.max_fine_rounds = 1;
+  ComparedProblem problem{room.graph, {room.state.poses, {}}, {}, {}};
+  for (int i = 0; i + 1 < size.num_poses; ++i) {
+    problem.pose_graph.push_back(
+        {i, i + 1, Between(room.truth[i], room.truth[i + 1]), 1e-6 * Eigen::Matrix3d::Identity()});
+  }
+  return problem;
+}
+
+// Compares the solvers with small limits. Every run lowers the energy from the one start.
+Comparison CompareOnSmallProblem(const std::string& list, const ComparedProblem& problem) {
+  SolverOptions base;
+  base.num_threads = 1;
+  base.rounds.max_coarse_rounds = 0;
+  base.rounds.max_fine_rounds = 1;
+  base.reduced.max_rounds = 2;
+  base.published.max_passes = 5;
+  ComparisonLimits limits;
+  limits.line_search_iterations = 20;
   Comparison comparison;
-  comparison.options.repeats = 2;
-  comparison.solvers = ComparedSolvers(options);
-  int num_done = 0;
-  comparison.runs = CompareSolvers(
-      comparison.solvers, {}, comparison.options, [&](const SolverRun&) { ++num_done; }, room.graph,
-      room.state);
-  ASSERT_EQ(comparison.runs.size(), 2 * comparison.solvers.size());
-  EXPECT_EQ(num_done, static_cast<int>(comparison.runs.size()));
+  comparison.options.repeats = 1;
+  const Status status = ParseSolvers(list, base, limits, &comparison.solvers);
+  EXPECT_TRUE(status.ok()) << status.message();
+  comparison.runs = CompareSolvers(comparison.solvers, problem, comparison.options, {});
   for (const SolverRun& run : comparison.runs) {
-    ASSERT_EQ(run.failure, "") << run.solver;
+    if (!run.failure.empty()) {
+      ADD_FAILURE() << run.solver << ": " << run.failure;
+      continue;
+    }
     EXPECT_EQ(run.trace[0].marginal_energy, comparison.runs[0].trace[0].marginal_energy);
     EXPECT_LT(run.final_energy(), run.trace[0].marginal_energy) << run.solver;
   }
+  return comparison;
+}
+
+TEST(SolverComparisonTest, EverySolverRunsFromOneStart) {
+  const ComparedProblem problem = SmallProblem();
+  const Comparison comparison = CompareOnSmallProblem(
+      "reduced,reduced:fixed_lines,alternating_cg,published,published:precondition,ceres,"
+      "pose_graph,sgd",
+      problem);
   const std::string table = ComparisonTable(comparison);
   for (const ComparedSolver& solver : comparison.solvers) {
     EXPECT_THAT(table, HasSubstr("\n" + solver.name + " "));
+  }
+}
+
+TEST(SolverComparisonTest, EverySwitchOfCeresRuns) {
+  const ComparedProblem problem = SmallProblem();
+  for (const std::string over : {"ceres:points", "ceres:reduced"}) {
+    std::string list;
+    for (const char* words :
+         {"dense_normal_cholesky", "dense_qr", "sparse_normal_cholesky", "dense_schur",
+          "sparse_schur", "iterative_schur:identity", "iterative_schur:jacobi",
+          "iterative_schur:schur_jacobi", "cgnr:identity", "cgnr:jacobi", "traditional_dogleg",
+          "subspace_dogleg", "steepest_descent:armijo", "steepest_descent:wolfe", "lbfgs", "bfgs",
+          "fletcher_reeves", "polak_ribiere", "hestenes_stiefel"}) {
+      list += (list.empty() ? "" : ",") + over + ":" + words;
+    }
+    const Comparison comparison = CompareOnSmallProblem(list, problem);
+    EXPECT_EQ(comparison.runs.size(), 19u);
+  }
+}
+
+TEST(SolverComparisonTest, RepeatsComeInTurns) {
+  const ComparedProblem problem = SmallProblem();
+  ComparisonOptions options;
+  options.repeats = 2;
+  std::vector<std::string> done;
+  const std::vector<SolverRun> runs = CompareSolvers(
+      {{"a", {}}, {"b", {}}}, problem, options,
+      [&](const SolverRun& run) { done.push_back(run.solver + std::to_string(run.repeat)); });
+  EXPECT_THAT(done, testing::ElementsAre("a1", "b1", "a2", "b2"));
+  EXPECT_EQ(runs[0].final_energy(), runs[3].final_energy());
+}
+
+TEST(SolverComparisonTest, PoseGraphsAreForSolversOfRelativePosesOnly) {
+  ComparedProblem problem = SmallProblem();
+  SolverOptions options;
+  const ComparedSolver reduced{"reduced", options};
+  options.type = SolverType::kPoseGraph;
+  const ComparedSolver pose_graph{"pose_graph", options};
+  const double energy = RunSolver(reduced, problem, 100.0).final_energy();
+  problem.pose_graph[0].from_from_to.x += 0.1;
+  EXPECT_EQ(RunSolver(reduced, problem, 100.0).final_energy(), energy);
+  const SolverRun moved = RunSolver(pose_graph, problem, 100.0);
+  EXPECT_GT(moved.final_energy(), energy);
+  problem.pose_graph[0].to = -1;
+  EXPECT_NE(RunSolver(pose_graph, problem, 100.0).failure, "");
+}
+
+TEST(SolverComparisonTest, LongTracesKeepStatesEvenlyInLogarithmOfTime) {
+  const ComparedProblem problem = SmallProblem();
+  SolverOptions options;
+  options.type = SolverType::kSgd;
+  options.sgd.max_iterations = 3000;
+  const SolverRun run = RunSolver({"sgd", options}, problem, 100.0);
+  ASSERT_EQ(run.failure, "");
+  EXPECT_EQ(run.num_iterations, 3000);
+  EXPECT_GT(run.trace.size(), 20u);
+  EXPECT_LE(run.trace.size(), 203u);
+  EXPECT_EQ(run.trace.front().iteration, 0);
+  EXPECT_EQ(run.trace.back().iteration, 3001);
+  for (std::size_t i = 1; i < run.trace.size(); ++i) {
+    EXPECT_GT(run.trace[i].iteration, run.trace[i - 1].iteration);
+    EXPECT_GT(run.trace[i].marginal_energy, 0.0);
   }
 }
 

@@ -24,6 +24,9 @@ NoisyRoom Seeded() {
   return room;
 }
 
+// The problem of a room, measured by no relations.
+ComparedProblem ProblemOf(const NoisyRoom& room) { return {room.graph, room.state, {}, {}}; }
+
 ComparedSolver Solver(SolverType type) {
   ComparedSolver solver;
   solver.name = ToString(type);
@@ -51,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(EverySolver, RunSolverWith,
 TEST_P(RunSolverWith, TracesTheEnergyFromTheSeedToTheResult) {
   const ComparedSolver solver = Solver(GetParam());
   NoisyRoom room = Seeded();
-  const SolverRun run = RunSolver(solver, {}, 600.0, room.graph, room.state);
+  const SolverRun run = RunSolver(solver, ProblemOf(room), 600.0);
   std::vector<double> energies = {EnergyOf(room.graph, room.state.poses, solver.options)};
   SolverOptions options = solver.options;
   options.callback = [&](const IterationSummary& iteration) {
@@ -80,11 +83,13 @@ TEST_P(RunSolverWith, TracesTheEnergyFromTheSeedToTheResult) {
 TEST(SolverRunTest, AProcessOfItsOwnFindsTheSame) {
   const ComparedSolver solver = Solver(SolverType::kReduced);
   const NoisyRoom room = Seeded();
-  std::vector<Relation> relations(1);
-  relations[0].to_s = 3.0;
-  relations[0].from_from_to = Between(room.state.WorldFromRobot(0), room.state.WorldFromRobot(3));
-  const SolverRun here = RunSolver(solver, relations, 600.0, room.graph, room.state);
-  const SolverRun there = RunSolverInChild(solver, relations, 600.0, room.graph, room.state);
+  ComparedProblem problem = ProblemOf(room);
+  problem.relations.resize(1);
+  problem.relations[0].to_s = 3.0;
+  problem.relations[0].from_from_to =
+      Between(room.state.WorldFromRobot(0), room.state.WorldFromRobot(3));
+  const SolverRun here = RunSolver(solver, problem, 600.0);
+  const SolverRun there = RunSolverInChild(solver, problem, 600.0);
   ASSERT_EQ(there.failure, "");
   EXPECT_EQ(there.solver, "reduced");
   EXPECT_EQ(there.termination, here.termination);
@@ -110,8 +115,7 @@ TEST(SolverRunTest, AProcessOfItsOwnFindsTheSame) {
 
 TEST(SolverRunTest, TheTimeLimitStopsASolver) {
   const NoisyRoom room = Seeded();
-  const SolverRun run =
-      RunSolver(Solver(SolverType::kAlternatingCg), {}, 1e-9, room.graph, room.state);
+  const SolverRun run = RunSolver(Solver(SolverType::kAlternatingCg), ProblemOf(room), 1e-9);
   EXPECT_EQ(run.failure, "");
   EXPECT_EQ(run.termination, ToString(TerminationType::kUserStopped));
   EXPECT_EQ(run.num_iterations, 1);
@@ -121,8 +125,7 @@ TEST(SolverRunTest, FailuresAreTold) {
   const NoisyRoom room = Seeded();
   ComparedSolver bad = Solver(SolverType::kReduced);
   bad.options.rounds.fine_radius_m = -1.0;
-  EXPECT_THAT(RunSolverInChild(bad, {}, 600.0, room.graph, room.state).failure,
-              HasSubstr("fine_radius_m"));
+  EXPECT_THAT(RunSolverInChild(bad, ProblemOf(room), 600.0).failure, HasSubstr("fine_radius_m"));
 }
 
 }  // namespace

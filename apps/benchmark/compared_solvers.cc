@@ -1,0 +1,266 @@
+#include "plumbline/apps/benchmark/compared_solvers.h"
+
+#include <ceres/types.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
+#include "plumbline/solvers/interface/ceres_options.h"
+
+namespace plumbline {
+namespace {
+
+constexpr char kSolverNames[] = "reduced, alternating_cg, published, ceres, pose_graph or sgd";
+constexpr char kCeresWords[] =
+    "reduced, points; trust_region, dense_normal_cholesky, dense_qr, sparse_normal_cholesky, "
+    "dense_schur, sparse_schur, iterative_schur, cgnr, identity, jacobi, schur_jacobi, "
+    "cluster_jacobi, cluster_tridiagonal, subset, levenberg_marquardt, dogleg, "
+    "traditional_dogleg, subspace_dogleg; line_search, steepest_descent, "
+    "nonlinear_conjugate_gradient, lbfgs, bfgs, fletcher_reeves, polak_ribiere, "
+    "hestenes_stiefel, armijo, wolfe";
+
+void ImplyNothing(CeresOptions* /*options*/) {}
+void ImplyTrustRegion(CeresOptions* options) { options->minimizer = ceres::TRUST_REGION; }
+void ImplyDogleg(CeresOptions* options) {
+  ImplyTrustRegion(options);
+  options->trust_region_strategy = ceres::DOGLEG;
+}
+void ImplyLineSearch(CeresOptions* options) { options->minimizer = ceres::LINE_SEARCH; }
+void ImplyConjugateGradient(CeresOptions* options) {
+  ImplyLineSearch(options);
+  options->line_search_direction = ceres::NONLINEAR_CONJUGATE_GRADIENT;
+}
+
+bool StringToReduced(const std::string& word, bool* reduced) {
+  if (word != "reduced" && word != "points") return false;
+  *reduced = word == "reduced";
+  return true;
+}
+
+// Sets a field of the options by its own parser; false if that does not know the word.
+template <auto Field, auto Parse>
+bool Set(const std::string& word, CeresOptions* options) {
+  return Parse(word, &(options->*Field));
+}
+template <auto Field>
+bool IsEqual(const CeresOptions& a, const CeresOptions& b) {
+  return a.*Field == b.*Field;
+}
+
+// A switch of Ceres: its flag, how a word sets it, and what such a word implies.
+struct CeresSwitch {
+  const char* flag;
+  bool (*set)(const std::string& word, CeresOptions* options);
+  bool (*is_equal)(const CeresOptions& a, const CeresOptions& b);
+  void (*imply)(CeresOptions* options);
+};
+constexpr CeresSwitch kCeresSwitches[] = {
+    {"reduced", Set<&CeresOptions::reduced, StringToReduced>, IsEqual<&CeresOptions::reduced>,
+     ImplyNothing},
+    {"ceres_minimizer", Set<&CeresOptions::minimizer, ceres::StringToMinimizerType>,
+     IsEqual<&CeresOptions::minimizer>, ImplyNothing},
+    {"ceres_linear_solver", Set<&CeresOptions::linear_solver, ceres::StringToLinearSolverType>,
+     IsEqual<&CeresOptions::linear_solver>, ImplyTrustRegion},
+    {"ceres_preconditioner", Set<&CeresOptions::preconditioner, ceres::StringToPreconditionerType>,
+     IsEqual<&CeresOptions::preconditioner>, ImplyTrustRegion},
+    {"ceres_trust_region_strategy",
+     Set<&CeresOptions::trust_region_strategy, ceres::StringToTrustRegionStrategyType>,
+     IsEqual<&CeresOptions::trust_region_strategy>, ImplyTrustRegion},
+    {"ceres_dogleg", Set<&CeresOptions::dogleg, ceres::StringToDoglegType>,
+     IsEqual<&CeresOptions::dogleg>, ImplyDogleg},
+    {"ceres_line_search_direction",
+     Set<&CeresOptions::line_search_direction, ceres::StringToLineSearchDirectionType>,
+     IsEqual<&CeresOptions::line_search_direction>, ImplyLineSearch},
+    {"ceres_nonlinear_conjugate_gradient",
+     Set<&CeresOptions::nonlinear_conjugate_gradient,
+         ceres::StringToNonlinearConjugateGradientType>,
+     IsEqual<&CeresOptions::nonlinear_conjugate_gradient>, ImplyConjugateGradient},
+    {"ceres_line_search", Set<&CeresOptions::line_search, ceres::StringToLineSearchType>,
+     IsEqual<&CeresOptions::line_search>, ImplyLineSearch},
+};
+
+bool SetCeresWord(const std::string& word, CeresOptions* options) {
+  return std::any_of(std::begin(kCeresSwitches), std::end(kCeresSwitches),
+                     [&](const CeresSwitch& of) {
+                       if (!of.set(word, options)) return false;
+                       of.imply(options);
+                       return true;
+                     });
+}
+
+bool HaveEqualSwitches(const CeresOptions& a, const CeresOptions& b) {
+  return std::all_of(std::begin(kCeresSwitches), std::end(kCeresSwitches),
+                     [&](const CeresSwitch& of) { return of.is_equal(a, b); });
+}
+
+// True if the second word undoes what the first one says.
+bool Contradict(const std::string& first, const std::string& second) {
+  CeresOptions options;
+  SetCeresWord(first, &options);
+  SetCeresWord(second, &options);
+  CeresOptions again = options;
+  SetCeresWord(first, &again);
+  return !HaveEqualSwitches(options, again);
+}
+
+bool TakesPreconditioner(ceres::LinearSolverType solver) {
+  return solver == ceres::ITERATIVE_SCHUR || solver == ceres::CGNR;
+}
+
+std::string InLowerCase(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return name;
+}
+
+// InvalidArgument says what is wrong, without the entry. So do the functions that follow.
+Status SetCeresWords(const std::vector<std::string>& words, CeresOptions* options) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (!SetCeresWord(words[i], options)) {
+      return Status::InvalidArgument("ceres has no word '" + words[i] + "'; it has " + kCeresWords);
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!Contradict(words[j], words[i])) continue;
+      return Status::InvalidArgument("'" + words[j] + "' and '" + words[i] +
+                                     "' contradict each other");
+    }
+  }
+  const auto preconditioner = std::find_if(words.begin(), words.end(), [](const std::string& word) {
+    CeresOptions unused;
+    return ceres::StringToPreconditionerType(word, &unused.preconditioner);
+  });
+  if (preconditioner == words.end() || TakesPreconditioner(options->linear_solver)) {
+    return Status::Ok();
+  }
+  return Status::InvalidArgument(
+      "'" + *preconditioner +
+      "' changes nothing: " + InLowerCase(ceres::LinearSolverTypeToString(options->linear_solver)) +
+      " takes no preconditioner, but iterative_schur and cgnr do");
+}
+
+Status SetWords(const std::vector<std::string>& words, SolverOptions* options) {
+  if (options->type == SolverType::kCeres) return SetCeresWords(words, &*options->ceres);
+  for (const std::string& word : words) {
+    if (options->type == SolverType::kPublished && word == "precondition") {
+      options->published.precondition = true;
+    } else if (options->type == SolverType::kReduced && word == "fixed_lines") {
+      options->reduced.lines_follow = false;
+    } else {
+      return Status::InvalidArgument(
+          std::string(ToString(options->type)) + " has no word '" + word + "'" +
+          (options->type == SolverType::kPublished ? "; it has precondition"
+           : options->type == SolverType::kReduced ? "; it has fixed_lines"
+                                                   : "; it takes none"));
+    }
+  }
+  return Status::Ok();
+}
+
+// The texts between separators, empty ones included.
+std::vector<std::string> Split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char character : text) {
+    if (character == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += character;
+    }
+  }
+  return parts;
+}
+
+Status ParseEntry(const std::string& entry, const ComparisonLimits& limits,
+                  SolverOptions* options) {
+  std::vector<std::string> words = Split(entry, ':');
+  if (!FromString(words.front(), &options->type)) {
+    return Status::InvalidArgument("there is no solver '" + words.front() + "'; want " +
+                                   kSolverNames);
+  }
+  words.erase(words.begin());
+  PLUMBLINE_RETURN_IF_ERROR(SetWords(words, options));
+  options->alternating_cg.max_sweeps = limits.cg_sweeps;
+  if (options->ceres->minimizer == ceres::LINE_SEARCH) {
+    options->ceres->max_iterations = limits.line_search_iterations;
+  }
+  std::string error;
+  return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
+}
+
+std::string CeresSwitchNames(const CeresOptions& options) {
+  std::string names = options.reduced ? "reduced " : "";
+  if (options.minimizer == ceres::TRUST_REGION) {
+    names += ceres::LinearSolverTypeToString(options.linear_solver);
+    if (TakesPreconditioner(options.linear_solver)) {
+      names += std::string(" ") + ceres::PreconditionerTypeToString(options.preconditioner);
+    }
+    if (options.trust_region_strategy == ceres::DOGLEG) {
+      names += std::string(" ") + ceres::DoglegTypeToString(options.dogleg);
+    }
+  } else {
+    names += std::string("line_search ") +
+             ceres::LineSearchDirectionTypeToString(options.line_search_direction);
+    if (options.line_search_direction == ceres::NONLINEAR_CONJUGATE_GRADIENT) {
+      names += std::string(" ") +
+               ceres::NonlinearConjugateGradientTypeToString(options.nonlinear_conjugate_gradient);
+    }
+    names += std::string(" ") + ceres::LineSearchTypeToString(options.line_search);
+  }
+  return InLowerCase(names);
+}
+
+}  // namespace
+
+std::string SolverName(const SolverOptions& options) {
+  std::string name = ToString(options.type);
+  if (options.type == SolverType::kCeres) return name + " " + CeresSwitchNames(*options.ceres);
+  if (options.type == SolverType::kPublished && options.published.precondition) {
+    name += " precondition";
+  }
+  if (options.type == SolverType::kReduced && !options.reduced.lines_follow) {
+    name += " fixed_lines";
+  }
+  return name;
+}
+
+Status ParseSolvers(const std::string& list, const SolverOptions& base,
+                    const ComparisonLimits& limits, std::vector<ComparedSolver>* solvers) {
+  std::vector<ComparedSolver> parsed;
+  const std::vector<std::string> entries = Split(list, ',');
+  for (const std::string& entry : entries) {
+    const auto refuse = [&](const std::string& reason) {
+      return Status::InvalidArgument("entry '" + entry + "': " + reason);
+    };
+    ComparedSolver solver{"", base};
+    const Status status = ParseEntry(entry, limits, &solver.options);
+    if (!status.ok()) return refuse(status.message());
+    solver.name = SolverName(solver.options);
+    for (std::size_t i = 0; i < parsed.size(); ++i) {
+      if (parsed[i].name != solver.name) continue;
+      return refuse("it runs '" + solver.name + "', as entry '" + entries[i] + "' does");
+    }
+    parsed.push_back(solver);
+  }
+  *solvers = std::move(parsed);
+  return Status::Ok();
+}
+
+Status CheckCeresFlagsCount(const std::vector<ComparedSolver>& solvers, const SolverOptions& base,
+                            const std::function<bool(const char* flag)>& is_given) {
+  for (const CeresSwitch& of : kCeresSwitches) {
+    if (!is_given(of.flag)) continue;
+    const bool counts =
+        std::any_of(solvers.begin(), solvers.end(), [&](const ComparedSolver& solver) {
+          return solver.options.type == SolverType::kCeres &&
+                 of.is_equal(*solver.options.ceres, *base.ceres);
+        });
+    if (counts) continue;
+    return Status::InvalidArgument(std::string("--") + of.flag +
+                                   " is ignored by every entry of --solvers");
+  }
+  return Status::Ok();
+}
+
+}  // namespace plumbline
