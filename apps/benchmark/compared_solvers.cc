@@ -17,7 +17,7 @@ constexpr char kSolverNames[] = "reduced, alternating_cg, published, ceres, pose
 constexpr char kCeresWords[] =
     "reduced, points; trust_region, dense_normal_cholesky, dense_qr, sparse_normal_cholesky, "
     "dense_schur, sparse_schur, iterative_schur, cgnr, identity, jacobi, schur_jacobi, "
-    "cluster_jacobi, cluster_tridiagonal, subset, levenberg_marquardt, dogleg, "
+    "cluster_jacobi, cluster_tridiagonal, levenberg_marquardt, dogleg, "
     "traditional_dogleg, subspace_dogleg; line_search, steepest_descent, "
     "nonlinear_conjugate_gradient, lbfgs, bfgs, fletcher_reeves, polak_ribiere, "
     "hestenes_stiefel, armijo, wolfe";
@@ -50,7 +50,7 @@ bool IsEqual(const CeresOptions& a, const CeresOptions& b) {
   return a.*Field == b.*Field;
 }
 
-// A switch of Ceres: its flag, how a word sets it, and what such a word implies.
+// A switch of Ceres: its flag, its words, and the switches that such a word implies.
 struct CeresSwitch {
   const char* flag;
   bool (*set)(const std::string& word, CeresOptions* options);
@@ -96,7 +96,7 @@ bool HaveEqualSwitches(const CeresOptions& a, const CeresOptions& b) {
                      [&](const CeresSwitch& of) { return of.is_equal(a, b); });
 }
 
-// True if the second word undoes what the first one says.
+// True if the second word undoes the first one.
 bool Contradict(const std::string& first, const std::string& second) {
   CeresOptions options;
   SetCeresWord(first, &options);
@@ -116,7 +116,7 @@ std::string InLowerCase(std::string name) {
   return name;
 }
 
-// InvalidArgument says what is wrong, without the entry. So do the functions that follow.
+// The messages of this function and the next two do not name the entry: ParseSolvers adds it.
 Status SetCeresWords(const std::vector<std::string>& words, CeresOptions* options) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!SetCeresWord(words[i], options)) {

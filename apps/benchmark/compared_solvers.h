@@ -16,7 +16,7 @@ struct ComparedSolver {
   SolverOptions options;
 };
 
-/// Limits that let slow minimisers converge, in place of those of the base options.
+/// Limits that let slow minimisers converge. They replace the limits of the base options.
 struct ComparisonLimits {
   int line_search_iterations = 300;  ///< CeresOptions::max_iterations of a line search
   int cg_sweeps = 100;               ///< AlternatingCgOptions::max_sweeps
@@ -50,8 +50,8 @@ Status ParseSolvers(const std::string& list, const SolverOptions& base,
 /// same name if they run the same.
 std::string SolverName(const SolverOptions& options);
 
-/// InvalidArgument names a flag of Ceres' switches, among those with is_given(name), whose value in
-/// `base` no solver goes by.
+/// InvalidArgument names a flag of Ceres' switches that is given, but whose value, which `base`
+/// has, no solver goes by.
 Status CheckCeresFlagsCount(const std::vector<ComparedSolver>& solvers, const SolverOptions& base,
                             const std::function<bool(const char* flag)>& is_given);
 

@@ -63,7 +63,7 @@ std::string TableRow(const SolverFigures& figures, std::size_t name_width, doubl
   return row.str();
 }
 
-std::string InputName(const Comparison& comparison) {
+std::string InputAndStart(const Comparison& comparison) {
   return comparison.input.substr(comparison.input.find_last_of('/') + 1) +
          ", start: " + comparison.start;
 }
@@ -87,7 +87,7 @@ double PlottedGap(const TracePoint& point, double best_energy) {
 bool IsPlotted(const SolverRun& run) { return run.failure.empty() && run.repeat == 1; }
 
 ReportTable PageTable(const Comparison& comparison) {
-  ReportTable table{"Solvers compared: " + InputName(comparison),
+  ReportTable table{"Solvers compared: " + InputAndStart(comparison),
                     {"Solver", "Energy", "Above the best", "Seconds", "Time ratio", "Peak memory",
                      "Wall thickness", "Relations", "Outcome"},
                     {},
@@ -208,7 +208,7 @@ Status WriteComparisonJson(const std::string& path, const Comparison& comparison
 Status WriteComparisonPlot(const std::string& path, const Comparison& comparison) {
   const double best = BestEnergy(comparison.runs);
   ConvergencePlot plot;
-  plot.title = InputName(comparison);
+  plot.title = InputAndStart(comparison);
   plot.x_label = "time of the solver [s]";
   plot.y_label = kGapLabel;
   for (const SolverRun& run : comparison.runs) {

@@ -46,8 +46,8 @@ struct SolverRun {
   std::string termination;
   int num_iterations = 0;
   int num_rounds = 0;
-  /// The start, states after iterations and the result. Of more than 200 states, those are kept
-  /// that are evenly spaced in the logarithm of time.
+  /// The start, the states after iterations and the result. A longer trace is thinned to about 200
+  /// states, evenly spaced in the logarithm of time.
   std::vector<TracePoint> trace;
   std::size_t start_memory_bytes = 0;  ///< resident before the solve, the graph included
   std::size_t peak_memory_bytes = 0;   ///< resident in the solve, at most
