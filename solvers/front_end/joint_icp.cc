@@ -1,0 +1,202 @@
+#include "plumbline/solvers/front_end/joint_icp.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <utility>
+
+#include "plumbline/core/float_environment.h"
+#include "plumbline/factors/relative_pose_factor.h"
+#include "plumbline/factors/sqrt_information.h"
+#include "plumbline/solvers/front_end/local_map.h"
+#include "plumbline/solvers/front_end/scan_matcher.h"
+#include "plumbline/solvers/pose_graph/block_cholesky.h"
+#include "plumbline/solvers/pose_graph/uncertain_edges.h"
+
+namespace plumbline {
+namespace {
+
+// As fine as pairwise matching takes them.
+constexpr double kScanCellM = 0.01;
+constexpr int kMaxSteps = 20;
+// Steps end when none of the poses moves by this much [m], its heading times kArmM counted in: a
+// tenth of what a scan match knows.
+constexpr double kToleranceM = 3e-4;
+constexpr double kArmM = 5.0;  // a usual distance of a return
+
+// The normal equations of one residual or of many over two poses: J^T J and J^T e.
+struct PairEquations {
+  Eigen::Matrix3d from_from = Eigen::Matrix3d::Zero(), from_to = Eigen::Matrix3d::Zero(),
+                  to_to = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+
+  template <typename Jacobian, typename Error>
+  void Add(double weight, const Jacobian& d_from, const Jacobian& d_to, const Error& error) {
+    from_from += weight * d_from.transpose() * d_from;
+    from_to += weight * d_from.transpose() * d_to;
+    to_to += weight * d_to.transpose() * d_to;
+    from += weight * d_from.transpose() * error;
+    to += weight * d_to.transpose() * error;
+  }
+};
+
+// Of where a point lies by the pose of its robot; offset: from there, in world axes.
+Eigen::Matrix<double, 2, 3> PointJacobian(const Eigen::Vector2d& offset) {
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << 1.0, 0.0, -offset.y(), 0.0, 1.0, offset.x();
+  return jacobian;
+}
+
+// Pose 0 is no unknown: node n is pose n + 1.
+class JointSystem {
+ public:
+  JointSystem(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
+              const std::vector<PairOfScans>& pairs,
+              const std::vector<RelativePoseConstraint>& links, ThreadPool* pool)
+      : options_(options), surfaces_(surfaces), pairs_(pairs), links_(links), pool_(*pool) {
+    std::vector<std::pair<int, int>> couplings;
+    const auto couple = [&](int a, int b) {
+      if (a > 0 && b > 0) couplings.emplace_back(a - 1, b - 1);
+    };
+    for (const PairOfScans& pair : pairs) couple(pair.from, pair.to);
+    for (const RelativePoseConstraint& link : links) couple(link.from, link.to);
+    const int num_unknown = static_cast<int>(surfaces.size()) - 1;
+    equations_ = BlockCholesky(num_unknown, couplings);
+    right_.resize(3 * static_cast<Eigen::Index>(num_unknown));
+    BuildMaps();
+  }
+
+  // Returns how far the pose moved that moved farthest [m]; a negative number if there is no step.
+  double Step(std::vector<Pose2>* poses) {
+    equations_.SetZero();
+    right_.setZero();
+    AddPairs(*poses);
+    for (const RelativePoseConstraint& link : links_) AddLink(link, *poses);
+    if (!equations_.Factorize()) return -1.0;
+    equations_.Solve(&right_);
+    if (!right_.allFinite()) return -1.0;
+    double farthest_m = 0.0;
+    for (std::size_t p = 1; p < poses->size(); ++p) {
+      const auto change = right_.segment<3>(3 * static_cast<Eigen::Index>(p - 1));
+      (*poses)[p].x += change.x();
+      (*poses)[p].y += change.y();
+      (*poses)[p].yaw += change.z();
+      farthest_m = std::max(farthest_m, change.head<2>().norm() + kArmM * std::abs(change.z()));
+    }
+    return farthest_m;
+  }
+
+ private:
+  void BuildMaps() {
+    for (const PairOfScans& pair : pairs_) maps_.emplace(pair.from, LocalMap(kScanCellM));
+    std::vector<std::pair<const int, LocalMap>*> all;
+    for (auto& map : maps_) all.push_back(&map);
+    pool_.ForEach(all.size(), 8, [&](std::size_t i) {
+      const std::vector<const SurfacePoints*> scan = {&surfaces_[all[i]->first]};
+      all[i]->second.Rebuild(scan, {Pose2()});
+    });
+  }
+
+  void AddPairs(const std::vector<Pose2>& poses) {
+    std::vector<PairEquations> of_pair(pairs_.size());
+    pool_.ForEach(pairs_.size(), 16,
+                  [&](std::size_t i) { of_pair[i] = EquationsOf(pairs_[i], poses); });
+    for (std::size_t i = 0; i < pairs_.size(); ++i) Add(pairs_[i].from, pairs_[i].to, of_pair[i]);
+  }
+
+  PairEquations EquationsOf(const PairOfScans& pair, const std::vector<Pose2>& poses) const {
+    const LocalMap& map = maps_.at(pair.from);
+    const Pose2 from_from_to = Between(poses[pair.from], poses[pair.to]);
+    const FrameChange to_from(from_from_to);
+    const Eigen::Matrix2d world_from_from =
+        Eigen::Rotation2Dd(poses[pair.from].yaw).toRotationMatrix();
+    const Eigen::Vector2d to_robot = world_from_from * from_from_to.translation();
+    const double gate_m = options_.fine_gate_m;
+    const double weight = 1.0 / (kPointsPerError * options_.sigma_m * options_.sigma_m);
+    PairEquations equations;
+    for (const SurfacePoint& point : surfaces_[pair.to]) {
+      const SurfacePoint in_from = to_from * point;
+      const SurfacePoint* match = map.Nearest(in_from, gate_m);
+      if (match == nullptr) continue;
+      const Eigen::Vector2d position = world_from_from * match->position;
+      const Eigen::Vector2d error = world_from_from * (in_from.position - match->position);
+      const double tukey = 1.0 - error.squaredNorm() / (gate_m * gate_m);
+      const Eigen::Matrix<double, 2, 3> d_from = -PointJacobian(position);
+      const Eigen::Matrix<double, 2, 3> d_to = PointJacobian(position + error - to_robot);
+      if (options_.metric == IcpMetric::kPointToPoint) {
+        equations.Add(weight * tukey * tukey, d_from, d_to, error);
+      } else {
+        const Eigen::RowVector2d across = (world_from_from * match->normal).transpose();
+        equations.Add(weight * tukey * tukey, Eigen::RowVector3d(across * d_from),
+                      Eigen::RowVector3d(across * d_to), across.dot(error));
+      }
+    }
+    return equations;
+  }
+
+  void AddLink(const RelativePoseConstraint& link, const std::vector<Pose2>& poses) {
+    using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    RelativePoseResidual residual;
+    residual.a_from_b = link.from_from_to;
+    if (!SqrtInformation(link.covariance, &residual.sqrt_information)) return;
+    const Pose2 &a = poses[link.from], &b = poses[link.to];
+    const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
+    Eigen::Vector3d error;
+    RowMajor3d d_from, d_to;
+    residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
+    PairEquations equations;
+    equations.Add(1.0 / (1.0 + error.squaredNorm() / (kCauchyScale * kCauchyScale)), d_from, d_to,
+                  error);
+    Add(link.from, link.to, equations);
+  }
+
+  void Add(int from, int to, const PairEquations& equations) {
+    if (from > 0) {
+      equations_.AddToDiagonal(from - 1, equations.from_from);
+      right_.segment<3>(3 * from - 3) -= equations.from;
+    }
+    if (to > 0) {
+      equations_.AddToDiagonal(to - 1, equations.to_to);
+      right_.segment<3>(3 * to - 3) -= equations.to;
+    }
+    if (from <= 0 || to <= 0) return;
+    const std::size_t coupling = equations_.FindCoupling(from - 1, to - 1);
+    if (equations_.HasRowsOf(from - 1, to - 1)) {
+      equations_.AddToCoupling(coupling, equations.from_to);
+    } else {
+      equations_.AddToCoupling(coupling, equations.from_to.transpose());
+    }
+  }
+
+  const PairwiseIcpOptions& options_;
+  const std::vector<SurfacePoints>& surfaces_;
+  const std::vector<PairOfScans>& pairs_;
+  const std::vector<RelativePoseConstraint>& links_;
+  ThreadPool& pool_;
+  std::map<int, LocalMap> maps_;  // of the scans that others are matched to
+  BlockCholesky equations_;
+  Eigen::VectorXd right_;
+};
+
+}  // namespace
+
+void AlignJointly(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
+                  const std::vector<PairOfScans>& pairs,
+                  const std::vector<RelativePoseConstraint>& links, ThreadPool* pool,
+                  std::vector<Pose2>* world_from_pose) {
+  if (world_from_pose->size() < 2) return;
+  const DefaultFloatEnvironment float_environment;
+  JointSystem system(options, surfaces, pairs, links, pool);
+  std::vector<Pose2> poses = *world_from_pose;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const double moved_m = system.Step(&poses);
+    if (moved_m < 0.0) return;
+    if (moved_m < kToleranceM) break;
+  }
+  *world_from_pose = std::move(poses);
+}
+
+}  // namespace plumbline
