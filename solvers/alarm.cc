@@ -160,6 +160,17 @@ std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const 
            scans + " some decimetres beside where the map shows what they saw", std::nullopt}};
 }
 
+std::vector<Alarm> WorseThanStartAlarms(const AcceptanceTest& acceptance, const SlamGraph& graph,
+                                        const std::vector<double>& poses) {
+  if (poses.empty() || acceptance.KeepsHeldOutError()) return {};
+  std::ostringstream reason;
+  reason << std::fixed << std::setprecision(3)
+         << "the solver made the map worse than its start: the error of held-out returns rose from "
+         << acceptance.seed_held_out_error << " to " << acceptance.final_held_out_error
+         << " sigmas^2";
+  return {{PlaceOfPose(graph, poses, 0), reason.str(), std::nullopt}};
+}
+
 std::vector<Alarm> UncheckedMapAlarms(double surface_share, double unmatched_share,
                                       const SlamGraph& graph, const std::vector<double>& poses) {
   const bool lacks_surfaces = surface_share < kMinSurfaceShare;

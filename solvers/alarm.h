@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/core/slam_graph.h"
+#include "plumbline/solvers/interface/acceptance.h"
 #include "plumbline/solvers/interface/map_consistency.h"
 #include "plumbline/solvers/interface/seeding_report.h"
 
@@ -55,6 +56,11 @@ std::vector<Alarm> FrozenLaserAlarms(const std::vector<FrozenStretch>& frozen,
 /// misplaced: such poses.
 std::vector<Alarm> MisplacedScanAlarms(const std::vector<int>& misplaced, const SlamGraph& graph,
                                        const std::vector<double>& poses);
+
+/// At most one alarm, if held-out returns fit a result clearly worse than its start that is
+/// returned all the same, as by kPublished, which has no acceptance test.
+std::vector<Alarm> WorseThanStartAlarms(const AcceptanceTest& acceptance, const SlamGraph& graph,
+                                        const std::vector<double>& poses);
 
 /// At most one alarm, if hardly any return shows a surface or many scans match nothing near by:
 /// then poses are the odometry's, and no comparison of scans tells whether they are right.

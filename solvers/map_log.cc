@@ -15,6 +15,7 @@
 #include "plumbline/solvers/acceptance/contradicted_steps.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/frozen_laser.h"
+#include "plumbline/solvers/front_end/global_icp.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
 #include "plumbline/solvers/front_end/pairwise_icp.h"
@@ -119,7 +120,7 @@ double SurfaceShare(const SlamGraph& graph, const MeasuredSurface& surface) {
   return counts[1] > 0.0 ? counts[0] / counts[1] : 1.0;
 }
 
-// The poses of the odometry, or of a chain of scan matches.
+// The poses of the odometry, of a chain of scan matches, or of one ICP over all scans.
 Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progress,
                       ThreadPool* pool, const LogMapping& mapping, std::vector<double>* poses) {
   const auto goes_on = [&] { return !progress || progress(SeedingPhase::kMatchingScans, 0, 0); };
@@ -143,6 +144,13 @@ Status FindPlainStart(const MapLogOptions& options, const SeedingProgress& progr
   MapState chain;
   PLUMBLINE_RETURN_IF_ERROR(ChainPairs(IcpOptionsFor(BeamNoise(options, mapping.report), metric),
                                        mapping.surface, pool, graph, &chain));
+  if (options.start == StartType::kIcpGlobal) {
+    if (!goes_on()) return Status::Unavailable("seeding was stopped by its caller");
+    const RangeBeamOptions beam = BeamNoise(options, mapping.report);
+    PLUMBLINE_RETURN_IF_ERROR(AlignScansGlobally(GlobalIcpOptionsFor(beam, metric),
+                                                 options.solver.factors.motion, mapping.surface,
+                                                 pool, graph, &chain));
+  }
   *poses = std::move(chain.poses);
   return goes_on() ? Status::Ok() : Status::Unavailable("seeding was stopped by its caller");
 }
@@ -375,6 +383,12 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     for (Alarm& alarm :
          UncheckedMapAlarms(surface_share, unmatched_share, mapping->graph, mapping->state.poses)) {
       mapping->report.alarms.push_back(std::move(alarm));
+    }
+    if (options.solver.type == SolverType::kPublished && options.solver.own_solver == nullptr) {
+      for (Alarm& alarm : WorseThanStartAlarms(mapping->report.solver.acceptance, mapping->graph,
+                                               mapping->state.poses)) {
+        mapping->report.alarms.push_back(std::move(alarm));
+      }
     }
     for (Alarm& alarm : MisplacedScanAlarms(misplaced, mapping->graph, mapping->state.poses)) {
       mapping->report.alarms.push_back(std::move(alarm));

@@ -131,6 +131,8 @@ void BindMinimiserOptions(py::module_* module) {
               "iterations on the map, and as many on the poses, per pass")
       .Option("relative_tolerance", &PublishedOptions::relative_tolerance,
               "ends when a pass lowers the energy by less than this fraction")
+      .Option("sigma_from_start", &PublishedOptions::sigma_from_start,
+              "thickness of surfaces from the start's distances to its tangent lines")
       .Option("precondition", &PublishedOptions::precondition,
               "by diagonal blocks of the Gauss-Newton Hessian");
   Fields<StochasticDescentOptions>(module, "StochasticDescentOptions",
@@ -268,6 +270,8 @@ void BindChoices(py::module_* module) {
       .value("ODOMETRY", StartType::kOdometry, "the odometry as it is")
       .value("ICP", StartType::kIcp, "each scan matched to the one before, point to point")
       .value("ICP_POINT_TO_LINE", StartType::kIcpPointToLine, "likewise, point to line")
+      .value("ICP_GLOBAL", StartType::kIcpGlobal,
+             "after that all scans that see the same place, jointly")
       .value("SEED", StartType::kSeed, "matching against local maps, and loop closure");
   py::enum_<SeedingPhase>(*module, "SeedingPhase", "What the seeding is at.")
       .value("MATCHING_SCANS", SeedingPhase::kMatchingScans)

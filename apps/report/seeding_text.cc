@@ -20,6 +20,9 @@ std::string Count(int number, const std::string& noun) { return Count(number, no
 
 std::string StartText(StartType start) {
   if (start == StartType::kOdometry) return "  The solver starts at the odometry as it is.\n";
+  if (start == StartType::kIcpGlobal) {
+    return "  The solver starts where all scans that see the same place were matched, jointly.\n";
+  }
   return std::string("  The solver starts where each scan was matched to the one before it, ") +
          (start == StartType::kIcp ? "point to point.\n" : "point to line.\n");
 }

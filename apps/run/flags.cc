@@ -28,12 +28,13 @@ DEFINE_string(
     solver, ToString(Defaults().type),
     "Minimiser of the joint energy: reduced (of the poses alone, points and tangent lines "
     "eliminated: see solvers/reduced/README.md), alternating_cg or ceres (of poses and points); "
-    "published, the method to the letter of its paper; or of the pose graph alone, points riding "
+    "published, the method of the paper; or of the pose graph alone, points riding "
     "along: pose_graph (Gauss-Newton) or sgd");
 DEFINE_string(start, "",
               "Where the solver starts: seed (matching against local maps, loops closed), odometry "
-              "(as it is), icp (each scan matched to the one before it, point to point) or "
-              "icp_point_to_line; empty: icp for --solver=published, seed for all others");
+              "(as it is), icp (each scan matched to the one before it, point to point), "
+              "icp_point_to_line, or icp_global (after that, all scans that see the same place "
+              "matched jointly); empty: icp_global for --solver=published, seed for all others");
 DEFINE_int32(threads, Defaults().num_threads,
              "Threads; the result does not depend on it, but for the last digits of ceres");
 
@@ -148,6 +149,9 @@ DEFINE_int32(published_sweeps, Defaults().published.sweeps_per_pass,
              "published: iterations on the map, and as many on the poses, per pass");
 DEFINE_double(published_tolerance, Defaults().published.relative_tolerance,
               "published: ends when a pass gains less [fraction of the cost]");
+DEFINE_bool(published_sigma_from_start, Defaults().published.sigma_from_start,
+            "published: take the thickness of surfaces from the start's distances to its tangent "
+            "lines, in place of --sigma_manifold_m");
 DEFINE_bool(published_precondition, Defaults().published.precondition,
             "published: precondition the conjugate gradients, which the paper does not");
 
@@ -350,6 +354,7 @@ PublishedOptions PublishedOptionsFromFlags() {
   published.max_passes = FLAGS_published_max_passes;
   published.sweeps_per_pass = FLAGS_published_sweeps;
   published.relative_tolerance = FLAGS_published_tolerance;
+  published.sigma_from_start = FLAGS_published_sigma_from_start;
   published.precondition = FLAGS_published_precondition;
   return published;
 }
@@ -420,7 +425,7 @@ Status CheckNoFlagIsIgnored(const SolverOptions& options, StartType start) {
 
 Status StartFromFlags(const SolverOptions& solver, StartType* start) {
   if (FLAGS_start.empty()) {
-    *start = solver.type == SolverType::kPublished ? StartType::kIcp : StartType::kSeed;
+    *start = solver.type == SolverType::kPublished ? StartType::kIcpGlobal : StartType::kSeed;
     return Status::Ok();
   }
   return ParseName(

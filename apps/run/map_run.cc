@@ -30,6 +30,8 @@ std::string StartTitle(StartType start, bool by_pose_graph) {
       return "Start: ICP, point to point";
     case StartType::kIcpPointToLine:
       return "Start: ICP, point to line";
+    case StartType::kIcpGlobal:
+      return "Start: ICP over all scans";
     case StartType::kSeed:
       break;
   }

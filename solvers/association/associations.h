@@ -48,13 +48,15 @@ Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
 /// The parts of BuildAssociations. LinesFromRadius is fitted to the measured ends of the beams,
 /// placed by the poses, (x, y, yaw) each; the other two see the state's points, (x, y) each.
 /// Without normals (empty) LinesFromNearest has a line for every point, and no face of a wall or
-/// side of a corner stays apart.
+/// side of a corner stays apart. hold_out: held-out returns (HeldOutReturns) get the lines of the
+/// others, and are neighbours of none.
 TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
                              const MeasuredSurface& surface, const AssociationOptions& options,
                              double radius_m, ThreadPool* pool);
 TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
                               const std::vector<ReturnNormal>& normals,
-                              const AssociationOptions& options, ThreadPool* pool);
+                              const AssociationOptions& options, ThreadPool* pool,
+                              bool hold_out = false);
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
                                       const std::vector<ReturnNormal>& normals,
                                       const AssociationOptions& options, ThreadPool* pool);

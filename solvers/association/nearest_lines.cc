@@ -11,10 +11,12 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstdint>
 
 #include "plumbline/core/line_fit.h"
 #include "plumbline/core/point_index.h"
 #include "plumbline/solvers/association/associations.h"
+#include "plumbline/solvers/association/held_out_returns.h"
 
 namespace plumbline {
 namespace {
@@ -30,20 +32,25 @@ struct SurfaceMap {
   std::vector<int> scans;
   std::vector<double> points;            // x, y [m], world
   std::vector<Eigen::Vector2f> normals;  // unit, world; empty where they have no say
+  std::vector<std::uint32_t> neighbors;  // the points that may be neighbours, in order
 
   std::size_t size() const { return return_ids.size(); }
   Eigen::Vector2d point(std::size_t i) const { return {points[2 * i], points[2 * i + 1]}; }
 };
 
 SurfaceMap CollectSurface(const SlamGraph& graph, const MapState& state,
-                          const std::vector<ReturnNormal>& normals) {
+                          const std::vector<ReturnNormal>& normals, bool hold_out) {
   SurfaceMap map;
   for (int s = 0; s < graph.num_scans(); ++s) {
     const ScanEntry& scan = graph.scan(s);
     const Eigen::Matrix2f rotation =
         Eigen::Rotation2Dd(state.WorldFromRobot(scan.pose).yaw).toRotationMatrix().cast<float>();
+    const std::size_t first_held_out = HeldOutReturns::FirstOf(graph, s);
     for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
       if (!normals.empty() && normals[r].IsNone()) continue;
+      if (!hold_out || !HeldOutReturns::Contain(r - scan.first_return, first_held_out)) {
+        map.neighbors.push_back(static_cast<std::uint32_t>(map.size()));
+      }
       map.return_ids.push_back(r);
       map.scans.push_back(s);
       map.points.insert(map.points.end(), {state.points[2 * r], state.points[2 * r + 1]});
@@ -53,13 +60,22 @@ SurfaceMap CollectSurface(const SlamGraph& graph, const MapState& state,
   return map;
 }
 
+std::vector<double> PointsOfNeighbors(const SurfaceMap& map) {
+  std::vector<double> points;
+  points.reserve(2 * map.neighbors.size());
+  for (const std::uint32_t i : map.neighbors) {
+    points.insert(points.end(), {map.points[2 * i], map.points[2 * i + 1]});
+  }
+  return points;
+}
+
 class NearestLineFitter {
  public:
   NearestLineFitter(const SurfaceMap& map, const AssociationOptions& options, ThreadPool* pool)
       : map_(map),
         options_(options),
         min_normal_cosine_(std::cos(kMaxNormalAngleRad)),
-        index_(map.points) {
+        index_(PointsOfNeighbors(map)) {
     EstimateTypicalRadius(pool);
   }
 
@@ -70,7 +86,7 @@ class NearestLineFitter {
     PointMoments moments;  // about the point itself
     bool enough_poses = !options_.several_poses;
     for (const PointIndex::Neighbor& neighbor : *neighbors) {
-      const std::size_t j = neighbor.point;
+      const std::size_t j = map_.neighbors[neighbor.point];
       if (moments.weight >= options_.min_points && moments.weight >= num_points) break;
       if (!FaceTheSameWay(i, j)) continue;
       const Eigen::Vector2d offset = map_.point(j) - map_.point(i);
@@ -129,8 +145,8 @@ class NearestLineFitter {
 
 TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
                               const std::vector<ReturnNormal>& normals,
-                              const AssociationOptions& options, ThreadPool* pool) {
-  const SurfaceMap map = CollectSurface(graph, state, normals);
+                              const AssociationOptions& options, ThreadPool* pool, bool hold_out) {
+  const SurfaceMap map = CollectSurface(graph, state, normals, hold_out);
   const NearestLineFitter fitter(map, options, pool);
   std::vector<TangentLine> lines(map.size());
   pool->ForEachChunk(map.size(), kPointsPerChunk,

@@ -10,7 +10,8 @@ namespace plumbline {
 
 namespace {
 
-constexpr const char* kStartNames[] = {"odometry", "icp", "icp_point_to_line", "seed"};
+constexpr const char* kStartNames[] = {"odometry", "icp", "icp_point_to_line", "icp_global",
+                                       "seed"};
 
 }  // namespace
 

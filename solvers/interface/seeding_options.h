@@ -24,9 +24,10 @@ enum class StartType {
   kOdometry,        ///< the odometry as it is
   kIcp,             ///< each scan matched to the one before it, point to point (Besl & McKay 1992)
   kIcpPointToLine,  ///< likewise, point to line (Chen & Medioni 1991)
+  kIcpGlobal,       ///< after that every scan matched to all that see the same place, jointly
   kSeed,            ///< matching against local maps, and loop closure: SeedGraph
 };
-/// "odometry", "icp", "icp_point_to_line" or "seed".
+/// "odometry", "icp", "icp_point_to_line", "icp_global" or "seed".
 const char* ToString(StartType type);
 /// The inverse; false, with *type unchanged, for another name.
 bool FromString(const std::string& name, StartType* type);

@@ -68,8 +68,12 @@ struct AlternatingCgOptions {
 
 /// The method as it was published (published_method.cc says what is taken from where).
 struct PublishedOptions {
-  /// Passes, at most. Each finds the tangent lines and shape pairs of the map anew.
-  int max_passes = 50;
+  /// Passes, at most. Each finds the tangent lines and shape pairs of the map anew. Passes end once
+  /// several in a row have not predicted held-out ranges better: more would only bend the map.
+  int max_passes = 100;
+  /// Takes sigma_M from the start: the root mean square distance of its points from their tangent
+  /// lines, as the paper defines it, in place of ManifoldOptions::sigma_m.
+  bool sigma_from_start = false;
   /// Iterations on the map, and as many on the poses, in turn, per pass. The paper has one. More
   /// cost little beside finding the lines, up to 1000: on fixed lines they have converged by then.
   int sweeps_per_pass = 1;

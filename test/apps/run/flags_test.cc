@@ -199,6 +199,8 @@ TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
   EXPECT_TRUE(FromFlags().solver.ceres->reduced);
   SetFlag("published_precondition", "true");
   EXPECT_TRUE(FromFlags().solver.published.precondition);
+  SetFlag("published_sigma_from_start", "true");
+  EXPECT_TRUE(FromFlags().solver.published.sigma_from_start);
 }
 
 TEST_F(FlagsTest, TheStartIsTheSolversUnlessItIsSaid) {
@@ -210,9 +212,9 @@ TEST_F(FlagsTest, TheStartIsTheSolversUnlessItIsSaid) {
     return start;
   };
   EXPECT_EQ(start(SolverType::kReduced), StartType::kSeed);
-  EXPECT_EQ(start(SolverType::kPublished), StartType::kIcp);
-  for (const StartType said :
-       {StartType::kOdometry, StartType::kIcp, StartType::kIcpPointToLine, StartType::kSeed}) {
+  EXPECT_EQ(start(SolverType::kPublished), StartType::kIcpGlobal);
+  for (const StartType said : {StartType::kOdometry, StartType::kIcp, StartType::kIcpPointToLine,
+                               StartType::kIcpGlobal, StartType::kSeed}) {
     SetFlag("start", ToString(said));
     EXPECT_EQ(start(SolverType::kReduced), said);
     EXPECT_EQ(start(SolverType::kPublished), said);
@@ -238,7 +240,8 @@ TEST_F(FlagsTest, EveryFlagIsTestedHere) {
                                     "several_poses",
                                     "test_edges",
                                     "reduced_lines_follow",
-                                    "published_precondition"};
+                                    "published_precondition",
+                                    "published_sigma_from_start"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
   for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
