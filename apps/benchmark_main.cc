@@ -1,7 +1,6 @@
 // Runs an experiment, on simulated drives or on a log, and sums up what came of it.
 
 #include <gflags/gflags.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <iomanip>
@@ -478,8 +477,6 @@ Status Run() {
 }  // namespace plumbline
 
 int main(int argc, char** argv) {
-  FLAGS_logtostderr = true;
   plumbline::StartProgram(plumbline::kBenchmarkUsage, argc, argv);
-  google::InitGoogleLogging(argv[0]);
   return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

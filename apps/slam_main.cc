@@ -1,13 +1,9 @@
 // A raw log in; a trajectory, a map of every laser return, pictures and numbers out.
 
-#include <gflags/gflags.h>
-#include <glog/logging.h>
-
 #include "plumbline/apps/program/command_line.h"
 #include "plumbline/apps/run/slam_program.h"
 
 int main(int argc, char** argv) {
-  FLAGS_logtostderr = true;
   plumbline::StartProgram(
       "Maps a raw log (CARMEN, or bag of ROS 1 or ROS 2), or refines a pose graph or a saved map: "
       "joint estimation of all poses and all laser returns.\n\n"
@@ -17,7 +13,6 @@ int main(int argc, char** argv) {
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
       "--ceres_linear_solver=sparse_schur",
       argc, argv);
-  google::InitGoogleLogging(argv[0]);
   plumbline::LogRunOptions options;
   const auto check_flags = [&options] {
     options = plumbline::LogRunOptions();

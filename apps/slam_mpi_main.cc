@@ -1,8 +1,5 @@
 // plumbline_slam in several processes, each with some of the scans.
 
-#include <gflags/gflags.h>
-#include <glog/logging.h>
-
 #include "plumbline/apps/mpi/mpi_program.h"
 #include "plumbline/apps/mpi/refused_flags.h"
 #include "plumbline/apps/program/stop_signal.h"
@@ -10,13 +7,11 @@
 #include "plumbline/solvers/mpi/petsc_pose_solver.h"
 
 int main(int argc, char** argv) {
-  FLAGS_logtostderr = true;
   plumbline::MpiProgram program(
       "plumbline_slam in several processes that mpirun starts, on one machine or on several with a "
       "common file system: each has the scans of a part of the map.\n\n"
       "  mpirun -n 4 plumbline_slam_mpi --log=fr079.clf.gz --output_dir=out",
       &argc, &argv);
-  google::InitGoogleLogging(argv[0]);
   plumbline::LogRunOptions options;
   const auto check_flags = [&] {
     options = plumbline::LogRunOptions();

@@ -84,6 +84,17 @@ TEST_F(ProgramsTest, MapsWithCeres) {
   EXPECT_EQ(Summary()["flags"]["ceres_max_iterations"], 2);
 }
 
+TEST_F(ProgramsTest, PrintsNoLogLinesOfCeres) {
+  SimulateLog(20);
+  const Outcome run = Slam("a.clf",
+                           "--solver=ceres --ceres_minimizer=line_search --ceres_max_iterations=20 "
+                           "--ceres_line_search_direction=nonlinear_conjugate_gradient "
+                           "--ceres_nonlinear_conjugate_gradient=polak_ribiere "
+                           "--ceres_line_search=armijo");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, IsEmpty());
+}
+
 TEST_F(ProgramsTest, MaxScansLimitsTheLog) {
   SimulateLog(5);
   const Outcome run = Slam("a.clf", "--max_scans=1");
