@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -45,14 +46,17 @@ class Residual final : public ceres::SizedCostFunction<1, 1> {
 
 class Callback final : public ceres::IterationCallback {
  public:
-  explicit Callback(std::function<void()> function) : function_(std::move(function)) {}
+  explicit Callback(std::function<void()> function,
+                    ceres::CallbackReturnType result = ceres::SOLVER_CONTINUE)
+      : function_(std::move(function)), result_(result) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
     function_();
-    return ceres::SOLVER_CONTINUE;
+    return result_;
   }
 
  private:
   std::function<void()> function_;
+  ceres::CallbackReturnType result_;
 };
 
 struct Problem {
@@ -103,7 +107,10 @@ TEST_F(QuietCeresTest, SolvesAsCeresDoes) {
 TEST_F(QuietCeresTest, GivesTheHostItsLevelBack) {
   for (const int level : {-1, 0, 1, 2, 3, 4}) {
     FLAGS_minloglevel = level;
-    EXPECT_EQ(CapturedOutput(SolveBrokenProblem), "");
+    int level_inside = -1;
+    Problem problem(true, [&] { level_inside = FLAGS_minloglevel; });
+    EXPECT_EQ(CapturedOutput([&] { problem.SolveQuietly(); }), "");
+    EXPECT_EQ(level_inside, std::max<int>(level, google::GLOG_FATAL));
     EXPECT_EQ(FLAGS_minloglevel, level);
   }
   FLAGS_minloglevel = google::GLOG_INFO;
@@ -129,6 +136,17 @@ TEST_F(QuietCeresTest, TheHostLogsInItsCallback) {
   EXPECT_THAT(CapturedOutput([&] { problem.SolveQuietly(); }),
               AllOf(HasSubstr("in the callback"), Not(HasSubstr("in the residual"))));
   EXPECT_EQ(FLAGS_minloglevel, google::GLOG_INFO);
+}
+
+TEST_F(QuietCeresTest, EveryCallbackLogsAndMayStopTheSolve) {
+  Callback first([] { LOG(WARNING) << "the first"; });
+  Callback second([] { LOG(WARNING) << "the second"; }, ceres::SOLVER_TERMINATE_SUCCESSFULLY);
+  Problem problem(false);
+  problem.options.callbacks = {&first, &second};
+  EXPECT_THAT(CapturedOutput([&] { problem.SolveQuietly(); }),
+              AllOf(HasSubstr("the first"), HasSubstr("the second")));
+  EXPECT_EQ(problem.summary.termination_type, ceres::USER_SUCCESS);
+  EXPECT_EQ(problem.summary.iterations.size(), 1u);
 }
 
 TEST_F(QuietCeresTest, RestoresTheLevelWhenTheHostThrows) {
