@@ -146,14 +146,17 @@ TEST(ComparedSolversTest, ErrorsNameEntryAndWord) {
   EXPECT_THAT(ErrorOf("published:fixed_lines"), HasSubstr("'fixed_lines'; it has precondition"));
   EXPECT_THAT(ErrorOf("ceres:"), HasSubstr("entry 'ceres:': ceres has no word ''"));
   EXPECT_THAT(ErrorOf(""), HasSubstr("entry '': there is no solver ''"));
+  EXPECT_THAT(ErrorOf("reduced,,sgd"), HasSubstr("entry '': there is no solver ''"));
+  EXPECT_THAT(ErrorOf("ceres::lbfgs"), HasSubstr("ceres has no word ''"));
   EXPECT_THAT(ErrorOf("reduced,"), HasSubstr("entry '': there is no solver ''"));
 }
 
 TEST(ComparedSolversTest, WordsThatContradictEachOtherAreRefused) {
   const char* const pairs[][2] = {
-      {"lbfgs", "sparse_schur"},  {"sparse_schur", "dense_qr"},
-      {"trust_region", "wolfe"},  {"levenberg_marquardt", "subspace_dogleg"},
-      {"polak_ribiere", "lbfgs"}, {"reduced", "points"}};
+      {"lbfgs", "sparse_schur"},        {"sparse_schur", "dense_qr"},
+      {"trust_region", "wolfe"},        {"levenberg_marquardt", "subspace_dogleg"},
+      {"polak_ribiere", "lbfgs"},       {"reduced", "points"},
+      {"levenberg_marquardt", "wolfe"}, {"jacobi", "lbfgs"}};
   for (const auto& [first, second] : pairs) {
     const std::string a = first, b = second;
     EXPECT_THAT(ErrorOf("ceres:" + a + ":" + b),
