@@ -327,6 +327,15 @@ Status FindExperiments(std::vector<const Experiment*>* wanted) {
   return wanted->empty() ? FindExperiment("", nullptr) : Status::Ok();
 }
 
+Status CheckNoComparisonFlag() {
+  for (const char* flag : {"solvers", "repeats", "time_limit_s"}) {
+    if (gflags::GetCommandLineFlagInfoOrDie(flag).is_default) continue;
+    return Status::InvalidArgument(std::string("--") + flag +
+                                   " is ignored by --experiment=" + FLAGS_experiment);
+  }
+  return Status::Ok();
+}
+
 // CheckFlags has found the names of the experiments in order.
 std::vector<std::string> FilesInFolder(const std::string& folder) {
   std::vector<const Experiment*> wanted;
@@ -407,7 +416,8 @@ Status CheckFlags() {
   SolverOptions solver;
   SeedingOptions seeding;
   PLUMBLINE_RETURN_IF_ERROR(CheckComparisonNumbers());
-  if (IsWanted(CompareAllSolvers)) PLUMBLINE_RETURN_IF_ERROR(CheckComparedSolvers());
+  PLUMBLINE_RETURN_IF_ERROR(IsWanted(CompareAllSolvers) ? CheckComparedSolvers()
+                                                        : CheckNoComparisonFlag());
   PLUMBLINE_RETURN_IF_ERROR(SolverOptionsFromFlags(&solver));
   const bool one_solver = std::none_of(wanted.begin(), wanted.end(), [](const Experiment* wants) {
     return wants->runs_other_solvers;

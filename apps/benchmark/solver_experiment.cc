@@ -6,6 +6,7 @@
 #include <iomanip>
 #include <iostream>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -28,12 +29,37 @@ Status ComparisonOptionsFromFlags(ComparisonOptions* options) {
   return Status::Ok();
 }
 
-Status SolversFromFlags(const SolverOptions& base, std::vector<ComparedSolver>* solvers) {
+// The marginal energy of every row is computed with the flags that all solvers of returns read.
+bool IsReadByEvaluation(const std::string& flag) {
+  SolverOptions over_landmarks, over_points;
+  over_landmarks.type = SolverType::kReduced;
+  over_points.type = SolverType::kAlternatingCg;
+  return !IsIgnored(flag, over_landmarks, StartType::kOdometry) &&
+         !IsIgnored(flag, over_points, StartType::kOdometry);
+}
+
+Status CheckSomeEntryReadsEachFlag(const std::vector<ComparedSolver>& solvers, StartType start) {
+  std::vector<gflags::CommandLineFlagInfo> flags;
+  gflags::GetAllFlags(&flags);
+  for (const gflags::CommandLineFlagInfo& flag : flags) {
+    if (flag.is_default || IsReadByEvaluation(flag.name)) continue;
+    const bool is_ignored = std::all_of(
+        solvers.begin(), solvers.end(),
+        [&](const ComparedSolver& solver) { return IsIgnored(flag.name, solver.options, start); });
+    if (!is_ignored) continue;
+    return Status::InvalidArgument("--" + flag.name + " is ignored by every entry of --solvers");
+  }
+  return Status::Ok();
+}
+
+Status SolversFromFlags(const MapLogOptions& options, std::vector<ComparedSolver>* solvers) {
+  const SolverOptions& base = options.solver;
   ComparisonLimits limits;
   if (IsGiven("ceres_max_iterations")) limits.line_search_iterations = base.ceres->max_iterations;
   if (IsGiven("cg_max_sweeps")) limits.cg_sweeps = base.alternating_cg.max_sweeps;
   const Status status = ParseSolvers(FLAGS_solvers, base, limits, solvers);
   if (!status.ok()) return Status::InvalidArgument("--solvers: " + status.message());
+  PLUMBLINE_RETURN_IF_ERROR(CheckSomeEntryReadsEachFlag(*solvers, options.start));
   return CheckCeresFlagsCount(*solvers, base, IsGiven);
 }
 
@@ -103,7 +129,7 @@ Status CheckComparedSolvers() {
   MapLogOptions options;
   std::vector<ComparedSolver> solvers;
   PLUMBLINE_RETURN_IF_ERROR(MapOptionsFromFlags(&options));
-  return SolversFromFlags(options.solver, &solvers);
+  return SolversFromFlags(options, &solvers);
 }
 
 Status CompareSolversByFlags(const std::string& log, const std::string& relations,
@@ -113,7 +139,7 @@ Status CompareSolversByFlags(const std::string& log, const std::string& relation
   ComparedProblem problem;
   PLUMBLINE_RETURN_IF_ERROR(ComparisonOptionsFromFlags(&comparison.options));
   PLUMBLINE_RETURN_IF_ERROR(MapOptionsFromFlags(&options));
-  PLUMBLINE_RETURN_IF_ERROR(SolversFromFlags(options.solver, &comparison.solvers));
+  PLUMBLINE_RETURN_IF_ERROR(SolversFromFlags(options, &comparison.solvers));
   if (!relations.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(relations, &problem.relations));
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <string>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -273,15 +272,6 @@ constexpr FlagReaders kFlagReaders[] = {
     {"sgd_", IsSgd},
 };
 
-bool IsIgnored(const std::string& flag, const SolverOptions& options) {
-  const auto* readers =
-      std::find_if(std::begin(kFlagReaders), std::end(kFlagReaders), [&](const FlagReaders& row) {
-        const std::string name = row.name;
-        return flag == name || (name.back() == '_' && flag.compare(0, name.size(), name) == 0);
-      });
-  return readers != std::end(kFlagReaders) && !readers->read_it(options);
-}
-
 FactorOptions FactorOptionsFromFlags() {
   FactorOptions factors;
   factors.beam.sigma_range_m = FLAGS_sigma_range_m;
@@ -406,16 +396,25 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   return CheckValues(*options);
 }
 
+bool IsIgnored(const std::string& flag, const SolverOptions& options, StartType start) {
+  if (flag.find("keyframe_") == 0) return start != StartType::kSeed && UsesReturns(options);
+  const auto* readers =
+      std::find_if(std::begin(kFlagReaders), std::end(kFlagReaders), [&](const FlagReaders& row) {
+        const std::string name = row.name;
+        return flag == name || (name.back() == '_' && flag.compare(0, name.size(), name) == 0);
+      });
+  return readers != std::end(kFlagReaders) && !readers->read_it(options);
+}
+
 Status CheckNoFlagIsIgnored(const SolverOptions& options, StartType start) {
-  const bool is_seeded = start == StartType::kSeed || options.MovesPosesOnly();
   std::vector<gflags::CommandLineFlagInfo> flags;
   gflags::GetAllFlags(&flags);
   for (const gflags::CommandLineFlagInfo& flag : flags) {
-    if (!flag.is_default && !is_seeded && flag.name.find("keyframe_") == 0) {
+    if (flag.is_default || !IsIgnored(flag.name, options, start)) continue;
+    if (!IsIgnored(flag.name, options, StartType::kSeed)) {
       return Status::InvalidArgument("--" + flag.name +
                                      " is ignored by --start=" + ToString(start));
     }
-    if (flag.is_default || !IsIgnored(flag.name, options)) continue;
     const bool ceres_reduced = IsCeres(options) && options.IsOverLandmarks();
     return Status::InvalidArgument("--" + flag.name + " is ignored by --solver=" +
                                    ToString(options.type) + (ceres_reduced ? " --reduced" : ""));

@@ -1,6 +1,8 @@
 #ifndef PLUMBLINE_APPS_RUN_FLAGS_H_
 #define PLUMBLINE_APPS_RUN_FLAGS_H_
 
+#include <string>
+
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/interface/seeding_options.h"
 #include "plumbline/solvers/interface/solver_options.h"
@@ -10,6 +12,9 @@ namespace plumbline {
 /// The solver options that the command line asks for. InvalidArgument on an unknown name (naming
 /// the flag), a value out of range (naming the option) or switches that Ceres refuses together.
 Status SolverOptionsFromFlags(SolverOptions* options);
+
+/// True if a run of this solver from this start does not read the flag.
+bool IsIgnored(const std::string& flag, const SolverOptions& options, StartType start);
 
 /// InvalidArgument names a flag on the command line that the solver of these options does not read,
 /// or that nothing reads with this start.

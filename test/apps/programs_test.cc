@@ -203,8 +203,10 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
                    "--cg_max_sweeps is ignored by --solver=reduced");
   ExpectUsageError(Run("benchmark", "--experiment=adversarial --coarse_rounds=2"),
                    "--coarse_rounds is ignored by --solver=reduced");
-  for (const char* ignored : {"seeding_study --shape", "scaling --solver=sgd", "sensors --shape",
-                              "solver_comparison --solver=ceres", "replay --start=icp"}) {
+  for (const char* ignored :
+       {"seeding_study --shape", "scaling --solver=sgd", "sensors --shape",
+        "solver_comparison --solver=ceres", "replay --start=icp", "log --solvers=reduced",
+        "scaling,sensors --repeats=1", "profile --time_limit_s=5"}) {
     const std::string text = ignored, flag = text.substr(text.find("--"));
     ExpectUsageError(Run("benchmark", "--output_dir=out --log=a.clf --experiment=" + text),
                      flag.substr(0, flag.find('=')) +
@@ -213,8 +215,15 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
   const std::string comparison = "--experiment=solver_comparison --output_dir=out ";
   ExpectUsageError(Run("benchmark", comparison + "--solvers=reduced,ceres:newton"),
                    "--solvers: entry 'ceres:newton': ceres has no word 'newton'");
-  ExpectUsageError(Run("benchmark", comparison + "--ceres_minimizer=line_search"),
-                   "--ceres_minimizer is ignored by every entry of --solvers");
+  for (const char* ignored :
+       {"ceres_minimizer=line_search", "sgd_iterations=5", "cg_max_sweeps=5 --solvers=ceres,sgd",
+        "coarse_rounds=1 --solvers=reduced,published", "reduced --solvers=reduced",
+        "reduced_steps=1 --solvers=ceres:points", "keyframe_angle_deg=5 --start=icp"}) {
+    const std::string text = ignored;
+    ExpectUsageError(Run("benchmark", comparison + "--" + text),
+                     "--" + text.substr(0, text.find_first_of("= ")) +
+                         " is ignored by every entry of --solvers");
+  }
   ExpectUsageError(Slam("a.clf", "--max_scans=-1"), "--max_scans");
   ExpectUsageError(Slam("a.clf", "--hits=a.hits"), "--hits needs --truth");
   ExpectUsageError(Slam("a.clf", "--no_such_flag=1"), "no_such_flag");
