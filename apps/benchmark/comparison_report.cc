@@ -13,6 +13,7 @@
 #include "plumbline/apps/io/number_text.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/apps/report/units.h"
+#include "plumbline/solvers/interface/ceres_options.h"
 
 namespace plumbline {
 namespace {
@@ -127,8 +128,22 @@ Json RelationsJson(const std::optional<RelationsFigures>& relations) {
           {"std_deg", relations->std_deg}};
 }
 
-Json FiguresJson(const SolverFigures& figures, const std::vector<ComparedSolver>& solvers) {
-  Json json = {{"solver", figures.solver}, {"failures", figures.failures}};
+// The limit of a row, which may differ from the flag (ComparisonLimits).
+Json LimitJson(const SolverOptions& options) {
+  if (options.type == SolverType::kCeres) {
+    return {{"ceres_max_iterations", options.ceres->max_iterations}};
+  }
+  if (options.type == SolverType::kAlternatingCg) {
+    return {{"cg_max_sweeps", options.alternating_cg.max_sweeps}};
+  }
+  return Json::object();
+}
+
+Json FiguresJson(const SolverFigures& figures, const ComparedSolver& solver,
+                 const std::vector<ComparedSolver>& solvers) {
+  Json json = {{"solver", figures.solver},
+               {"limit", LimitJson(solver.options)},
+               {"failures", figures.failures}};
   if (figures.median_run == nullptr) return json;
   const SolverRun& run = *figures.median_run;
   Json reach = Json::object();
@@ -191,8 +206,9 @@ Status WriteComparisonCsv(const std::string& path, const Comparison& comparison)
 
 Status WriteComparisonJson(const std::string& path, const Comparison& comparison) {
   Json solvers = Json::array();
-  for (const SolverFigures& figures : SumUp(comparison.solvers, comparison.runs)) {
-    solvers.push_back(FiguresJson(figures, comparison.solvers));
+  const std::vector<SolverFigures> all = SumUp(comparison.solvers, comparison.runs);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    solvers.push_back(FiguresJson(all[i], comparison.solvers[i], comparison.solvers));
   }
   return WriteJson(path, {{"input", comparison.input},
                           {"start", comparison.start},

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plumbline/apps/benchmark/comparison_report.h"
+#include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/test/apps/pictures/picture.h"
 #include "plumbline/test/core/temp_file.h"
 #include "plumbline/test/solvers/noisy_room.h"
@@ -119,6 +120,20 @@ TEST(SolverComparisonTest, FilesHoldEveryIterationAndEveryFigure) {
                     HasSubstr("<td>failed: ended by signal 9 (Killed)</td>"),
                     HasSubstr("{\"label\":\"slow\",\"points\":[[")));
   EXPECT_EQ(NumFilesIn(folder), 4);
+}
+
+TEST(SolverComparisonTest, TheJsonHasTheLimitOfEachRow) {
+  Comparison comparison;
+  const Status status = ParseSolvers("ceres,ceres:lbfgs,alternating_cg,reduced", SolverOptions(),
+                                     ComparisonLimits(), &comparison.solvers);
+  ASSERT_TRUE(status.ok()) << status.message();
+  const std::string path = TempFolder() + "a.json";
+  ASSERT_TRUE(WriteComparisonJson(path, comparison).ok());
+  const auto rows = nlohmann::json::parse(ReadFile(path))["solvers"];
+  EXPECT_EQ(rows[0]["limit"]["ceres_max_iterations"], CeresOptions().max_iterations);
+  EXPECT_EQ(rows[1]["limit"]["ceres_max_iterations"], 300);
+  EXPECT_EQ(rows[2]["limit"]["cg_max_sweeps"], 100);
+  EXPECT_TRUE(rows[3]["limit"].empty());
 }
 
 TEST(SolverComparisonTest, LongNamesKeepTheColumnsInLine) {
