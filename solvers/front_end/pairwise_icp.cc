@@ -7,6 +7,7 @@
 
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/solvers/front_end/align_points.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/odometry_span.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
@@ -34,18 +35,6 @@ ScanMatchOptions MatcherOptions(const PairwiseIcpOptions& options) {
   matcher.sigma_m = options.sigma_m;
   matcher.step_tolerance_m = kStepToleranceM;
   return matcher;
-}
-
-// The rigid motion map_from_scan that brings matched points closest together, in closed form.
-Pose2 AlignPoints(const Eigen::Ref<const Eigen::Matrix2Xd>& map,
-                  const Eigen::Ref<const Eigen::Matrix2Xd>& scan) {
-  const Eigen::Vector2d map_mean = map.rowwise().mean(), scan_mean = scan.rowwise().mean();
-  const Eigen::Matrix2d correlation =
-      (map.colwise() - map_mean) * (scan.colwise() - scan_mean).transpose();
-  const Pose2 turn(0.0, 0.0,
-                   std::atan2(correlation(1, 0) - correlation(0, 1), correlation.trace()));
-  const Eigen::Vector2d shift = map_mean - turn * scan_mean;
-  return {shift.x(), shift.y(), turn.yaw};
 }
 
 // Upper bound of how far a point moves when the pose of its scan changes [m].
