@@ -94,10 +94,33 @@ std::string Letter(std::size_t index, char first) {
   return std::string(1, static_cast<char>(first + index % kMaxDetails));
 }
 
+// Counts every hit in all pixels of the square around its own.
+std::vector<std::uint32_t> SpreadHits(const std::vector<std::uint32_t>& hits,
+                                      const MapRaster& raster, int side_px) {
+  const int reach = side_px / 2;
+  std::vector<std::uint32_t> spread(hits.size(), 0);
+  const auto at = [&raster](int column, int row) {
+    return static_cast<std::size_t>(row) * raster.width + column;
+  };
+  for (int row = 0; row < raster.height; ++row) {
+    for (int column = 0; column < raster.width; ++column) {
+      const std::uint32_t count = hits[at(column, row)];
+      if (count == 0) continue;
+      for (int r = std::max(0, row - reach); r <= std::min(raster.height - 1, row + reach); ++r) {
+        for (int c = std::max(0, column - reach); c <= std::min(raster.width - 1, column + reach);
+             ++c) {
+          spread[at(c, r)] += count;
+        }
+      }
+    }
+  }
+  return spread;
+}
+
 class FigurePainter {
  public:
-  FigurePainter(const MapFigure& figure, const MapLayout& layout, cairo_t* context)
-      : figure_(figure), layout_(layout), context_(context) {
+  FigurePainter(const MapFigure& figure, const MapLayout& layout, int point_px, cairo_t* context)
+      : figure_(figure), layout_(layout), point_px_(point_px), context_(context) {
     SelectFont(layout.font_px, context);
   }
 
@@ -122,7 +145,7 @@ class FigurePainter {
     std::vector<std::vector<std::uint32_t>> hits;
     std::vector<std::uint32_t> all_hits;
     for (const MapPanel& panel : figure_.panels) {
-      hits.push_back(CountHits(panel.points, view.raster));
+      hits.push_back(SpreadHits(CountHits(panel.points, view.raster), view.raster, point_px_));
       all_hits.insert(all_hits.end(), hits.back().begin(), hits.back().end());
     }
     const double black_level = BlackLevel(all_hits);
@@ -232,6 +255,7 @@ class FigurePainter {
 
   const MapFigure& figure_;
   const MapLayout& layout_;
+  const int point_px_;
   cairo_t* context_;
 };
 
@@ -244,6 +268,9 @@ bool MapFigureOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION(max_map_height_px, <=, 20000);
   PLUMBLINE_CHECK_OPTION(crop_share, >=, 0.0);
   PLUMBLINE_CHECK_OPTION(crop_share, <, 0.5);
+  PLUMBLINE_CHECK_OPTION(point_px, >=, 1);
+  PLUMBLINE_CHECK_OPTION(point_px, <=, 99);
+  PLUMBLINE_CHECK_OPTION(point_px % 2, ==, 1);
   return true;
 }
 
@@ -262,7 +289,7 @@ Status WriteMapFigure(const std::string& path, const MapFigure& figure,
   const CairoSurface surface(
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, options.width_px, layout.height_px));
   const CairoContext context(cairo_create(surface.get()));
-  FigurePainter(figure, layout, context.get()).Paint();
+  FigurePainter(figure, layout, options.point_px, context.get()).Paint();
   return CommitPng(path, surface.get(), context.get(), &file);
 }
 

@@ -37,6 +37,7 @@ struct MapFigureOptions {
   int width_px = 2400;           ///< of the whole figure
   int max_map_height_px = 1600;  ///< of a map, without its axes
   double crop_share = 1e-3;      ///< of a map's points that may fall outside, at each side
+  int point_px = 1;              ///< side of the square that a point is drawn as, odd
 
   bool Check(std::string* error) const;
 };

@@ -119,6 +119,17 @@ TEST_F(MapFigureTest, WhatIsTrueLiesUnderThePoints) {
   EXPECT_GT(Draw().Count(IsBlack), 1500);
 }
 
+TEST_F(MapFigureTest, PointsAreSquaresOfTheGivenSide) {
+  MapPanel panel;
+  panel.points = {-3.0, -2.0, 3.0, 2.0, 0.5, 0.3};
+  figure_.panels = {panel};
+  const Picture single = Draw();
+  options_.point_px = 5;
+  const Picture squares = Draw();
+  // Two of the points are on the edge of the extent, with a margin around.
+  EXPECT_EQ(squares.Count(IsBlack) - single.Count(IsBlack), 3 * (25 - 1));
+}
+
 TEST_F(MapFigureTest, AllPanelsShareOneExposure) {
   MapPanel faint = Room(10.0), dark = Room(10.0);
   faint.trajectory = dark.trajectory = {};
@@ -193,6 +204,9 @@ TEST_F(MapFigureTest, BadInputIsRefusedAndLeavesNoFile) {
   options_ = MapFigureOptions();
   options_.crop_share = kNaN;
   ExpectRefused("crop_share");
+  options_ = MapFigureOptions();
+  options_.point_px = 4;
+  ExpectRefused("point_px");
   EXPECT_EQ(WriteMapFigure(folder_ + "none/a.png", figure_, MapFigureOptions()).code(),
             StatusCode::kUnavailable);
 }
