@@ -59,9 +59,9 @@ DEFINE_string(
     relations, "",
     "solver_comparison, log, ablation, scan_solver: true relative poses of the log ('t1 t2 "
     "x y z roll pitch yaw')");
-DEFINE_string(
-    corrected_log, "",
-    "log: the same drive with poses that another mapper corrected, to start from as well");
+DEFINE_string(corrected_log, "",
+              "log: the same drive with poses that another mapper corrected: its scans are mapped "
+              "from these, and from the raw odometry");
 DEFINE_string(
     output_dir, "",
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
@@ -142,7 +142,9 @@ Status Synthetic(const OutputFolder& output, HtmlReport* page) {
   page->pictures.push_back({"Errors of the poses", output.File("synthetic_pose_error.png")});
   page->pictures.push_back({"Errors of the map points", output.File("synthetic_map_error.png")});
   page->pictures.push_back({"The maps of one drive", output.File("synthetic_maps.png")});
-  return WriteSyntheticMaps(output.File("synthetic_maps.png"), 1, noises[kCharted], options);
+  return WriteSyntheticMaps(output.File("synthetic_maps.png"),
+                            MedianSeed(outcomes, kCharted, Mapper::kPlainIcp), noises[kCharted],
+                            options);
 }
 
 Status Ablation(const OutputFolder& output, HtmlReport* page) {

@@ -3,38 +3,30 @@
 
 #include <vector>
 
+#include "plumbline/apps/benchmark/plain_icp.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/factors/factor_options.h"
-#include "plumbline/solvers/front_end/pairwise_icp.h"
-#include "plumbline/solvers/front_end/surface_points.h"
 
 namespace plumbline {
 
 struct MatchGraphOptions {
-  PairwiseIcpOptions icp;
-  /// Scans are matched with each other if they are taken this close together [m].
+  /// At this gate, the errors of SGD over the edges are near the figures of the published paper.
+  PlainIcpOptions icp{0.5};
+  /// Largest distance [m] between the poses of two scans that are matched with each other.
   double radius_m = 5.0;
-  /// They see enough of each other if this share of the one's points lies on the other.
-  double min_inlier_ratio = 0.5;
-  /// Matches are searched and the graph optimised so many times: better poses find more of them.
-  int rounds = 3;
-  /// In the end, matches off the others by more are dropped: chi-squared with three degrees of
-  /// freedom, which 99.9 % of the right ones stay below.
-  double max_chi2 = 16.3;
+  /// Smallest share of matched returns of such a match: the scans see the same surfaces.
+  double min_matched_ratio = 0.5;
 };
 
-/// What the front end of a graph-based mapper makes of a drive, for back ends to be compared on.
+/// The pose graph of a drive, for back ends to be compared on.
 struct MatchGraph {
   std::vector<Pose2> chain;                   ///< the poses by consecutive matches alone
-  std::vector<RelativePoseConstraint> edges;  ///< consecutive ones first, then closures
+  std::vector<RelativePoseConstraint> edges;  ///< consecutive ones first, then loop closures
 };
 
-/// Matches consecutive scans, and all pairs of scans that are near each other; the latter have to
-/// agree with the rest. Where a consecutive match fails, the odometry takes its place. One scan per
-/// pose, in order of time, joined by odometry. surfaces: per scan.
-MatchGraph BuildMatchGraph(const SlamGraph& graph, const std::vector<SurfacePoints>& surfaces,
-                           const MotionOptions& motion, const MatchGraphOptions& options);
+/// Matches consecutive scans, and by the chain of these matches all other pairs of scans that are
+/// near each other. No closure is tested against the others.
+MatchGraph BuildMatchGraph(const PlainIcp& scans, const MatchGraphOptions& options);
 
 }  // namespace plumbline
 

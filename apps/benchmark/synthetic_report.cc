@@ -1,40 +1,45 @@
 #include "plumbline/apps/benchmark/synthetic_report.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <iomanip>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <utility>
 
+#include "plumbline/apps/benchmark/match_graph.h"
+#include "plumbline/apps/benchmark/plain_icp.h"
 #include "plumbline/apps/figures/choose_details.h"
 #include "plumbline/apps/figures/line_chart.h"
 #include "plumbline/apps/figures/map_figure.h"
 #include "plumbline/apps/io/atomic_file.h"
+#include "plumbline/apps/report/format.h"
 #include "plumbline/apps/report/report_json.h"
 #include "plumbline/core/angle.h"
 
 namespace plumbline {
 namespace {
 
-// Mean errors [m] of poses and map points in the synthetic experiment of the method's paper.
-struct Published {
-  const char* name;
-  double pose_m, point_m;
+// A row of the table in the paper: means [m] and variances, whose unit it does not give.
+struct PaperFigures {
+  Mapper mapper;
+  double pose_mean_m, pose_variance, point_mean_m, point_variance;
 };
-constexpr Published kPublished[] = {
-    {"ICP", 0.597, 0.702}, {"SGD", 0.088, 0.115}, {"the method", 0.035, 0.047}};
+constexpr PaperFigures kPaper[] = {{Mapper::kPlainIcp, 0.597, 0.199, 0.702, 0.238},
+                                   {Mapper::kOlson, 0.088, 0.115, 0.115, 0.005},
+                                   {Mapper::kPublished, 0.035, 0.048, 0.047, 0.002}};
 
-// What charts show: not the raw ranges at true poses, nor the seed, which is not a result.
-constexpr Mapper kCharted[] = {
-    Mapper::kOdometry,  Mapper::kPointToPoint, Mapper::kPointToLine, Mapper::kStochasticDescent,
-    Mapper::kPoseGraph, Mapper::kPublished,    Mapper::kPlumbline,   Mapper::kKnownWalls};
+// The algorithms of the paper's charts, and a bound.
+constexpr Mapper kCharted[] = {Mapper::kPlainIcp, Mapper::kOlson, Mapper::kPublished,
+                               Mapper::kPlumbline, Mapper::kKnownWalls};
 struct Pictured {
   Mapper mapper;
-  const char* title;
+  const char* title;  // short: beside a scale bar
 };
-constexpr Pictured kPictured[] = {{Mapper::kTruePoses, "true poses, raw ranges"},
-                                  {Mapper::kPointToPoint, "pairwise ICP"},
-                                  {Mapper::kStochasticDescent, "pose graph, SGD"},
-                                  {Mapper::kPublished, "published method"},
+constexpr Pictured kPictured[] = {{Mapper::kPlainIcp, "ICP"},
+                                  {Mapper::kOlson, "SG"},
+                                  {Mapper::kPublished, "published"},
                                   {Mapper::kPlumbline, "Plumbline"}};
 
 std::string Describe(const SyntheticNoise& noise) {
@@ -44,32 +49,44 @@ std::string Describe(const SyntheticNoise& noise) {
   return text.str();
 }
 
-void WriteRow(const SyntheticSummary& row, std::ostream* table) {
-  const auto cell = [&](double value, int width, int precision) {
-    *table << std::fixed << std::setprecision(precision) << std::setw(width) << value;
-  };
-  const auto spread = [&](const Quartiles& quartiles) {
-    cell(quartiles.median, 9, 4);
-    *table << " [";
-    cell(quartiles.low, 6, 4);
-    *table << ", ";
-    cell(quartiles.high, 6, 4);
-    *table << ']';
-  };
-  const bool is_placed_by_truth = row.mapper == Mapper::kTruePoses;
-  *table << "  " << std::left << std::setw(26) << ToString(row.mapper) << std::right;
-  if (is_placed_by_truth) {
-    *table << std::setw(39) << "-";
-  } else {
-    spread(row.pose_mean_m);
-    *table << std::scientific << std::setprecision(1) << std::setw(12)
-           << row.pose_variance_m2.median;
+std::string FiguresCell(const Quartiles& mean_m, const Quartiles& variance_m2) {
+  return Format("%9.4f [%.4f, %.4f]%9.1e", mean_m.median, mean_m.low, mean_m.high,
+                variance_m2.median);
+}
+
+std::string PaperCell(const PaperFigures* paper, double PaperFigures::*mean,
+                      double PaperFigures::*variance) {
+  if (paper == nullptr) return Format("%14s", "-");
+  return Format("%8.3f %.3f", paper->*mean, paper->*variance);
+}
+
+const PaperFigures* FindPaperFigures(Mapper mapper) {
+  const auto* found = std::find_if(std::begin(kPaper), std::end(kPaper),
+                                   [&](const PaperFigures& row) { return row.mapper == mapper; });
+  return found == std::end(kPaper) ? nullptr : found;
+}
+
+std::string TableHeading() {
+  std::string means, units;
+  for (const char* errors : {"pose error [m]", "map error [m]"}) {
+    means += Format("%27s%9s%14s", errors, "variance", "in the paper");
+    units += Format("%27s%9s%14s", "median [quartiles]", "m^2", "mean   var");
   }
-  spread(row.point_mean_m);
-  *table << std::scientific << std::setprecision(1) << std::setw(12)
-         << row.point_variance_m2.median;
-  cell(RadToDeg(row.heading_mean_rad.median), 10, 3);
-  *table << std::setw(7) << row.num_failures << " of " << row.num_runs << '\n';
+  return Format("%-28s", "") + means + "  heading   failed\n" + Format("%-28s", "") + units +
+         "      deg\n";
+}
+
+std::string TableRow(const SyntheticSummary& row) {
+  const PaperFigures* paper = FindPaperFigures(row.mapper);
+  const bool is_placed_by_truth = row.mapper == Mapper::kTruePoses;
+  return Format("  %-26s", ToString(row.mapper)) +
+         (is_placed_by_truth ? Format("%36s", "-")
+                             : FiguresCell(row.pose_mean_m, row.pose_variance_m2)) +
+         PaperCell(paper, &PaperFigures::pose_mean_m, &PaperFigures::pose_variance) +
+         FiguresCell(row.point_mean_m, row.point_variance_m2) +
+         PaperCell(paper, &PaperFigures::point_mean_m, &PaperFigures::point_variance) +
+         Format("%9.3f%4d of %d\n", RadToDeg(row.heading_mean_rad.median), row.num_failures,
+                row.num_runs);
 }
 
 Json QuartilesJson(const Quartiles& quartiles) {
@@ -111,36 +128,40 @@ ChartSeries SeriesOf(const std::vector<SyntheticOutcome>& outcomes, int noise, M
   return series;
 }
 
+MapPanel TruthPanel(const MapEstimate& truth) {
+  MapPanel panel;
+  panel.title = "truth";
+  panel.trajectory = truth.poses;
+  for (std::size_t i = 0; i < truth.points.size(); i += 2) {
+    if (std::isnan(truth.points[i])) continue;  // of a return that is not the building's
+    panel.points.insert(panel.points.end(), {truth.points[i], truth.points[i + 1]});
+  }
+  return panel;
+}
+
 constexpr int kChartWidthPx = 1600, kChartHeightPx = 1000;
 
 }  // namespace
 
 std::string SyntheticTable(const std::vector<SyntheticNoise>& noises,
                            const std::vector<SyntheticOutcome>& outcomes) {
-  std::ostringstream table;
+  std::string table;
   int last_noise = -1;
   for (const SyntheticSummary& row : SummariseOutcomes(outcomes)) {
     if (row.noise != last_noise) {
-      table
-          << (last_noise < 0 ? "" : "\n") << noises[row.noise].name << ": "
-          << Describe(noises[row.noise])
-          << "\n                              pose error [m]             variance      map error "
-             "[m]             variance   heading  failed\n                              median "
-             "[quartiles]             m^2         median [quartiles]            m^2         deg\n";
+      table += (last_noise < 0 ? "" : "\n") + noises[row.noise].name + ": " +
+               Describe(noises[row.noise]) + '\n' + TableHeading();
       last_noise = row.noise;
     }
-    WriteRow(row, &table);
+    table += TableRow(row);
   }
-  table << "\nMedians over the seeds of a run's mean and variance. Failed: a pose more than "
-        << std::setprecision(1) << std::fixed << SyntheticOutcome::kFailureM
-        << " m off; failures count in all figures.\nPublished (synthetic experiment of the "
-           "method's paper), pose / map error [m]:";
-  for (const Published& row : kPublished) {
-    table << (&row == kPublished ? " " : "; ") << row.name << std::setprecision(3) << ' '
-          << row.pose_m << " / " << row.point_m;
-  }
-  table << '\n';
-  return table.str();
+  return table +
+         "\nMean and variance are over the poses or points of a run; shown are medians over the "
+         "seeds.\n" +
+         Format("Failed: a pose more than %.1f m off; failures count in all figures.\n",
+                SyntheticOutcome::kFailureM) +
+         Format("The gates of ICP and SG, %.1f and %.1f m, give the paper's errors at 30 mm.\n",
+                PlainIcpOptions().gate_m, MatchGraphOptions().icp.gate_m);
 }
 
 Status WriteSyntheticCsv(const std::string& path, const std::vector<SyntheticNoise>& noises,
@@ -165,10 +186,12 @@ Status WriteSyntheticCsv(const std::string& path, const std::vector<SyntheticNoi
 Status WriteSyntheticJson(const std::string& path, const std::vector<SyntheticNoise>& noises,
                           const std::vector<SyntheticOutcome>& outcomes) {
   Json published = Json::array();
-  for (const Published& row : kPublished) {
-    published.push_back({{"algorithm", row.name},
-                         {"pose_error_mean_m", row.pose_m},
-                         {"map_error_mean_m", row.point_m}});
+  for (const PaperFigures& row : kPaper) {
+    published.push_back({{"algorithm", ToString(row.mapper)},
+                         {"pose_error_mean_m", row.pose_mean_m},
+                         {"pose_error_variance", row.pose_variance},
+                         {"map_error_mean_m", row.point_mean_m},
+                         {"map_error_variance", row.point_variance}});
   }
   Json levels = Json::array();
   for (const SyntheticNoise& noise : noises) {
@@ -224,17 +247,16 @@ Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed, const Syn
   PLUMBLINE_RETURN_IF_ERROR(MakeSyntheticDrive(seed, noise, &drive));
   PLUMBLINE_RETURN_IF_ERROR(MakeMaps(drive, noise, options, &maps));
   MapFigure figure;
+  figure.panels.push_back(TruthPanel(drive.truth));
   for (const auto& [mapper, title] : kPictured) {
-    MapEstimate& map = maps[static_cast<int>(mapper)];
-    MapPanel panel;
-    panel.title = title;
-    panel.points = map.points;
-    panel.trajectory = map.poses;
-    figure.panels.push_back(std::move(panel));
+    const MapEstimate& map = maps[static_cast<int>(mapper)];
+    figure.panels.push_back({title, map.points, map.poses, {}});
   }
-  figure.details = ChooseDetails(maps[static_cast<int>(Mapper::kPoseGraph)].points,
+  figure.details = ChooseDetails(maps[static_cast<int>(Mapper::kOlson)].points,
                                  maps[static_cast<int>(Mapper::kPlumbline)].points, 2, kDetailM);
-  return WriteMapFigure(path, figure, MapFigureOptions());
+  MapFigureOptions picture;
+  picture.point_px = 5;  // 11520 points are too few for single pixels
+  return WriteMapFigure(path, figure, picture);
 }
 
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 namespace plumbline {
 
 /// A table for people: per noise and mapper medians over the seeds, with the quartiles of the mean
-/// errors and the number of failures, and the published figures below.
+/// errors, the number of failures, and the figures of the paper's synthetic experiment.
 std::string SyntheticTable(const std::vector<SyntheticNoise>& noises,
                            const std::vector<SyntheticOutcome>& outcomes);
 
@@ -30,8 +30,8 @@ Status WritePoseErrorChart(const std::string& path, const SyntheticNoise& noise,
 Status WriteMapErrorChart(const std::string& path, const SyntheticNoise& noise, int noise_index,
                           const std::vector<SyntheticOutcome>& outcomes);
 
-/// The maps of one drive side by side, with the two places magnified where the pose graph's and
-/// Plumbline's differ most.
+/// The truth and the maps of one drive side by side, with the two places magnified where walls of
+/// SG and of Plumbline differ most.
 Status WriteSyntheticMaps(const std::string& path, std::uint64_t seed, const SyntheticNoise& noise,
                           const MapLogOptions& options);
 

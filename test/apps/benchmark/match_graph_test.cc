@@ -2,31 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "plumbline/apps/benchmark/synthetic_drive.h"
-#include "plumbline/core/measured_surface.h"
-#include "plumbline/core/return_normals.h"
 
 namespace plumbline {
 namespace {
 
-class MatchGraphTest : public testing::Test {
- protected:
-  MatchGraphTest() {
-    EXPECT_TRUE(MakeSyntheticDrive(2, {"", 0.01, 0.002, 1.0}, &drive_).ok());
-    ThreadPool pool(1);
-    const MeasuredSurface surface = MeasureSurface(drive_.graph, ReturnNormalOptions(), &pool);
-    for (int scan = 0; scan < drive_.graph.num_scans(); ++scan) {
-      surfaces_.push_back(ThinnedSurfaceOf(drive_.graph, scan, surface, 0.03));
-    }
-  }
-
-  SyntheticDrive drive_;
-  std::vector<SurfacePoints> surfaces_;
-};
-
-TEST_F(MatchGraphTest, ChainsConsecutiveScansAndClosesTheLoop) {
-  const MatchGraph matches =
-      BuildMatchGraph(drive_.graph, surfaces_, MotionOptions(), MatchGraphOptions());
+TEST(MatchGraph, ChainsConsecutiveScansAndClosesTheLoop) {
+  SyntheticDrive drive;
+  ASSERT_TRUE(MakeSyntheticDrive(2, {"", 0.01, 0.002, 1.0}, &drive).ok());
+  const MatchGraph matches = BuildMatchGraph(PlainIcp(drive.graph), MatchGraphOptions());
   ASSERT_EQ(matches.chain.size(), 16u);
   ASSERT_GT(matches.edges.size(), 20u);
   bool closes_the_loop = false;
@@ -37,23 +23,24 @@ TEST_F(MatchGraphTest, ChainsConsecutiveScansAndClosesTheLoop) {
       EXPECT_EQ(edge.to, edge.from + 1);
     }
     closes_the_loop = closes_the_loop || edge.to - edge.from > 8;
-    const Pose2 off = Between(Between(drive_.truth.poses[edge.from], drive_.truth.poses[edge.to]),
+    const Pose2 off = Between(Between(drive.truth.poses[edge.from], drive.truth.poses[edge.to]),
                               edge.from_from_to);
-    EXPECT_LT(off.translation().norm(), 0.1) << edge.from << " to " << edge.to;
-    EXPECT_LT(std::abs(off.yaw), 0.03) << edge.from << " to " << edge.to;
+    EXPECT_LT(off.translation().norm(), 0.25) << edge.from << " to " << edge.to;
+    EXPECT_LT(std::abs(off.yaw), 0.06) << edge.from << " to " << edge.to;
   }
   EXPECT_TRUE(closes_the_loop);
 }
 
-TEST_F(MatchGraphTest, WithoutSurfacesTheOdometryStands) {
-  for (SurfacePoints& surface : surfaces_) surface.clear();
-  const MatchGraph matches =
-      BuildMatchGraph(drive_.graph, surfaces_, MotionOptions(), MatchGraphOptions());
-  EXPECT_EQ(matches.edges.size(), 15u);
-  for (int i = 0; i < 16; ++i) {
-    EXPECT_NEAR(matches.chain[i].x, drive_.graph.InitialPose(i).x, 1e-9);
-    EXPECT_NEAR(matches.chain[i].y, drive_.graph.InitialPose(i).y, 1e-9);
-  }
+TEST(MatchGraph, MatchesOnlyScansThatAreNearAndSeeTheSame) {
+  SyntheticDrive drive;
+  ASSERT_TRUE(MakeSyntheticDrive(2, {"", 0.01, 0.002, 1.0}, &drive).ok());
+  const PlainIcp icp(drive.graph);
+  MatchGraphOptions options;
+  options.radius_m = 0.0;
+  EXPECT_EQ(BuildMatchGraph(icp, options).edges.size(), 15u);
+  options = MatchGraphOptions();
+  options.min_matched_ratio = 1.01;
+  EXPECT_EQ(BuildMatchGraph(icp, options).edges.size(), 15u);
 }
 
 }  // namespace
