@@ -63,50 +63,48 @@ class Experiment {
           ReadCarmenLog(inputs_.corrected_log, CarmenReadOptions(), &corrected));
       PLUMBLINE_RETURN_IF_ERROR(PairCorrectedLog(log, corrected, &pair));
     }
-    PLUMBLINE_RETURN_IF_ERROR(RunWholeLog(log));
-    if (!inputs_.corrected_log.empty()) PLUMBLINE_RETURN_IF_ERROR(RunCorrectedLog(pair));
+    PLUMBLINE_RETURN_IF_ERROR(RunRawLog("raw log", log));
+    if (!inputs_.corrected_log.empty()) {
+      PLUMBLINE_RETURN_IF_ERROR(RunCorrectedPoses(pair.corrected));
+      PLUMBLINE_RETURN_IF_ERROR(RunRawLog("the same scans, raw odometry", pair.raw));
+    }
     *experiment = std::move(result_);
     return Status::Ok();
   }
 
  private:
-  Status RunWholeLog(const CarmenLog& log) {
-    PLUMBLINE_RETURN_IF_ERROR(Start("raw log", log));
+  // Its figure takes the place of an earlier one.
+  Status RunRawLog(const std::string& name, const CarmenLog& log) {
+    PLUMBLINE_RETURN_IF_ERROR(Start(name, log));
     AddStage("odometry", mapping_.state, 0.0);
-    PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromIcp());
-    MapState chain;
+    MapState icp, published;
     PLUMBLINE_RETURN_IF_ERROR(
-        ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line", &chain));
-    AddPanel("pairwise ICP", chain);
+        ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &icp));
+    PLUMBLINE_RETURN_IF_ERROR(
+        ChainPairs(IcpMetric::kPointToLine, "pairwise ICP, point to line", &icp));
+    PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromGlobalIcp(&published));
     double seed_time_s = 0.0;
     PLUMBLINE_RETURN_IF_ERROR(Seed(&seed_time_s));
-    AddDescent(mapping_.report.seeding);
+    const MapState sgd = AddDescent(mapping_.report.seeding);
     AddStage("seed (pose graph)", mapping_.state, seed_time_s);
-    AddPanel("pose graph, Plumbline's seed", mapping_.state);
-    PLUMBLINE_RETURN_IF_ERROR(RunPublished("published method, from the seed", mapping_.state));
+    MapState from_seed = mapping_.state;
+    PLUMBLINE_RETURN_IF_ERROR(RunPublished("published method, from the seed", &from_seed));
     PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &pool_, &mapping_));
     AddRefined(mapping_.report.solver);
-    AddPanel("Plumbline, poses and points", mapping_.state);
-    FinishFigure();
+    DrawFigure(
+        {{"ICP", &icp}, {"SG", &sgd}, {"published", &published}, {"Plumbline", &mapping_.state}});
     return Status::Ok();
   }
 
-  Status RunCorrectedLog(const CorrectedLog& pair) {
-    PLUMBLINE_RETURN_IF_ERROR(Start("corrected poses", pair.corrected));
+  Status RunCorrectedPoses(const CarmenLog& corrected) {
+    PLUMBLINE_RETURN_IF_ERROR(Start("corrected poses", corrected));
     AddStage("as corrected", mapping_.state, 0.0);
-    PLUMBLINE_RETURN_IF_ERROR(RunPublishedFromIcp());
+    MapState published = mapping_.state;
     PLUMBLINE_RETURN_IF_ERROR(
-        RunPublished("published method, from the corrected poses", mapping_.state));
+        RunPublished("published method, from the corrected poses", &published));
     const SolverSummary summary = Solve(inputs_.solver, mapping_.graph, &mapping_.state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     AddRefined(summary);
-    PLUMBLINE_RETURN_IF_ERROR(Start("the same scans, raw odometry", pair.raw));
-    AddStage("odometry", mapping_.state, 0.0);
-    double seed_time_s = 0.0;
-    PLUMBLINE_RETURN_IF_ERROR(Seed(&seed_time_s));
-    AddStage("seed (pose graph)", mapping_.state, seed_time_s);
-    PLUMBLINE_RETURN_IF_ERROR(RefineLog(options_, &pool_, &mapping_));
-    AddRefined(mapping_.report.solver);
     return Status::Ok();
   }
 
@@ -141,24 +139,29 @@ class Experiment {
     return Status::Ok();
   }
 
-  // The start that the paper describes.
-  Status RunPublishedFromIcp() {
-    MapState chain;
-    PLUMBLINE_RETURN_IF_ERROR(
-        ChainPairs(IcpMetric::kPointToPoint, "pairwise ICP, point to point", &chain));
-    return RunPublished("published method, from that", chain);
+  // Algorithm 1 of its paper. *published: its result.
+  Status RunPublishedFromGlobalIcp(MapState* published) {
+    MapLogOptions options = options_;
+    options.start = StartType::kIcpGlobal;
+    LogMapping mapping = mapping_;  // the start becomes part of it
+    const auto start = Clock::now();
+    PLUMBLINE_RETURN_IF_ERROR(SeedLog(options, {}, &pool_, &mapping));
+    AddStage("global ICP", mapping.state, SecondsSince(start));
+    *published = std::move(mapping.state);
+    return RunPublished("published method, from that", published);
   }
 
-  Status RunPublished(const std::string& name, MapState state) {
+  // *state: its start, then its result.
+  Status RunPublished(const std::string& name, MapState* state) {
     SolverOptions options = inputs_.solver;
     options.type = SolverType::kPublished;
-    const SolverSummary summary = Solve(options, mapping_.graph, &state);
+    const SolverSummary summary = Solve(options, mapping_.graph, state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
-    AddOptimised(name, state, summary.total_time_s);
+    AddOptimised(name, *state, summary.total_time_s);
     return Status::Ok();
   }
 
-  void AddDescent(const SeedingReport& seeding) {
+  MapState AddDescent(const SeedingReport& seeding) {
     std::vector<Pose2> poses = seeding.sequential_poses;
     const auto start = Clock::now();
     DescendStochastically(seeding.pose_graph, inputs_.descent, &poses);
@@ -167,7 +170,7 @@ class Experiment {
     state.poses = PoseArray(poses);
     state.points = mapping_.graph.MeasuredMap(state.poses);
     AddStage("gradient descent (SGD) on its pose graph", state, time_s);
-    AddPanel("gradient descent (SGD)", state);
+    return state;
   }
 
   void AddRefined(const SolverSummary& summary) {
@@ -210,17 +213,16 @@ class Experiment {
     if (done_) done_(result_.starts.back(), result_.starts.back().stages.back());
   }
 
-  void AddPanel(const std::string& title, const MapState& state) {
-    result_.maps.panels.push_back({title, PointsOf(state), PosesOf(state.poses), {}});
-  }
-
-  // The last panel is what the others are compared with.
-  void FinishFigure() {
+  // Lays the maps upon the last one, with details where the second one differs most from it.
+  void DrawFigure(const std::vector<std::pair<const char*, const MapState*>>& maps) {
+    result_.maps = MapFigure();
     std::vector<MapPanel>* panels = &result_.maps.panels;
-    const MapPanel& refined = panels->back();
-    for (std::size_t i = 0; i + 1 < panels->size(); ++i) Align(refined, &(*panels)[i]);
-    const MapPanel& seed = (*panels)[panels->size() - 2];
-    result_.maps.details = ChooseDetails(seed.points, refined.points, kNumDetails, kDetailM);
+    for (const auto& [title, map] : maps) {
+      panels->push_back({title, PointsOf(*map), PosesOf(map->poses), {}});
+    }
+    for (std::size_t i = 0; i + 1 < panels->size(); ++i) Align(panels->back(), &(*panels)[i]);
+    result_.maps.details =
+        ChooseDetails((*panels)[1].points, panels->back().points, kNumDetails, kDetailM);
   }
 
   const LogExperimentInputs& inputs_;

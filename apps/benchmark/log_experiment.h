@@ -53,14 +53,15 @@ struct LogExperiment {
 };
 
 /// Maps the log by the baselines (pairwise ICP, with both metrics; stochastic gradient descent on
-/// the seed's pose graph, from the sequential matching), by the published method, as a seed and
-/// refined. With a corrected log, also refines its scans from the corrected poses, which then stand
-/// for the odometry, and from the raw odometry; the published method starts from the former and
-/// from ICP. `done` is called after each stage.
+/// the seed's pose graph, from the sequential matching), by the published method, which starts from
+/// one ICP over all scans, as a seed and refined. With a corrected log, also refines its scans from
+/// the corrected poses, which then stand for the odometry, and maps them from the raw odometry as
+/// the whole log. `done` is called after each stage.
 ///
-/// Maps in the figure lie upon the refined one by their trajectories; its two details are where
-/// refinement makes the largest difference. Everything but the times is the same for any number of
-/// threads.
+/// The figure has the maps of ICP (point to line), SGD, the published method and the refined one;
+/// with a corrected log, of its scans from the raw odometry. They lie upon the refined map by their
+/// trajectories; its two details are where SGD and the refined map differ most. Everything but the
+/// times is the same for any number of threads.
 ///
 /// Fails like the readers, SeedGraph, ChainPairs, Solve and PairCorrectedLog.
 Status RunLogExperiment(const LogExperimentInputs& inputs,

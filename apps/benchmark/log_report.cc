@@ -14,7 +14,7 @@
 namespace plumbline {
 namespace {
 
-constexpr int kNameWidth = 46;
+constexpr int kNameWidth = 56;
 
 std::string NameCell(const std::string& name) { return Format("%-*s", kNameWidth, name.c_str()); }
 
