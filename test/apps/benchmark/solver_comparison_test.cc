@@ -164,7 +164,8 @@ ComparedProblem SmallProblem() {
   return problem;
 }
 
-// Compares the solvers with small limits. Every run lowers the energy from the one start.
+// Compares the solvers with small limits. Every run lowers the energy from the one start, but the
+// published method, which leaves the map of so sparse scans as it is.
 Comparison CompareOnSmallProblem(const std::string& list, const ComparedProblem& problem) {
   SolverOptions base;
   base.num_threads = 1;
@@ -185,7 +186,11 @@ Comparison CompareOnSmallProblem(const std::string& list, const ComparedProblem&
       continue;
     }
     EXPECT_EQ(run.trace[0].marginal_energy, comparison.runs[0].trace[0].marginal_energy);
-    EXPECT_LT(run.final_energy(), run.trace[0].marginal_energy) << run.solver;
+    if (run.solver.rfind("published", 0) == 0) {
+      EXPECT_EQ(run.final_energy(), run.trace[0].marginal_energy) << run.solver;
+    } else {
+      EXPECT_LT(run.final_energy(), run.trace[0].marginal_energy) << run.solver;
+    }
   }
   return comparison;
 }
