@@ -19,8 +19,8 @@
 namespace plumbline {
 namespace {
 
-// A keyframe is this far from the one before it [m], or turned by this much [rad]: it still sees
-// most of what that one saw.
+// A keyframe is this far from the one before it [m], or turned by this much [rad]: the two still
+// see the same walls.
 constexpr double kKeyframeM = 1.0;
 constexpr double kKeyframeRad = 0.35;
 // Rounds end when none of the keyframes moves by this much [m]: within what any match recovers.
@@ -120,7 +120,8 @@ class GlobalIcp {
     }
   }
 
-  // Of many earlier keyframes near by some, spread over the drive: those of one visit say the same.
+  // Matches with keyframes of one visit repeat each other. So of many earlier keyframes near by,
+  // some are taken, spread over the drive.
   void AddPartners(int to, std::vector<PairOfScans>* pairs) const {
     std::vector<int> near;
     for (int from = 0; from + 1 < to; ++from) {

@@ -20,7 +20,8 @@ struct GlobalIcpOptions {
   /// Scans are matched with others that were taken this close by [m]: they see the same walls, but
   /// for rooms next door.
   double reach_m = 5.0;
-  /// With so many of them at most, the first and the last included. From 1 to 1000.
+  /// Most scans that one is matched with; the first and the last near by are among them. From 1 to
+  /// 1000.
   int max_partners = 8;
   /// A match closes a loop if this share of the one scan's points lies on the other.
   double min_inlier_ratio = 0.5;

@@ -23,7 +23,7 @@ namespace {
 constexpr double kScanCellM = 0.01;
 constexpr int kMaxSteps = 20;
 // Steps end when none of the poses moves by this much [m], its heading times kArmM counted in: a
-// tenth of what a scan match knows.
+// tenth of the accuracy of a scan match.
 constexpr double kToleranceM = 3e-4;
 constexpr double kArmM = 5.0;  // a usual distance of a return
 

@@ -24,8 +24,7 @@ struct PairOfScans {
 /// stays. surfaces: per pose, in its frame; may be empty. The poses are as they were if a system
 /// cannot be solved. The result does not depend on the number of threads.
 ///
-/// The difference to a graph of relative poses: a match that two poses agree on may change with
-/// what all others say of them.
+/// Unlike in a graph of relative poses, the matches of two scans change as other scans move them.
 void AlignJointly(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
                   const std::vector<PairOfScans>& pairs,
                   const std::vector<RelativePoseConstraint>& links, ThreadPool* pool,

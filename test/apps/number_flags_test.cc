@@ -34,7 +34,9 @@ const std::vector<Program> kPrograms = {
      {"", "--fault=frozen", "--fault=slip", "--fault=mounting"}},
     {"evaluate", "--trajectory=IN/a.tum --truth=IN/a.tum --json=OUT/a.json", {""}},
     {"convert", "--input=IN/a.clf --output=OUT/map.pgm", {""}},
-    {"benchmark", "--experiment=replay --log=IN/a.clf --output_dir=OUT/out", {""}}};
+    {"benchmark",
+     "--log=IN/a.clf --output_dir=OUT/out",
+     {"--experiment=replay", "--experiment=solver_comparison --solvers=reduced"}}};
 
 class NumberFlagsTest : public ProgramTest {
  protected:

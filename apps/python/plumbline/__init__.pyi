@@ -175,6 +175,7 @@ class StartType(_Choice):
     ODOMETRY: ClassVar[StartType]
     ICP: ClassVar[StartType]
     ICP_POINT_TO_LINE: ClassVar[StartType]
+    ICP_GLOBAL: ClassVar[StartType]
     SEED: ClassVar[StartType]
 
 class SeedingPhase(_Choice):
@@ -253,6 +254,7 @@ class PublishedOptions(_Checked):
     max_passes: int
     sweeps_per_pass: int
     relative_tolerance: float
+    sigma_from_start: bool
     precondition: bool
 
 class StochasticDescentOptions(_Checked):

@@ -131,7 +131,7 @@ TEST(PublishedMethodTest, TakesTheThicknessOfSurfacesFromTheStart) {
     sigma_m[from_start] = summary.terms[3].sigma;
   }
   EXPECT_EQ(sigma_m[0], SolverOptions().factors.manifold.sigma_m);
-  // Of the ranges' 30 mm what is across the surfaces, and is not in the lines themselves.
+  // Less than the 30 mm of the ranges: beams are slanted, and lines follow their points.
   EXPECT_GT(sigma_m[1], 0.01);
   EXPECT_LT(sigma_m[1], 0.035);
 }
