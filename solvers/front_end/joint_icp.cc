@@ -13,7 +13,7 @@
 #include "plumbline/factors/sqrt_information.h"
 #include "plumbline/solvers/front_end/local_map.h"
 #include "plumbline/solvers/front_end/scan_matcher.h"
-#include "plumbline/solvers/pose_graph/block_cholesky.h"
+#include "plumbline/solvers/pose_graph/pose_equations.h"
 #include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
 namespace plumbline {
@@ -27,22 +27,6 @@ constexpr int kMaxSteps = 20;
 constexpr double kToleranceM = 3e-4;
 constexpr double kArmM = 5.0;  // a usual distance of a return
 
-// The normal equations of one residual or of many over two poses: J^T J and J^T e.
-struct PairEquations {
-  Eigen::Matrix3d from_from = Eigen::Matrix3d::Zero(), from_to = Eigen::Matrix3d::Zero(),
-                  to_to = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
-
-  template <typename Jacobian, typename Error>
-  void Add(double weight, const Jacobian& d_from, const Jacobian& d_to, const Error& error) {
-    from_from += weight * d_from.transpose() * d_from;
-    from_to += weight * d_from.transpose() * d_to;
-    to_to += weight * d_to.transpose() * d_to;
-    from += weight * d_from.transpose() * error;
-    to += weight * d_to.transpose() * error;
-  }
-};
-
 // Of where a point lies by the pose of its robot; offset: from there, in world axes.
 Eigen::Matrix<double, 2, 3> PointJacobian(const Eigen::Vector2d& offset) {
   Eigen::Matrix<double, 2, 3> jacobian;
@@ -50,46 +34,43 @@ Eigen::Matrix<double, 2, 3> PointJacobian(const Eigen::Vector2d& offset) {
   return jacobian;
 }
 
-// Pose 0 is no unknown: node n is pose n + 1.
 class JointSystem {
  public:
   JointSystem(const PairwiseIcpOptions& options, const std::vector<SurfacePoints>& surfaces,
               const std::vector<PairOfScans>& pairs,
               const std::vector<RelativePoseConstraint>& links, ThreadPool* pool)
-      : options_(options), surfaces_(surfaces), pairs_(pairs), links_(links), pool_(*pool) {
-    std::vector<std::pair<int, int>> couplings;
-    const auto couple = [&](int a, int b) {
-      if (a > 0 && b > 0) couplings.emplace_back(a - 1, b - 1);
-    };
-    for (const PairOfScans& pair : pairs) couple(pair.from, pair.to);
-    for (const RelativePoseConstraint& link : links) couple(link.from, link.to);
-    const int num_unknown = static_cast<int>(surfaces.size()) - 1;
-    equations_ = BlockCholesky(num_unknown, couplings);
-    right_.resize(3 * static_cast<Eigen::Index>(num_unknown));
+      : options_(options),
+        surfaces_(surfaces),
+        pairs_(pairs),
+        links_(links),
+        pool_(*pool),
+        equations_(surfaces.size(), PairsOf(pairs, links)) {
     BuildMaps();
   }
 
   // Returns how far the pose moved that moved farthest [m]; a negative number if there is no step.
   double Step(std::vector<Pose2>* poses) {
     equations_.SetZero();
-    right_.setZero();
     AddPairs(*poses);
-    for (const RelativePoseConstraint& link : links_) AddLink(link, *poses);
-    if (!equations_.Factorize()) return -1.0;
-    equations_.Solve(&right_);
-    if (!right_.allFinite()) return -1.0;
-    double farthest_m = 0.0;
-    for (std::size_t p = 1; p < poses->size(); ++p) {
-      const auto change = right_.segment<3>(3 * static_cast<Eigen::Index>(p - 1));
-      (*poses)[p].x += change.x();
-      (*poses)[p].y += change.y();
-      (*poses)[p].yaw += change.z();
-      farthest_m = std::max(farthest_m, change.head<2>().norm() + kArmM * std::abs(change.z()));
+    for (std::size_t i = 0; i < links_.size(); ++i) AddLink(i, *poses);
+    const Eigen::VectorXd step = equations_.Step(poses);
+    double farthest_m = step.size() > 0 ? 0.0 : -1.0;
+    for (Eigen::Index i = 0; i < step.size(); i += 3) {
+      farthest_m = std::max(farthest_m, step.segment<2>(i).norm() + kArmM * std::abs(step[i + 2]));
     }
     return farthest_m;
   }
 
  private:
+  // Pairs of scans, then links.
+  static std::vector<std::pair<int, int>> PairsOf(
+      const std::vector<PairOfScans>& pairs, const std::vector<RelativePoseConstraint>& links) {
+    std::vector<std::pair<int, int>> all;
+    for (const PairOfScans& pair : pairs) all.emplace_back(pair.from, pair.to);
+    for (const RelativePoseConstraint& link : links) all.emplace_back(link.from, link.to);
+    return all;
+  }
+
   void BuildMaps() {
     for (const PairOfScans& pair : pairs_) maps_.emplace(pair.from, LocalMap(kScanCellM));
     std::vector<std::pair<const int, LocalMap>*> all;
@@ -104,7 +85,7 @@ class JointSystem {
     std::vector<PairEquations> of_pair(pairs_.size());
     pool_.ForEach(pairs_.size(), 16,
                   [&](std::size_t i) { of_pair[i] = EquationsOf(pairs_[i], poses); });
-    for (std::size_t i = 0; i < pairs_.size(); ++i) Add(pairs_[i].from, pairs_[i].to, of_pair[i]);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) equations_.Add(i, of_pair[i]);
   }
 
   PairEquations EquationsOf(const PairOfScans& pair, const std::vector<Pose2>& poses) const {
@@ -137,7 +118,8 @@ class JointSystem {
     return equations;
   }
 
-  void AddLink(const RelativePoseConstraint& link, const std::vector<Pose2>& poses) {
+  void AddLink(std::size_t i, const std::vector<Pose2>& poses) {
+    const RelativePoseConstraint& link = links_[i];
     using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
     RelativePoseResidual residual;
     residual.a_from_b = link.from_from_to;
@@ -147,28 +129,8 @@ class JointSystem {
     Eigen::Vector3d error;
     RowMajor3d d_from, d_to;
     residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
-    PairEquations equations;
-    equations.Add(1.0 / (1.0 + error.squaredNorm() / (kCauchyScale * kCauchyScale)), d_from, d_to,
-                  error);
-    Add(link.from, link.to, equations);
-  }
-
-  void Add(int from, int to, const PairEquations& equations) {
-    if (from > 0) {
-      equations_.AddToDiagonal(from - 1, equations.from_from);
-      right_.segment<3>(3 * from - 3) -= equations.from;
-    }
-    if (to > 0) {
-      equations_.AddToDiagonal(to - 1, equations.to_to);
-      right_.segment<3>(3 * to - 3) -= equations.to;
-    }
-    if (from <= 0 || to <= 0) return;
-    const std::size_t coupling = equations_.FindCoupling(from - 1, to - 1);
-    if (equations_.HasRowsOf(from - 1, to - 1)) {
-      equations_.AddToCoupling(coupling, equations.from_to);
-    } else {
-      equations_.AddToCoupling(coupling, equations.from_to.transpose());
-    }
+    const double weight = 1.0 / (1.0 + error.squaredNorm() / (kCauchyScale * kCauchyScale));
+    equations_.Add(pairs_.size() + i, weight, d_from, d_to, error);
   }
 
   const PairwiseIcpOptions& options_;
@@ -177,8 +139,7 @@ class JointSystem {
   const std::vector<RelativePoseConstraint>& links_;
   ThreadPool& pool_;
   std::map<int, LocalMap> maps_;  // of the scans that others are matched to
-  BlockCholesky equations_;
-  Eigen::VectorXd right_;
+  PoseEquations equations_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/sqrt_information.h"
-#include "plumbline/solvers/pose_graph/block_cholesky.h"
+#include "plumbline/solvers/pose_graph/pose_equations.h"
 #include "plumbline/solvers/pose_graph/uncertain_edges.h"
 
 namespace plumbline {
@@ -32,28 +32,14 @@ struct ResidualEdge {
   int from = 0, to = 0;
   bool uncertain = false;
   RelativePoseResidual residual;
-  std::size_t coupling = 0;  // of its poses, unless one of them is pose 0
 };
 
-// The normal equations of one graph. Their pattern stays, their values change. Pose 0 is no
-// unknown: node n is pose n + 1.
+// One graph, its poses unknown.
 class System {
  public:
   System(const std::vector<RelativePoseConstraint>& certain,
          const std::vector<RelativePoseConstraint>& uncertain, std::size_t num_poses)
-      : right_(3 * (static_cast<Eigen::Index>(num_poses) - 1)) {
-    Append(certain, false);
-    Append(uncertain, true);
-    std::vector<std::pair<int, int>> couplings;
-    couplings.reserve(edges_.size());
-    for (const ResidualEdge& edge : edges_) {
-      if (IsCoupling(edge)) couplings.emplace_back(edge.from - 1, edge.to - 1);
-    }
-    equations_ = BlockCholesky(static_cast<int>(num_poses) - 1, couplings);
-    for (ResidualEdge& edge : edges_) {
-      if (IsCoupling(edge)) edge.coupling = equations_.FindCoupling(edge.from - 1, edge.to - 1);
-    }
-  }
+      : edges_(EdgesOf(certain, uncertain)), equations_(num_poses, PairsOf(edges_)) {}
 
   // Largest whitened error of an uncertain edge.
   double WorstError(const std::vector<Pose2>& poses) const {
@@ -79,21 +65,21 @@ class System {
   // of a coordinate, or a negative number if there is no step.
   double Step(double cauchy_scale, std::vector<Pose2>* poses) {
     Linearize(cauchy_scale, *poses);
-    if (!equations_.Factorize()) return -1.0;
-    Eigen::VectorXd step = right_;
-    equations_.Solve(&step);
-    if (!step.allFinite()) return -1.0;
-    for (std::size_t p = 1; p < poses->size(); ++p) {
-      const auto change = step.segment<3>(3 * static_cast<Eigen::Index>(p - 1));
-      (*poses)[p].x += change.x();
-      (*poses)[p].y += change.y();
-      (*poses)[p].yaw += change.z();
-    }
-    return step.size() > 0 ? step.cwiseAbs().maxCoeff() : 0.0;
+    const Eigen::VectorXd step = equations_.Step(poses);
+    return step.size() > 0 ? step.cwiseAbs().maxCoeff() : -1.0;
   }
 
  private:
-  void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain) {
+  static std::vector<ResidualEdge> EdgesOf(const std::vector<RelativePoseConstraint>& certain,
+                                           const std::vector<RelativePoseConstraint>& uncertain) {
+    std::vector<ResidualEdge> edges;
+    Append(certain, false, &edges);
+    Append(uncertain, true, &edges);
+    return edges;
+  }
+
+  static void Append(const std::vector<RelativePoseConstraint>& constraints, bool uncertain,
+                     std::vector<ResidualEdge>* edges) {
     for (const RelativePoseConstraint& constraint : constraints) {
       if (constraint.from == constraint.to) continue;  // says nothing of where it is
       ResidualEdge edge;
@@ -102,12 +88,17 @@ class System {
       edge.uncertain = uncertain;
       edge.residual.a_from_b = constraint.from_from_to;
       if (SqrtInformation(constraint.covariance, &edge.residual.sqrt_information)) {
-        edges_.push_back(edge);
+        edges->push_back(edge);
       }
     }
   }
 
-  static bool IsCoupling(const ResidualEdge& edge) { return edge.from > 0 && edge.to > 0; }
+  static std::vector<std::pair<int, int>> PairsOf(const std::vector<ResidualEdge>& edges) {
+    std::vector<std::pair<int, int>> pairs;
+    pairs.reserve(edges.size());
+    for (const ResidualEdge& edge : edges) pairs.emplace_back(edge.from, edge.to);
+    return pairs;
+  }
 
   static Eigen::Vector3d Error(const ResidualEdge& edge, const std::vector<Pose2>& poses) {
     Eigen::Vector3d error;
@@ -119,8 +110,8 @@ class System {
 
   void Linearize(double cauchy_scale, const std::vector<Pose2>& poses) {
     equations_.SetZero();
-    right_.setZero();
-    for (const ResidualEdge& edge : edges_) {
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const ResidualEdge& edge = edges_[i];
       const Pose2 &a = poses[edge.from], &b = poses[edge.to];
       const double from[] = {a.x, a.y, a.yaw}, to[] = {b.x, b.y, b.yaw};
       Eigen::Vector3d error;
@@ -128,26 +119,12 @@ class System {
       edge.residual.Evaluate(from, to, error.data(), d_from.data(), d_to.data());
       const double weight =
           edge.uncertain ? 1.0 / (1.0 + error.squaredNorm() / (cauchy_scale * cauchy_scale)) : 1.0;
-      if (edge.from > 0) {
-        equations_.AddToDiagonal(edge.from - 1, weight * d_from.transpose() * d_from);
-        right_.segment<3>(3 * edge.from - 3) -= weight * d_from.transpose() * error;
-      }
-      if (edge.to > 0) {
-        equations_.AddToDiagonal(edge.to - 1, weight * d_to.transpose() * d_to);
-        right_.segment<3>(3 * edge.to - 3) -= weight * d_to.transpose() * error;
-      }
-      if (!IsCoupling(edge)) continue;
-      if (equations_.HasRowsOf(edge.from - 1, edge.to - 1)) {
-        equations_.AddToCoupling(edge.coupling, weight * d_from.transpose() * d_to);
-      } else {
-        equations_.AddToCoupling(edge.coupling, weight * d_to.transpose() * d_from);
-      }
+      equations_.Add(i, weight, d_from, d_to, error);
     }
   }
 
   std::vector<ResidualEdge> edges_;
-  BlockCholesky equations_;
-  Eigen::VectorXd right_;
+  PoseEquations equations_;
 };
 
 }  // namespace
