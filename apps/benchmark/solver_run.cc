@@ -81,6 +81,9 @@ std::vector<bool> StatesToEvaluate(const std::vector<TracePoint>& trace, std::si
   return kept;
 }
 
+// A solver that its callback does not stop is killed after so many seconds.
+unsigned LastSecond(double time_limit_s) { return 1 + static_cast<unsigned>(2.0 * time_limit_s); }
+
 // One run, step by step.
 class TracedRun {
  public:
@@ -132,7 +135,7 @@ class TracedRun {
     };
     RestartPeakMemory();
     run_.start_memory_bytes = ResidentMemoryBytes();
-    alarm(1 + static_cast<unsigned>(2.0 * time_limit_s_));
+    alarm(LastSecond(time_limit_s_));
     start = Seconds::Now();
     const SolverSummary summary = Solve(options, graph, &state_);
     const Seconds time = Seconds::Now() - start - aside;
@@ -273,10 +276,13 @@ SolverRun RunSolverInChild(const ComparedSolver& solver, const ComparedProblem& 
   SolverRun run;
   run.solver = solver.name;
   std::string packed;
+  const Seconds start = Seconds::Now();
   const Status status =
       RunInChild([&] { return Pack(RunSolver(solver, problem, time_limit_s)); }, &packed);
   if (status.ok()) {
     Unpack(packed, &run);
+  } else if ((Seconds::Now() - start).wall >= LastSecond(time_limit_s)) {
+    run.failure = "did not stop within twice its time limit";
   } else {
     run.failure = status.message();
   }

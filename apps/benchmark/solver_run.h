@@ -60,17 +60,16 @@ struct SolverRun {
   double final_energy() const { return trace.back().marginal_energy; }
 };
 
-/// Solves from the start, with a trace of the way. The clocks stand still while a state is put
-/// aside (in a file, as memory is measured) and all evaluation comes after the solve; states are
-/// those that the callback is shown. Energies are of the problem's graph, without its pose graph.
+/// Solves from the start, with a trace of the way: the states that the solver's callback gets. The
+/// clocks stand still while a state is written to a file, and all energies are evaluated after the
+/// solve. Energies are of the problem's graph, without its pose graph.
 ///
 /// After time_limit_s [s] the callback asks the solver to stop. A solver that does not call back
 /// for as long again ends the process by SIGALRM.
 SolverRun RunSolver(const ComparedSolver& solver, const ComparedProblem& problem,
                     double time_limit_s);
 
-/// The same in a process of its own. A process that
-/// comes to a bad end is a failure of the run.
+/// The same in a process of its own. If that ends early, SolverRun::failure says how.
 SolverRun RunSolverInChild(const ComparedSolver& solver, const ComparedProblem& problem,
                            double time_limit_s);
 

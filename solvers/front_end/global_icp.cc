@@ -120,8 +120,8 @@ class GlobalIcp {
     }
   }
 
-  // Matches with keyframes of one visit repeat each other. So of many earlier keyframes near by,
-  // some are taken, spread over the drive.
+  // Matches with keyframes of one visit repeat each other. Where many earlier keyframes are near,
+  // this takes some of them, spread over the drive.
   void AddPartners(int to, std::vector<PairOfScans>* pairs) const {
     std::vector<int> near;
     for (int from = 0; from + 1 < to; ++from) {

@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
+#include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -119,6 +123,22 @@ TEST(SolverRunTest, TheTimeLimitStopsASolver) {
   EXPECT_EQ(run.failure, "");
   EXPECT_EQ(run.termination, ToString(TerminationType::kUserStopped));
   EXPECT_EQ(run.num_iterations, 1);
+}
+
+// Asks no callback whether to go on.
+class EndlessSolver final : public plumbline::Solver {
+ public:
+  const char* name() const override { return "endless"; }
+  SolverSummary Solve(const SolverProblem&, MapState*) const override {
+    while (true) std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+};
+
+TEST(SolverRunTest, ASolverThatDoesNotStopIsKilled) {
+  ComparedSolver endless;
+  endless.options.own_solver = std::make_shared<EndlessSolver>();
+  EXPECT_EQ(RunSolverInChild(endless, ProblemOf(Seeded()), 1e-9).failure,
+            "did not stop within twice its time limit");
 }
 
 TEST(SolverRunTest, FailuresAreTold) {
