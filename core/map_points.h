@@ -41,18 +41,28 @@ class MapPoints {
   /// Calls take(index, x, y) for each point in turn.
   template <typename Take>
   void ForEach(const Take& take) const {
+    ForEvery(1, take);
+  }
+
+  /// The same for every stride-th point, from the first one on.
+  template <typename Take>
+  void ForEvery(std::size_t stride, const Take& take) const {
     if (points_ != nullptr) {
-      const double* point = points_->data();
-      for (std::size_t i = 0; i < size(); ++i, point += 2) take(i, point[0], point[1]);
+      for (std::size_t i = 0; i < size(); i += stride) {
+        take(i, (*points_)[2 * i], (*points_)[2 * i + 1]);
+      }
       return;
     }
+    std::size_t next = 0;
     for (int s = 0; s < graph_->num_scans(); ++s) {
       const ScanEntry& scan = graph_->scan(s);
+      const std::size_t end = scan.first_return + scan.num_returns;
+      if (next >= end) continue;
       const ScanReturns returns = graph_->ReturnsOfScan(s);
       const PoseFrame laser = LaserFrame(s);
-      for (std::size_t r = scan.first_return; r < scan.first_return + scan.num_returns; ++r) {
-        const Eigen::Vector2d point = laser * returns.PointInLaser(r);
-        take(r, point.x(), point.y());
+      for (; next < end; next += stride) {
+        const Eigen::Vector2d point = laser * returns.PointInLaser(next);
+        take(next, point.x(), point.y());
       }
     }
   }

@@ -73,7 +73,7 @@ class CellSortedPoints {
   }
 
  private:
-  static constexpr int kCellsPerRadius = 3;
+  static constexpr int kCellsPerRadius = 6;
   static constexpr std::int64_t kIndexOffset = std::int64_t{1} << 30;
   static constexpr double kOffsetSteps = 65000.0;  // across a cell
 

@@ -23,17 +23,15 @@ void ForEachReading(const std::vector<SweepReadings>& sweeps, const Visit& visit
   }
 }
 
+// Readings from a range on, from a second and lower one up to it, and below that.
 struct Counts {
+  double top_m, next_m;
   std::size_t num_top = 0, num_next = 0, num_lower = 0;
-};
 
-Counts CountFrom(const std::vector<SweepReadings>& sweeps, double top_m, double next_m) {
-  Counts counts;
-  ForEachReading(sweeps, [&](double range_m) {
-    ++(range_m >= top_m ? counts.num_top : range_m >= next_m ? counts.num_next : counts.num_lower);
-  });
-  return counts;
-}
+  void Add(double range_m) {
+    ++(range_m >= top_m ? num_top : range_m >= next_m ? num_next : num_lower);
+  }
+};
 
 bool IsLevel(const Counts& counts) {
   return counts.num_top >= 10 && counts.num_top > 10 * counts.num_next &&
@@ -102,8 +100,11 @@ std::optional<double> FindNoReturnLevel(const std::vector<SweepReadings>& sweeps
   double largest_m = 0.0;
   ForEachReading(sweeps, [&](double range_m) { largest_m = std::max(largest_m, range_m); });
   const double level_m = 0.999 * largest_m, band_m = largest_m - kBandM;
-  const Counts by_level = CountFrom(sweeps, level_m, 0.99 * largest_m);
-  const Counts by_band = CountFrom(sweeps, band_m, band_m - kBandM);
+  Counts by_level{level_m, 0.99 * largest_m}, by_band{band_m, band_m - kBandM};
+  ForEachReading(sweeps, [&](double range_m) {
+    by_level.Add(range_m);
+    by_band.Add(range_m);
+  });
   // A level with noise may have a tail below the top 0.1 %, far denser than the readings below.
   const bool is_level = IsLevel(by_level);
   const double tail_per_m =

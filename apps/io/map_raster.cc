@@ -28,34 +28,41 @@ double RoundUpToNice(double value) {
 /// A quantile of some hundred thousand samples is as good as one of thirty million.
 std::size_t SampleStride(std::size_t num_points) { return 1 + num_points / 200000; }
 
-/// One coordinate (0 = x, 1 = y) of every so many points, those that are not finite left out.
-std::vector<double> SampleCoordinates(const MapPoints& points, int coordinate) {
-  const std::size_t stride = SampleStride(points.size());
-  std::vector<double> samples;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const double value = points.At(i)[coordinate];
-    if (std::isfinite(value)) samples.push_back(value);
+/// Coordinates of some points of a map, those that are not finite left out.
+struct Samples {
+  std::vector<double> x, y;
+
+  void Add(double sample_x, double sample_y) {
+    if (std::isfinite(sample_x)) x.push_back(sample_x);
+    if (std::isfinite(sample_y)) y.push_back(sample_y);
   }
+};
+
+Samples SampleOf(const MapPoints& points) {
+  Samples samples;
+  points.ForEvery(SampleStride(points.size()),
+                  [&](std::size_t, double x, double y) { samples.Add(x, y); });
   return samples;
 }
 
 /// The same samples of points that a graph and its peers have, in another order.
-std::vector<double> SampleCoordinates(const SlamGraph& graph, const MapPoints& points,
-                                      int coordinate) {
-  if (graph.peers() == nullptr) return SampleCoordinates(points, coordinate);
+Samples SampleOf(const SlamGraph& graph, const MapPoints& points) {
+  if (graph.peers() == nullptr) return SampleOf(points);
   const std::size_t stride = SampleStride(graph.num_returns_of_all());
-  std::vector<double> samples;
+  Samples samples;
   for (int s = 0; s < graph.num_scans(); ++s) {
     const ScanEntry& own = graph.scan(s);
     const std::size_t first_among_all = graph.all_scans()[graph.IdAmongAll(s)].first_return;
     const std::size_t past_sample = first_among_all % stride;
     std::size_t in_scan = past_sample == 0 ? 0 : stride - past_sample;
     for (; in_scan < static_cast<std::size_t>(own.num_returns); in_scan += stride) {
-      const double value = points.At(own.first_return + in_scan)[coordinate];
-      if (std::isfinite(value)) samples.push_back(value);
+      const Eigen::Vector2d point = points.At(own.first_return + in_scan);
+      samples.Add(point.x(), point.y());
     }
   }
-  return JoinOverPeers(graph.peers(), std::move(samples));
+  samples.x = JoinOverPeers(graph.peers(), std::move(samples.x));
+  samples.y = JoinOverPeers(graph.peers(), std::move(samples.y));
+  return samples;
 }
 
 /// Range of one coordinate that the picture shows, margin included.
@@ -79,11 +86,10 @@ Interval VisibleInterval(std::vector<double> samples, const std::vector<Pose2>& 
   return {interval.low - margin, interval.high + margin};
 }
 
-// Of samples of the points' coordinates.
-Status FindExtentOf(std::vector<double> x, std::vector<double> y,
-                    const std::vector<Pose2>& trajectory, double crop_share, MapExtent* extent) {
-  *extent = {VisibleInterval(std::move(x), trajectory, 0, crop_share),
-             VisibleInterval(std::move(y), trajectory, 1, crop_share)};
+Status FindExtentOf(Samples samples, const std::vector<Pose2>& trajectory, double crop_share,
+                    MapExtent* extent) {
+  *extent = {VisibleInterval(std::move(samples.x), trajectory, 0, crop_share),
+             VisibleInterval(std::move(samples.y), trajectory, 1, crop_share)};
   for (double edge_m : {extent->x.low, extent->x.high, extent->y.low, extent->y.high}) {
     if (std::abs(edge_m) < kMaxExtentM) continue;
     return Status::InvalidArgument("map picture: the map reaches " + std::to_string(edge_m) +
@@ -138,16 +144,13 @@ double RoundDownToNice(double value) {
 
 Status FindExtent(const MapPoints& points, const std::vector<Pose2>& trajectory, double crop_share,
                   MapExtent* extent) {
-  return FindExtentOf(SampleCoordinates(points, 0), SampleCoordinates(points, 1), trajectory,
-                      crop_share, extent);
+  return FindExtentOf(SampleOf(points), trajectory, crop_share, extent);
 }
 
 Status FindExtent(const SlamGraph& graph, const MapState& state, double crop_share,
                   MapExtent* extent) {
   const MapPoints points(graph, state);
-  std::vector<double> x = SampleCoordinates(graph, points, 0);
-  std::vector<double> y = SampleCoordinates(graph, points, 1);
-  return FindExtentOf(std::move(x), std::move(y), PosesOf(state.poses), crop_share, extent);
+  return FindExtentOf(SampleOf(graph, points), PosesOf(state.poses), crop_share, extent);
 }
 
 Status ChooseRaster(const SlamGraph& graph, const MapState& state, double crop_share,

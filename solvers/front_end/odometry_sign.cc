@@ -27,7 +27,18 @@ constexpr double kMinContradictingShare = 0.002;
 // No sign is zero: processes add them up.
 enum StepSign : int { kUndecided = 0, kAgrees, kContradicts };
 
-// Matches scan `to` against scan `from` with no prior on the translation, from standstill.
+// Share of a scan that has to fit.
+constexpr double kMinFittingRatio = 0.7;
+
+bool TellsForwardFromBackward(const ScanMatch& match, double length_m) {
+  if (match.inlier_ratio < kMinFittingRatio) return false;
+  Eigen::Matrix3d information = match.information;
+  information.diagonal().array() += 1e-3;
+  return std::sqrt(information.inverse()(0, 0)) <= kMaxRelativeSigma * length_m;
+}
+
+// Compares scan `to` with scan `from`. Matches it only where it fits no better at the odometry than
+// at the reverse of it: with no prior on the translation, from standstill.
 StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
                     const ScanSurfaces& surfaces) {
   const double length = std::abs(odometry.x);
@@ -35,20 +46,22 @@ StepSign SignOfStep(const Pose2& odometry, int from_scan, int to_scan,
   const SurfacePoints from = surfaces.Of(from_scan), to = surfaces.Of(to_scan);
   LocalMap map(0.01);
   map.Rebuild({&from}, {Pose2()});
+  const ScanMatchOptions options;
+  const ScanMatch forward = MeasureFit(map, to, odometry, options);
+  const Pose2 backward(-odometry.x, -odometry.y, odometry.yaw);
+  if (forward.chi2 < MeasureFit(map, to, backward, options).chi2) {
+    return TellsForwardFromBackward(forward, length) ? kAgrees : kUndecided;
+  }
   PosePrediction prediction;
   prediction.world_from_robot = {0.0, 0.0, odometry.yaw};
   constexpr double kRotationSigmaRad = 0.1;
   prediction.information(2, 2) = 1.0 / (kRotationSigmaRad * kRotationSigmaRad);
-  const ScanMatch match = MatchScan(map, to, prediction, ScanMatchOptions());
-  if (match.inlier_ratio < 0.7) return kUndecided;
-  Eigen::Matrix3d information = match.information;
-  information.diagonal().array() += 1e-3;
-  const double sigma = std::sqrt(information.inverse()(0, 0));
-  const double forward = match.world_from_robot.x;
+  const ScanMatch match = MatchScan(map, to, prediction, options);
   // As long as the odometry says, one way or the other: anything else is a bad match.
-  const bool same_length = std::abs(std::abs(forward) - length) < 0.5 * length;
-  if (sigma > kMaxRelativeSigma * length || !same_length) return kUndecided;
-  return forward * odometry.x > 0.0 ? kAgrees : kContradicts;
+  const double matched_m = match.world_from_robot.x;
+  const bool same_length = std::abs(std::abs(matched_m) - length) < 0.5 * length;
+  if (!same_length || !TellsForwardFromBackward(match, length)) return kUndecided;
+  return matched_m * odometry.x > 0.0 ? kAgrees : kContradicts;
 }
 
 }  // namespace
