@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
       "  plumbline_slam --log=monday.clf,tuesday.bag --output_dir=out\n"
       "  plumbline_slam --info=x.bag\n"
       "  plumbline_slam --log=fr079.clf.gz --output_dir=out --solver=ceres "
-      "--ceres_linear_solver=sparse_schur",
+      "--ceres=linear_solver_type=iterative_schur",
       argc, argv);
   plumbline::LogRunOptions options;
   const auto check_flags = [&options] {

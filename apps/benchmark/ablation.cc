@@ -157,8 +157,8 @@ std::vector<AblationVariant> AblationVariants(const SolverOptions& full) {
   variants.back().options.alternating_cg.scan_iterations_per_sweep = 0;
   add("published method, from the seed").type = SolverType::kPublished;
   add("Ceres over points, iterative Schur").type = SolverType::kCeres;
-  variants.back().options.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
-  variants.back().options.ceres->preconditioner = ceres::SCHUR_JACOBI;
+  variants.back().options.ceres->linear_solver_type = ceres::ITERATIVE_SCHUR;
+  variants.back().options.ceres->preconditioner_type = ceres::SCHUR_JACOBI;
   variants.push_back({"Ceres over lines, iterative Schur", variants.back().options});
   variants.back().options.ceres->reduced = true;
   return variants;

@@ -14,86 +14,59 @@ namespace plumbline {
 namespace {
 
 constexpr char kSolverNames[] = "reduced, alternating_cg, published, ceres, pose_graph or sgd";
-constexpr char kCeresWords[] =
-    "reduced, points; trust_region, dense_normal_cholesky, dense_qr, sparse_normal_cholesky, "
-    "dense_schur, sparse_schur, iterative_schur, cgnr, identity, jacobi, schur_jacobi, "
-    "cluster_jacobi, cluster_tridiagonal, levenberg_marquardt, dogleg, "
-    "traditional_dogleg, subspace_dogleg; line_search, steepest_descent, "
-    "nonlinear_conjugate_gradient, lbfgs, bfgs, fletcher_reeves, polak_ribiere, "
-    "hestenes_stiefel, armijo, wolfe";
-
 void ImplyNothing(CeresOptions* /*options*/) {}
-void ImplyTrustRegion(CeresOptions* options) { options->minimizer = ceres::TRUST_REGION; }
+void ImplyTrustRegion(CeresOptions* options) { options->minimizer_type = ceres::TRUST_REGION; }
 void ImplyDogleg(CeresOptions* options) {
   ImplyTrustRegion(options);
-  options->trust_region_strategy = ceres::DOGLEG;
+  options->trust_region_strategy_type = ceres::DOGLEG;
 }
-void ImplyLineSearch(CeresOptions* options) { options->minimizer = ceres::LINE_SEARCH; }
+void ImplyLineSearch(CeresOptions* options) { options->minimizer_type = ceres::LINE_SEARCH; }
 void ImplyConjugateGradient(CeresOptions* options) {
   ImplyLineSearch(options);
-  options->line_search_direction = ceres::NONLINEAR_CONJUGATE_GRADIENT;
+  options->line_search_direction_type = ceres::NONLINEAR_CONJUGATE_GRADIENT;
 }
 
-bool StringToReduced(const std::string& word, bool* reduced) {
-  if (word != "reduced" && word != "points") return false;
-  *reduced = word == "reduced";
-  return true;
-}
-
-// Sets a field of the options by its own parser; false if that does not know the word.
-template <auto Field, auto Parse>
-bool Set(const std::string& word, CeresOptions* options) {
-  return Parse(word, &(options->*Field));
-}
-template <auto Field>
-bool IsEqual(const CeresOptions& a, const CeresOptions& b) {
-  return a.*Field == b.*Field;
-}
-
-// A switch of Ceres: its flag, its words, and the switches that such a word implies.
+// A field of CeresOptions whose values are words, and what such a word implies.
 struct CeresSwitch {
-  const char* flag;
-  bool (*set)(const std::string& word, CeresOptions* options);
-  bool (*is_equal)(const CeresOptions& a, const CeresOptions& b);
+  const char* field;
   void (*imply)(CeresOptions* options);
+
+  const CeresField& Field() const { return *FindCeresField(field); }
 };
 constexpr CeresSwitch kCeresSwitches[] = {
-    {"reduced", Set<&CeresOptions::reduced, StringToReduced>, IsEqual<&CeresOptions::reduced>,
-     ImplyNothing},
-    {"ceres_minimizer", Set<&CeresOptions::minimizer, ceres::StringToMinimizerType>,
-     IsEqual<&CeresOptions::minimizer>, ImplyNothing},
-    {"ceres_linear_solver", Set<&CeresOptions::linear_solver, ceres::StringToLinearSolverType>,
-     IsEqual<&CeresOptions::linear_solver>, ImplyTrustRegion},
-    {"ceres_preconditioner", Set<&CeresOptions::preconditioner, ceres::StringToPreconditionerType>,
-     IsEqual<&CeresOptions::preconditioner>, ImplyTrustRegion},
-    {"ceres_trust_region_strategy",
-     Set<&CeresOptions::trust_region_strategy, ceres::StringToTrustRegionStrategyType>,
-     IsEqual<&CeresOptions::trust_region_strategy>, ImplyTrustRegion},
-    {"ceres_dogleg", Set<&CeresOptions::dogleg, ceres::StringToDoglegType>,
-     IsEqual<&CeresOptions::dogleg>, ImplyDogleg},
-    {"ceres_line_search_direction",
-     Set<&CeresOptions::line_search_direction, ceres::StringToLineSearchDirectionType>,
-     IsEqual<&CeresOptions::line_search_direction>, ImplyLineSearch},
-    {"ceres_nonlinear_conjugate_gradient",
-     Set<&CeresOptions::nonlinear_conjugate_gradient,
-         ceres::StringToNonlinearConjugateGradientType>,
-     IsEqual<&CeresOptions::nonlinear_conjugate_gradient>, ImplyConjugateGradient},
-    {"ceres_line_search", Set<&CeresOptions::line_search, ceres::StringToLineSearchType>,
-     IsEqual<&CeresOptions::line_search>, ImplyLineSearch},
+    {"minimizer_type", ImplyNothing},
+    {"linear_solver_type", ImplyTrustRegion},
+    {"preconditioner_type", ImplyTrustRegion},
+    {"trust_region_strategy_type", ImplyTrustRegion},
+    {"dogleg_type", ImplyDogleg},
+    {"line_search_direction_type", ImplyLineSearch},
+    {"nonlinear_conjugate_gradient_type", ImplyConjugateGradient},
+    {"line_search_type", ImplyLineSearch},
 };
 
 bool SetCeresWord(const std::string& word, CeresOptions* options) {
+  if (word == "reduced" || word == "points") {
+    options->reduced = word == "reduced";
+    return true;
+  }
   return std::any_of(std::begin(kCeresSwitches), std::end(kCeresSwitches),
                      [&](const CeresSwitch& of) {
-                       if (!of.set(word, options)) return false;
+                       if (!of.Field().set(word, options)) return false;
                        of.imply(options);
                        return true;
                      });
 }
 
+std::string CeresWords() {
+  std::string words = "reduced or points";
+  for (const CeresSwitch& of : kCeresSwitches) words += std::string("; ") + of.Field().values;
+  return words;
+}
+
 bool HaveEqualSwitches(const CeresOptions& a, const CeresOptions& b) {
-  return std::all_of(std::begin(kCeresSwitches), std::end(kCeresSwitches),
-                     [&](const CeresSwitch& of) { return of.is_equal(a, b); });
+  return a.reduced == b.reduced &&
+         std::all_of(std::begin(kCeresSwitches), std::end(kCeresSwitches),
+                     [&](const CeresSwitch& of) { return of.Field().get(a) == of.Field().get(b); });
 }
 
 // True if the second word undoes the first one.
@@ -120,7 +93,8 @@ std::string InLowerCase(std::string name) {
 Status SetCeresWords(const std::vector<std::string>& words, CeresOptions* options) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!SetCeresWord(words[i], options)) {
-      return Status::InvalidArgument("ceres has no word '" + words[i] + "'; it has " + kCeresWords);
+      return Status::InvalidArgument("ceres has no word '" + words[i] + "'; it has " +
+                                     CeresWords());
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (!Contradict(words[j], words[i])) continue;
@@ -130,14 +104,14 @@ Status SetCeresWords(const std::vector<std::string>& words, CeresOptions* option
   }
   const auto preconditioner = std::find_if(words.begin(), words.end(), [](const std::string& word) {
     CeresOptions unused;
-    return ceres::StringToPreconditionerType(word, &unused.preconditioner);
+    return ceres::StringToPreconditionerType(word, &unused.preconditioner_type);
   });
-  if (preconditioner == words.end() || TakesPreconditioner(options->linear_solver)) {
+  if (preconditioner == words.end() || TakesPreconditioner(options->linear_solver_type)) {
     return Status::Ok();
   }
   return Status::InvalidArgument(
-      "'" + *preconditioner +
-      "' changes nothing: " + InLowerCase(ceres::LinearSolverTypeToString(options->linear_solver)) +
+      "'" + *preconditioner + "' changes nothing: " +
+      InLowerCase(ceres::LinearSolverTypeToString(options->linear_solver_type)) +
       " takes no preconditioner, but iterative_schur and cgnr do");
 }
 
@@ -182,8 +156,8 @@ Status ParseEntry(const std::string& entry, const ComparisonLimits& limits,
   words.erase(words.begin());
   PLUMBLINE_RETURN_IF_ERROR(SetWords(words, options));
   options->alternating_cg.max_sweeps = limits.cg_sweeps;
-  if (options->ceres->minimizer == ceres::LINE_SEARCH) {
-    options->ceres->max_iterations = limits.line_search_iterations;
+  if (options->ceres->minimizer_type == ceres::LINE_SEARCH) {
+    options->ceres->max_num_iterations = limits.line_search_iterations;
   }
   std::string error;
   return options->Check(&error) ? Status::Ok() : Status::InvalidArgument(error);
@@ -191,22 +165,22 @@ Status ParseEntry(const std::string& entry, const ComparisonLimits& limits,
 
 std::string CeresSwitchNames(const CeresOptions& options) {
   std::string names = options.reduced ? "reduced " : "";
-  if (options.minimizer == ceres::TRUST_REGION) {
-    names += ceres::LinearSolverTypeToString(options.linear_solver);
-    if (TakesPreconditioner(options.linear_solver)) {
-      names += std::string(" ") + ceres::PreconditionerTypeToString(options.preconditioner);
+  if (options.minimizer_type == ceres::TRUST_REGION) {
+    names += ceres::LinearSolverTypeToString(options.linear_solver_type);
+    if (TakesPreconditioner(options.linear_solver_type)) {
+      names += std::string(" ") + ceres::PreconditionerTypeToString(options.preconditioner_type);
     }
-    if (options.trust_region_strategy == ceres::DOGLEG) {
-      names += std::string(" ") + ceres::DoglegTypeToString(options.dogleg);
+    if (options.trust_region_strategy_type == ceres::DOGLEG) {
+      names += std::string(" ") + ceres::DoglegTypeToString(options.dogleg_type);
     }
   } else {
     names += std::string("line_search ") +
-             ceres::LineSearchDirectionTypeToString(options.line_search_direction);
-    if (options.line_search_direction == ceres::NONLINEAR_CONJUGATE_GRADIENT) {
-      names += std::string(" ") +
-               ceres::NonlinearConjugateGradientTypeToString(options.nonlinear_conjugate_gradient);
+             ceres::LineSearchDirectionTypeToString(options.line_search_direction_type);
+    if (options.line_search_direction_type == ceres::NONLINEAR_CONJUGATE_GRADIENT) {
+      names += std::string(" ") + ceres::NonlinearConjugateGradientTypeToString(
+                                      options.nonlinear_conjugate_gradient_type);
     }
-    names += std::string(" ") + ceres::LineSearchTypeToString(options.line_search);
+    names += std::string(" ") + ceres::LineSearchTypeToString(options.line_search_type);
   }
   return InLowerCase(names);
 }
@@ -248,19 +222,22 @@ Status ParseSolvers(const std::string& list, const SolverOptions& base,
 }
 
 Status CheckCeresFlagsCount(const std::vector<ComparedSolver>& solvers, const SolverOptions& base,
-                            const std::function<bool(const char* flag)>& is_given) {
-  for (const CeresSwitch& of : kCeresSwitches) {
-    if (!is_given(of.flag)) continue;
+                            const std::vector<std::string>& fields, bool reduced) {
+  const auto check = [&](const std::string& flag, const auto& value_of) {
     const bool counts =
         std::any_of(solvers.begin(), solvers.end(), [&](const ComparedSolver& solver) {
           return solver.options.type == SolverType::kCeres &&
-                 of.is_equal(*solver.options.ceres, *base.ceres);
+                 value_of(*solver.options.ceres) == value_of(*base.ceres);
         });
-    if (counts) continue;
-    return Status::InvalidArgument(std::string("--") + of.flag +
-                                   " is ignored by every entry of --solvers");
+    if (counts) return Status::Ok();
+    return Status::InvalidArgument("--" + flag + " is ignored by every entry of --solvers");
+  };
+  for (const CeresSwitch& of : kCeresSwitches) {
+    if (std::find(fields.begin(), fields.end(), of.field) == fields.end()) continue;
+    PLUMBLINE_RETURN_IF_ERROR(check(std::string("ceres=") + of.field, of.Field().get));
   }
-  return Status::Ok();
+  if (!reduced) return Status::Ok();
+  return check("reduced", [](const CeresOptions& options) { return options.reduced; });
 }
 
 }  // namespace plumbline

@@ -1,7 +1,6 @@
 #ifndef PLUMBLINE_APPS_BENCHMARK_COMPARED_SOLVERS_H_
 #define PLUMBLINE_APPS_BENCHMARK_COMPARED_SOLVERS_H_
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,7 +17,7 @@ struct ComparedSolver {
 
 /// Limits that let slow minimisers converge. They replace the limits of the base options.
 struct ComparisonLimits {
-  int line_search_iterations = 300;  ///< CeresOptions::max_iterations of a line search
+  int line_search_iterations = 300;  ///< CeresOptions::max_num_iterations of a line search
   int cg_sweeps = 100;               ///< AlternatingCgOptions::max_sweeps
 };
 
@@ -28,7 +27,7 @@ constexpr char kDefaultSolvers[] =
     "ceres:reduced:sparse_schur,ceres:iterative_schur:schur_jacobi,ceres:sparse_schur";
 
 /// Reads a list of solvers, separated by commas. An entry is SOLVER[:WORD[:WORD...]], SOLVER a name
-/// of SolverType. The words of ceres are the names of Ceres' own switches, in any case:
+/// of SolverType. The words of ceres are names of Ceres' own, in any case:
 ///
 /// - linear solvers, preconditioners, trust region strategies and dogleg types, which imply the
 ///   minimiser trust_region; a dogleg type implies the strategy dogleg;
@@ -50,10 +49,10 @@ Status ParseSolvers(const std::string& list, const SolverOptions& base,
 /// same name if they run the same.
 std::string SolverName(const SolverOptions& options);
 
-/// InvalidArgument names a flag of Ceres' switches that is given, but whose value, which `base`
-/// has, no solver goes by.
+/// InvalidArgument names one of the `fields` given with --ceres, or --reduced if that is given, if
+/// no solver goes by its value, which `base` has.
 Status CheckCeresFlagsCount(const std::vector<ComparedSolver>& solvers, const SolverOptions& base,
-                            const std::function<bool(const char* flag)>& is_given);
+                            const std::vector<std::string>& fields, bool reduced);
 
 }  // namespace plumbline
 

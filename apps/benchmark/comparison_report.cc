@@ -131,7 +131,7 @@ Json RelationsJson(const std::optional<RelationsFigures>& relations) {
 // The limit of a row, which may differ from the flag (ComparisonLimits).
 Json LimitJson(const SolverOptions& options) {
   if (options.type == SolverType::kCeres) {
-    return {{"ceres_max_iterations", options.ceres->max_iterations}};
+    return {{"ceres_max_num_iterations", options.ceres->max_num_iterations}};
   }
   if (options.type == SolverType::kAlternatingCg) {
     return {{"cg_max_sweeps", options.alternating_cg.max_sweeps}};

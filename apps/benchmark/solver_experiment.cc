@@ -55,12 +55,15 @@ Status CheckSomeEntryReadsEachFlag(const std::vector<ComparedSolver>& solvers, S
 Status SolversFromFlags(const MapLogOptions& options, std::vector<ComparedSolver>* solvers) {
   const SolverOptions& base = options.solver;
   ComparisonLimits limits;
-  if (IsGiven("ceres_max_iterations")) limits.line_search_iterations = base.ceres->max_iterations;
+  const std::vector<std::string> given = GivenCeresFields();
+  if (std::find(given.begin(), given.end(), "max_num_iterations") != given.end()) {
+    limits.line_search_iterations = base.ceres->max_num_iterations;
+  }
   if (IsGiven("cg_max_sweeps")) limits.cg_sweeps = base.alternating_cg.max_sweeps;
   const Status status = ParseSolvers(FLAGS_solvers, base, limits, solvers);
   if (!status.ok()) return Status::InvalidArgument("--solvers: " + status.message());
   PLUMBLINE_RETURN_IF_ERROR(CheckSomeEntryReadsEachFlag(*solvers, options.start));
-  return CheckCeresFlagsCount(*solvers, base, IsGiven);
+  return CheckCeresFlagsCount(*solvers, base, given, IsGiven("reduced"));
 }
 
 Status MapOptionsFromFlags(MapLogOptions* options) {

@@ -31,14 +31,14 @@ DEFINE_string(scans, "1000,3000,10000,30000,100000", "scaling: numbers of scans,
 DEFINE_string(
     solvers, plumbline::kDefaultSolvers,
     "solver_comparison: solvers to compare, separated by commas, each SOLVER[:WORD[:WORD...]]. "
-    "SOLVER: a name of --solver. Words of ceres: the names that the flags --ceres_* take, e.g. "
+    "SOLVER: a name of --solver. Words of ceres: the names that --ceres takes for values, e.g. "
     "ceres:iterative_schur:schur_jacobi, ceres:subspace_dogleg, ceres:lbfgs or "
     "ceres:polak_ribiere:armijo, and reduced (see --reduced) or points. A line search direction, "
     "nonlinear conjugate gradient or line search implies line_search, the others trust_region. "
     "Others: published:precondition, reduced:fixed_lines. A word overrides its flag, and flags "
     "count for all that no word says. In the comparison a line search of ceres has up to 300 "
-    "iterations per round, alternating_cg up to 100 sweeps, unless --ceres_max_iterations or "
-    "--cg_max_sweeps are given");
+    "iterations per round, alternating_cg up to 100 sweeps, unless --ceres=max_num_iterations=N "
+    "or --cg_max_sweeps is given");
 DEFINE_int32(repeats, plumbline::ComparisonOptions().repeats,
              "solver_comparison: runs of each solver");
 DEFINE_double(time_limit_s, plumbline::ComparisonOptions().time_limit_s,

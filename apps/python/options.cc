@@ -142,48 +142,22 @@ void BindMinimiserOptions(py::module_* module) {
               "each goes through all edges once");
 }
 
-// A switch of Ceres, by Ceres' own name for each of its values.
-template <typename Switch>
-auto NameOfSwitch(Switch CeresOptions::*member, const char* (*name)(Switch)) {
-  return [=](const CeresOptions& options) { return std::string(name(options.*member)); };
-}
-template <typename Switch>
-auto SetSwitch(Switch CeresOptions::*member, bool (*parse)(std::string, Switch*)) {
-  return [=](CeresOptions& options, const std::string& name) {
-    if (!parse(name, &(options.*member))) {
-      throw py::value_error("CeresOptions: Ceres knows no '" + name + "' there");
-    }
-  };
+// The options of Ceres by Ceres' names; read only, so that nobody changes a copy in vain.
+py::object CeresFieldsOf(const SolverOptions& options) {
+  py::dict fields;
+  for (const CeresField& field : CeresFields()) fields[field.name] = field.get(*options.ceres);
+  return py::module_::import("types").attr("MappingProxyType")(fields);
 }
 
-void BindCeresOptions(py::module_* module) {
-  Fields<CeresOptions> options(module, "CeresOptions",
-                               "Ceres' own switches, by Ceres' own names, as 'SPARSE_SCHUR'.");
-  options.Options()
-      .Option("reduced", &CeresOptions::reduced, "over the lines of landmarks, points eliminated")
-      .Option("max_iterations", &CeresOptions::max_iterations, "per round")
-      .Option("function_tolerance", &CeresOptions::function_tolerance,
-              "ends when an iteration lowers the cost by less than this fraction");
-  const auto add = [&](const char* name, auto member, auto to_string, auto parse) {
-    options.OptionOf(name, NameOfSwitch(member, to_string), SetSwitch(member, parse),
-                     "see ceres::Solver::Options");
-  };
-  add("minimizer", &CeresOptions::minimizer, &ceres::MinimizerTypeToString,
-      &ceres::StringToMinimizerType);
-  add("trust_region_strategy", &CeresOptions::trust_region_strategy,
-      &ceres::TrustRegionStrategyTypeToString, &ceres::StringToTrustRegionStrategyType);
-  add("dogleg", &CeresOptions::dogleg, &ceres::DoglegTypeToString, &ceres::StringToDoglegType);
-  add("line_search_direction", &CeresOptions::line_search_direction,
-      &ceres::LineSearchDirectionTypeToString, &ceres::StringToLineSearchDirectionType);
-  add("line_search", &CeresOptions::line_search, &ceres::LineSearchTypeToString,
-      &ceres::StringToLineSearchType);
-  add("nonlinear_conjugate_gradient", &CeresOptions::nonlinear_conjugate_gradient,
-      &ceres::NonlinearConjugateGradientTypeToString,
-      &ceres::StringToNonlinearConjugateGradientType);
-  add("linear_solver", &CeresOptions::linear_solver, &ceres::LinearSolverTypeToString,
-      &ceres::StringToLinearSolverType);
-  add("preconditioner", &CeresOptions::preconditioner, &ceres::PreconditionerTypeToString,
-      &ceres::StringToPreconditionerType);
+// Sets the named fields; the others get their defaults.
+void SetCeresFields(SolverOptions* options, const py::dict& fields) {
+  CeresOptions ceres;
+  ceres.reduced = options->ceres->reduced;
+  for (const auto& [name, value] : fields) {
+    const Status status = SetCeresField(py::str(name), py::str(value), &ceres);
+    if (!status.ok()) RaiseIfError(Status::InvalidArgument("ceres: " + status.message()));
+  }
+  *options->ceres = ceres;
 }
 
 void BindSolverOptions(py::module_* module) {
@@ -200,8 +174,16 @@ void BindSolverOptions(py::module_* module) {
       .Option("reduced", &SolverOptions::reduced, "REDUCED, and CERES over landmarks")
       .Option("alternating_cg", &SolverOptions::alternating_cg, "ALTERNATING_CG")
       .Option("published", &SolverOptions::published, "PUBLISHED")
+      .OptionOf(
+          "ceres", CeresFieldsOf,
+          [](SolverOptions& options, const py::object& fields) {
+            SetCeresFields(&options, py::dict(fields));
+          },
+          "CERES: fields of ceres::Solver::Options by Ceres' names, {'linear_solver_type': "
+          "'SPARSE_SCHUR'}; those that are not named get their defaults")
       .OptionBy(
-          "ceres", [](SolverOptions& options) -> CeresOptions& { return *options.ceres; }, "CERES")
+          "ceres_reduced", [](SolverOptions& options) -> bool& { return options.ceres->reduced; },
+          "CERES: over the lines of landmarks, points eliminated")
       .Option("sgd", &SolverOptions::sgd, "SGD")
       .Option("num_threads", &SolverOptions::num_threads,
               "the calling one included; results do not depend on it, but for CERES")
@@ -285,7 +267,6 @@ void BindOptions(py::module_* module) {
   BindChoices(module);
   BindFactorOptions(module);
   BindMinimiserOptions(module);
-  BindCeresOptions(module);
   BindSolverOptions(module);
   BindLogOptions(module);
 }

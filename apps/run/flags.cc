@@ -3,7 +3,10 @@
 #include <gflags/gflags.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <sstream>
+#include <variant>
 #include <vector>
 
 #include "plumbline/core/angle.h"
@@ -19,6 +22,26 @@ const plumbline::SolverOptions& Defaults() {
 const plumbline::SeedingOptions& SeedingDefaults() {
   static const plumbline::SeedingOptions options;
   return options;
+}
+
+// The fields of --ceres, with their defaults and values.
+const char* CeresHelp() {
+  static const std::string help = [] {
+    std::string text =
+        "ceres: options of ceres::Solver by Ceres' own names, NAME=VALUE, separated by commas, "
+        "e.g. "
+        "linear_solver_type=iterative_schur,preconditioner_type=schur_jacobi. Iterations are per "
+        "round, with --reduced per step. Names, defaults and values:";
+    for (const plumbline::CeresField& field : plumbline::CeresFields()) {
+      std::ostringstream value;
+      std::visit([&](const auto& of) { value << std::boolalpha << of; },
+                 field.get(*Defaults().ceres));
+      text += std::string(text.back() == ':' ? " " : "; ") + field.name + " (" + value.str() +
+              "): " + field.values;
+    }
+    return text;
+  }();
+  return help.c_str();
 }
 
 }  // namespace
@@ -139,7 +162,7 @@ DEFINE_int32(cg_scan_iterations, Defaults().alternating_cg.scan_iterations_per_s
              "alternating_cg: iterations on poses that carry their points; 0: map and poses only");
 DEFINE_double(cg_tolerance, Defaults().alternating_cg.relative_cost_tolerance,
               "alternating_cg: ends a round when a sweep gains less [fraction of the cost]; for "
-              "the others see --reduced_cg_tolerance and --ceres_function_tolerance");
+              "the others see --reduced_cg_tolerance and --ceres");
 
 // --solver=published
 DEFINE_int32(published_max_passes, Defaults().published.max_passes,
@@ -155,36 +178,10 @@ DEFINE_bool(published_precondition, Defaults().published.precondition,
             "published: precondition the conjugate gradients, which the paper does not");
 
 // --solver=ceres
-DEFINE_string(ceres_minimizer, ceres::MinimizerTypeToString(Defaults().ceres->minimizer),
-              "ceres: trust_region or line_search");
-DEFINE_string(ceres_trust_region_strategy,
-              ceres::TrustRegionStrategyTypeToString(Defaults().ceres->trust_region_strategy),
-              "ceres: levenberg_marquardt or dogleg");
-DEFINE_string(ceres_dogleg, ceres::DoglegTypeToString(Defaults().ceres->dogleg),
-              "ceres: traditional_dogleg or subspace_dogleg");
-DEFINE_string(ceres_line_search_direction,
-              ceres::LineSearchDirectionTypeToString(Defaults().ceres->line_search_direction),
-              "ceres: steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs");
-DEFINE_string(ceres_line_search, ceres::LineSearchTypeToString(Defaults().ceres->line_search),
-              "ceres: armijo or wolfe");
-DEFINE_string(
-    ceres_nonlinear_conjugate_gradient,
-    ceres::NonlinearConjugateGradientTypeToString(Defaults().ceres->nonlinear_conjugate_gradient),
-    "ceres: fletcher_reeves, polak_ribiere or hestenes_stiefel");
-DEFINE_string(
-    ceres_linear_solver, ceres::LinearSolverTypeToString(Defaults().ceres->linear_solver),
-    "ceres: sparse_schur, iterative_schur, dense_schur, sparse_normal_cholesky, cgnr, dense_qr "
-    "or dense_normal_cholesky");
-DEFINE_string(
-    ceres_preconditioner, ceres::PreconditionerTypeToString(Defaults().ceres->preconditioner),
-    "ceres: identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset");
+DEFINE_string(ceres, "", CeresHelp());
 DEFINE_bool(reduced, Defaults().ceres->reduced,
             "ceres: minimise over poses and the lines of landmarks, in the rounds of the reduced "
             "solver");
-DEFINE_int32(ceres_max_iterations, Defaults().ceres->max_iterations,
-             "ceres: most iterations per round; with --reduced, per step");
-DEFINE_double(ceres_function_tolerance, Defaults().ceres->function_tolerance,
-              "ceres: ends a round when an iteration gains less [fraction of the cost]");
 
 // --solver=sgd
 DEFINE_int32(sgd_iterations, Defaults().sgd.max_iterations,
@@ -265,7 +262,7 @@ constexpr FlagReaders kFlagReaders[] = {
     {"reduced_first_gate_factor", UsesReturns},  // the calibration does, with any solver
     {"reduced_", [](const SolverOptions& options) { return options.IsOverLandmarks(); }},
     {"reduced", IsCeres},
-    {"ceres_", IsCeres},
+    {"ceres", IsCeres},
     {"cg_max_sweeps", IsAlternatingCg},
     {"cg_", IsAlternatingCg},
     {"published_", IsPublished},
@@ -349,30 +346,34 @@ PublishedOptions PublishedOptionsFromFlags() {
   return published;
 }
 
-Status CeresOptionsFromFlags(CeresOptions* options) {
-  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_minimizer", FLAGS_ceres_minimizer,
-                                      ceres::StringToMinimizerType, &options->minimizer));
-  PLUMBLINE_RETURN_IF_ERROR(
-      ParseName("ceres_trust_region_strategy", FLAGS_ceres_trust_region_strategy,
-                ceres::StringToTrustRegionStrategyType, &options->trust_region_strategy));
-  PLUMBLINE_RETURN_IF_ERROR(
-      ParseName("ceres_dogleg", FLAGS_ceres_dogleg, ceres::StringToDoglegType, &options->dogleg));
-  PLUMBLINE_RETURN_IF_ERROR(
-      ParseName("ceres_line_search_direction", FLAGS_ceres_line_search_direction,
-                ceres::StringToLineSearchDirectionType, &options->line_search_direction));
-  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_line_search", FLAGS_ceres_line_search,
-                                      ceres::StringToLineSearchType, &options->line_search));
-  PLUMBLINE_RETURN_IF_ERROR(ParseName(
-      "ceres_nonlinear_conjugate_gradient", FLAGS_ceres_nonlinear_conjugate_gradient,
-      ceres::StringToNonlinearConjugateGradientType, &options->nonlinear_conjugate_gradient));
-  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_linear_solver", FLAGS_ceres_linear_solver,
-                                      ceres::StringToLinearSolverType, &options->linear_solver));
-  PLUMBLINE_RETURN_IF_ERROR(ParseName("ceres_preconditioner", FLAGS_ceres_preconditioner,
-                                      ceres::StringToPreconditionerType, &options->preconditioner));
-  options->reduced = FLAGS_reduced;
-  options->max_iterations = FLAGS_ceres_max_iterations;
-  options->function_tolerance = FLAGS_ceres_function_tolerance;
+// The entries of a list that commas separate.
+std::vector<std::string> Entries(const std::string& list) {
+  std::vector<std::string> entries;
+  std::istringstream stream(list);
+  for (std::string entry; std::getline(stream, entry, ',');) entries.push_back(entry);
+  return entries;
+}
+
+// Calls set(name, value) with each entry NAME=VALUE of a list.
+template <typename Set>
+Status SetFields(const char* flag, const std::string& list, const Set& set) {
+  for (const std::string& entry : Entries(list)) {
+    const std::size_t equals = entry.find('=');
+    const Status status = equals == std::string::npos
+                              ? Status::InvalidArgument("want NAME=VALUE, see --help")
+                              : set(entry.substr(0, equals), entry.substr(equals + 1));
+    if (status.ok()) continue;
+    return Status::InvalidArgument(std::string("--") + flag + "=" + entry + ": " +
+                                   status.message());
+  }
   return Status::Ok();
+}
+
+Status CeresOptionsFromFlags(CeresOptions* options) {
+  options->reduced = FLAGS_reduced;
+  return SetFields("ceres", FLAGS_ceres, [&](const std::string& name, const std::string& value) {
+    return SetCeresField(name, value, options);
+  });
 }
 
 }  // namespace
@@ -394,6 +395,14 @@ Status SolverOptionsFromFlags(SolverOptions* options) {
   options->published = PublishedOptionsFromFlags();
   options->sgd.max_iterations = FLAGS_sgd_iterations;
   return CheckValues(*options);
+}
+
+std::vector<std::string> GivenCeresFields() {
+  std::vector<std::string> names;
+  for (const std::string& entry : Entries(FLAGS_ceres)) {
+    names.push_back(entry.substr(0, entry.find('=')));
+  }
+  return names;
 }
 
 bool IsIgnored(const std::string& flag, const SolverOptions& options, StartType start) {

@@ -2,6 +2,7 @@
 #define PLUMBLINE_APPS_RUN_FLAGS_H_
 
 #include <string>
+#include <vector>
 
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/interface/seeding_options.h"
@@ -12,6 +13,9 @@ namespace plumbline {
 /// The solver options that the command line asks for. InvalidArgument on an unknown name (naming
 /// the flag), a value out of range (naming the option) or switches that Ceres refuses together.
 Status SolverOptionsFromFlags(SolverOptions* options);
+
+/// The names of the fields that --ceres sets, in its order.
+std::vector<std::string> GivenCeresFields();
 
 /// True if a run of this solver from this start does not read the flag.
 bool IsIgnored(const std::string& flag, const SolverOptions& options, StartType start);

@@ -37,7 +37,7 @@ Rates JointRates(const SolverOptions& solver) {
   double bytes_per_return = solver.IsOverLandmarks() ? 40.0 : 300.0;
   if (solver.type == SolverType::kAlternatingCg) bytes_per_return = 500.0;
   if (solver.type == SolverType::kCeres) {
-    const bool iterates = solver.ceres->linear_solver == ceres::ITERATIVE_SCHUR;
+    const bool iterates = solver.ceres->linear_solver_type == ceres::ITERATIVE_SCHUR;
     bytes_per_return = !solver.ceres->reduced ? 1600.0 : iterates ? 280.0 : 1300.0;
   }
   return {bytes_per_return, kJointBytesPerScan};
@@ -59,7 +59,7 @@ double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
   const bool keeps_points = !reduced && solver.factors.shape.enabled;
   const double kept_columns = keeps_points ? 6.0 * num_returns / kReturnsPerShapePair : 0.0;
   double entries = 0.0;
-  switch (solver.ceres->linear_solver) {
+  switch (solver.ceres->linear_solver_type) {
     case ceres::DENSE_QR:
       entries = rows * columns;
       break;
@@ -76,7 +76,7 @@ double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
 }
 
 bool IsDense(const SolverOptions& solver) {
-  const ceres::LinearSolverType type = solver.ceres->linear_solver;
+  const ceres::LinearSolverType type = solver.ceres->linear_solver_type;
   return solver.type == SolverType::kCeres &&
          (type == ceres::DENSE_QR || type == ceres::DENSE_NORMAL_CHOLESKY ||
           type == ceres::DENSE_SCHUR);
@@ -116,8 +116,8 @@ std::string Advice(const MemoryEstimate& estimate, double limit, const SlamGraph
 // A dense matrix grows with the square of the log: what this machine does not hold is not tried.
 Status CheckDenseSolver(const MemoryEstimate& estimate, const SolverOptions& solver) {
   if (!IsDense(solver) || estimate.Peak() <= PhysicalMemory()) return Status::Ok();
-  return Status::InvalidArgument(std::string("--ceres_linear_solver=") +
-                                 ceres::LinearSolverTypeToString(solver.ceres->linear_solver) +
+  return Status::InvalidArgument(std::string("--ceres=linear_solver_type=") +
+                                 ceres::LinearSolverTypeToString(solver.ceres->linear_solver_type) +
                                  " needs about " + MbText(estimate.Peak()) +
                                  " of memory, but this machine has " + MbText(PhysicalMemory()) +
                                  "; sparse_schur or iterative_schur would need less");

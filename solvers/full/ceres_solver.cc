@@ -15,35 +15,6 @@
 namespace plumbline {
 namespace {
 
-ceres::Solver::Options MakeOptions(const CeresOptions& options) {
-  ceres::Solver::Options result;
-  result.minimizer_type = options.minimizer;
-  result.trust_region_strategy_type = options.trust_region_strategy;
-  result.dogleg_type = options.dogleg;
-  result.line_search_direction_type = options.line_search_direction;
-  result.line_search_type = options.line_search;
-  result.nonlinear_conjugate_gradient_type = options.nonlinear_conjugate_gradient;
-  result.linear_solver_type = options.linear_solver;
-  result.preconditioner_type = options.preconditioner;
-  result.max_num_iterations = options.max_iterations;
-  result.function_tolerance = options.function_tolerance;
-  result.parameter_tolerance = 0.0;
-  // A callback is to see the state of its iteration.
-  result.update_state_every_iteration = true;
-  // Damping must not be stiffer than the bending modes of a long corridor.
-  result.initial_trust_region_radius = 1e8;
-  return result;
-}
-
-// Combinations that Ceres' own check lets pass, and that abort the program in the solve.
-bool AbortsInCeres(const CeresOptions& options) {
-  const ceres::PreconditionerType preconditioner = options.preconditioner;
-  if (options.linear_solver == ceres::CGNR) {
-    return preconditioner != ceres::IDENTITY && preconditioner != ceres::JACOBI;
-  }
-  return options.linear_solver == ceres::ITERATIVE_SCHUR && preconditioner == ceres::SUBSET;
-}
-
 // Hands Ceres' iterations on in the common format.
 class ReportCallback final : public ceres::IterationCallback {
  public:
@@ -70,14 +41,18 @@ class ReportCallback final : public ceres::IterationCallback {
 };
 
 ceres::Solver::Options OptionsFor(const JointProblem& joint, const CeresOptions& options) {
-  ceres::Solver::Options result = MakeOptions(options);
-  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = joint.ordering;
+  ceres::Solver::Options result = options;
+  if (ceres::IsSchurType(options.linear_solver_type)) {
+    result.linear_solver_ordering = joint.ordering;
+  }
   return result;
 }
 
 ceres::Solver::Options OptionsFor(const LandmarkProblem& landmarks, const CeresOptions& options) {
-  ceres::Solver::Options result = MakeOptions(options);
-  if (ceres::IsSchurType(options.linear_solver)) result.linear_solver_ordering = landmarks.ordering;
+  ceres::Solver::Options result = options;
+  if (ceres::IsSchurType(options.linear_solver_type)) {
+    result.linear_solver_ordering = landmarks.ordering;
+  }
   // The line of a short landmark can turn so far that a linear step overshoots, and one such
   // line has the steps of all poses refused. So the lines are refitted after each step.
   result.use_inner_iterations = landmarks.lines_ordering->NumElements() > 0;
@@ -88,6 +63,7 @@ ceres::Solver::Options OptionsFor(const LandmarkProblem& landmarks, const CeresO
 InnerResult Minimize(ceres::Solver::Options ceres_options, int num_threads,
                      const ProgressCallback& report, ceres::Problem* problem) {
   ceres_options.num_threads = num_threads;
+  ceres_options.update_state_every_iteration = true;  // for the callback
   ReportCallback callback(report);
   ceres_options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
@@ -135,18 +111,6 @@ class JointCeresSolver final : public RoundsSolver {
 const Solver& CeresSolver() {
   static const JointCeresSolver solver;
   return solver;
-}
-
-Status CheckCeresOptions(const CeresOptions& options) {
-  if (AbortsInCeres(options)) {
-    return Status::InvalidArgument(std::string("ceres.preconditioner = ") +
-                                   ceres::PreconditionerTypeToString(options.preconditioner) +
-                                   ", but that does not work with ceres.linear_solver = " +
-                                   ceres::LinearSolverTypeToString(options.linear_solver));
-  }
-  std::string error;
-  if (MakeOptions(options).IsValid(&error)) return Status::Ok();
-  return Status::InvalidArgument("Ceres refuses its options: " + error);
 }
 
 InnerResult SolveWithCeres(const SlamGraph& graph, const Associations& associations,

@@ -75,12 +75,6 @@ CeresOptionsValue::~CeresOptionsValue() = default;
 
 bool CeresOptionsValue::Check(std::string* error) const { return options_->Check(error); }
 
-bool CeresOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(function_tolerance, 0.0, 1.0);
-  return true;
-}
-
 bool RoundOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(max_coarse_rounds, 0, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(max_fine_rounds, 1, kMostIterations);

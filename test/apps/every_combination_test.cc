@@ -56,7 +56,7 @@ TEST(EveryCombinationTest, RunsOrIsRefused) {
             options.start = start;
             options.solver.type = solver;
             options.solver.ceres->reduced = reduced;
-            options.solver.ceres->max_iterations = 3;
+            options.solver.ceres->max_num_iterations = 3;
             options.solver.rounds.max_coarse_rounds = 1;
             options.solver.rounds.max_fine_rounds = 1;
             options.solver.published.max_passes = 2;

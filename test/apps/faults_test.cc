@@ -212,7 +212,7 @@ TEST_F(FaultsTest, TheMemoryEstimateIsRightToAFactorOfTwo) {
   SimulateLog(200);
   for (const std::string size : {"60", "200"}) {
     for (const std::string solver :
-         {"reduced", "ceres --coarse_rounds=0 --fine_rounds=1 --ceres_max_iterations=1"}) {
+         {"reduced", "ceres --coarse_rounds=0 --fine_rounds=1 --ceres=max_num_iterations=1"}) {
       const Outcome run =
           Slam("a.clf", "--picture_side_px=400 --max_scans=" + size + " --solver=" + solver);
       ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -77,20 +77,21 @@ TEST_F(ProgramsTest, MapsTheSmallBuildingWithAnyNumberOfThreads) {
 
 TEST_F(ProgramsTest, MapsWithCeres) {
   SimulateLog(20);
-  const Outcome run = Slam("a.clf", "--solver=ceres --ceres_max_iterations=2");
+  const Outcome run = Slam("a.clf", "--solver=ceres --ceres=max_num_iterations=2");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(FilesOf("out"), kResults);
   EXPECT_EQ(Summary()["solver"]["solver"], "ceres");
-  EXPECT_EQ(Summary()["flags"]["ceres_max_iterations"], 2);
+  EXPECT_EQ(Summary()["flags"]["ceres"], "max_num_iterations=2");
 }
 
 TEST_F(ProgramsTest, PrintsNoLogLinesOfCeres) {
   SimulateLog(20);
-  const Outcome run = Slam("a.clf",
-                           "--solver=ceres --ceres_minimizer=line_search --ceres_max_iterations=20 "
-                           "--ceres_line_search_direction=nonlinear_conjugate_gradient "
-                           "--ceres_nonlinear_conjugate_gradient=polak_ribiere "
-                           "--ceres_line_search=armijo");
+  const Outcome run =
+      Slam("a.clf",
+           "--solver=ceres --ceres=minimizer_type=line_search,max_num_iterations=20,"
+           "line_search_direction_type=nonlinear_conjugate_gradient,"
+           "nonlinear_conjugate_gradient_type=polak_ribiere,"
+           "line_search_type=armijo");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, IsEmpty());
 }
@@ -216,13 +217,14 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
   ExpectUsageError(Run("benchmark", comparison + "--solvers=reduced,ceres:newton"),
                    "--solvers: entry 'ceres:newton': ceres has no word 'newton'");
   for (const char* ignored :
-       {"ceres_minimizer=line_search", "sgd_iterations=5", "cg_max_sweeps=5 --solvers=ceres,sgd",
-        "coarse_rounds=1 --solvers=reduced,published", "reduced --solvers=reduced",
-        "reduced_steps=1 --solvers=ceres:points", "keyframe_angle_deg=5 --start=icp"}) {
-    const std::string text = ignored;
-    ExpectUsageError(Run("benchmark", comparison + "--" + text),
-                     "--" + text.substr(0, text.find_first_of("= ")) +
-                         " is ignored by every entry of --solvers");
+       {"ceres=minimizer_type=line_search", "sgd_iterations=5",
+        "cg_max_sweeps=5 --solvers=ceres,sgd", "coarse_rounds=1 --solvers=reduced,published",
+        "reduced --solvers=reduced", "reduced_steps=1 --solvers=ceres:points",
+        "keyframe_angle_deg=5 --start=icp"}) {
+    const std::string text = ignored, flag = text.substr(0, text.find(' '));
+    ExpectUsageError(
+        Run("benchmark", comparison + "--" + text),
+        "--" + flag.substr(0, flag.rfind('=')) + " is ignored by every entry of --solvers");
   }
   ExpectUsageError(Slam("a.clf", "--max_scans=-1"), "--max_scans");
   ExpectUsageError(Slam("a.clf", "--hits=a.hits"), "--hits needs --truth");
@@ -349,7 +351,7 @@ TEST_F(ProgramsTest, ComparesTheSolversThatAreNamed) {
   const Outcome run = Run(
       "benchmark", comparison +
                        "--solvers=ceres:lbfgs:reduced,reduced,pose_graph,ceres --start=odometry "
-                       "--ceres_minimizer=line_search --ceres_max_iterations=2");
+                       "--ceres=minimizer_type=line_search,max_num_iterations=2");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(FilesOf("out"), ElementsAre("report.html", "solver_comparison.csv",
                                           "solver_comparison.json", "solver_comparison.png"));

@@ -38,7 +38,7 @@ SolverOptions CeresSolverOptions(bool over_landmarks) {
   options.rounds.max_coarse_rounds = 1;
   options.rounds.max_fine_rounds = 1;
   options.ceres->reduced = over_landmarks;
-  options.ceres->max_iterations = 3;
+  options.ceres->max_num_iterations = 3;
   options.ceres->function_tolerance = 1e-12;
   return options;
 }
@@ -74,12 +74,12 @@ TEST_P(CeresPrintsNothingTest, EveryLineSearch) {
           continue;
         }
         SolverOptions options = CeresSolverOptions(GetParam());
-        options.ceres->minimizer = ceres::LINE_SEARCH;
+        options.ceres->minimizer_type = ceres::LINE_SEARCH;
         // A step of BFGS over 1098 unknowns takes long, and its warning comes first.
-        if (direction != ceres::BFGS) options.ceres->max_iterations = 20;
-        options.ceres->line_search_direction = direction;
-        options.ceres->line_search = search;
-        options.ceres->nonlinear_conjugate_gradient = type;
+        if (direction != ceres::BFGS) options.ceres->max_num_iterations = 20;
+        options.ceres->line_search_direction_type = direction;
+        options.ceres->line_search_type = search;
+        options.ceres->nonlinear_conjugate_gradient_type = type;
         EXPECT_EQ(CapturedOutput([&] { SolveRoom(options); }), "")
             << ceres::LineSearchDirectionTypeToString(direction) << " "
             << ceres::LineSearchTypeToString(search) << " "
@@ -95,9 +95,9 @@ TEST_P(CeresPrintsNothingTest, EveryTrustRegion) {
     for (const auto strategy : {ceres::LEVENBERG_MARQUARDT, ceres::DOGLEG}) {
       for (const auto dogleg : {ceres::TRADITIONAL_DOGLEG, ceres::SUBSPACE_DOGLEG}) {
         SolverOptions options = CeresSolverOptions(GetParam());
-        options.ceres->linear_solver = solver;
-        options.ceres->trust_region_strategy = strategy;
-        options.ceres->dogleg = dogleg;
+        options.ceres->linear_solver_type = solver;
+        options.ceres->trust_region_strategy_type = strategy;
+        options.ceres->dogleg_type = dogleg;
         EXPECT_EQ(CapturedOutput([&] { SolveRoom(options); }), "")
             << ceres::LinearSolverTypeToString(solver) << " "
             << ceres::TrustRegionStrategyTypeToString(strategy) << " "
@@ -142,8 +142,8 @@ TEST_F(PrintsNothingTest, PoseGraphs) {
 // A reason that Ceres also logs is in the summary.
 TEST_F(PrintsNothingTest, ARefusedCombinationOfOptions) {
   SolverOptions options = CeresSolverOptions(false);
-  options.ceres->trust_region_strategy = ceres::DOGLEG;
-  options.ceres->linear_solver = ceres::CGNR;
+  options.ceres->trust_region_strategy_type = ceres::DOGLEG;
+  options.ceres->linear_solver_type = ceres::CGNR;
   SolverSummary summary;
   EXPECT_EQ(CapturedOutput([&] { summary = SolveRoom(options); }), "");
   EXPECT_THAT(summary.message, HasSubstr("DOGLEG"));

@@ -279,8 +279,8 @@ TEST(SolveTest, NamesTheOptionThatIsWrong) {
 TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kCeres);
-  options.ceres->trust_region_strategy = ceres::DOGLEG;
-  options.ceres->linear_solver = ceres::CGNR;
+  options.ceres->trust_region_strategy_type = ceres::DOGLEG;
+  options.ceres->linear_solver_type = ceres::CGNR;
   ExpectFailure(options, room.graph, &room.state, "DOGLEG");
 }
 

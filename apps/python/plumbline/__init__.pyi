@@ -1,6 +1,6 @@
 """Types of the package; its docstrings are in the extension."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, ClassVar, Final, TypeVar, Union, overload
 
@@ -260,19 +260,6 @@ class PublishedOptions(_Checked):
 class StochasticDescentOptions(_Checked):
     max_iterations: int
 
-class CeresOptions(_Checked):
-    reduced: bool
-    max_iterations: int
-    function_tolerance: float
-    minimizer: str
-    trust_region_strategy: str
-    dogleg: str
-    line_search_direction: str
-    line_search: str
-    nonlinear_conjugate_gradient: str
-    linear_solver: str
-    preconditioner: str
-
 class SolverOptions(_Checked):
     type: SolverType
     factors: FactorOptions
@@ -282,7 +269,8 @@ class SolverOptions(_Checked):
     reduced: ReducedOptions
     alternating_cg: AlternatingCgOptions
     published: PublishedOptions
-    ceres: CeresOptions
+    ceres: Mapping[str, bool | int | float | str]
+    ceres_reduced: bool
     sgd: StochasticDescentOptions
     num_threads: int
     measure_rounds: bool

@@ -130,8 +130,8 @@ TEST(SolverComparisonTest, TheJsonHasTheLimitOfEachRow) {
   const std::string path = TempFolder() + "a.json";
   ASSERT_TRUE(WriteComparisonJson(path, comparison).ok());
   const auto rows = nlohmann::json::parse(ReadFile(path))["solvers"];
-  EXPECT_EQ(rows[0]["limit"]["ceres_max_iterations"], CeresOptions().max_iterations);
-  EXPECT_EQ(rows[1]["limit"]["ceres_max_iterations"], 300);
+  EXPECT_EQ(rows[0]["limit"]["ceres_max_num_iterations"], CeresOptions().max_num_iterations);
+  EXPECT_EQ(rows[1]["limit"]["ceres_max_num_iterations"], 300);
   EXPECT_EQ(rows[2]["limit"]["cg_max_sweeps"], 100);
   EXPECT_TRUE(rows[3]["limit"].empty());
 }

@@ -114,7 +114,15 @@ def test_a_state_of_another_graph_is_refused(room):
             ValueError,
             "factors.beam.sigma_range_m = nan",
         ),
-        (lambda o: setattr(o.ceres, "dogleg", "x"), ValueError, "Ceres knows no 'x'"),
+        (
+            lambda o: setattr(o, "ceres", {"dogleg_type": "x"}),
+            ValueError,
+            "ceres: dogleg_type = 'x', but it must be traditional_dogleg or subspace_dogleg",
+        ),
+        (lambda o: setattr(o, "ceres", {"dogleg": "x"}), ValueError, "there is no option 'dogleg'"),
+        (lambda o: setattr(o, "ceres", {"eta": math.inf}), ValueError, "eta = 'inf'"),
+        (lambda o: setattr(o, "ceres", 5), TypeError, "not iterable"),
+        (lambda o: setattr(o, "ceres_reduced", 1), TypeError, "ceres_reduced: 1 does not fit"),
         (
             lambda o: setattr(o.factors, "ignored_relative_poses", [-1]),
             TypeError,

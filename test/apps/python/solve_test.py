@@ -54,6 +54,22 @@ def test_every_solver_can_be_chosen(room, name):
     assert room.error(state) < 0.01
 
 
+def test_options_of_ceres_have_its_names():
+    options = plumbline.SolverOptions(ceres={"linear_solver_type": "dense_schur"})
+    assert options.ceres["linear_solver_type"] == "DENSE_SCHUR"
+    options.ceres = {"max_num_iterations": 3, "jacobi_scaling": False, "eta": 0.25}
+    assert options.ceres["linear_solver_type"] == "SPARSE_SCHUR"
+    assert options.ceres["max_num_iterations"] == 3
+    assert options.ceres["jacobi_scaling"] is False
+    assert options.ceres["eta"] == 0.25
+    with pytest.raises(TypeError):
+        options.ceres["eta"] = 0.5
+    options.ceres_reduced = True
+    options.ceres = {**options.ceres, "eta": 0.5}
+    assert options.ceres_reduced
+    assert options.ceres["max_num_iterations"] == 3
+
+
 def test_pose_graphs_are_solved_without_scans():
     graph = plumbline.SlamGraph()
     for i in range(3):

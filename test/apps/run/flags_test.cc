@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plumbline/apps/program/command_line.h"
@@ -86,42 +87,8 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"published_sweeps", [](O o) { return double(o.solver.published.sweeps_per_pass); }},
       {"published_tolerance", [](O o) { return o.solver.published.relative_tolerance; }},
       {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
-      {"ceres_max_iterations", [](O o) { return double(o.solver.ceres->max_iterations); }},
-      {"ceres_function_tolerance", [](O o) { return o.solver.ceres->function_tolerance; }},
       {"keyframe_distance_m", [](O o) { return o.seeding.sequential.keyframe_distance_m; }},
       {"keyframe_angle_deg", [](O o) { return RadToDeg(o.seeding.sequential.keyframe_angle_rad); }},
-  };
-  return flags;
-}
-
-// A choice by name: its flag, a name that is not the default in odd spelling, and the number of the
-// choice that the options then hold.
-struct NameFlag {
-  const char* name;
-  const char* value;
-  int choice;
-  int (*read)(const SolverOptions&);
-};
-
-const std::vector<NameFlag>& CeresNameFlags() {
-  using O = const SolverOptions&;
-  static const std::vector<NameFlag> flags = {
-      {"ceres_minimizer", "Line_Search", ceres::LINE_SEARCH,
-       [](O o) { return int(o.ceres->minimizer); }},
-      {"ceres_trust_region_strategy", "dogleg", ceres::DOGLEG,
-       [](O o) { return int(o.ceres->trust_region_strategy); }},
-      {"ceres_dogleg", "SUBSPACE_dogleg", ceres::SUBSPACE_DOGLEG,
-       [](O o) { return int(o.ceres->dogleg); }},
-      {"ceres_line_search_direction", "nonlinear_Conjugate_gradient",
-       ceres::NONLINEAR_CONJUGATE_GRADIENT,
-       [](O o) { return int(o.ceres->line_search_direction); }},
-      {"ceres_line_search", "armijo", ceres::ARMIJO, [](O o) { return int(o.ceres->line_search); }},
-      {"ceres_nonlinear_conjugate_gradient", "Polak_Ribiere", ceres::POLAK_RIBIERE,
-       [](O o) { return int(o.ceres->nonlinear_conjugate_gradient); }},
-      {"ceres_linear_solver", "iterative_schur", ceres::ITERATIVE_SCHUR,
-       [](O o) { return int(o.ceres->linear_solver); }},
-      {"ceres_preconditioner", "SCHUR_jacobi", ceres::SCHUR_JACOBI,
-       [](O o) { return int(o.ceres->preconditioner); }},
   };
   return flags;
 }
@@ -140,8 +107,8 @@ TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
   for (const NumberFlag& flag : NumberFlags()) {
     EXPECT_DOUBLE_EQ(flag.read(flags), flag.read(library)) << flag.name;
   }
-  for (const NameFlag& flag : CeresNameFlags()) {
-    EXPECT_EQ(flag.read(flags.solver), flag.read(library.solver)) << flag.name;
+  for (const CeresField& field : CeresFields()) {
+    EXPECT_EQ(field.get(*flags.solver.ceres), field.get(*library.solver.ceres)) << field.name;
   }
   EXPECT_EQ(flags.solver.type, library.solver.type);
   EXPECT_EQ(flags.solver.ceres->reduced, library.solver.ceres->reduced);
@@ -161,11 +128,34 @@ TEST_F(FlagsTest, EachNumberReachesItsOption) {
   }
 }
 
-TEST_F(FlagsTest, NamesOfCeresAreTakenInAnyCase) {
-  for (const NameFlag& flag : CeresNameFlags()) {
-    EXPECT_NE(flag.read(SolverOptions()), flag.choice) << flag.name;
-    SetFlag(flag.name, flag.value);
-    EXPECT_EQ(flag.read(FromFlags().solver), flag.choice) << flag.name;
+TEST_F(FlagsTest, FieldsOfCeresAreSetByName) {
+  SetFlag("ceres",
+          "linear_solver_type=Dense_QR,eta=0.25,max_num_iterations=7,jacobi_scaling=false");
+  const SolverOptions options = FromFlags().solver;
+  EXPECT_EQ(options.ceres->linear_solver_type, ceres::DENSE_QR);
+  EXPECT_EQ(options.ceres->eta, 0.25);
+  EXPECT_EQ(options.ceres->max_num_iterations, 7);
+  EXPECT_FALSE(options.ceres->jacobi_scaling);
+  EXPECT_EQ(options.ceres->function_tolerance, CeresOptions().function_tolerance);
+  EXPECT_THAT(GivenCeresFields(), testing::ElementsAre("linear_solver_type", "eta",
+                                                       "max_num_iterations", "jacobi_scaling"));
+}
+
+TEST_F(FlagsTest, AWrongFieldOfCeresIsReportedWithWhatThereIs) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"eta", "--ceres=eta: want NAME=VALUE"},
+      {"dogleg=x", "--ceres=dogleg=x: there is no option 'dogleg' of ceres; there are"},
+      {"eta=1,dogleg_type=x",
+       "--ceres=dogleg_type=x: dogleg_type = 'x', but it must be traditional_dogleg or"},
+      {"max_num_iterations=2.5", "must be a whole number"},
+      {"max_num_iterations=0", "ceres.max_num_iterations = 0, but it must be >= 1"},
+      {"jacobi_scaling=1", "must be true or false"},
+      {"eta=nan", "must be a finite number"},
+      {"eta=", "eta = '', but it must be a finite number"}};
+  for (const auto& [value, message] : cases) {
+    SetFlag("ceres", value);
+    SolverOptions options;
+    EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr(message)) << value;
   }
 }
 
@@ -235,6 +225,7 @@ TEST_F(FlagsTest, EveryFlagIsTestedHere) {
   std::vector<std::string> known = {"solver",
                                     "start",
                                     "reduced",
+                                    "ceres",
                                     "neighborhood",
                                     "shape",
                                     "several_poses",
@@ -243,7 +234,6 @@ TEST_F(FlagsTest, EveryFlagIsTestedHere) {
                                     "published_precondition",
                                     "published_sigma_from_start"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
-  for (const NameFlag& flag : CeresNameFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
     EXPECT_TRUE(std::find(known.begin(), known.end(), flag.name) != known.end()) << flag.name;
   }
@@ -278,9 +268,8 @@ TEST_F(FlagsTest, AValueOutOfRangeIsReportedWithItsOption) {
 
 // Ceres' BFGS wants Wolfe's conditions.
 TEST_F(FlagsTest, SwitchesThatCeresRefusesTogetherAreReported) {
-  SetFlag("ceres_minimizer", "line_search");
-  SetFlag("ceres_line_search_direction", "bfgs");
-  SetFlag("ceres_line_search", "armijo");
+  SetFlag("ceres",
+          "minimizer_type=line_search,line_search_direction_type=bfgs,line_search_type=armijo");
   SolverOptions options;
   EXPECT_TRUE(SolverOptionsFromFlags(&options).ok());  // they do not matter to the other solver
   SetFlag("solver", "ceres");
@@ -324,8 +313,7 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
                         {"round_tolerance", in_rounds},
                         {"reduced_steps", over_landmarks},
                         {"reduced_cg_tolerance", {"reduced"}},
-                        {"ceres_max_iterations", by_ceres},
-                        {"ceres_linear_solver", by_ceres},
+                        {"ceres", by_ceres},
                         {"cg_max_sweeps", {"alternating_cg"}},
                         {"cg_tolerance", {"alternating_cg"}},
                         {"sgd_iterations", {"sgd"}}};

@@ -50,14 +50,14 @@ TEST_F(MemoryEstimateTest, SolversDiffer) {
   EXPECT_GT(explicit_points - 25e6, 9.0 * (reduced - 25e6));
   solver_.ceres->reduced = true;
   EXPECT_LT(joint(false), explicit_points);
-  solver_.ceres->linear_solver = ceres::ITERATIVE_SCHUR;
+  solver_.ceres->linear_solver_type = ceres::ITERATIVE_SCHUR;
   EXPECT_LT(joint(false) - 25e6, 0.5 * (explicit_points - 25e6));
 }
 
 TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   solver_.type = SolverType::kCeres;
   const auto joint = [&](ceres::LinearSolverType type, const SlamGraph& graph) {
-    solver_.ceres->linear_solver = type;
+    solver_.ceres->linear_solver_type = type;
     return EstimateMemory(graph, graph.InitialState(), solver_, false, 50).joint;
   };
   const double sparse = joint(ceres::SPARSE_SCHUR, graph_);
@@ -70,12 +70,13 @@ TEST_F(MemoryEstimateTest, CountsDenseMatricesAndRefusesThoseThatDoNotFit) {
   many.num_poses = 400;
   many.num_beams = 360;
   const SlamGraph large = MakeNoisyRoom(many).graph;
-  solver_.ceres->linear_solver = ceres::DENSE_QR;
+  solver_.ceres->linear_solver_type = ceres::DENSE_QR;
   MemoryEstimate estimate = EstimateMemory(large, large.InitialState(), solver_, false, 50);
   int picture_side_px = 50;
   std::ostringstream out;
-  EXPECT_THAT(FitMemory(0.0, large, solver_, &estimate, &picture_side_px, &out).message(),
-              AllOf(HasSubstr("--ceres_linear_solver=DENSE_QR"), HasSubstr("this machine has")));
+  EXPECT_THAT(
+      FitMemory(0.0, large, solver_, &estimate, &picture_side_px, &out).message(),
+      AllOf(HasSubstr("--ceres=linear_solver_type=DENSE_QR"), HasSubstr("this machine has")));
 }
 
 TEST_F(MemoryEstimateTest, TheGridIsMadeToFitAndToldOf) {

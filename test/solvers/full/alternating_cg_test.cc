@@ -65,7 +65,7 @@ void ExpectNeverRises(const AlternatingCgOptions& options) {
 double CostAfterCeres() {
   Problem problem;
   CeresOptions options;
-  options.max_iterations = 100;
+  options.max_num_iterations = 100;
   options.function_tolerance = 1e-12;
   const InnerResult result =
       SolveWithCeres(problem.room.graph, problem.associations, problem.factors, options, 2, nullptr,

@@ -72,8 +72,8 @@ TEST(CeresSolverTest, EveryTrustRegionStrategy) {
       SCOPED_TRACE(std::string(ceres::TrustRegionStrategyTypeToString(strategy)) + " " +
                    ceres::DoglegTypeToString(dogleg));
       CeresOptions options;
-      options.trust_region_strategy = strategy;
-      options.dogleg = dogleg;
+      options.trust_region_strategy_type = strategy;
+      options.dogleg_type = dogleg;
       EXPECT_TRUE(LowersTheEnergyOrIsRefused(options));
     }
   }
@@ -95,9 +95,9 @@ TEST(CeresSolverTest, EveryLinearSolverAndPreconditioner) {
       SCOPED_TRACE(std::string(ceres::LinearSolverTypeToString(solver)) + " " +
                    ceres::PreconditionerTypeToString(preconditioner));
       CeresOptions options;
-      options.linear_solver = solver;
-      options.preconditioner = preconditioner;
-      options.max_iterations = 3;
+      options.linear_solver_type = solver;
+      options.preconditioner_type = preconditioner;
+      options.max_num_iterations = 3;
       if (!LowersTheEnergyOrIsRefused(options)) continue;
       solvers_that_work.insert(solver);
       if (iterative) preconditioners_that_work.insert(preconditioner);
@@ -120,9 +120,9 @@ TEST(CeresSolverTest, EveryLineSearchDirection) {
       SCOPED_TRACE(std::string(ceres::LineSearchDirectionTypeToString(direction)) + " " +
                    ceres::LineSearchTypeToString(search));
       CeresOptions options;
-      options.minimizer = ceres::LINE_SEARCH;
-      options.line_search_direction = direction;
-      options.line_search = search;
+      options.minimizer_type = ceres::LINE_SEARCH;
+      options.line_search_direction_type = direction;
+      options.line_search_type = search;
       if (LowersTheEnergyOrIsRefused(options)) directions_that_work.insert(direction);
     }
   }
@@ -134,7 +134,7 @@ TEST(CeresSolverTest, EveryLineSearchDirection) {
 // The energy at which Ceres ends from the start of a problem of about 250 unknowns.
 double FinalCost(CeresOptions options) {
   Problem problem(5, 24);
-  options.max_iterations = 2000;
+  options.max_num_iterations = 2000;
   options.function_tolerance = 1e-12;
   const InnerResult result = problem.Solve(options);
   EXPECT_TRUE(result.converged) << result.stop_reason;
@@ -149,7 +149,7 @@ TEST(CeresSolverTest, DenseLinearSolversReachTheOptimumOfTheSparseOnes) {
                             ceres::SPARSE_NORMAL_CHOLESKY}) {
     SCOPED_TRACE(ceres::LinearSolverTypeToString(solver));
     CeresOptions options;
-    options.linear_solver = solver;
+    options.linear_solver_type = solver;
     EXPECT_NEAR(FinalCost(options), optimum, 1e-6 * optimum);
   }
 }
@@ -159,8 +159,8 @@ TEST(CeresSolverTest, BfgsAndLbfgsReachTheOptimumOfTheTrustRegion) {
   for (const auto direction : {ceres::BFGS, ceres::LBFGS}) {
     SCOPED_TRACE(ceres::LineSearchDirectionTypeToString(direction));
     CeresOptions options;
-    options.minimizer = ceres::LINE_SEARCH;
-    options.line_search_direction = direction;
+    options.minimizer_type = ceres::LINE_SEARCH;
+    options.line_search_direction_type = direction;
     EXPECT_NEAR(FinalCost(options), optimum, 1e-6 * optimum);
   }
 }
@@ -169,25 +169,25 @@ TEST(CeresSolverTest, EveryNonlinearConjugateGradient) {
   for (const auto type : {ceres::FLETCHER_REEVES, ceres::POLAK_RIBIERE, ceres::HESTENES_STIEFEL}) {
     SCOPED_TRACE(ceres::NonlinearConjugateGradientTypeToString(type));
     CeresOptions options;
-    options.minimizer = ceres::LINE_SEARCH;
-    options.line_search_direction = ceres::NONLINEAR_CONJUGATE_GRADIENT;
-    options.nonlinear_conjugate_gradient = type;
+    options.minimizer_type = ceres::LINE_SEARCH;
+    options.line_search_direction_type = ceres::NONLINEAR_CONJUGATE_GRADIENT;
+    options.nonlinear_conjugate_gradient_type = type;
     EXPECT_TRUE(LowersTheEnergyOrIsRefused(options));
   }
 }
 
 TEST(CeresSolverTest, ARefusedCombinationComesBackInCeresWords) {
   CeresOptions options;
-  options.trust_region_strategy = ceres::DOGLEG;
-  options.linear_solver = ceres::CGNR;
+  options.trust_region_strategy_type = ceres::DOGLEG;
+  options.linear_solver_type = ceres::CGNR;
   Status status = CheckCeresOptions(options);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("DOGLEG"));
 
   options = CeresOptions();
-  options.minimizer = ceres::LINE_SEARCH;
-  options.line_search = ceres::ARMIJO;
-  options.line_search_direction = ceres::LBFGS;
+  options.minimizer_type = ceres::LINE_SEARCH;
+  options.line_search_type = ceres::ARMIJO;
+  options.line_search_direction_type = ceres::LBFGS;
   status = CheckCeresOptions(options);
   EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(status.message(), HasSubstr("must be set to WOLFE"));
@@ -196,8 +196,8 @@ TEST(CeresSolverTest, ARefusedCombinationComesBackInCeresWords) {
 TEST(CeresSolverTest, RefusesWhatWouldAbortInCeres) {
   const auto check = [](ceres::LinearSolverType solver, ceres::PreconditionerType preconditioner) {
     CeresOptions options;
-    options.linear_solver = solver;
-    options.preconditioner = preconditioner;
+    options.linear_solver_type = solver;
+    options.preconditioner_type = preconditioner;
     return CheckCeresOptions(options);
   };
   EXPECT_THAT(check(ceres::CGNR, ceres::SCHUR_JACOBI).message(), HasSubstr("SCHUR_JACOBI"));
@@ -209,7 +209,7 @@ TEST(CeresSolverTest, RefusesWhatWouldAbortInCeres) {
 TEST(CeresSolverTest, ConvergesAndSaysSo) {
   Problem problem;
   CeresOptions options;
-  options.max_iterations = 50;
+  options.max_num_iterations = 50;
   const InnerResult result = problem.Solve(options);
   EXPECT_TRUE(result.usable);
   EXPECT_TRUE(result.converged) << result.stop_reason;
@@ -241,7 +241,7 @@ TEST(CeresSolverTest, ACallbackSeesTheStateOfItsIteration) {
     SCOPED_TRACE(ceres::MinimizerTypeToString(minimizer));
     Problem problem;
     CeresOptions options;
-    options.minimizer = minimizer;
+    options.minimizer_type = minimizer;
     double last_cost = problem.Cost();
     int rows = 0;
     problem.Solve(options, [&](const IterationSummary& it) {

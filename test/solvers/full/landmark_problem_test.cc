@@ -108,15 +108,15 @@ struct CompressedGraph {
 
 CeresOptions ExactSparseSchur() {
   CeresOptions options;
-  options.max_iterations = 500;
+  options.max_num_iterations = 500;
   options.function_tolerance = 1e-14;
   return options;
 }
 
 CeresOptions ExactIterativeSchur() {
   CeresOptions options = ExactSparseSchur();
-  options.linear_solver = ceres::ITERATIVE_SCHUR;
-  options.preconditioner = ceres::SCHUR_JACOBI;
+  options.linear_solver_type = ceres::ITERATIVE_SCHUR;
+  options.preconditioner_type = ceres::SCHUR_JACOBI;
   return options;
 }
 
@@ -167,7 +167,7 @@ void ExpectSameOptimum(const SlamGraph& graph, const std::vector<double>& start)
   const double cost = compressed.Converge();
   EXPECT_LT(cost, 0.9 * seed_cost);
   for (const CeresOptions& options : {ExactSparseSchur(), ExactIterativeSchur()}) {
-    SCOPED_TRACE(ceres::LinearSolverTypeToString(options.linear_solver));
+    SCOPED_TRACE(ceres::LinearSolverTypeToString(options.linear_solver_type));
     compressed.Cost(seed);
     std::vector<double> poses = seed;
     const InnerResult result =
@@ -205,7 +205,7 @@ TEST(LandmarkProblemTest, CeresRefitsTheLinesAfterAStepOfThePoses) {
   CompressedGraph compressed(building.graph, building.poses);
   std::vector<double> poses = compressed.poses;
   CeresOptions options;
-  options.max_iterations = 1;
+  options.max_num_iterations = 1;
   const InnerResult result = SolveLandmarksWithCeres(compressed.observations, compressed.landmarks,
                                                      compressed.terms, options, 2, nullptr, &poses);
   ASSERT_NE(poses, compressed.poses);
@@ -233,7 +233,7 @@ TEST_F(LandmarkRoundsTest, LeadToTheSamePoses) {
   for (const auto solver : {ceres::SPARSE_SCHUR, ceres::ITERATIVE_SCHUR, ceres::CGNR}) {
     SCOPED_TRACE(ceres::LinearSolverTypeToString(solver));
     CeresOptions options;
-    options.linear_solver = solver;
+    options.linear_solver_type = solver;
     NoisyRoom room = DisturbedRoom();
     const ReducedResult result = Run(&options, nullptr, &room);
     EXPECT_TRUE(result.usable);
@@ -294,7 +294,7 @@ TEST_F(LandmarkRoundsTest, MoveThePosesByTheirTermsWhereThereIsNoSurface) {
   sparse.num_beams = 6;
   for (const auto solver : {ceres::SPARSE_SCHUR, ceres::ITERATIVE_SCHUR}) {
     CeresOptions options;
-    options.linear_solver = solver;
+    options.linear_solver_type = solver;
     NoisyRoom room = MakeNoisyRoom(sparse);
     DisturbPoses(0.02, room.graph, &room.state);
     const double before = PoseTerms(room.graph, factors_).Cost(room.state.poses);

@@ -64,7 +64,7 @@ TEST(SolverOptionsTest, NamesTheFieldThatIsWrong) {
   expect_refused("published.sweeps_per_pass",
                  [](Options* o) { o->published.sweeps_per_pass = 2000; });
   expect_refused("association.max_points", [](Options* o) { o->association.max_points = 2000; });
-  expect_refused("ceres.max_iterations", [](Options* o) { o->ceres->max_iterations = 0; });
+  expect_refused("ceres.max_num_iterations", [](Options* o) { o->ceres->max_num_iterations = 0; });
   expect_refused("ceres.function_tolerance", [](Options* o) { o->ceres->function_tolerance = -1; });
 }
 
@@ -73,7 +73,7 @@ TEST(SolverOptionsTest, TheLimitsThemselvesAreAllowed) {
   options.num_threads = 1;
   options.rounds = {0, 1, 0.1, 0.1, 1.0, 0.0};
   options.alternating_cg = {1, 1, 1, 0, 0.0};
-  options.ceres->max_iterations = 1;
+  options.ceres->max_num_iterations = 1;
   options.ceres->function_tolerance = 0.0;
   std::string error;
   EXPECT_TRUE(options.Check(&error)) << error;
@@ -81,14 +81,14 @@ TEST(SolverOptionsTest, TheLimitsThemselvesAreAllowed) {
 
 TEST(SolverOptionsTest, ACopyHasCeresOptionsOfItsOwn) {
   SolverOptions options;
-  options.ceres->max_iterations = 7;
+  options.ceres->max_num_iterations = 7;
   SolverOptions copy = options, assigned;
   assigned = options;
-  options.ceres->max_iterations = 8;
-  EXPECT_EQ(copy.ceres->max_iterations, 7);
-  EXPECT_EQ(assigned.ceres->max_iterations, 7);
+  options.ceres->max_num_iterations = 8;
+  EXPECT_EQ(copy.ceres->max_num_iterations, 7);
+  EXPECT_EQ(assigned.ceres->max_num_iterations, 7);
   const SolverOptions moved = std::move(copy);
-  EXPECT_EQ(moved.ceres->max_iterations, 7);
+  EXPECT_EQ(moved.ceres->max_num_iterations, 7);
   EXPECT_TRUE(copy.Check(nullptr));  // NOLINT: still options
 }
 
