@@ -42,6 +42,10 @@ struct PointMoments {
   }
 };
 
+/// Points are line-like up to this ratio of the smaller to the larger variance: a stretch of
+/// surface is at least 2.6 times as long as it is thick.
+constexpr double kMaxEigenvalueRatio = 0.15;
+
 /// Total-least-squares line through a point set: all points q with normal . (q - centroid) = 0.
 struct LineFit {
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< [m]

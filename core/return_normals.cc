@@ -9,10 +9,6 @@
 namespace plumbline {
 namespace {
 
-// A stretch counts as surface up to this ratio of its smaller to its larger variance, the same as
-// AssociationOptions has it: a return that has a normal may then be part of a line.
-constexpr double kMaxEigenvalueRatio = 0.15;
-
 class ScanNormalEstimator {
  public:
   ScanNormalEstimator(const SlamGraph& graph, const ReturnNormalOptions& options)

@@ -37,6 +37,22 @@ struct MotionOptions {
   }
 };
 
+/// A field of MotionOptions, for what treats all of them alike.
+struct MotionField {
+  const char* name;
+  const char* unit;
+  double MotionOptions::*value;
+};
+/// All fields of MotionOptions, in order.
+constexpr MotionField kMotionFields[] = {
+    {"rotation_per_rotation", "rad per rad", &MotionOptions::rotation_per_rotation},
+    {"rotation_per_translation_rad_m", "rad per m", &MotionOptions::rotation_per_translation_rad_m},
+    {"translation_per_translation", "m per m", &MotionOptions::translation_per_translation},
+    {"translation_per_rotation_m_rad", "m per rad", &MotionOptions::translation_per_rotation_m_rad},
+    {"translation_floor_m", "m", &MotionOptions::translation_floor_m},
+    {"rotation_floor_rad", "rad", &MotionOptions::rotation_floor_rad},
+};
+
 /// Noise of a single laser beam. Defaults: SICK LMS class. From 1e-9, as in MotionOptions, to 10 m
 /// and 1 rad: what is further off is no laser.
 struct RangeBeamOptions {
@@ -57,31 +73,12 @@ struct ManifoldOptions {
   double sigma_m = 0.008;
   /// Geman-McClure scale, in standard deviations; infinity: Gaussian. Real surfaces have long tails
   /// (frames, handles, cables): a tighter gate throws away what they know. At least 0.1: below it,
-  /// sound points are outliers.
+  /// sound points are outliers. Shape terms have three quarters of it.
   double robust_gate_sigmas = 4.0;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
     PLUMBLINE_CHECK_OPTION_WITHIN(sigma_m, 1e-9, 1000.0);
-    PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >=, 0.1);
-    return true;
-  }
-};
-
-/// Shape potential: how exactly adjacent surfaces are parallel or orthogonal. Off by default: in
-/// simulated buildings and on real logs it gains nothing beside the returns themselves, and a
-/// strong one bends what is not at right angles.
-struct ShapeOptions {
-  bool enabled = false;  ///< whether there is such a term at all
-  /// Deviation of a normal from its category's direction [rad]; from 1e-9 to 1000, as that of a
-  /// surface.
-  double sigma_rad = 0.1;
-  /// Geman-McClure scale, in standard deviations; infinity: Gaussian. At least 0.1.
-  double robust_gate_sigmas = 3.0;
-
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const {
-    PLUMBLINE_CHECK_OPTION_WITHIN(sigma_rad, 1e-9, 1000.0);
     PLUMBLINE_CHECK_OPTION(robust_gate_sigmas, >=, 0.1);
     return true;
   }
@@ -108,7 +105,10 @@ struct FactorOptions {
   MotionOptions motion;      ///< odometry
   RangeBeamOptions beam;     ///< the laser
   ManifoldOptions manifold;  ///< surfaces are thin
-  ShapeOptions shape;        ///< surfaces are parallel or orthogonal
+  /// Whether adjacent surfaces are drawn to parallel or orthogonal. Off by default: in simulated
+  /// buildings and on real logs it gains nothing beside the returns themselves, and bends walls
+  /// that are not at right angles.
+  bool shape = false;
   /// Where the motion model does not hold. Solve adds such steps by itself, see
   /// contradicted_steps.h.
   std::vector<DownweightedStep> downweighted_steps;
@@ -119,12 +119,14 @@ struct FactorOptions {
   /// Terms of the host, see own_term.h. They are not copied with the options, and must not change.
   std::vector<std::shared_ptr<const OwnTerm>> own_terms;
 
+  /// Geman-McClure scale of the shape terms, in standard deviations.
+  double ShapeGateSigmas() const { return 0.75 * manifold.robust_gate_sigmas; }
+
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const {
     PLUMBLINE_CHECK_NESTED_OPTIONS(motion);
     PLUMBLINE_CHECK_NESTED_OPTIONS(beam);
     PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
-    PLUMBLINE_CHECK_NESTED_OPTIONS(shape);
     for (const DownweightedStep& downweighted : downweighted_steps) {
       if (!downweighted.Check(error)) return false;
     }

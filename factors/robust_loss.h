@@ -5,6 +5,10 @@
 
 namespace plumbline {
 
+/// Factor on the robust gates while a solve starts: where the start has a wall twice, both sides
+/// have to pull.
+constexpr double kStartGateFactor = 2.0;
+
 /// What a robust loss makes of one residual. Scalar: double, or an array of them, for as many
 /// residuals.
 template <typename Scalar>

@@ -9,6 +9,14 @@
 
 namespace plumbline {
 
+/// Standard deviation of a surface's direction from its category [rad]. Weak, so that the returns
+/// decide where surfaces are not at right angles.
+constexpr double kShapeSigmaRad = 0.1;
+/// Regions this close to parallel or orthogonal get a shape term [rad]: 10 degrees, as published.
+constexpr double kShapeMarginRad = 0.17453292519943295;
+/// Length of a surface region of a shape term [m]: the direction of a shorter one is noise.
+constexpr double kShapeRegionM = 0.2;
+
 /// Angle from a region's normal to that of the adjacent region, to the nearest right angle.
 enum class ShapeCategory { k0, k90, k180, k270 };
 

@@ -224,7 +224,7 @@ class Calibrator {
   // One Gauss-Newton step, shortened until it lowers the energy under the same landmarks.
   Status MoveOnce(bool first, bool* moved, Calibration* result) {
     graph_.WeighMotions();
-    const double gate = FinalGate() * (first ? options_.reduced.first_gate_factor : 1.0);
+    const double gate = FinalGate() * (first ? kStartGateFactor : 1.0);
     const LineLandmarks cut = CutSurfaces();
     CalibrationStep step;
     double energy = 0.0;

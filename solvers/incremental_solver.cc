@@ -18,6 +18,7 @@
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/motion_factor.h"
+#include "plumbline/factors/robust_loss.h"
 #include "plumbline/solvers/acceptance/contradicted_edges.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/association/tangent_lines.h"
@@ -45,7 +46,7 @@ Status CheckOptions(const SolverOptions& solver, const IncrementalOptions& optio
   };
   if (solver.type != SolverType::kReduced || solver.own_solver) return refuse("other solver type");
   if (!solver.factors.own_terms.empty()) return refuse("own terms");
-  if (solver.factors.shape.enabled) return refuse("shape terms");
+  if (solver.factors.shape) return refuse("shape terms");
   if (!solver.factors.downweighted_steps.empty()) return refuse("down-weighted steps");
   if (!solver.factors.ignored_relative_poses.empty()) return refuse("ignored relative poses");
   return Status::Ok();
@@ -319,29 +320,22 @@ class IncrementalSolver::Impl {
     auto begin = Clock::now();
     store_->Place(to_place, graph, surface_, frames_, LossOf(1.0), pool_.get());
     // A wide gate first: what has just arrived may be off by some decimetres.
-    Weigh(to_place, first ? solver_.reduced.first_gate_factor : 1.0, graph);
-    std::vector<int> to_weigh = first ? to_place : std::vector<int>();
+    Weigh(to_place, first ? kStartGateFactor : 1.0, graph);
     ActiveProblem problem(active, graph, edges_, *store_, *poses, pool_.get());
     HoldUnanchored(&problem);
     summary->num_placed_poses += static_cast<int>(to_place.size());
     ++summary->num_rounds;
     summary->association_time_s += SecondsSince(begin);
-    for (int step = 0; step < solver_.reduced.steps_per_round; ++step) {
-      begin = Clock::now();
-      const double gain = Step(&problem, summary);
-      TakeResult(problem, active, poses);
-      summary->minimization_time_s += SecondsSince(begin);
-      begin = Clock::now();
-      const std::vector<int> moved = problem.MovedPoses(*store_, WeighingTolerance());
-      to_weigh.insert(to_weigh.end(), moved.begin(), moved.end());
-      SortUnique(&to_weigh);
-      Weigh(to_weigh, 1.0, graph);
-      summary->association_time_s += SecondsSince(begin);
-      const double least_gain = solver_.reduced.relative_tolerance * summary->final_cost;
-      if (to_weigh.empty() || gain <= least_gain) break;
-      problem.ReadObservations(*store_, pool_.get());
-      to_weigh.clear();
-    }
+    begin = Clock::now();
+    Step(&problem, summary);
+    TakeResult(problem, active, poses);
+    summary->minimization_time_s += SecondsSince(begin);
+    begin = Clock::now();
+    std::vector<int> to_weigh = problem.MovedPoses(*store_, WeighingTolerance());
+    if (first) to_weigh.insert(to_weigh.end(), to_place.begin(), to_place.end());
+    SortUnique(&to_weigh);
+    Weigh(to_weigh, 1.0, graph);
+    summary->association_time_s += SecondsSince(begin);
   }
 
   void Weigh(const std::vector<int>& poses, double gate_factor, const SlamGraph& graph) {
@@ -393,8 +387,7 @@ class IncrementalSolver::Impl {
     }
   }
 
-  // Gives what it lowered the cost by.
-  double Step(ActiveProblem* problem, IncrementalSummary* summary) {
+  void Step(ActiveProblem* problem, IncrementalSummary* summary) {
     const std::vector<PoseFrame> frames = FramesOf(problem->poses);
     const LandmarkCost landmark_cost{problem->observations, problem->terms, true, pool_.get(),
                                      &problem->landmarks};
@@ -402,11 +395,10 @@ class IncrementalSolver::Impl {
     summary->initial_cost = cost;
     system_.Linearize(problem->observations, problem->landmarks, problem->terms, problem->poses,
                       frames, pool_.get());
-    TakeGaussNewtonStep(system_, landmark_cost, frames, solver_.reduced.cg_tolerance,
-                        solver_.reduced.linear_solver.get(), &problem->poses, &cost);
+    TakeGaussNewtonStep(system_, landmark_cost, frames, solver_.reduced.linear_solver.get(),
+                        &problem->poses, &cost);
     ++summary->num_steps;
     summary->final_cost = cost;
-    return summary->initial_cost - cost;
   }
 
   void TakeResult(const ActiveProblem& problem, const std::vector<int>& active,

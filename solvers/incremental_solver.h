@@ -19,8 +19,7 @@ struct IncrementalOptions {
   /// arrive between two updates, so that each is refined again once its surroundings have been seen
   /// from further on.
   int num_free_poses = 40;
-  /// Cuts of the surfaces into landmarks per update, at most, each with up to
-  /// ReducedOptions::steps_per_round Gauss-Newton steps.
+  /// Cuts of the surfaces into landmarks per update, at most, each with a Gauss-Newton step.
   int max_rounds = 2;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.

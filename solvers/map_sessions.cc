@@ -101,11 +101,8 @@ void FollowFixedMap(const std::vector<Pose2>& fixed, int first, std::vector<Pose
 }
 
 void TakeLarger(const MotionOptions& other, MotionOptions* motion) {
-  for (double MotionOptions::*field :
-       {&MotionOptions::rotation_per_rotation, &MotionOptions::rotation_per_translation_rad_m,
-        &MotionOptions::translation_per_translation, &MotionOptions::translation_per_rotation_m_rad,
-        &MotionOptions::translation_floor_m, &MotionOptions::rotation_floor_rad}) {
-    motion->*field = std::max(motion->*field, other.*field);
+  for (const MotionField& field : kMotionFields) {
+    motion->*field.value = std::max(motion->*field.value, other.*field.value);
   }
 }
 

@@ -28,9 +28,6 @@ TangentLines LinesOf(const SolverOptions& options, const SlamGraph& graph, const
                      ThreadPool* pool) {
   const FactorOptions& factors = options.factors;
   const MeasuredSurface surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), pool);
-  if (options.association.neighborhood == NeighborhoodType::kNearest) {
-    return LinesFromNearest(graph, state, surface.normals, options.association, pool);
-  }
   TangentLines lines =
       LinesFromRadius(graph, state.poses, surface, options.association, FineRadius(options), pool);
   if (!options.IsOverLandmarks()) return lines;

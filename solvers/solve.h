@@ -79,13 +79,12 @@ struct Residuals {
   std::vector<TermResiduals> others;
 };
 
-/// Evaluates the terms at a state, under the tangent lines that its poses give (and, for
-/// NeighborhoodType::kNearest, its points). After Solve, the halves of the squares add up to the
-/// costs of SolverSummary::terms, unless its last round was undone, or it downweighted steps or
-/// ignored relative poses which `options` do not; only those of the manifold term are robust, and
-/// of the lines of that round, which differ a little where poses still moved. Shape terms are left
-/// out. InvalidArgument, with nothing changed, on whatever Solve refuses and on a point on top of
-/// its laser.
+/// Evaluates the terms at a state, under the tangent lines that its poses give. After Solve, the
+/// halves of the squares add up to the costs of SolverSummary::terms, unless its last round was
+/// undone, or it downweighted steps or ignored relative poses which `options` do not; only those of
+/// the manifold term are robust, and of the lines of that round, which differ a little where poses
+/// still moved. Shape terms are left out. InvalidArgument, with nothing changed, on whatever Solve
+/// refuses and on a point on top of its laser.
 Status EvaluateResiduals(const SolverOptions& options, const SlamGraph& graph,
                          const MapState& state, Residuals* residuals);
 

@@ -36,12 +36,7 @@ AblationVariant Scaled(const std::string& name, const SolverOptions& full, doubl
 }
 
 void SwitchOffMotion(MotionOptions* motion) {
-  for (double* sigma :
-       {&motion->rotation_per_rotation, &motion->rotation_per_translation_rad_m,
-        &motion->translation_per_translation, &motion->translation_per_rotation_m_rad,
-        &motion->translation_floor_m, &motion->rotation_floor_rad}) {
-    *sigma *= kOff;
-  }
+  for (const MotionField& field : kMotionFields) motion->*field.value *= kOff;
 }
 
 AblationOutcome Measure(const AblationInput& input, const MapState& state, ThreadPool* pool) {
@@ -144,7 +139,7 @@ std::vector<AblationVariant> AblationVariants(const SolverOptions& full) {
   add("no manifold potential").factors.manifold.sigma_m *= kOff;
   add("no odometry");
   SwitchOffMotion(&variants.back().options.factors.motion);
-  add("with shape potential").factors.shape.enabled = true;
+  add("with shape potential").factors.shape = true;
   add("lines fixed within a round").reduced.lines_follow = false;
   add("lines of a single scan too").association.several_poses = false;
   add("no robust loss").factors.manifold.robust_gate_sigmas = kOff;
@@ -152,7 +147,7 @@ std::vector<AblationVariant> AblationVariants(const SolverOptions& full) {
   variants.push_back(Scaled("neighbourhoods of twice the size", full, 2.0));
   add("alternating CG").type = SolverType::kAlternatingCg;
   add("alternating CG, shape potential").type = SolverType::kAlternatingCg;
-  variants.back().options.factors.shape.enabled = true;
+  variants.back().options.factors.shape = true;
   add("alternating CG without the scans' turn").type = SolverType::kAlternatingCg;
   variants.back().options.alternating_cg.scan_iterations_per_sweep = 0;
   add("published method, from the seed").type = SolverType::kPublished;

@@ -26,7 +26,7 @@ void ImplyConjugateGradient(CeresOptions* options) {
   options->line_search_direction_type = ceres::NONLINEAR_CONJUGATE_GRADIENT;
 }
 
-// A field of CeresOptions whose values are words, and what such a word implies.
+// A field of CeresOptions whose values are words, with the fields that such a word implies.
 struct CeresSwitch {
   const char* field;
   void (*imply)(CeresOptions* options);
@@ -118,17 +118,13 @@ Status SetCeresWords(const std::vector<std::string>& words, CeresOptions* option
 Status SetWords(const std::vector<std::string>& words, SolverOptions* options) {
   if (options->type == SolverType::kCeres) return SetCeresWords(words, &*options->ceres);
   for (const std::string& word : words) {
-    if (options->type == SolverType::kPublished && word == "precondition") {
-      options->published.precondition = true;
-    } else if (options->type == SolverType::kReduced && word == "fixed_lines") {
-      options->reduced.lines_follow = false;
-    } else {
-      return Status::InvalidArgument(
-          std::string(ToString(options->type)) + " has no word '" + word + "'" +
-          (options->type == SolverType::kPublished ? "; it has precondition"
-           : options->type == SolverType::kReduced ? "; it has fixed_lines"
-                                                   : "; it takes none"));
+    const bool is_reduced = options->type == SolverType::kReduced;
+    if (!is_reduced || word != "fixed_lines") {
+      return Status::InvalidArgument(std::string(ToString(options->type)) + " has no word '" +
+                                     word +
+                                     (is_reduced ? "'; it has fixed_lines" : "'; it takes none"));
     }
+    options->reduced.lines_follow = false;
   }
   return Status::Ok();
 }
@@ -190,9 +186,6 @@ std::string CeresSwitchNames(const CeresOptions& options) {
 std::string SolverName(const SolverOptions& options) {
   std::string name = ToString(options.type);
   if (options.type == SolverType::kCeres) return name + " " + CeresSwitchNames(*options.ceres);
-  if (options.type == SolverType::kPublished && options.published.precondition) {
-    name += " precondition";
-  }
   if (options.type == SolverType::kReduced && !options.reduced.lines_follow) {
     name += " fixed_lines";
   }

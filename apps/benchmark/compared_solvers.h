@@ -35,7 +35,7 @@ constexpr char kDefaultSolvers[] =
 ///   minimiser line_search; a conjugate gradient type implies its direction;
 /// - trust_region and line_search; reduced and points, for CeresOptions::reduced.
 ///
-/// Other words are published:precondition and reduced:fixed_lines. A word overrides `base`, which
+/// The one other word is reduced:fixed_lines. A word overrides `base`, which
 /// counts for all that no word says.
 ///
 /// InvalidArgument names the entry and its fault: an unknown solver or word, words that contradict

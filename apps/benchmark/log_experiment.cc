@@ -164,7 +164,7 @@ class Experiment {
   MapState AddDescent(const SeedingReport& seeding) {
     std::vector<Pose2> poses = seeding.sequential_poses;
     const auto start = Clock::now();
-    DescendStochastically(seeding.pose_graph, inputs_.descent, &poses);
+    DescendStochastically(seeding.pose_graph, &poses);
     const double time_s = SecondsSince(start);
     MapState state;
     state.poses = PoseArray(poses);

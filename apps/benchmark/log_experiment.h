@@ -25,7 +25,6 @@ struct LogExperimentInputs {
   SeedingOptions seeding;
   SolverOptions solver;
   PairwiseIcpOptions icp;  ///< its metric does not count: both are run
-  StochasticDescentOptions descent;
 };
 
 /// One method's result.

@@ -128,8 +128,8 @@ Status SeedWithInjectedJump(const SeedingCase& run, const SeedingOptions& seedin
                             SeedingReport* report) {
   ScanSurfaces surfaces(graph, surface);
   SequentialTrajectory trajectory;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(seeding.sequential, motion, {}, pool, &surfaces,
-                                             &trajectory, &report->sequential));
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(seeding, motion, {}, pool, &surfaces, &trajectory, &report->sequential));
   const MotionOptions noise = EstimateOdometryNoise(trajectory, motion).motion;
   InjectJump(run, &trajectory);
   KeyframeGraph keys;

@@ -108,7 +108,7 @@ Status RunCase(const SensorCase& sensor, const SolverOptions& solver, const Seed
   options.seeding = seeding;
   options.solver = solver;
   options.solver.num_threads = 1;
-  options.solver.factors.shape.enabled = sensor.shape;
+  options.solver.factors.shape = sensor.shape;
   ThreadPool pool(1);
   LogMapping mapping;
   PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(graph), &pool, &mapping));

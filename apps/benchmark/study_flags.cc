@@ -35,7 +35,7 @@ DEFINE_string(
     "ceres:iterative_schur:schur_jacobi, ceres:subspace_dogleg, ceres:lbfgs or "
     "ceres:polak_ribiere:armijo, and reduced (see --reduced) or points. A line search direction, "
     "nonlinear conjugate gradient or line search implies line_search, the others trust_region. "
-    "Others: published:precondition, reduced:fixed_lines. A word overrides its flag, and flags "
+    "And reduced:fixed_lines. A word overrides its flag, and flags "
     "count for all that no word says. In the comparison a line search of ceres has up to 300 "
     "iterations per round, alternating_cg up to 100 sweeps, unless --ceres=max_num_iterations=N "
     "or --cg_max_sweeps is given");

@@ -78,7 +78,7 @@ class MapMaker {
     PutRaw(Mapper::kPlainIcp, ChainEdges(drive_.graph, scans.MatchConsecutive(PlainIcpOptions())));
     const MatchGraph matches = BuildMatchGraph(scans, MatchGraphOptions());
     std::vector<Pose2> poses = matches.chain;
-    DescendStochastically(matches.edges, StochasticDescentOptions(), &poses);
+    DescendStochastically(matches.edges, &poses);
     PutRaw(Mapper::kOlson, poses);
     poses = matches.chain;
     OptimizePoseGraph(matches.edges, {}, &poses);

@@ -17,19 +17,11 @@ namespace py = pybind11;
 namespace {
 
 void BindFactorOptions(py::module_* module) {
-  Fields<MotionOptions>(module, "MotionOptions",
-                        "Noise of the odometry: standard deviations that grow with what was "
-                        "driven, plus a floor.")
-      .Options()
-      .Option("rotation_per_rotation", &MotionOptions::rotation_per_rotation, "[rad per rad]")
-      .Option("rotation_per_translation_rad_m", &MotionOptions::rotation_per_translation_rad_m,
-              "[rad per m]")
-      .Option("translation_per_translation", &MotionOptions::translation_per_translation,
-              "[m per m]")
-      .Option("translation_per_rotation_m_rad", &MotionOptions::translation_per_rotation_m_rad,
-              "[m per rad]")
-      .Option("translation_floor_m", &MotionOptions::translation_floor_m, "at standstill [m]")
-      .Option("rotation_floor_rad", &MotionOptions::rotation_floor_rad, "at standstill [rad]");
+  Fields<MotionOptions> motion(module, "MotionOptions",
+                               "Noise of the odometry: standard deviations that grow with what was "
+                               "driven, plus a floor.");
+  motion.Options();
+  for (const MotionField& field : kMotionFields) motion.Option(field.name, field.value, field.unit);
   Fields<RangeBeamOptions>(module, "RangeBeamOptions", "Noise of a single laser beam.")
       .Options()
       .Option("sigma_range_m", &RangeBeamOptions::sigma_range_m, "along the beam [m]")
@@ -40,13 +32,6 @@ void BindFactorOptions(py::module_* module) {
       .Options()
       .Option("sigma_m", &ManifoldOptions::sigma_m, "thickness of a surface [m]")
       .Option("robust_gate_sigmas", &ManifoldOptions::robust_gate_sigmas,
-              "Geman-McClure scale, in standard deviations; infinity: Gaussian");
-  Fields<ShapeOptions>(module, "ShapeOptions",
-                       "How exactly adjacent surfaces are parallel or orthogonal.")
-      .Options()
-      .Option("enabled", &ShapeOptions::enabled, "whether there is such a term at all")
-      .Option("sigma_rad", &ShapeOptions::sigma_rad, "of a normal from its direction [rad]")
-      .Option("robust_gate_sigmas", &ShapeOptions::robust_gate_sigmas,
               "Geman-McClure scale, in standard deviations; infinity: Gaussian");
   Fields<DownweightedStep>(module, "DownweightedStep",
                            "A step of the odometry that is known to be worse than the others.")
@@ -59,7 +44,8 @@ void BindFactorOptions(py::module_* module) {
       .Option("motion", &FactorOptions::motion, "odometry")
       .Option("beam", &FactorOptions::beam, "the laser")
       .Option("manifold", &FactorOptions::manifold, "surfaces are thin")
-      .Option("shape", &FactorOptions::shape, "surfaces are parallel or orthogonal")
+      .Option("shape", &FactorOptions::shape,
+              "whether adjacent surfaces are drawn to parallel or orthogonal")
       .Option("downweighted_steps", &FactorOptions::downweighted_steps,
               "where the motion model does not hold")
       .Option("ignored_relative_poses", &FactorOptions::ignored_relative_poses,
@@ -69,22 +55,10 @@ void BindFactorOptions(py::module_* module) {
 void BindMinimiserOptions(py::module_* module) {
   Fields<AssociationOptions>(module, "AssociationOptions", "Which returns share a surface.")
       .Options()
-      .Option("neighborhood", &AssociationOptions::neighborhood,
-              "how the neighbourhood of a tangent line is chosen")
-      .Option("min_points", &AssociationOptions::min_points,
-              "fewest points that make a tangent line")
       .Option("several_poses", &AssociationOptions::several_poses,
               "a line of single points needs those of more than one pose")
       .Option("landmark_size_m", &AssociationOptions::landmark_size_m,
-              "reduced solver: side of the largest cell that may be one landmark [m]")
-      .Option("max_points", &AssociationOptions::max_points,
-              "NEAREST only: most points of a neighbourhood")
-      .Option("max_eigenvalue_ratio", &AssociationOptions::max_eigenvalue_ratio,
-              "line-like up to this ratio of the smaller to the larger variance")
-      .Option("min_segment_length_m", &AssociationOptions::min_segment_length_m,
-              "shape pairs: length of the surface regions along a scan [m]")
-      .Option("shape_margin_rad", &AssociationOptions::shape_margin_rad,
-              "shape pairs: regions this close to parallel or orthogonal pair up [rad]");
+              "side of the largest cell that may be one landmark [m]");
   Fields<RoundOptions>(module, "RoundOptions", "The rounds of solvers over points.")
       .Options()
       .Option("max_coarse_rounds", &RoundOptions::max_coarse_rounds, "may be 0")
@@ -92,54 +66,29 @@ void BindMinimiserOptions(py::module_* module) {
       .Option("coarse_radius_m", &RoundOptions::coarse_radius_m,
               "smallest neighbourhood radius of the first coarse round [m]")
       .Option("fine_radius_m", &RoundOptions::fine_radius_m,
-              "smallest neighbourhood radius of the fine rounds [m]")
-      .Option("coarse_gate_factor", &RoundOptions::coarse_gate_factor,
-              "on the robust gates of the map terms in the first coarse round; falls to 1")
-      .Option("relative_tolerance", &RoundOptions::relative_tolerance,
-              "fine rounds end when one lowers the marginal energy by less than this fraction");
+              "smallest neighbourhood radius of the fine rounds [m]");
   Fields<ReducedOptions>(module, "ReducedOptions", "The reduced solver, the default.")
       .Options()
       .Option("max_rounds", &ReducedOptions::max_rounds, "each cuts the surfaces anew")
-      .Option("steps_per_round", &ReducedOptions::steps_per_round, "of Gauss-Newton, at most")
-      .Option("first_gate_factor", &ReducedOptions::first_gate_factor,
-              "on the robust gate of the manifold term in the first round")
       .Option("relative_tolerance", &ReducedOptions::relative_tolerance,
-              "rounds end when the last step lowers the cost by less than this fraction, and")
-      .Option("move_tolerance_sigmas", &ReducedOptions::move_tolerance_sigmas,
-              "moves returns across their surfaces by less than this")
+              "rounds end when the last step lowers the cost by less than this fraction, and the "
+              "round hardly moves the returns")
       .Option("lines_follow", &ReducedOptions::lines_follow,
-              "the lines are refitted exactly after each step")
-      .Option("cg_tolerance", &ReducedOptions::cg_tolerance,
-              "conjugate gradients end at this fraction of the right-hand side");
+              "the lines are refitted exactly after each step");
   Fields<AlternatingCgOptions>(module, "AlternatingCgOptions", "Alternating conjugate gradients.")
       .Options()
       .Option("max_sweeps", &AlternatingCgOptions::max_sweeps,
               "each moves the map, then the poses, then scans with their points")
-      .Option("map_iterations_per_sweep", &AlternatingCgOptions::map_iterations_per_sweep,
-              "of the first part")
-      .Option("pose_iterations_per_sweep", &AlternatingCgOptions::pose_iterations_per_sweep,
-              "of the second part")
       .Option("scan_iterations_per_sweep", &AlternatingCgOptions::scan_iterations_per_sweep,
-              "of the third part; 0: without it")
+              "iterations of the third part; 0: without it")
       .Option("relative_cost_tolerance", &AlternatingCgOptions::relative_cost_tolerance,
               "ends when a sweep lowers the cost by less than this fraction");
   Fields<PublishedOptions>(module, "PublishedOptions", "The method as it was published.")
       .Options()
       .Option("max_passes", &PublishedOptions::max_passes,
               "each finds the tangent lines and shape pairs anew")
-      .Option("sweeps_per_pass", &PublishedOptions::sweeps_per_pass,
-              "iterations on the map, and as many on the poses, per pass")
-      .Option("relative_tolerance", &PublishedOptions::relative_tolerance,
-              "ends when a pass lowers the energy by less than this fraction")
       .Option("sigma_from_start", &PublishedOptions::sigma_from_start,
-              "thickness of surfaces from the start's distances to its tangent lines")
-      .Option("precondition", &PublishedOptions::precondition,
-              "by diagonal blocks of the Gauss-Newton Hessian");
-  Fields<StochasticDescentOptions>(module, "StochasticDescentOptions",
-                                   "Stochastic gradient descent on a pose graph.")
-      .Options()
-      .Option("max_iterations", &StochasticDescentOptions::max_iterations,
-              "each goes through all edges once");
+              "thickness of surfaces from the start's distances to its tangent lines");
 }
 
 // The options of Ceres by Ceres' names; read only, so that nobody changes a copy in vain.
@@ -184,7 +133,6 @@ void BindSolverOptions(py::module_* module) {
       .OptionBy(
           "ceres_reduced", [](SolverOptions& options) -> bool& { return options.ceres->reduced; },
           "CERES: over the lines of landmarks, points eliminated")
-      .Option("sgd", &SolverOptions::sgd, "SGD")
       .Option("num_threads", &SolverOptions::num_threads,
               "the calling one included; results do not depend on it, but for CERES")
       .Option("measure_rounds", &SolverOptions::measure_rounds,
@@ -215,16 +163,10 @@ void BindSolverOptions(py::module_* module) {
 }
 
 void BindLogOptions(py::module_* module) {
-  Fields<SequentialSeedingOptions>(module, "SequentialSeedingOptions",
-                                   "Each scan is matched against a local map of keyframes.")
-      .Options()
-      .Option("keyframe_distance_m", &SequentialSeedingOptions::keyframe_distance_m,
-              "a scan this far from all keyframes becomes one [m]")
-      .Option("keyframe_angle_rad", &SequentialSeedingOptions::keyframe_angle_rad,
-              "or turned by this much [rad]");
   Fields<SeedingOptions>(module, "SeedingOptions", "How a seed is found.")
       .Options()
-      .Option("sequential", &SeedingOptions::sequential, "scan matching");
+      .Option("keyframe_distance_m", &SeedingOptions::keyframe_distance_m,
+              "scan matching: a scan this far from all keyframes becomes one [m]");
   Fields<MapLogOptions>(module, "MapLogOptions", "How a log is mapped.")
       .Options()
       .Option("start", &MapLogOptions::start, "where the joint estimation starts")
@@ -245,9 +187,6 @@ void BindChoices(py::module_* module) {
       .value("AUTOMATIC", UpdateScope::kAutomatic,
              "the newest ones; all of them if older ones were moved, or a loop closure asks for it")
       .value("ALL", UpdateScope::kAll, "all poses");
-  py::enum_<NeighborhoodType>(*module, "NeighborhoodType", "Neighbourhoods of tangent lines.")
-      .value("RADIUS", NeighborhoodType::kRadius, "all points within a radius")
-      .value("NEAREST", NeighborhoodType::kNearest, "the published form: nearest points");
   py::enum_<StartType>(*module, "StartType", "Where the joint estimation starts.")
       .value("ODOMETRY", StartType::kOdometry, "the odometry as it is")
       .value("ICP", StartType::kIcp, "each scan matched to the one before, point to point")

@@ -62,8 +62,7 @@ void BindRounds(py::module_* module) {
       .Field("initial_cost", &LandmarkRoundSummary::initial_cost, "of poses and lines")
       .Field("final_cost", &LandmarkRoundSummary::final_cost, "the same, at the end")
       .Field("moved_sigmas", &LandmarkRoundSummary::moved_sigmas,
-             "root mean square of how far returns moved across their surfaces")
-      .Field("steps", &LandmarkRoundSummary::steps, "of Gauss-Newton");
+             "root mean square of how far returns moved across their surfaces");
   Fields<RoundEnergy>(module, "RoundEnergy",
                       "How well the poses explain the scans at one moment of a solve.")
       .Field("round", &RoundEnergy::round, "that has just ended; 0: the state given")

@@ -43,8 +43,7 @@ Json LandmarkRoundsJson(const SolverSummary& solver) {
                     {"observations", round.num_observations},
                     {"cost_before", round.initial_cost},
                     {"cost_after", round.final_cost},
-                    {"moved_sigmas", round.moved_sigmas},
-                    {"steps", round.steps}});
+                    {"moved_sigmas", round.moved_sigmas}});
   }
   return json;
 }

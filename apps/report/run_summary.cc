@@ -25,6 +25,12 @@ Json SystematicJson(const SystematicError& error) {
   return {{"value", error.value}, {"sigma", error.sigma}, {"significant", error.IsSignificant()}};
 }
 
+Json MotionJson(const MotionOptions& motion) {
+  Json json = Json::object();
+  for (const MotionField& field : kMotionFields) json[field.name] = motion.*field.value;
+  return json;
+}
+
 Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
   return {{"gross_translation_scale", noise.gross_translation_scale},
           {"clock_offset_s",
@@ -41,13 +47,7 @@ Json OdometryNoiseJson(const OdometryNoiseReport& noise) {
           {"is_prediction", noise.is_prediction},
           {"given_poses",
            {{"position_m", noise.given_poses.position_m}, {"yaw_rad", noise.given_poses.yaw_rad}}},
-          {"motion",
-           {{"rotation_per_rotation", noise.motion.rotation_per_rotation},
-            {"rotation_per_translation_rad_m", noise.motion.rotation_per_translation_rad_m},
-            {"translation_per_translation", noise.motion.translation_per_translation},
-            {"translation_per_rotation_m_rad", noise.motion.translation_per_rotation_m_rad},
-            {"translation_floor_m", noise.motion.translation_floor_m},
-            {"rotation_floor_rad", noise.motion.rotation_floor_rad}}}};
+          {"motion", MotionJson(noise.motion)}};
 }
 
 Json OutcomesJson(const LoopClosingReport& loops) {

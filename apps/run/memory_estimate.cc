@@ -56,7 +56,7 @@ double DenseBytes(const SlamGraph& graph, const SolverOptions& solver) {
   const double columns = pose_columns + other_columns;
   // A pair of segments keeps up to three of its points from being eliminated.
   constexpr double kReturnsPerShapePair = 40.0;
-  const bool keeps_points = !reduced && solver.factors.shape.enabled;
+  const bool keeps_points = !reduced && solver.factors.shape;
   const double kept_columns = keeps_points ? 6.0 * num_returns / kReturnsPerShapePair : 0.0;
   double entries = 0.0;
   switch (solver.ceres->linear_solver_type) {

@@ -6,10 +6,8 @@ Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
                                const MeasuredSurface& surface, const AssociationOptions& options,
                                double radius_m, ThreadPool* pool) {
   Associations associations;
-  associations.lines = options.neighborhood == NeighborhoodType::kRadius
-                           ? LinesFromRadius(graph, state.poses, surface, options, radius_m, pool)
-                           : LinesFromNearest(graph, state, surface.normals, options, pool);
-  associations.shape_pairs = FindShapePairs(graph, state.points, surface.normals, options, pool);
+  associations.lines = LinesFromRadius(graph, state.poses, surface, options, radius_m, pool);
+  associations.shape_pairs = FindShapePairs(graph, state.points, surface.normals, pool);
   return associations;
 }
 

@@ -16,13 +16,6 @@
 
 namespace plumbline {
 
-/// Largest angle [rad] between normals of one surface, 60 degrees: kNearest takes no neighbour
-/// beyond it, so that the two faces of a wall and the two sides of a corner stay apart, and the
-/// surface regions of the shape pairs end there. kRadius keeps faces and sides apart by octants of
-/// the normals' directions instead: it takes those of a point's own octant and of the two next to
-/// it.
-constexpr double kMaxNormalAngleRad = 1.0471975511965976;
-
 /// One shape term: a segment of one surface, between two of its points, against a segment of an
 /// adjacent region.
 struct ShapePair {
@@ -39,27 +32,28 @@ struct Associations {
   std::vector<ShapePair> shape_pairs;  ///< in order of scans
 };
 
-/// Builds the associations of a state of the graph.
-/// radius_m: smallest neighbourhood of kRadius.
+/// Builds the associations of a state of the graph, with lines from this radius [m].
 Associations BuildAssociations(const SlamGraph& graph, const MapState& state,
                                const MeasuredSurface& surface, const AssociationOptions& options,
                                double radius_m, ThreadPool* pool);
 
-/// The parts of BuildAssociations. LinesFromRadius is fitted to the measured ends of the beams,
-/// placed by the poses, (x, y, yaw) each; the other two see the state's points, (x, y) each.
-/// Without normals (empty) LinesFromNearest has a line for every point, and no face of a wall or
-/// side of a corner stays apart. hold_out: held-out returns (HeldOutReturns) get the lines of the
-/// others, and are neighbours of none.
+/// Lines of all points within a radius [m], which grows where the map is sparse. They are fitted to
+/// the measured ends of the beams, placed by the poses, (x, y, yaw) each. Octants of the normals'
+/// directions keep the two faces of a wall and the two sides of a corner apart.
 TangentLines LinesFromRadius(const SlamGraph& graph, const std::vector<double>& poses,
                              const MeasuredSurface& surface, const AssociationOptions& options,
                              double radius_m, ThreadPool* pool);
-TangentLines LinesFromNearest(const SlamGraph& graph, const MapState& state,
-                              const std::vector<ReturnNormal>& normals,
-                              const AssociationOptions& options, ThreadPool* pool,
-                              bool hold_out = false);
+
+/// Lines of the 10 to 50 points nearest to each point (x, y) of the map, as published. Every point
+/// has one, and faces and sides do not stay apart. Held-out returns (HeldOutReturns) get the lines
+/// of the others, and are neighbours of none.
+TangentLines LinesFromNearest(const SlamGraph& graph, const std::vector<double>& points,
+                              ThreadPool* pool);
+
+/// Adjacent surface regions of a scan that are nearly parallel or orthogonal where the points,
+/// (x, y) each, lie.
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                                      const std::vector<ReturnNormal>& normals,
-                                      const AssociationOptions& options, ThreadPool* pool);
+                                      const std::vector<ReturnNormal>& normals, ThreadPool* pool);
 
 }  // namespace plumbline
 

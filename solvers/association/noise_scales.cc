@@ -8,7 +8,7 @@ namespace plumbline {
 namespace {
 
 // A stretch of surface of half length r, seen with standard deviation s across it, has variances
-// r^2 / 3 and s^2: below 4.5 s even a perfect wall fails the default eigenvalue ratio of 0.15.
+// r^2 / 3 and s^2: below 4.5 s even a perfect wall fails kMaxEigenvalueRatio.
 double SmallestUsefulRadius(const FactorOptions& factors) {
   return 5.0 * std::hypot(factors.beam.sigma_range_m, factors.manifold.sigma_m);
 }

@@ -23,6 +23,8 @@ namespace plumbline {
 namespace {
 
 constexpr int kNumLevels = 3;
+// Fewest points of a line; fewer do not tell a surface from clutter.
+constexpr double kMinPointsOfLine = 10.0;
 
 enum class CellFit : char { kLine, kNotALine, kTooSparse };
 
@@ -52,10 +54,10 @@ CellFit FitOctant(const Surroundings& around, int octant, const Eigen::Vector2d&
                   const AssociationOptions& options, TangentLine* line) {
   SummedReturns sum = around[octant];
   for (const int turn : {-1, 1}) sum.Merge(around[(octant + turn) & 7]);
-  if (sum.moments.weight < options.min_points) return CellFit::kTooSparse;
+  if (sum.moments.weight < kMinPointsOfLine) return CellFit::kTooSparse;
   if (options.several_poses && !sum.several_poses) return CellFit::kTooSparse;
   const LineFit fit = FitLine(sum.moments);
-  if (fit.EigenvalueRatio() > options.max_eigenvalue_ratio) return CellFit::kNotALine;
+  if (fit.EigenvalueRatio() > kMaxEigenvalueRatio) return CellFit::kNotALine;
   *line = {fit.normal.x(), fit.normal.y(), fit.normal.dot(center + fit.centroid)};
   return CellFit::kLine;
 }

@@ -1,10 +1,10 @@
 // Which pieces of surface are expected to be parallel or orthogonal: neighbours along a scan.
 //
 // A scan falls into runs of consecutive returns that one surface joins and that have compatible
-// normals. Each run is cut into regions as short as min_segment_length_m allows; the last one takes
+// normals. Each run is cut into regions as short as kShapeRegionM allows; the last one takes
 // the rest. Regions are disjoint, so that a return takes part in one segment at most. Two regions
 // are adjacent if they follow each other in a run, or, around a corner, where returns have no
-// normal, if joined returns lead from one to the other over no more than min_segment_length_m.
+// normal, if joined returns lead from one to the other over no more than kShapeRegionM.
 // Regions depend on the measurements alone and stay the same while the map moves; which pairs are
 // parallel or orthogonal is seen on the current map.
 
@@ -17,6 +17,9 @@
 namespace plumbline {
 namespace {
 
+// Largest angle [rad] between normals of one region, 60 degrees.
+constexpr double kMaxNormalAngleRad = 1.0471975511965976;
+
 // Consecutive returns [first, last] of one scan, counted from its first return.
 struct Region {
   std::size_t first = 0, last = 0;
@@ -26,11 +29,10 @@ struct Region {
 class ScanShapePairs {
  public:
   ScanShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                 const std::vector<ReturnNormal>& normals, const AssociationOptions& options)
+                 const std::vector<ReturnNormal>& normals)
       : graph_(graph),
         points_(points),
         normals_(normals),
-        options_(options),
         min_normal_cosine_(std::cos(kMaxNormalAngleRad)) {}
 
   /// Appends the pairs of one scan in order of its beams.
@@ -38,7 +40,7 @@ class ScanShapePairs {
     first_return_ = graph_.scan(scan_id).first_return;
     MeasuredPoints(graph_, scan_id, &measured_);
     // A step that is small beside a region does not part two regions.
-    FindJoinedReturns(graph_, scan_id, measured_, 0.5 * options_.min_segment_length_m, &joined_);
+    FindJoinedReturns(graph_, scan_id, measured_, 0.5 * kShapeRegionM, &joined_);
     CutRegions();
     for (std::size_t i = 1; i < regions_.size(); ++i) {
       ShapePair pair;
@@ -73,12 +75,11 @@ class ScanShapePairs {
 
   void CutRun(std::size_t begin, std::size_t end) {
     const std::size_t regions_before = regions_.size();
-    const double length = options_.min_segment_length_m;
     Region region;
     region.first = begin;
-    region.follows = linked_ && Distance(regions_.back().last, begin) <= length;
+    region.follows = linked_ && Distance(regions_.back().last, begin) <= kShapeRegionM;
     for (std::size_t k = begin; k < end; ++k) {
-      if (Distance(region.first, k) < length) continue;
+      if (Distance(region.first, k) < kShapeRegionM) continue;
       region.last = k;
       regions_.push_back(region);
       region.first = k + 1;
@@ -95,8 +96,8 @@ class ScanShapePairs {
     pair->current = first_return_ + region.last;
     pair->adjacent_previous = first_return_ + next.first;
     pair->adjacent_current = first_return_ + next.last;
-    return ClassifyShape(MapSegmentNormal(region), MapSegmentNormal(next),
-                         options_.shape_margin_rad, &pair->category);
+    return ClassifyShape(MapSegmentNormal(region), MapSegmentNormal(next), kShapeMarginRad,
+                         &pair->category);
   }
 
   Eigen::Vector2d MapSegmentNormal(const Region& region) const {
@@ -113,7 +114,6 @@ class ScanShapePairs {
   const SlamGraph& graph_;
   const std::vector<double>& points_;
   const std::vector<ReturnNormal>& normals_;
-  const AssociationOptions& options_;
   const double min_normal_cosine_;
   // Of the current scan.
   std::size_t first_return_ = 0;
@@ -126,14 +126,13 @@ class ScanShapePairs {
 }  // namespace
 
 std::vector<ShapePair> FindShapePairs(const SlamGraph& graph, const std::vector<double>& points,
-                                      const std::vector<ReturnNormal>& normals,
-                                      const AssociationOptions& options, ThreadPool* pool) {
+                                      const std::vector<ReturnNormal>& normals, ThreadPool* pool) {
   constexpr std::size_t kScansPerChunk = 64;
   const std::size_t num_scans = graph.num_scans();
   std::vector<std::vector<ShapePair>> chunks(ThreadPool::NumChunks(num_scans, kScansPerChunk));
   pool->ForEachChunk(num_scans, kScansPerChunk,
                      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                       ScanShapePairs finder(graph, points, normals, options);
+                       ScanShapePairs finder(graph, points, normals);
                        for (std::size_t s = begin; s < end; ++s) {
                          finder.Find(static_cast<int>(s), &chunks[chunk]);
                        }

@@ -67,8 +67,8 @@ Status Match(const SeedingOptions& options, const MotionOptions& motion, const S
              const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
              SequentialTrajectory* trajectory, SeedingReport* report) {
   const bool is_prediction = steps.odometry.empty();
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, steps, progress, pool,
-                                             surfaces, trajectory, &report->sequential));
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options, motion, steps, progress, pool, surfaces,
+                                             trajectory, &report->sequential));
   // Nothing was measured there: not the predictions' errors, either.
   for (std::size_t pose = 1; pose < steps.is_still.size(); ++pose) {
     if (steps.is_still[pose] == 0) continue;
@@ -131,8 +131,8 @@ Status MeasureBlindly(const SeedingOptions& options, const MotionOptions& motion
   const MotionOptions prior = PredictionPrior(motion);
   SequentialTrajectory blind;
   SequentialSeedingReport report;
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, motion, StepSource(), progress,
-                                             pool, surfaces, &blind, &report));
+  PLUMBLINE_RETURN_IF_ERROR(
+      SeedSequentially(options, motion, StepSource(), progress, pool, surfaces, &blind, &report));
   measured->given_poses =
       MeasurePoseNoise(PosesOf(surfaces->graph().initial_poses()), blind.world_from_robot);
   measured->still_wheels = FindStillWheels(odometry, blind);
@@ -150,8 +150,8 @@ Status MatchGivenPoses(const SeedingOptions& options, const PoseNoise& noise,
   report->odometry_noise.is_prediction = true;
   report->odometry_noise.given_poses = noise;
   report->odometry_noise.motion = StepNoise(noise);
-  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options.sequential, report->odometry_noise.motion,
-                                             steps, progress, pool, surfaces, trajectory,
+  PLUMBLINE_RETURN_IF_ERROR(SeedSequentially(options, report->odometry_noise.motion, steps,
+                                             progress, pool, surfaces, trajectory,
                                              &report->sequential));
   trajectory->given_poses = std::move(steps.given_poses);
   trajectory->given_noise = noise;

@@ -34,6 +34,8 @@ constexpr double kMinSlipInlierRatio = 0.8;
 // walking pace, as between scans that were thinned out, and a turn to either side.
 constexpr double kSearchM = 3.0;
 constexpr double kSearchRad = 0.5 * kPi;
+// A scan becomes a keyframe if it is turned by this much from those around: 20 degrees.
+constexpr double kKeyframeAngleRad = 0.35;
 // The local map is made of the nearest keyframes, at most this many, ...
 constexpr int kMaxKeyframesInMap = 40;
 // ... of the last stretch of this length [m] of the path: what is older may have drifted away.
@@ -186,7 +188,7 @@ bool SequentialMatcher::IsCovered(const Pose2& pose) const {
   return std::any_of(in_map_.begin(), in_map_.end(), [&](int k) {
     const Pose2 moved = Between(key_poses_[k], pose);
     return std::hypot(moved.x, moved.y) < options_.keyframe_distance_m &&
-           std::abs(moved.yaw) < options_.keyframe_angle_rad;
+           std::abs(moved.yaw) < kKeyframeAngleRad;
   });
 }
 

@@ -28,8 +28,7 @@ enum class StepKind {
 class SequentialMatcher {
  public:
   /// motion: the noise of steps that are not predicted. sign_lost: of the odometry's translation.
-  SequentialMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
-                    bool sign_lost)
+  SequentialMatcher(const SeedingOptions& options, const MotionOptions& motion, bool sign_lost)
       : options_(options),
         motion_(motion),
         prediction_motion_(PredictionPrior(motion)),
@@ -60,7 +59,7 @@ class SequentialMatcher {
   bool IsCovered(const Pose2& pose) const;
   void RebuildMap();
 
-  const SequentialSeedingOptions& options_;
+  const SeedingOptions& options_;
   const MotionOptions& motion_;
   const MotionOptions prediction_motion_;
   const bool sign_lost_;

@@ -203,7 +203,7 @@ void ShareMatches(const Peers& peers, const std::vector<std::size_t>& own,
 
 class DriveMatcher {
  public:
-  DriveMatcher(const SequentialSeedingOptions& options, const MotionOptions& motion,
+  DriveMatcher(const SeedingOptions& options, const MotionOptions& motion,
                const ScanSurfaces& surfaces, const StepSource& steps, bool sign_lost)
       : options_(options),
         motion_(motion),
@@ -262,7 +262,7 @@ class DriveMatcher {
     }
   }
 
-  const SequentialSeedingOptions& options_;
+  const SeedingOptions& options_;
   const MotionOptions& motion_;
   const ScanSurfaces& surfaces_;
   const StepSource& steps_;
@@ -332,7 +332,7 @@ Status OdometrySteps(const SlamGraph& graph, std::vector<Pose2>* steps) {
   return Status::Ok();
 }
 
-Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+Status SeedSequentially(const SeedingOptions& options, const MotionOptions& motion,
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
   StepSource steps;
@@ -340,7 +340,7 @@ Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOpt
   return SeedSequentially(options, motion, steps, progress, pool, surfaces, trajectory, report);
 }
 
-Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+Status SeedSequentially(const SeedingOptions& options, const MotionOptions& motion,
                         const StepSource& steps, const SeedingProgress& progress, ThreadPool* pool,
                         ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
                         SequentialSeedingReport* report) {

@@ -51,12 +51,12 @@ struct StepSource {
 ///
 /// Processes that share the drive match side by side, too (collective): each what lies in its part.
 /// They all get the whole trajectory, and keep no surfaces.
-Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+Status SeedSequentially(const SeedingOptions& options, const MotionOptions& motion,
                         const SeedingProgress& progress, ThreadPool* pool, ScanSurfaces* surfaces,
                         SequentialTrajectory* trajectory, SequentialSeedingReport* report);
 
 /// Finds the poses with these steps in place of the graph's odometry.
-Status SeedSequentially(const SequentialSeedingOptions& options, const MotionOptions& motion,
+Status SeedSequentially(const SeedingOptions& options, const MotionOptions& motion,
                         const StepSource& steps, const SeedingProgress& progress, ThreadPool* pool,
                         ScanSurfaces* surfaces, SequentialTrajectory* trajectory,
                         SequentialSeedingReport* report);

@@ -62,8 +62,8 @@ class JointObjective final : public CgObjective {
   void Precondition(const std::vector<double>& x, const std::vector<double>& /*gradient*/,
                     std::vector<double>* result) override {
     Split(x, &state_);
-    Turn(options_.map_iterations_per_sweep, &map_, &state_.points);
-    Turn(options_.pose_iterations_per_sweep, &poses_, &state_.poses);
+    Turn(1, &map_, &state_.points);
+    Turn(1, &poses_, &state_.poses);
     if (options_.scan_iterations_per_sweep > 0) {
       scans_.AttachPoints(state_);
       Turn(options_.scan_iterations_per_sweep, &scans_, &state_.poses);

@@ -11,7 +11,7 @@
 //   proportional to the density (nearest_lines.cc). The potential is Gaussian.
 // - Section VI.B, eq. (8) and (9): pairs of adjacent surface segments that are parallel or
 //   orthogonal to 10 degrees, Gaussian. The paper does not say how long a segment is. Here it has
-//   at least AssociationOptions::min_segment_length_m: between neighbouring points noise alone
+//   at least kShapeRegionM: between neighbouring points noise alone
 //   would give the direction. Pairs are of one scan: which segments of two scans are adjacent is
 //   left open, too.
 // - sigma_M, the variance of tangent line distances, is the thickness of surfaces that the options
@@ -26,7 +26,7 @@
 // Line 14, until convergence. The energy still falls when the map has begun to bend and its corners
 // to round, so convergence is that of ranges which are held out of lines and pairs: the result is
 // the map of the pass that predicts them best, the start included (HeldOutRanges). It ends earlier
-// by PublishedOptions::relative_tolerance. Held-out points are then drawn to the lines of the
+// by kPassTolerance. Held-out points are then drawn to the lines of the
 // others.
 //
 // The prior of the first pose, eq. (4), is a constant pose. No gate or robust loss protects
@@ -59,30 +59,22 @@ using Clock = std::chrono::steady_clock;
 // Passes that may go by without a better prediction of held-out ranges: chance alone makes one of
 // two the worse one near the best.
 constexpr int kPatience = 5;
+// Passes end when one lowers the energy of its lines and pairs by less than this fraction.
+constexpr double kPassTolerance = 1e-3;
 // A map is not known to be thinner [m].
 constexpr double kThinnestM = 1e-3;
 
 FactorOptions GaussianWithShape(FactorOptions factors) {
   constexpr double kNoGate = std::numeric_limits<double>::infinity();
   factors.manifold.robust_gate_sigmas = kNoGate;
-  factors.shape.enabled = true;
-  factors.shape.robust_gate_sigmas = kNoGate;
+  factors.shape = true;
   return factors;
-}
-
-AssociationOptions WithoutGates(AssociationOptions association) {
-  association.neighborhood = NeighborhoodType::kNearest;
-  association.several_poses = false;
-  association.max_eigenvalue_ratio = 1.0;
-  return association;
 }
 
 class PublishedRun final : public JointRun {
  public:
   PublishedRun(const char* name, const SolverProblem& problem, const MapState& seed)
-      : JointRun(name, problem, seed),
-        gaussian_(GaussianWithShape(factors_)),
-        association_(WithoutGates(options_.association)) {}
+      : JointRun(name, problem, seed), gaussian_(GaussianWithShape(factors_)) {}
 
  private:
   bool IsAccepted() const override { return best_round_ > 0; }
@@ -150,8 +142,7 @@ class PublishedRun final : public JointRun {
       HeldOutReturns::ForEachOf(graph_, scan,
                                 [&](std::size_t r) { prior.lines.Assign(r, TangentLines::kNone); });
     }
-    for (const ShapePair& pair :
-         FindShapePairs(graph_, state_.points, surface_->normals, association_, &pool_)) {
+    for (const ShapePair& pair : FindShapePairs(graph_, state_.points, surface_->normals, &pool_)) {
       if (!HasHeldOut(pair)) prior.shape_pairs.push_back(pair);
     }
     if (options_.published.sigma_from_start && summary_.rounds.empty()) {
@@ -161,9 +152,7 @@ class PublishedRun final : public JointRun {
   }
 
   // Held-out returns have the lines of the others.
-  TangentLines LinesOfAll() {
-    return LinesFromNearest(graph_, state_, {}, association_, &pool_, /*hold_out=*/true);
-  }
+  TangentLines LinesOfAll() { return LinesFromNearest(graph_, state_.points, &pool_); }
 
   bool HasHeldOut(const ShapePair& pair) const {
     for (const std::size_t r :
@@ -207,21 +196,18 @@ class PublishedRun final : public JointRun {
     }
     result.usable = true;
     result.initial_cost = result.final_cost = costs.Total();
-    PartialObjective<2> map(energy, state_.poses, options_.published.precondition);
-    PartialObjective<3> poses(energy, state_.points, options_.published.precondition);
-    for (int sweep = 0; sweep < options_.published.sweeps_per_pass && !result.stopped; ++sweep) {
-      Iterate("map", &map, &map_memory_, &state_.points, &result);
-      if (!result.stopped) Iterate("poses", &poses, &pose_memory_, &state_.poses, &result);
-    }
+    PartialObjective<2> map(energy, state_.poses, /*precondition=*/false);
+    PartialObjective<3> poses(energy, state_.points, /*precondition=*/false);
+    Iterate("map", &map, &map_memory_, &state_.points, &result);
+    if (!result.stopped) Iterate("poses", &poses, &pose_memory_, &state_.poses, &result);
     const double change = result.initial_cost - result.final_cost;
-    const double tolerance = options_.published.relative_tolerance;
-    result.converged = !result.stopped && change <= tolerance * result.initial_cost;
+    result.converged = !result.stopped && change <= kPassTolerance * result.initial_cost;
     std::ostringstream reason;
     if (result.stopped) {
       reason << "stopped by the callback";
     } else {
       reason << "a pass lowered the cost of " << result.initial_cost << " by " << change
-             << (result.converged ? ", a fraction <= " : ", a fraction > ") << tolerance;
+             << (result.converged ? ", a fraction <= " : ", a fraction > ") << kPassTolerance;
     }
     result.stop_reason = reason.str();
     return result;
@@ -245,7 +231,6 @@ class PublishedRun final : public JointRun {
   }
 
   FactorOptions gaussian_;
-  const AssociationOptions association_;
   CgMemory map_memory_, pose_memory_;
 };
 

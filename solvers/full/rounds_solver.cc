@@ -8,6 +8,7 @@
 
 #include "plumbline/core/fixed_poses.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/factors/robust_loss.h"
 #include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/full/joint_run.h"
 #include "plumbline/solvers/pose_graph/pose_sets.h"
@@ -17,6 +18,9 @@ namespace plumbline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// Fine rounds end when one lowers the marginal energy by less than this fraction.
+constexpr double kRoundTolerance = 2e-4;
 
 // What a round works with: neighbourhood radius [m] and factor on the robust gates.
 struct RoundScale {
@@ -28,8 +32,7 @@ RoundScale ScaleOfCoarseRound(const RoundOptions& rounds, double smallest_radius
   const double progress = static_cast<double>(round) / rounds.max_coarse_rounds;
   const double radius_m =
       rounds.coarse_radius_m * std::pow(rounds.fine_radius_m / rounds.coarse_radius_m, progress);
-  return {std::max(radius_m, smallest_radius_m),
-          std::pow(rounds.coarse_gate_factor, 1.0 - progress)};
+  return {std::max(radius_m, smallest_radius_m), std::pow(kStartGateFactor, 1.0 - progress)};
 }
 
 // Rounds without the held-out returns, then one with all, so that none is lost to the result.
@@ -102,8 +105,7 @@ class RoundsRun final : public JointRun {
     for (int round = 0; round < options_.rounds.max_fine_rounds && !ended_; ++round) {
       const double before = best_energy_;
       const bool kept = RunRound({fine_radius_m_, 1.0});
-      converged_ = !ended_ &&
-                   (!kept || before - best_energy_ <= options_.rounds.relative_tolerance * before);
+      converged_ = !ended_ && (!kept || before - best_energy_ <= kRoundTolerance * before);
       if (converged_) break;
     }
   }
@@ -118,7 +120,6 @@ class RoundsRun final : public JointRun {
   bool RunRound(const RoundScale& scale) {
     FactorOptions factors = factors_;
     factors.manifold.robust_gate_sigmas *= scale.gate_factor;
-    factors.shape.robust_gate_sigmas *= scale.gate_factor;
     RoundSummary row;
     row.radius_m = scale.radius_m;
     row.gate_sigmas = factors.manifold.robust_gate_sigmas;

@@ -61,55 +61,48 @@ CeresField Plain(const char* name) {
           [](const CeresOptions& options) -> CeresValue { return options.*Field; }};
 }
 
+// The functions between a name and its value are called alike in Ceres for all enumerations.
+#define PLUMBLINE_CHOICE(field, Type, values) \
+  Choice<&NativeOptions::field, ceres::StringTo##Type, ceres::Type##ToString>(#field, values)
+#define PLUMBLINE_PLAIN(field) Plain<&NativeOptions::field>(#field)
+
 std::vector<CeresField> MakeFields() {
   return {
-      Choice<&NativeOptions::minimizer_type, ceres::StringToMinimizerType,
-             ceres::MinimizerTypeToString>("minimizer_type", "trust_region or line_search"),
-      Choice<&NativeOptions::linear_solver_type, ceres::StringToLinearSolverType,
-             ceres::LinearSolverTypeToString>(
-          "linear_solver_type",
-          "dense_normal_cholesky, dense_qr, sparse_normal_cholesky, dense_schur, sparse_schur, "
-          "iterative_schur or cgnr"),
-      Choice<&NativeOptions::preconditioner_type, ceres::StringToPreconditionerType,
-             ceres::PreconditionerTypeToString>(
-          "preconditioner_type",
+      PLUMBLINE_CHOICE(minimizer_type, MinimizerType, "trust_region or line_search"),
+      PLUMBLINE_CHOICE(linear_solver_type, LinearSolverType,
+                       "dense_normal_cholesky, dense_qr, sparse_normal_cholesky, dense_schur, "
+                       "sparse_schur, iterative_schur or cgnr"),
+      PLUMBLINE_CHOICE(
+          preconditioner_type, PreconditionerType,
           "identity, jacobi, schur_jacobi, cluster_jacobi, cluster_tridiagonal or subset"),
-      Choice<&NativeOptions::trust_region_strategy_type, ceres::StringToTrustRegionStrategyType,
-             ceres::TrustRegionStrategyTypeToString>("trust_region_strategy_type",
-                                                     "levenberg_marquardt or dogleg"),
-      Choice<&NativeOptions::dogleg_type, ceres::StringToDoglegType, ceres::DoglegTypeToString>(
-          "dogleg_type", "traditional_dogleg or subspace_dogleg"),
-      Choice<&NativeOptions::line_search_direction_type, ceres::StringToLineSearchDirectionType,
-             ceres::LineSearchDirectionTypeToString>(
-          "line_search_direction_type",
-          "steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs"),
-      Choice<&NativeOptions::nonlinear_conjugate_gradient_type,
-             ceres::StringToNonlinearConjugateGradientType,
-             ceres::NonlinearConjugateGradientTypeToString>(
-          "nonlinear_conjugate_gradient_type",
-          "fletcher_reeves, polak_ribiere or hestenes_stiefel"),
-      Choice<&NativeOptions::line_search_type, ceres::StringToLineSearchType,
-             ceres::LineSearchTypeToString>("line_search_type", "armijo or wolfe"),
-      Choice<&NativeOptions::sparse_linear_algebra_library_type,
-             ceres::StringToSparseLinearAlgebraLibraryType,
-             ceres::SparseLinearAlgebraLibraryTypeToString>(
-          "sparse_linear_algebra_library_type",
-          "suite_sparse, eigen_sparse or another that Ceres was built with"),
-      Plain<&NativeOptions::max_num_iterations>("max_num_iterations"),
-      Plain<&NativeOptions::function_tolerance>("function_tolerance"),
-      Plain<&NativeOptions::gradient_tolerance>("gradient_tolerance"),
-      Plain<&NativeOptions::parameter_tolerance>("parameter_tolerance"),
-      Plain<&NativeOptions::initial_trust_region_radius>("initial_trust_region_radius"),
-      Plain<&NativeOptions::max_trust_region_radius>("max_trust_region_radius"),
-      Plain<&NativeOptions::use_nonmonotonic_steps>("use_nonmonotonic_steps"),
-      Plain<&NativeOptions::max_lbfgs_rank>("max_lbfgs_rank"),
-      Plain<&NativeOptions::use_explicit_schur_complement>("use_explicit_schur_complement"),
-      Plain<&NativeOptions::min_linear_solver_iterations>("min_linear_solver_iterations"),
-      Plain<&NativeOptions::max_linear_solver_iterations>("max_linear_solver_iterations"),
-      Plain<&NativeOptions::eta>("eta"),
-      Plain<&NativeOptions::jacobi_scaling>("jacobi_scaling"),
+      PLUMBLINE_CHOICE(trust_region_strategy_type, TrustRegionStrategyType,
+                       "levenberg_marquardt or dogleg"),
+      PLUMBLINE_CHOICE(dogleg_type, DoglegType, "traditional_dogleg or subspace_dogleg"),
+      PLUMBLINE_CHOICE(line_search_direction_type, LineSearchDirectionType,
+                       "steepest_descent, nonlinear_conjugate_gradient, lbfgs or bfgs"),
+      PLUMBLINE_CHOICE(nonlinear_conjugate_gradient_type, NonlinearConjugateGradientType,
+                       "fletcher_reeves, polak_ribiere or hestenes_stiefel"),
+      PLUMBLINE_CHOICE(line_search_type, LineSearchType, "armijo or wolfe"),
+      PLUMBLINE_CHOICE(sparse_linear_algebra_library_type, SparseLinearAlgebraLibraryType,
+                       "suite_sparse, eigen_sparse or another that Ceres was built with"),
+      PLUMBLINE_PLAIN(max_num_iterations),
+      PLUMBLINE_PLAIN(function_tolerance),
+      PLUMBLINE_PLAIN(gradient_tolerance),
+      PLUMBLINE_PLAIN(parameter_tolerance),
+      PLUMBLINE_PLAIN(initial_trust_region_radius),
+      PLUMBLINE_PLAIN(max_trust_region_radius),
+      PLUMBLINE_PLAIN(use_nonmonotonic_steps),
+      PLUMBLINE_PLAIN(max_lbfgs_rank),
+      PLUMBLINE_PLAIN(use_explicit_schur_complement),
+      PLUMBLINE_PLAIN(min_linear_solver_iterations),
+      PLUMBLINE_PLAIN(max_linear_solver_iterations),
+      PLUMBLINE_PLAIN(eta),
+      PLUMBLINE_PLAIN(jacobi_scaling),
   };
 }
+
+#undef PLUMBLINE_PLAIN
+#undef PLUMBLINE_CHOICE
 
 // Combinations that Ceres' own check lets pass, and that abort the program in the solve.
 bool AbortsInCeres(const CeresOptions& options) {

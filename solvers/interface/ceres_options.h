@@ -11,8 +11,8 @@
 
 namespace plumbline {
 
-/// Ceres' own options, with defaults that suit the joint estimation. Its documentation says what
-/// they mean and what combines with what; a combination that it refuses is reported as an error.
+/// Ceres' own options, with defaults that suit the joint estimation. The documentation of Ceres
+/// explains them. A combination that Ceres refuses is reported as an error.
 /// The library sets num_threads, logging_type and update_state_every_iteration by itself, the order
 /// of elimination for Schur solvers, and with `reduced` the inner iterations.
 struct CeresOptions : ceres::Solver::Options {

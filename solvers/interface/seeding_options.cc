@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 
-#include "plumbline/core/angle.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -24,14 +23,8 @@ bool FromString(const std::string& name, StartType* type) {
   return true;
 }
 
-bool SequentialSeedingOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(keyframe_distance_m, 1e-3, 100.0);
-  PLUMBLINE_CHECK_OPTION_WITHIN(keyframe_angle_rad, 1e-3, 2.0 * kPi);
-  return true;
-}
-
 bool SeedingOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_NESTED_OPTIONS(sequential);
+  PLUMBLINE_CHECK_OPTION_WITHIN(keyframe_distance_m, 1e-3, 100.0);
   return true;
 }
 

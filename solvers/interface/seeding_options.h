@@ -6,19 +6,6 @@
 
 namespace plumbline {
 
-/// Sequential point-to-line ICP: each scan is matched against a local map of keyframes.
-struct SequentialSeedingOptions {
-  /// A scan becomes a keyframe when no keyframe of the local map is within this distance [m] and
-  /// this turn [rad] of it: a robot that turns on the spot does not flush its map. From 1e-3, below
-  /// which every scan is one, to 100 m and a full turn, beyond which the local map sees no walls of
-  /// the last one.
-  double keyframe_distance_m = 0.25;
-  double keyframe_angle_rad = 0.35;  ///< see keyframe_distance_m
-
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
-};
-
 /// Where the joint estimation starts.
 enum class StartType {
   kOdometry,        ///< the odometry as it is
@@ -34,7 +21,11 @@ bool FromString(const std::string& name, StartType* type);
 
 /// How SeedGraph goes about it: matching and loop closure from odometry and scans alone.
 struct SeedingOptions {
-  SequentialSeedingOptions sequential;  ///< scan matching
+  /// Scans are matched against a local map of keyframes. A scan becomes one when no keyframe of the
+  /// local map is within this distance [m] and 20 degrees of it: a robot that turns on the spot
+  /// does not flush its map. From 1e-3, below which every scan is one, to 100 m, beyond which the
+  /// local map sees no walls of the last one.
+  double keyframe_distance_m = 0.25;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;

@@ -37,18 +37,12 @@ Status CheckOwnTermsFit(const FactorOptions& factors, const Solver& solver) {
 
 bool ReducedOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(max_rounds, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(steps_per_round, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(first_gate_factor, 1.0, 1000.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
-  PLUMBLINE_CHECK_OPTION_WITHIN(move_tolerance_sigmas, 0.0, 1000.0);
-  PLUMBLINE_CHECK_OPTION_WITHIN(cg_tolerance, 1e-15, 0.99);
   return true;
 }
 
 bool AlternatingCgOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(max_sweeps, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(map_iterations_per_sweep, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(pose_iterations_per_sweep, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(scan_iterations_per_sweep, 0, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(relative_cost_tolerance, 0.0, 1.0);
   return true;
@@ -56,8 +50,6 @@ bool AlternatingCgOptions::Check(std::string* error) const {
 
 bool PublishedOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(max_passes, 1, kMostIterations);
-  PLUMBLINE_CHECK_OPTION_WITHIN(sweeps_per_pass, 1, 1000);
-  PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   return true;
 }
 
@@ -80,19 +72,12 @@ bool RoundOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(max_fine_rounds, 1, kMostIterations);
   PLUMBLINE_CHECK_OPTION_WITHIN(fine_radius_m, 1e-3, 100.0);
   PLUMBLINE_CHECK_OPTION_WITHIN(coarse_radius_m, fine_radius_m, 100.0);
-  PLUMBLINE_CHECK_OPTION_WITHIN(coarse_gate_factor, 1.0, 1000.0);
-  PLUMBLINE_CHECK_OPTION_WITHIN(relative_tolerance, 0.0, 1.0);
   return true;
 }
 
 bool SolverOptions::IsOverLandmarks() const { return SolverOf(*this).IsOverLandmarks(); }
 
 bool SolverOptions::MovesPosesOnly() const { return SolverOf(*this).MovesPosesOnly(); }
-
-bool StochasticDescentOptions::Check(std::string* error) const {
-  PLUMBLINE_CHECK_OPTION_WITHIN(max_iterations, 1, kMostIterations);
-  return true;
-}
 
 bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_OPTION_WITHIN(num_threads, 1, 1024);
@@ -103,17 +88,10 @@ bool SolverOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(alternating_cg);
   PLUMBLINE_CHECK_NESTED_OPTIONS(published);
   PLUMBLINE_CHECK_NESTED_OPTIONS(ceres);
-  PLUMBLINE_CHECK_NESTED_OPTIONS(sgd);
   const Solver& solver = SolverOf(*this);
   if (&solver == &CeresSolver() || &solver == &CeresReducedSolver()) {
     const Status status = CheckCeresOptions(*ceres);
     if (!status.ok()) return Refuse(status.message(), error);
-  }
-  if (IsOverLandmarks() && association.neighborhood != NeighborhoodType::kRadius) {
-    return Refuse("association.neighborhood = " + std::string(ToString(association.neighborhood)) +
-                      " goes with solvers that take each point's neighbours; the reduced one cuts "
-                      "surfaces into landmarks",
-                  error);
   }
   if (&solver == &CeresReducedSolver() && !reduced.lines_follow) {
     return Refuse(

@@ -4,9 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "plumbline/core/pose2.h"
 #include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/interface/association_options.h"
 #include "plumbline/solvers/interface/built_in_solvers.h"
@@ -17,30 +15,19 @@ namespace plumbline {
 class PoseSystemSolver;
 
 // Numbers of rounds and iterations are up to 1e9, so that the sum of two is an int; tolerances are
-// fractions, up to 1; factors on gates are up to 1000, beyond which a gate lets everything through.
+// fractions, up to 1.
 
 /// The reduced solver.
 struct ReducedOptions {
-  /// A round cuts the surfaces into landmarks anew. The first of several leaves out returns without
-  /// a normal.
+  /// A round cuts the surfaces into landmarks anew, weighs the returns and takes a step. The first
+  /// of several leaves out returns without a normal.
   int max_rounds = 20;
-  /// Gauss-Newton steps of a round, at most; each re-weights the returns first.
-  int steps_per_round = 1;
-  /// Factor on the robust gate of the manifold term in the first round.
-  double first_gate_factor = 2.0;
-  /// Rounds end, but never with the first, when the last step of one lowers the cost by less than
-  /// this fraction of it and
+  /// Rounds end, but never with the first, when one lowers the cost by less than this fraction of
+  /// it and hardly moves the returns. One step with all returns follows.
   double relative_tolerance = 2e-2;
-  /// the round moves returns across their surfaces, relative to those of the pose before, by less
-  /// than this: root mean square in standard deviations of a return, up to 1000. One step with all
-  /// returns follows.
-  double move_tolerance_sigmas = 0.1;
   /// The lines follow the poses: refitted exactly after each step, which knows that they will be.
   /// Otherwise they are fixed within a round, as in the published alternation, and the poses creep.
   bool lines_follow = true;
-  /// Conjugate gradients on a linear system end at this fraction of the right-hand side, measured
-  /// in the preconditioner's norm; from 1e-15, what doubles can tell apart, to 0.99.
-  double cg_tolerance = 1e-2;
   /// Of the engine of another library, see pose_system_solver.h; null: conjugate gradients of our
   /// own.
   std::shared_ptr<const PoseSystemSolver> linear_solver;
@@ -54,10 +41,8 @@ struct AlternatingCgOptions {
   /// A sweep moves the map with the poses fixed, then the poses with the map fixed, then the poses
   /// with each scan carrying its points along.
   int max_sweeps = 10;
-  int map_iterations_per_sweep = 1;   ///< of the first part
-  int pose_iterations_per_sweep = 1;  ///< of the second part
-  /// Of the third part; 0: without it. A pose that its beams hold to its points, but the map hardly
-  /// holds (along a corridor), then takes many sweeps.
+  /// Iterations of the third part; 0: without it. The other two have one each. A pose that its
+  /// beams hold to its points, but the map hardly holds (along a corridor), then takes many sweeps.
   int scan_iterations_per_sweep = 4;
   /// Ends when a sweep lowers the cost by less than this fraction.
   double relative_cost_tolerance = 1e-3;
@@ -74,14 +59,6 @@ struct PublishedOptions {
   /// Takes sigma_M from the start: the root mean square distance of its points from their tangent
   /// lines, as the paper defines it, in place of ManifoldOptions::sigma_m.
   bool sigma_from_start = false;
-  /// Iterations on the map, and as many on the poses, in turn, per pass. The paper has one. More
-  /// cost little beside finding the lines, up to 1000: on fixed lines they have converged by then.
-  int sweeps_per_pass = 1;
-  /// Ends when a pass lowers the energy of its lines and pairs by less than this fraction.
-  double relative_tolerance = 1e-3;
-  /// Preconditions both kinds of iterations by diagonal blocks of the Gauss-Newton Hessian. The
-  /// paper's directions are made of plain gradients, in metres and radians.
-  bool precondition = false;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
@@ -110,20 +87,10 @@ class CeresOptionsValue {
   std::unique_ptr<CeresOptions> options_;  // never null
 };
 
-/// Stochastic gradient descent on a pose graph.
-struct StochasticDescentOptions {
-  /// An iteration goes through all edges once.
-  int max_iterations = 400;
-  /// Called with the poses after each iteration, counted from 1; false stops. May be empty.
-  std::function<bool(int iteration, const std::vector<Pose2>& world_from_pose)> callback;
-
-  /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
-  bool Check(std::string* error) const;
-};
-
 /// The outer loop. Each round rebuilds the associations and minimises the energy; a round that does
 /// not lower the marginal energy is undone. Coarse rounds, with wide neighbourhoods and gates, pull
-/// double walls together and end at the first one that does not help; fine rounds follow. With a
+/// double walls together and end at the first one that does not help; fine rounds follow, until one
+/// gains next to nothing. With a
 /// noisy scanner all radii are at least five standard deviations of a return off its surface: over
 /// less, noise looks like clutter.
 struct RoundOptions {
@@ -135,10 +102,6 @@ struct RoundOptions {
   double coarse_radius_m = 0.3;
   /// Smallest neighbourhood radius [m] of the fine rounds: narrow enough not to blur a surface.
   double fine_radius_m = 0.1;
-  /// Factor on the robust gates of the map terms in the first coarse round; falls to 1.
-  double coarse_gate_factor = 2.0;
-  /// Fine rounds end when one lowers the marginal energy by less than this fraction.
-  double relative_tolerance = 2e-4;
 
   /// False if a field is out of range; *error, if not null, then names it, its value and its bound.
   bool Check(std::string* error) const;
@@ -165,7 +128,6 @@ struct SolverOptions {
   AlternatingCgOptions alternating_cg;  ///< kAlternatingCg
   PublishedOptions published;           ///< kPublished
   CeresOptionsValue ceres;              ///< kCeres; see ceres_options.h
-  StochasticDescentOptions sgd;         ///< kSgd
   /// Threads, the calling one included, up to 1024. Results do not depend on it, but for the last
   /// digits of kCeres, since Ceres adds up as threads finish.
   int num_threads = 2;

@@ -81,7 +81,7 @@ std::string SolverSummary::RoundTable() const {
                ? "  round radius_m  gate     lines  shape pairs   cost before    "
                  "cost after  iter  marginal\n"
                : "  round  gate   landmarks  observations   cost before    cost after  "
-                 "iter  returns moved [sigmas]\n";
+                 "returns moved [sigmas]\n";
   for (std::size_t i = 0; i < rounds.size(); ++i) {
     const RoundSummary& round = rounds[i];
     table += Format("  %5zu %8.3f %5.2f %9zu %12zu %13.6e %13.6e %5d %.6e%s\n", i + 1,
@@ -91,9 +91,9 @@ std::string SolverSummary::RoundTable() const {
   }
   for (std::size_t i = 0; i < landmark_rounds.size(); ++i) {
     const LandmarkRoundSummary& round = landmark_rounds[i];
-    table += Format("  %5zu %5.2f %11zu %13zu %13.6e %13.6e %5d  %.3f\n", i + 1, round.gate_sigmas,
+    table += Format("  %5zu %5.2f %11zu %13zu %13.6e %13.6e  %.3f\n", i + 1, round.gate_sigmas,
                     round.num_landmarks, round.num_observations, round.initial_cost,
-                    round.final_cost, round.steps, round.moved_sigmas);
+                    round.final_cost, round.moved_sigmas);
   }
   return table;
 }

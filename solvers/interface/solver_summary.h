@@ -74,11 +74,10 @@ struct LandmarkRoundSummary {
   std::size_t num_landmarks = 0;     ///< pieces of surface, one line each
   std::size_t num_observations = 0;  ///< pairs of a pose and a landmark that it saw
   double initial_cost = 0.0;         ///< of poses and lines, points eliminated, weights fixed
-  double final_cost = 0.0;           ///< the same; weights of the last step
+  double final_cost = 0.0;           ///< the same, after the step
   /// Root mean square of how far returns moved across their surfaces, relative to those of the pose
   /// before, in standard deviations of a return.
   double moved_sigmas = 0.0;
-  int steps = 0;  ///< of Gauss-Newton
 };
 
 /// How well the poses explain the scans at one moment of a solve.

@@ -86,7 +86,7 @@ LandmarkQuadtree::Partition LandmarkQuadtree::Choose(const SurfaceCell& cell,
   const PointMoments& moments = cell.moments;
   if (moments.weight < kMinPoints) return Split(quarters);
   const LineFit fit = FitLine(moments);
-  if (fit.EigenvalueRatio() > options_.max_eigenvalue_ratio) return Split(quarters);
+  if (fit.EigenvalueRatio() > kMaxEigenvalueRatio) return Split(quarters);
   const Partition whole{fit.smaller_eigenvalue * moments.weight, moments.weight, 1, true};
   return SplitPays(whole, quarters) ? Split(quarters) : whole;
 }

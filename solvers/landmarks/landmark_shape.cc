@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plumbline/factors/robust_loss.h"
+#include "plumbline/factors/shape_factor.h"
 
 namespace plumbline {
 namespace {
@@ -32,7 +33,7 @@ void AddTerm(const Eigen::Vector2d& direction, double weight, LineObservation* o
 
 std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
                                                      const LineLandmarks& landmarks,
-                                                     double max_gap_m, ThreadPool* pool) {
+                                                     ThreadPool* pool) {
   constexpr std::size_t kScansPerChunk = 64;
   const std::size_t num_scans = graph.num_scans();
   std::vector<std::vector<AdjacentLandmarks>> parts(
@@ -47,7 +48,7 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
       const int landmark = landmarks.landmark_of_return[r];
       if (landmark == LineLandmarks::kNone) continue;
       if (last_landmark != LineLandmarks::kNone && landmark != last_landmark &&
-          (returns.PointInRobot(r) - returns.PointInRobot(last)).norm() <= max_gap_m) {
+          (returns.PointInRobot(r) - returns.PointInRobot(last)).norm() <= kShapeRegionM) {
         pairs->push_back(
             {scan.pose, std::min(landmark, last_landmark), std::max(landmark, last_landmark)});
       }
@@ -77,12 +78,12 @@ std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
   return adjacent;
 }
 
-void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, const ShapeOptions& options,
-                   double margin_rad, const std::vector<LineLandmark>& landmarks,
-                   const std::vector<PoseFrame>& frames, LineObservations* observations) {
-  const double max_sine = std::sin(margin_rad);
-  const GemanMcClure loss = GemanMcClure::FromGate(options.robust_gate_sigmas);
-  const double information = 1.0 / (options.sigma_rad * options.sigma_rad);
+void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, double gate_sigmas,
+                   const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+                   LineObservations* observations) {
+  const double max_sine = std::sin(kShapeMarginRad);
+  const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
+  const double information = 1.0 / (kShapeSigmaRad * kShapeSigmaRad);
   for (const AdjacentLandmarks& pair : adjacent) {
     const PoseFrame& frame = frames[pair.pose];
     const Eigen::Vector2d a = frame.RotateBack(landmarks[pair.first].normal);

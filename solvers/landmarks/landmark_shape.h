@@ -6,7 +6,6 @@
 #include "plumbline/core/pose_frame.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/factor_options.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
 
@@ -19,23 +18,24 @@ struct AdjacentLandmarks {
   int second = 0;  ///< > first
 };
 
-/// Finds them: consecutive returns on different landmarks, no more than max_gap_m [m] apart. Once
+/// Finds them: consecutive returns on different landmarks, no more than kShapeRegionM apart. Once
 /// per scan, in order of scans.
 std::vector<AdjacentLandmarks> FindAdjacentLandmarks(const SlamGraph& graph,
                                                      const LineLandmarks& landmarks,
-                                                     double max_gap_m, ThreadPool* pool);
+                                                     ThreadPool* pool);
 
-/// Adds the shape terms of pairs that are within margin_rad of parallel or orthogonal,
+/// Adds the shape terms of pairs that are within kShapeMarginRad of parallel or orthogonal,
 ///   1/2 w |n* - n|^2 / sigma^2,
-/// n and n* the normals of the two, n* turned by right angles next to n, w the robust weight. They
-/// go to what the pose observed of the two landmarks: each is drawn to the direction midway between
-/// n and n* as they are now, in the frame of the pose, with twice the weight. That is of the form
-/// of a scatter; its cost and its gradients, here, are those of the term, so the terms turn along
-/// with the map, and their pulls on the pose cancel. Where nothing wants to move, that is a
-/// stationary point of the terms with both directions free.
-void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, const ShapeOptions& options,
-                   double margin_rad, const std::vector<LineLandmark>& landmarks,
-                   const std::vector<PoseFrame>& frames, LineObservations* observations);
+/// n and n* the normals of the two, n* turned by right angles next to n, sigma kShapeSigmaRad, w
+/// the weight of a robust loss with this gate [standard deviations]. They go to what the pose
+/// observed of the two landmarks: each is drawn to the direction midway between n and n* as they
+/// are now, in the frame of the pose, with twice the weight. That is of the form of a scatter; its
+/// cost and its gradients, here, are those of the term, so the terms turn along with the map, and
+/// their pulls on the pose cancel. Where nothing wants to move, that is a stationary point of the
+/// terms with both directions free.
+void AddShapeTerms(const std::vector<AdjacentLandmarks>& adjacent, double gate_sigmas,
+                   const std::vector<LineLandmark>& landmarks, const std::vector<PoseFrame>& frames,
+                   LineObservations* observations);
 
 }  // namespace plumbline
 

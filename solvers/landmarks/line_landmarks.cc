@@ -72,11 +72,10 @@ double LineLandmarkOptions::SquaredSigmasOff(const LineLandmark& line,
 
 LineLandmarkOptions LandmarkOptionsFor(const FactorOptions& factors,
                                        const AssociationOptions& association) {
-  // Cells of 4 to 32 standard deviations at least: below 9, even a perfect wall fails the default
-  // eigenvalue ratio of 0.15.
+  // Cells of 4 to 32 standard deviations at least: below 9, even a perfect wall fails
+  // kMaxEigenvalueRatio.
   constexpr double kLargestOverNoise = 32.0;
   LineLandmarkOptions options;
-  options.max_eigenvalue_ratio = association.max_eigenvalue_ratio;
   options.noise = NoiseOf(factors);
   options.largest_m =
       std::max(association.landmark_size_m, kLargestOverNoise * options.noise.StandardDeviation());

@@ -54,8 +54,6 @@ struct PlacedBeam {
 
 struct LineLandmarkOptions {
   double largest_m = 0.8;  ///< side of the largest cell; the smallest is an eighth of it
-  /// A cell becomes a landmark up to this ratio of its smaller to its larger variance.
-  double max_eigenvalue_ratio = 0.15;
   /// Of a return off its surface.
   SurfaceNoise noise;
   /// Held-out returns have no say in the landmarks. They get the one of their cell, if it has one.
@@ -68,9 +66,8 @@ struct LineLandmarkOptions {
   double SquaredSigmasOff(const LineLandmark& line, const PlacedBeam& beam) const;
 };
 
-/// The landmarks that suit the noise, and the limit that the tangent lines of single points have.
-/// One pose is enough for a landmark, which then says nothing of where that pose is, but where a
-/// surface runs that nothing else has seen.
+/// The landmarks that suit the noise. One pose is enough for a landmark, which then says nothing of
+/// where that pose is, but where a surface runs that nothing else has seen.
 LineLandmarkOptions LandmarkOptionsFor(const FactorOptions& factors,
                                        const AssociationOptions& association);
 

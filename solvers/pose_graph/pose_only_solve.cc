@@ -98,14 +98,11 @@ class PoseOnlyRun {
     std::vector<int> fixed;
     for (const FixedPose& pose : graph_.fixed_poses()) fixed.push_back(pose.pose);
     std::vector<Pose2> poses = PosesOf(state_.poses);
-    StochasticDescentOptions sgd = options_.sgd;
-    sgd.callback = [&](int iteration, const std::vector<Pose2>& now) {
-      const bool go_on = Report(0.5 * errors_.Chi2(now), PoseArray(now)) &&
-                         (!options_.sgd.callback || options_.sgd.callback(iteration, now));
-      stopped_ = !go_on;
-      return go_on;
+    const auto report = [this](int /*iteration*/, const std::vector<Pose2>& now) {
+      stopped_ = !Report(0.5 * errors_.Chi2(now), PoseArray(now));
+      return !stopped_;
     };
-    PoseGraphResult result = DescendStochastically(graph_.relative_poses(), sgd, &poses, fixed);
+    PoseGraphResult result = DescendStochastically(graph_.relative_poses(), &poses, fixed, report);
     state_.poses = PoseArray(poses);
     return result;
   }

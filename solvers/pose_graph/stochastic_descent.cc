@@ -237,20 +237,20 @@ class Descent {
 }  // namespace
 
 PoseGraphResult DescendStochastically(const std::vector<RelativePoseConstraint>& edges,
-                                      const StochasticDescentOptions& options,
                                       std::vector<Pose2>* world_from_pose,
-                                      const std::vector<int>& fixed) {
+                                      const std::vector<int>& fixed,
+                                      const DescentCallback& callback) {
   const DefaultFloatEnvironment float_environment;
   Descent descent(edges, *world_from_pose, fixed);
   PoseGraphResult result;
   result.stop_reason = "all iterations done";
-  while (result.iterations < options.max_iterations) {
+  while (result.iterations < kMaxDescentIterations) {
     const double step = descent.Iterate(++result.iterations);
     if (!descent.AllFinite()) {
       result.stop_reason = "the poses have left the range of a double";
       return result;
     }
-    if (options.callback && !options.callback(result.iterations, descent.poses())) {
+    if (callback && !callback(result.iterations, descent.poses())) {
       result.stop_reason = "stopped by its caller";
       break;
     }

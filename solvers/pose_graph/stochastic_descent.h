@@ -1,14 +1,22 @@
 #ifndef PLUMBLINE_SOLVERS_POSE_GRAPH_STOCHASTIC_DESCENT_H_
 #define PLUMBLINE_SOLVERS_POSE_GRAPH_STOCHASTIC_DESCENT_H_
 
+#include <functional>
 #include <vector>
 
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/solvers/interface/solver_options.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 
 namespace plumbline {
+
+/// Iterations of DescendStochastically, at most; each goes through all edges once. By then steps
+/// are 1/400 of their first size.
+constexpr int kMaxDescentIterations = 400;
+
+/// Called with the poses after each iteration, counted from 1; false stops. May be empty.
+using DescentCallback =
+    std::function<bool(int iteration, const std::vector<Pose2>& world_from_pose)>;
 
 /// Moves the poses down the error of the edges, one edge at a time. Robust against poor starts,
 /// quick to find the shape; chi2 may rise for a while, and the end is near the optimum, not at it:
@@ -28,9 +36,9 @@ namespace plumbline {
 /// are long. Edges without a positive definite covariance are left out; poses without edges stay,
 /// and so do all if the numbers leave the range of a double.
 PoseGraphResult DescendStochastically(const std::vector<RelativePoseConstraint>& edges,
-                                      const StochasticDescentOptions& options,
                                       std::vector<Pose2>* world_from_pose,
-                                      const std::vector<int>& fixed = {0});
+                                      const std::vector<int>& fixed = {0},
+                                      const DescentCallback& callback = nullptr);
 
 }  // namespace plumbline
 

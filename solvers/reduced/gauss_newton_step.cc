@@ -28,9 +28,12 @@ bool LandmarkCost::MoveIfBetter(const std::vector<double>& moved, std::vector<do
 }
 
 GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
-                                    const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    const std::vector<PoseFrame>& frames,
                                     const PoseSystemSolver* linear_solver,
                                     std::vector<double>* poses, double* cost) {
+  // Of the right-hand side, in the preconditioner's norm: the re-weighting that follows a step
+  // moves the optimum by more.
+  constexpr double kCgTolerance = 1e-2;
   // The tolerance ends conjugate gradients long before.
   constexpr int kMaxCgIterations = 200;
   constexpr int kMaxHalvings = 4;
@@ -40,7 +43,7 @@ GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost
   GaussNewtonStep result;
   result.cg_iterations =
       SolvePoseSystemBy(linear_solver, system, observations, preconditioner, -system.gradient,
-                        cg_tolerance, kMaxCgIterations, landmark_cost.pool, &step)
+                        kCgTolerance, kMaxCgIterations, landmark_cost.pool, &step)
           .iterations;
   double length = 1.0;
   for (int attempt = 0; attempt <= kMaxHalvings; ++attempt, length *= 0.5) {

@@ -36,11 +36,11 @@ struct GaussNewtonStep {
   int cg_iterations = 0;  ///< of the linear system
 };
 
-/// Solves the system, linearised at the poses, by conjugate gradients to a residual of cg_tolerance
-/// times the right-hand side, and moves the poses by the step, or by half of it, up to four times
+/// Solves the system, linearised at the poses, by conjugate gradients to a residual of a hundredth
+/// of the right-hand side, and moves the poses by the step, or by half of it, up to four times
 /// halved, if that lowers the cost. frames: of the poses. linear_solver: null for SolvePoseSystem.
 GaussNewtonStep TakeGaussNewtonStep(const PoseSystem& system, const LandmarkCost& landmark_cost,
-                                    const std::vector<PoseFrame>& frames, double cg_tolerance,
+                                    const std::vector<PoseFrame>& frames,
                                     const PoseSystemSolver* linear_solver,
                                     std::vector<double>* poses, double* cost);
 

@@ -118,9 +118,9 @@ class LandmarkRun final : public JointRun {
   void FinishReduced(Associations* associations) {
     AddLandmarkLines(last_landmarks_, &pool_, &associations->lines);
     last_landmarks_ = LineLandmarks();
-    if (factors_.shape.enabled) {
-      associations->shape_pairs = FindShapePairs(graph_, FinalPoints(*associations),
-                                                 surface_->normals, options_.association, &pool_);
+    if (factors_.shape) {
+      associations->shape_pairs =
+          FindShapePairs(graph_, FinalPoints(*associations), surface_->normals, &pool_);
     }
     const Energy energy(graph_, *associations, factors_, &pool_);
     RecordSeed(energy, &TermSummary::initial_cost);

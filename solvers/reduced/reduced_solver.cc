@@ -11,6 +11,7 @@
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/seconds_since.h"
+#include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/full/ceres_solver.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
@@ -26,6 +27,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Rounds go on while one moves returns across their surfaces, relative to the returns of the pose
+// before, by more than this [standard deviations of a return, root mean square].
+constexpr double kMoveToleranceSigmas = 0.1;
 constexpr char kStopped[] = "stopped by the callback";
 
 // What a step came to.
@@ -55,8 +59,7 @@ class LandmarkMinimizer {
 
   ReducedResult Run() {
     for (int round = 0; round < options_.max_rounds && !result_.converged && !Ended(); ++round) {
-      // Wide gates first: where the seed has a wall twice, both sides have to pull.
-      const double gate_factor = round == 0 ? options_.first_gate_factor : 1.0;
+      const double gate_factor = round == 0 ? kStartGateFactor : 1.0;
       RunRound(gate_factor * factors_.manifold.robust_gate_sigmas, round == 0);
     }
     result_.fitted_poses = poses_;
@@ -74,13 +77,12 @@ class LandmarkMinimizer {
 
   void RunRound(double gate_sigmas, bool first) {
     // Where returns hardly moved, another cut would be the same one. The second takes more in.
-    if (result_.rounds.size() < 2 ||
-        result_.rounds.back().moved_sigmas > options_.move_tolerance_sigmas) {
+    if (result_.rounds.size() < 2 || result_.rounds.back().moved_sigmas > kMoveToleranceSigmas) {
       CutLandmarks(first);
       HoldUnanchored();
     }
-    const double last_gain = TakeSteps(gate_sigmas, options_.steps_per_round);
-    CheckConvergence(last_gain, first, result_.rounds.back());
+    const double gain = TakeStep(gate_sigmas);
+    CheckConvergence(gain, first, result_.rounds.back());
   }
 
   // All returns, those held out so far included, on the landmarks at hand.
@@ -89,12 +91,12 @@ class LandmarkMinimizer {
     ForgetObservations();
     observations_ = compressor_.LayOut(landmarks_.size(), landmark_of_return_, std::move(shared));
     HoldUnanchored();
-    TakeSteps(factors_.manifold.robust_gate_sigmas, 1);
+    TakeStep(factors_.manifold.robust_gate_sigmas);
     if (result_.stopped) result_.stop_reason = kStopped;
   }
 
-  // Adds a row to the rounds, and gives what the last step gained.
-  double TakeSteps(double gate_sigmas, int max_steps) {
+  // Adds a row to the rounds, and returns by how much the step lowered the cost.
+  double TakeStep(double gate_sigmas) {
     const double setup_time_s = result_.setup_time_s;
     const auto start = Clock::now();
     LandmarkRoundSummary row;
@@ -102,28 +104,17 @@ class LandmarkMinimizer {
     row.num_landmarks = SumOfPeers(observations_.shared.NumCountedHere(landmarks_.size()));
     row.num_observations = SumOfPeers(observations_.observations.size());
     const GemanMcClure loss = GemanMcClure::FromGate(gate_sigmas);
-    StepOutcome outcome;
-    double moved_squared = 0.0;
-    while (row.steps < max_steps && !Ended()) {
-      step_start_ = Clock::now();
-      frames_ = FramesOf(poses_);
-      compressor_.Weigh(landmarks_, frames_, loss, &observations_);
-      if (factors_.shape.enabled) {
-        AddShapeTerms(adjacent_, factors_.shape, association_.shape_margin_rad, landmarks_, frames_,
-                      &observations_);
-      }
-      if (row.steps == 0 && !options_.lines_follow) {
-        FitLandmarkLines(observations_, frames_, pool_, &landmarks_);
-      }
-      cost_ = landmark_cost_.At(poses_, frames_);
-      if (row.steps == 0) row.initial_cost = cost_;
-      outcome = Step();
-      moved_squared += outcome.moved_squared;
-      ++row.steps;
-      if (outcome.gain <= options_.relative_tolerance * cost_) break;
+    step_start_ = Clock::now();
+    frames_ = FramesOf(poses_);
+    compressor_.Weigh(landmarks_, frames_, loss, &observations_);
+    if (factors_.shape) {
+      AddShapeTerms(adjacent_, factors_.ShapeGateSigmas(), landmarks_, frames_, &observations_);
     }
+    if (!options_.lines_follow) FitLandmarkLines(observations_, frames_, pool_, &landmarks_);
+    cost_ = row.initial_cost = landmark_cost_.At(poses_, frames_);
+    const StepOutcome outcome = Step();
     row.final_cost = cost_;
-    row.moved_sigmas = MovedSigmas(moved_squared);
+    row.moved_sigmas = MovedSigmas(outcome.moved_squared);
     result_.rounds.push_back(row);
     result_.minimization_time_s += SecondsSince(start) - (result_.setup_time_s - setup_time_s);
     return outcome.gain;
@@ -154,9 +145,7 @@ class LandmarkMinimizer {
     options.hold_out = true;
     options.joins_without_normal = !first || options_.max_rounds == 1;
     LineLandmarks cut = CutIntoLandmarks(graph_, poses_, surface_, options, pool_);
-    if (factors_.shape.enabled) {
-      adjacent_ = FindAdjacentLandmarks(graph_, cut, association_.min_segment_length_m, pool_);
-    }
+    if (factors_.shape) adjacent_ = FindAdjacentLandmarks(graph_, cut, pool_);
     if (result_.rounds.empty()) result_.first_cut = cut;
     landmarks_ = std::move(cut.landmarks);
     landmark_of_return_ = std::move(cut.landmark_of_return);
@@ -178,9 +167,8 @@ class LandmarkMinimizer {
 
   void MoveByGaussNewton() {
     const double cost = cost_;
-    const GaussNewtonStep step =
-        TakeGaussNewtonStep(system_, landmark_cost_, frames_, options_.cg_tolerance,
-                            options_.linear_solver.get(), &poses_, &cost_);
+    const GaussNewtonStep step = TakeGaussNewtonStep(system_, landmark_cost_, frames_,
+                                                     options_.linear_solver.get(), &poses_, &cost_);
     IterationSummary iteration;
     iteration.phase = "poses";
     iteration.gradient_max_norm = MaxOverPeers(
@@ -264,14 +252,14 @@ class LandmarkMinimizer {
     return std::sqrt(moved_squared / std::max(total_weight * noise_m * noise_m, 1.0));
   }
 
-  void CheckConvergence(double last_gain, bool first, const LandmarkRoundSummary& round) {
+  void CheckConvergence(double gain, bool first, const LandmarkRoundSummary& round) {
     if (!result_.usable) return;
     std::ostringstream reason;
-    reason << "a round brought the cost down to " << round.final_cost << ", by " << last_gain
-           << " in its last step, and moved returns by " << round.moved_sigmas << " sigmas";
+    reason << "a round brought the cost down to " << round.final_cost << ", by " << gain
+           << ", and moved returns by " << round.moved_sigmas << " sigmas";
     result_.converged = !first && !result_.stopped &&
-                        last_gain <= options_.relative_tolerance * round.final_cost &&
-                        round.moved_sigmas <= options_.move_tolerance_sigmas;
+                        gain <= options_.relative_tolerance * round.final_cost &&
+                        round.moved_sigmas <= kMoveToleranceSigmas;
     reason << (result_.converged ? ": within the tolerances" : "");
     result_.stop_reason = result_.stopped ? kStopped : reason.str();
   }

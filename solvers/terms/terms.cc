@@ -116,24 +116,26 @@ class ManifoldTerm final : public TermOf<ManifoldTerm, ManifoldFactor, PointId> 
 
 class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId, PointId, PointId> {
  public:
-  ShapeTerm(const SlamGraph& graph, const Associations& associations, const ShapeOptions& options)
-      : pairs_(associations.shape_pairs), options_(options), first_pair_(graph.num_scans() + 1, 0) {
-    if (!options.enabled) return;
+  ShapeTerm(const SlamGraph& graph, const Associations& associations, const FactorOptions& options)
+      : pairs_(associations.shape_pairs),
+        gate_sigmas_(options.ShapeGateSigmas()),
+        first_pair_(graph.num_scans() + 1, 0) {
+    if (!options.shape) return;
     for (const ShapePair& pair : pairs_) ++first_pair_[graph.ScanOfReturn(pair.current) + 1];
     for (int s = 0; s < graph.num_scans(); ++s) first_pair_[s + 1] += first_pair_[s];
   }
 
   std::string name() const override { return "shape"; }
   std::string unit() const override { return "rad (robust)"; }
-  double sigma() const override { return options_.sigma_rad; }
+  double sigma() const override { return kShapeSigmaRad; }
   std::size_t num_blocks() const override { return first_pair_.back(); }
-  GemanMcClure loss() const { return GemanMcClure::FromGate(options_.robust_gate_sigmas); }
+  GemanMcClure loss() const { return GemanMcClure::FromGate(gate_sigmas_); }
 
   template <typename Visit>
   bool ForEach(int scan_id, const double* /*poses*/, const Visit& visit) const {
     for (std::size_t p = first_pair_[scan_id]; p < first_pair_[scan_id + 1]; ++p) {
       const ShapePair& pair = pairs_[p];
-      const ShapeResidual residual{pair.category, 1.0 / options_.sigma_rad};
+      const ShapeResidual residual{pair.category, 1.0 / kShapeSigmaRad};
       if (!visit(p, residual, PointId{pair.previous}, PointId{pair.current},
                  PointId{pair.adjacent_previous}, PointId{pair.adjacent_current})) {
         return false;
@@ -144,8 +146,8 @@ class ShapeTerm final : public TermOf<ShapeTerm, ShapeFactor, PointId, PointId, 
 
  private:
   const std::vector<ShapePair>& pairs_;
-  const ShapeOptions options_;
-  std::vector<std::size_t> first_pair_;  // per scan, and the end; all zero if not enabled
+  const double gate_sigmas_;
+  std::vector<std::size_t> first_pair_;  // per scan, and the end; all zero without shape terms
 };
 
 }  // namespace
@@ -158,7 +160,7 @@ TermList MakeTerms(const SlamGraph& graph, const Associations& associations,
       MakeRelativePoseTerm(std::move(edges.relative_poses)),
       std::make_shared<RangeBeamTerm>(graph, options.beam),
       std::make_shared<ManifoldTerm>(graph, associations, options.manifold),
-      std::make_shared<ShapeTerm>(graph, associations, options.shape),
+      std::make_shared<ShapeTerm>(graph, associations, options),
   };
   for (const auto& own_term : options.own_terms) terms.push_back(MakeTerm(own_term));
   return terms;

@@ -61,7 +61,7 @@ TEST(EveryCombinationTest, RunsOrIsRefused) {
             options.solver.rounds.max_fine_rounds = 1;
             options.solver.published.max_passes = 2;
             options.solver.factors.beam.sigma_range_m = 0.02;
-            options.solver.factors.shape.enabled = shape;
+            options.solver.factors.shape = shape;
             options.solver.factors.manifold.robust_gate_sigmas = gate;
             ExpectRunsOrIsRefused(options, std::string(ToString(solver)) +
                                                (reduced ? " --reduced" : "") + " from " +

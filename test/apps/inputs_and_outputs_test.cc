@@ -38,9 +38,9 @@ struct Program {
 
 // Flags that are empty by default, as those of files are, and mean no file. Any other one that is
 // no input means an output.
-const std::set<std::string> kTexts = {"start",       "calibrate",     "ceres",      "building",
-                                      "format",      "experiment",    "scan_topic", "odom_topic",
-                                      "laser_frame", "slice_height_m"};
+const std::set<std::string> kTexts = {
+    "start",      "calibrate",  "ceres",      "odometry_noise", "building",      "format",
+    "experiment", "scan_topic", "odom_topic", "laser_frame",    "slice_height_m"};
 const std::vector<Program> kPrograms = {
     {"slam",
      {"log", "info", "fixed_map", "truth", "hits"},

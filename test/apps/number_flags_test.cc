@@ -102,8 +102,8 @@ TEST_F(NumberFlagsTest, ARunOrTheNameOfTheFlagComesOfAnyNumber) {
 
 TEST_F(NumberFlagsTest, NumbersBeyondAllReasonAreRefused) {
   for (const char* flag :
-       {"--odom_rotation_floor_rad=1e20", "--sigma_range_m=1e20", "--sigma_range_m=1e308",
-        "--manifold_gate=1e-300", "--map_resolution_m=1e308", "--reduced_first_gate_factor=1e308",
+       {"--odometry_noise=rotation_floor_rad=1e20", "--sigma_range_m=1e20", "--sigma_range_m=1e308",
+        "--manifold_gate=1e-300", "--map_resolution_m=1e308", "--landmark_size_m=1e308",
         "--threads=2147483647", "--calibrate=mounting,mounting"}) {
     const Outcome run = RunWith(kPrograms.front(), flag);
     EXPECT_EQ(run.exit_code, kExitWrongUsage) << flag << ' ' << run.err;

@@ -217,10 +217,9 @@ TEST_F(ProgramsTest, BadFlagsAreNamed) {
   ExpectUsageError(Run("benchmark", comparison + "--solvers=reduced,ceres:newton"),
                    "--solvers: entry 'ceres:newton': ceres has no word 'newton'");
   for (const char* ignored :
-       {"ceres=minimizer_type=line_search", "sgd_iterations=5",
-        "cg_max_sweeps=5 --solvers=ceres,sgd", "coarse_rounds=1 --solvers=reduced,published",
-        "reduced --solvers=reduced", "reduced_steps=1 --solvers=ceres:points",
-        "keyframe_angle_deg=5 --start=icp"}) {
+       {"ceres=minimizer_type=line_search", "cg_max_sweeps=5 --solvers=ceres,sgd",
+        "coarse_rounds=1 --solvers=reduced,published", "reduced --solvers=reduced",
+        "reduced_tolerance=1 --solvers=ceres:points", "keyframe_distance_m=5 --start=icp"}) {
     const std::string text = ignored, flag = text.substr(0, text.find(' '));
     ExpectUsageError(
         Run("benchmark", comparison + "--" + text),

@@ -37,9 +37,6 @@ std::vector<Field> Fields() {
       {"manifold.sigma_m", false, [](O& o) -> double& { return o.manifold.sigma_m; }},
       {"manifold.robust_gate_sigmas", false,
        [](O& o) -> double& { return o.manifold.robust_gate_sigmas; }, true},
-      {"shape.sigma_rad", false, [](O& o) -> double& { return o.shape.sigma_rad; }},
-      {"shape.robust_gate_sigmas", false,
-       [](O& o) -> double& { return o.shape.robust_gate_sigmas; }, true},
   };
 }
 

@@ -20,7 +20,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Require(again.graph.num_returns() == pose_graph.graph.num_returns());
   SolverOptions descent;
   descent.type = SolverType::kSgd;
-  descent.sgd.max_iterations = 3;
+  int num_iterations = 0;
+  descent.callback = [&](const IterationSummary&) { return ++num_iterations < 3; };
   MapState state = again.graph.InitialState();
   if (pose_graph.graph.num_poses() <= 20) Solve(descent, again.graph, &state);
   for (const double number : state.poses) Require(std::isfinite(number));

@@ -102,7 +102,6 @@ Result RunSolver(SolverType type, const SeededGraph& seeded, int num_threads) {
   // Enough to come through every line of them.
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
   options.alternating_cg.max_sweeps = 2;
-  options.sgd.max_iterations = 20;
   const SolverSummary summary = Solve(options, seeded.graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_FALSE(SameBytes(result.seed_poses, state.poses))

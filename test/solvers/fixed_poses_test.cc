@@ -145,7 +145,7 @@ TEST_P(FixedPosesTest, AMapThatIsMovedAsAWholeIsRefinedAlike) {
     NoisyRoom room = DisturbedRoom(GetParam());
     EXPECT_TRUE(room.graph.FixPose(0, motion * room.state.WorldFromRobot(0)).ok());
     SolverOptions options = GetParam().Options();
-    options.factors.shape.enabled = true;
+    options.factors.shape = true;
     options.published.max_passes = 6;
     const SolverSummary summary = Solve(options, room.graph, &room.state);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;

@@ -290,7 +290,7 @@ TEST(IncrementalSolverTest, BadInputIsNamedAndChangesNothing) {
   options.num_threads = 0;
   EXPECT_THAT(message(options), HasSubstr("num_threads"));
   options = SolverOptions();
-  options.factors.shape.enabled = true;
+  options.factors.shape = true;
   EXPECT_THAT(message(options), HasSubstr("shape terms"));
   options = SolverOptions();
   options.type = SolverType::kAlternatingCg;

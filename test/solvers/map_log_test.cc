@@ -271,8 +271,8 @@ TEST(MapLogTest, OptionsThatAreBadOrDoNotGoTogetherAreNamed) {
   EXPECT_TRUE(options.Check(nullptr));
   options.solver.num_threads = 0;
   EXPECT_THAT(refusal(options), HasSubstr("solver.num_threads = 0"));
-  options.seeding.sequential.keyframe_distance_m = 0.0;
-  EXPECT_THAT(refusal(options), HasSubstr("seeding.sequential.keyframe_distance_m = 0"));
+  options.seeding.keyframe_distance_m = 0.0;
+  EXPECT_THAT(refusal(options), HasSubstr("seeding.keyframe_distance_m = 0"));
 }
 
 TEST(MapLogTest, StopsWhenTheProgressCallbackSaysSo) {

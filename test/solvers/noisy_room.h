@@ -93,7 +93,7 @@ inline NoisyRoom RoomWithEdges(const NoisyRoomOptions& options = NoisyRoomOption
 /// The defaults, with the shape terms that they leave out.
 inline FactorOptions EveryTerm() {
   FactorOptions factors;
-  factors.shape.enabled = true;
+  factors.shape = true;
   return factors;
 }
 

@@ -82,7 +82,6 @@ TEST_P(ResidualsOf, AddUpToTheCostsOfTheSummary) {
 TEST(ResidualsTest, SurfacesGoByTheLinesOfTheSolver) {
   NoisyRoom room = MakeNoisyRoom();
   SolverOptions options;
-  options.association.max_eigenvalue_ratio = 0.1;
   options.type = SolverType::kAlternatingCg;  // no landmarks: lines from radii alone
   Residuals residuals;
   ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());

@@ -78,8 +78,8 @@ TEST(Seed, ClosesALoopThatDriftedOpen) {
   SequentialTrajectory trajectory;
   SequentialSeedingReport sequential;
   ScanSurfaces surfaces(odometry, Packed(SurfacesOf(odometry)));
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
-                               &surfaces, &trajectory, &sequential)
+  ASSERT_TRUE(SeedSequentially(SeedingOptions(), MotionOptions(), nullptr, &pool, &surfaces,
+                               &trajectory, &sequential)
                   .ok());
   EXPECT_GT(DistanceM(truth.InitialPose(back), trajectory.world_from_robot[back]), 0.2);
 
@@ -177,17 +177,17 @@ TEST(Seed, NamesTheOptionOrInputThatIsWrong) {
   expect_failure("one normal per return");
   motion.rotation_floor_rad = 0.0;
   expect_failure("rotation_floor_rad");
-  options.sequential.keyframe_angle_rad = 0.0;
-  expect_failure("sequential.keyframe_angle_rad");
+  options.keyframe_distance_m = 0.0;
+  expect_failure("keyframe_distance_m");
 }
 
 TEST(Seed, ChecksOptionsAllTheWayDown) {
   SeedingOptions options;
   std::string error;
   EXPECT_TRUE(options.Check(&error));
-  options.sequential.keyframe_distance_m = 0.0;
+  options.keyframe_distance_m = 0.0;
   EXPECT_FALSE(options.Check(&error));
-  EXPECT_NE(error.find("sequential.keyframe_distance_m = 0"), std::string::npos) << error;
+  EXPECT_NE(error.find("keyframe_distance_m = 0"), std::string::npos) << error;
 }
 
 // Four beams a right angle apart show no surfaces, so the map is that of the odometry.

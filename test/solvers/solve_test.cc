@@ -30,7 +30,7 @@ NoisyRoom DisturbedRoom() {
 SolverOptions OptionsFor(SolverType type) {
   SolverOptions options;
   options.type = type;
-  options.factors.shape.enabled = true;  // every term takes part
+  options.factors.shape = true;  // every term takes part
   options.rounds.max_coarse_rounds = 2;
   options.rounds.max_fine_rounds = 2;
   return options;
@@ -282,13 +282,6 @@ TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
   options.ceres->trust_region_strategy_type = ceres::DOGLEG;
   options.ceres->linear_solver_type = ceres::CGNR;
   ExpectFailure(options, room.graph, &room.state, "DOGLEG");
-}
-
-TEST(SolveTest, LandmarksHaveNoNearestNeighbors) {
-  NoisyRoom room = DisturbedRoom();
-  SolverOptions options = OptionsFor(SolverType::kReduced);
-  options.association.neighborhood = NeighborhoodType::kNearest;
-  ExpectFailure(options, room.graph, &room.state, "association.neighborhood = nearest");
 }
 
 TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {

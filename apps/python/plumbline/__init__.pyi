@@ -167,10 +167,6 @@ class UpdateScope(_Choice):
     AUTOMATIC: ClassVar[UpdateScope]
     ALL: ClassVar[UpdateScope]
 
-class NeighborhoodType(_Choice):
-    RADIUS: ClassVar[NeighborhoodType]
-    NEAREST: ClassVar[NeighborhoodType]
-
 class StartType(_Choice):
     ODOMETRY: ClassVar[StartType]
     ICP: ClassVar[StartType]
@@ -199,11 +195,6 @@ class ManifoldOptions(_Checked):
     sigma_m: float
     robust_gate_sigmas: float
 
-class ShapeOptions(_Checked):
-    enabled: bool
-    sigma_rad: float
-    robust_gate_sigmas: float
-
 class DownweightedStep(_Checked):
     step: int
     sigma_factor: float
@@ -212,53 +203,33 @@ class FactorOptions(_Checked):
     motion: MotionOptions
     beam: RangeBeamOptions
     manifold: ManifoldOptions
-    shape: ShapeOptions
+    shape: bool
     downweighted_steps: tuple[DownweightedStep, ...]
     ignored_relative_poses: tuple[int, ...]
 
 class AssociationOptions(_Checked):
-    neighborhood: NeighborhoodType
-    min_points: int
     several_poses: bool
     landmark_size_m: float
-    max_points: int
-    max_eigenvalue_ratio: float
-    min_segment_length_m: float
-    shape_margin_rad: float
 
 class RoundOptions(_Checked):
     max_coarse_rounds: int
     max_fine_rounds: int
     coarse_radius_m: float
     fine_radius_m: float
-    coarse_gate_factor: float
-    relative_tolerance: float
 
 class ReducedOptions(_Checked):
     max_rounds: int
-    steps_per_round: int
-    first_gate_factor: float
     relative_tolerance: float
-    move_tolerance_sigmas: float
     lines_follow: bool
-    cg_tolerance: float
 
 class AlternatingCgOptions(_Checked):
     max_sweeps: int
-    map_iterations_per_sweep: int
-    pose_iterations_per_sweep: int
     scan_iterations_per_sweep: int
     relative_cost_tolerance: float
 
 class PublishedOptions(_Checked):
     max_passes: int
-    sweeps_per_pass: int
-    relative_tolerance: float
     sigma_from_start: bool
-    precondition: bool
-
-class StochasticDescentOptions(_Checked):
-    max_iterations: int
 
 class SolverOptions(_Checked):
     type: SolverType
@@ -271,7 +242,6 @@ class SolverOptions(_Checked):
     published: PublishedOptions
     ceres: Mapping[str, bool | int | float | str]
     ceres_reduced: bool
-    sgd: StochasticDescentOptions
     num_threads: int
     measure_rounds: bool
 
@@ -289,12 +259,8 @@ class CalibrationOptions(_Options):
     range_scale: bool
     odometry_scale: bool
 
-class SequentialSeedingOptions(_Checked):
-    keyframe_distance_m: float
-    keyframe_angle_rad: float
-
 class SeedingOptions(_Checked):
-    sequential: SequentialSeedingOptions
+    keyframe_distance_m: float
 
 class MapLogOptions(_Checked):
     start: StartType
@@ -341,7 +307,6 @@ class LandmarkRoundSummary:
     initial_cost: Final[float]
     final_cost: Final[float]
     moved_sigmas: Final[float]
-    steps: Final[int]
 
 class RoundEnergy:
     round: Final[int]

@@ -282,7 +282,7 @@ TEST(SeedingStudyTest, JudgesWhatCanBeRightOfAFrozenLaserAndOfTwoBuildings) {
 
 TEST(SeedingStudyTest, RefusesBadOptions) {
   SeedingOptions options;
-  options.sequential.keyframe_distance_m = 0.0;
+  options.keyframe_distance_m = 0.0;
   SeedingOutcome outcome;
   EXPECT_EQ(RunSeedingCase(SeedingCase(), options, FactorOptions(), &outcome).code(),
             StatusCode::kInvalidArgument);

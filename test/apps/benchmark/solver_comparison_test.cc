@@ -198,7 +198,7 @@ Comparison CompareOnSmallProblem(const std::string& list, const ComparedProblem&
 TEST(SolverComparisonTest, EverySolverRunsFromOneStart) {
   const ComparedProblem problem = SmallProblem();
   const Comparison comparison = CompareOnSmallProblem(
-      "reduced,reduced:fixed_lines,alternating_cg,published,published:precondition,ceres,"
+      "reduced,reduced:fixed_lines,alternating_cg,published,ceres,"
       "pose_graph,sgd",
       problem);
   const std::string table = ComparisonTable(comparison);
@@ -255,14 +255,13 @@ TEST(SolverComparisonTest, LongTracesKeepStatesEvenlyInLogarithmOfTime) {
   const ComparedProblem problem = SmallProblem();
   SolverOptions options;
   options.type = SolverType::kSgd;
-  options.sgd.max_iterations = 3000;
   const SolverRun run = RunSolver({"sgd", options}, problem, 100.0);
   ASSERT_EQ(run.failure, "");
-  EXPECT_EQ(run.num_iterations, 3000);
+  EXPECT_EQ(run.num_iterations, 400);
   EXPECT_GT(run.trace.size(), 20u);
   EXPECT_LE(run.trace.size(), 203u);
   EXPECT_EQ(run.trace.front().iteration, 0);
-  EXPECT_EQ(run.trace.back().iteration, 3001);
+  EXPECT_EQ(run.trace.back().iteration, 401);
   for (std::size_t i = 1; i < run.trace.size(); ++i) {
     EXPECT_GT(run.trace[i].iteration, run.trace[i - 1].iteration);
     EXPECT_GT(run.trace[i].marginal_energy, 0.0);

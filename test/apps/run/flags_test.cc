@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "plumbline/apps/program/command_line.h"
-#include "plumbline/core/angle.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 
 namespace plumbline {
@@ -45,50 +44,16 @@ const std::vector<NumberFlag>& NumberFlags() {
       {"sigma_bearing_rad", [](O o) { return o.solver.factors.beam.sigma_bearing_rad; }},
       {"sigma_manifold_m", [](O o) { return o.solver.factors.manifold.sigma_m; }},
       {"manifold_gate", [](O o) { return o.solver.factors.manifold.robust_gate_sigmas; }},
-      {"sigma_shape_rad", [](O o) { return o.solver.factors.shape.sigma_rad; }},
-      {"shape_gate", [](O o) { return o.solver.factors.shape.robust_gate_sigmas; }},
-      {"odom_rotation_per_rotation",
-       [](O o) { return o.solver.factors.motion.rotation_per_rotation; }},
-      {"odom_rotation_per_translation_rad_m",
-       [](O o) { return o.solver.factors.motion.rotation_per_translation_rad_m; }},
-      {"odom_translation_per_translation",
-       [](O o) { return o.solver.factors.motion.translation_per_translation; }},
-      {"odom_translation_per_rotation_m_rad",
-       [](O o) { return o.solver.factors.motion.translation_per_rotation_m_rad; }},
-      {"odom_translation_floor_m", [](O o) { return o.solver.factors.motion.translation_floor_m; }},
-      {"odom_rotation_floor_rad", [](O o) { return o.solver.factors.motion.rotation_floor_rad; }},
-      {"min_neighbors", [](O o) { return double(o.solver.association.min_points); }},
-      {"max_neighbors", [](O o) { return double(o.solver.association.max_points); }},
       {"landmark_size_m", [](O o) { return o.solver.association.landmark_size_m; }},
-      {"max_eigenvalue_ratio", [](O o) { return o.solver.association.max_eigenvalue_ratio; }},
-      {"min_segment_length_m", [](O o) { return o.solver.association.min_segment_length_m; }},
-      {"shape_margin_deg", [](O o) { return RadToDeg(o.solver.association.shape_margin_rad); }},
       {"coarse_rounds", [](O o) { return double(o.solver.rounds.max_coarse_rounds); }},
       {"fine_rounds", [](O o) { return double(o.solver.rounds.max_fine_rounds); }},
-      {"coarse_radius_m", [](O o) { return o.solver.rounds.coarse_radius_m; }},
-      {"fine_radius_m", [](O o) { return o.solver.rounds.fine_radius_m; }},
-      {"coarse_gate_factor", [](O o) { return o.solver.rounds.coarse_gate_factor; }},
-      {"round_tolerance", [](O o) { return o.solver.rounds.relative_tolerance; }},
       {"reduced_max_rounds", [](O o) { return double(o.solver.reduced.max_rounds); }},
-      {"reduced_steps", [](O o) { return double(o.solver.reduced.steps_per_round); }},
-      {"reduced_first_gate_factor", [](O o) { return o.solver.reduced.first_gate_factor; }},
       {"reduced_tolerance", [](O o) { return o.solver.reduced.relative_tolerance; }},
-      {"reduced_move_tolerance", [](O o) { return o.solver.reduced.move_tolerance_sigmas; }},
-      {"reduced_cg_tolerance", [](O o) { return o.solver.reduced.cg_tolerance; }},
       {"cg_max_sweeps", [](O o) { return double(o.solver.alternating_cg.max_sweeps); }},
-      {"cg_map_iterations",
-       [](O o) { return double(o.solver.alternating_cg.map_iterations_per_sweep); }},
-      {"cg_pose_iterations",
-       [](O o) { return double(o.solver.alternating_cg.pose_iterations_per_sweep); }},
       {"cg_scan_iterations",
        [](O o) { return double(o.solver.alternating_cg.scan_iterations_per_sweep); }},
       {"cg_tolerance", [](O o) { return o.solver.alternating_cg.relative_cost_tolerance; }},
-      {"published_max_passes", [](O o) { return double(o.solver.published.max_passes); }},
-      {"published_sweeps", [](O o) { return double(o.solver.published.sweeps_per_pass); }},
-      {"published_tolerance", [](O o) { return o.solver.published.relative_tolerance; }},
-      {"sgd_iterations", [](O o) { return double(o.solver.sgd.max_iterations); }},
-      {"keyframe_distance_m", [](O o) { return o.seeding.sequential.keyframe_distance_m; }},
-      {"keyframe_angle_deg", [](O o) { return RadToDeg(o.seeding.sequential.keyframe_angle_rad); }},
+      {"keyframe_distance_m", [](O o) { return o.seeding.keyframe_distance_m; }},
   };
   return flags;
 }
@@ -112,8 +77,10 @@ TEST_F(FlagsTest, DefaultsAreThoseOfTheLibrary) {
   }
   EXPECT_EQ(flags.solver.type, library.solver.type);
   EXPECT_EQ(flags.solver.ceres->reduced, library.solver.ceres->reduced);
-  EXPECT_EQ(flags.solver.association.neighborhood, library.solver.association.neighborhood);
-  EXPECT_EQ(flags.solver.factors.shape.enabled, library.solver.factors.shape.enabled);
+  EXPECT_EQ(flags.solver.factors.shape, library.solver.factors.shape);
+  for (const MotionField& field : kMotionFields) {
+    EXPECT_EQ(flags.solver.factors.motion.*field.value, library.solver.factors.motion.*field.value);
+  }
 }
 
 TEST_F(FlagsTest, EachNumberReachesItsOption) {
@@ -148,7 +115,8 @@ TEST_F(FlagsTest, AWrongFieldOfCeresIsReportedWithWhatThereIs) {
       {"eta=1,dogleg_type=x",
        "--ceres=dogleg_type=x: dogleg_type = 'x', but it must be traditional_dogleg or"},
       {"max_num_iterations=2.5", "must be a whole number"},
-      {"max_num_iterations=0", "ceres.max_num_iterations = 0, but it must be >= 1"},
+      {"max_num_iterations=0",
+       "--ceres=max_num_iterations=0: max_num_iterations = 0, but it must be >= 1"},
       {"jacobi_scaling=1", "must be true or false"},
       {"eta=nan", "must be a finite number"},
       {"eta=", "eta = '', but it must be a finite number"}};
@@ -159,38 +127,41 @@ TEST_F(FlagsTest, AWrongFieldOfCeresIsReportedWithWhatThereIs) {
   }
 }
 
+TEST_F(FlagsTest, FieldsOfTheOdometryNoiseAreSetByName) {
+  SetFlag("odometry_noise", "translation_floor_m=0.25,rotation_per_rotation=1e-3");
+  const MotionOptions motion = FromFlags().solver.factors.motion;
+  EXPECT_EQ(motion.translation_floor_m, 0.25);
+  EXPECT_EQ(motion.rotation_per_rotation, 1e-3);
+  EXPECT_EQ(motion.rotation_floor_rad, MotionOptions().rotation_floor_rad);
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"0.1", "--odometry_noise=0.1: want NAME=VALUE"},
+      {"alpha=1", "--odometry_noise=alpha=1: there is no such noise"},
+      {"translation_floor_m=1cm", "field 'translation_floor_m': '1cm' is not a number"},
+      {"translation_floor_m=nan",
+       "--odometry_noise=translation_floor_m=nan: translation_floor_m = nan"},
+      {"translation_floor_m=", "field 'translation_floor_m': is missing"}};
+  for (const auto& [value, message] : cases) {
+    SetFlag("odometry_noise", value);
+    SolverOptions options;
+    EXPECT_THAT(SolverOptionsFromFlags(&options).message(), HasSubstr(message)) << value;
+  }
+}
+
 TEST_F(FlagsTest, OurOwnNamesAndSwitches) {
-  SetFlag("solver", "ceres");
-  SetFlag("neighborhood", "nearest");
-  SetFlag("shape", AllOptions().solver.factors.shape.enabled ? "false" : "true");
-  SetFlag("several_poses", "false");
+  const SolverOptions defaults;
+  SetFlag("shape", "true");
   SetFlag("test_edges", "false");
-  SetFlag("reduced_lines_follow", "false");
-  const SolverOptions options = FromFlags().solver;
-  EXPECT_FALSE(options.association.several_poses);
-  EXPECT_FALSE(options.test_edges);
-  EXPECT_FALSE(options.reduced.lines_follow);
-  EXPECT_EQ(options.type, SolverType::kCeres);
-  SetFlag("solver", "pose_graph");
-  EXPECT_EQ(FromFlags().solver.type, SolverType::kPoseGraph);
-  SetFlag("solver", "sgd");
-  EXPECT_EQ(FromFlags().solver.type, SolverType::kSgd);
-  SetFlag("solver", "ceres");
-  EXPECT_EQ(options.association.neighborhood, NeighborhoodType::kNearest);
-  EXPECT_NE(options.factors.shape.enabled, AllOptions().solver.factors.shape.enabled);
-  SolverOptions with_landmarks;
   SetFlag("reduced", "true");
-  const Status status = SolverOptionsFromFlags(&with_landmarks);
-  EXPECT_THAT(status.message(), HasSubstr("association.neighborhood = nearest"));
-  SetFlag("neighborhood", "radius");
-  EXPECT_THAT(SolverOptionsFromFlags(&with_landmarks).message(),
-              HasSubstr("reduced.lines_follow = false"));
-  SetFlag("reduced_lines_follow", "true");
-  EXPECT_TRUE(FromFlags().solver.ceres->reduced);
-  SetFlag("published_precondition", "true");
-  EXPECT_TRUE(FromFlags().solver.published.precondition);
   SetFlag("published_sigma_from_start", "true");
-  EXPECT_TRUE(FromFlags().solver.published.sigma_from_start);
+  for (const SolverType type : {SolverType::kCeres, SolverType::kPoseGraph, SolverType::kSgd}) {
+    SetFlag("solver", ToString(type));
+    EXPECT_EQ(FromFlags().solver.type, type);
+  }
+  const SolverOptions options = FromFlags().solver;
+  EXPECT_NE(options.factors.shape, defaults.factors.shape);
+  EXPECT_NE(options.test_edges, defaults.test_edges);
+  EXPECT_NE(options.ceres->reduced, defaults.ceres->reduced);
+  EXPECT_NE(options.published.sigma_from_start, defaults.published.sigma_from_start);
 }
 
 TEST_F(FlagsTest, TheStartIsTheSolversUnlessItIsSaid) {
@@ -222,17 +193,9 @@ std::vector<gflags::CommandLineFlagInfo> FlagsOfFlagsFile() {
 
 // A flag that these tests do not know may be one that nothing reads.
 TEST_F(FlagsTest, EveryFlagIsTestedHere) {
-  std::vector<std::string> known = {"solver",
-                                    "start",
-                                    "reduced",
-                                    "ceres",
-                                    "neighborhood",
-                                    "shape",
-                                    "several_poses",
-                                    "test_edges",
-                                    "reduced_lines_follow",
-                                    "published_precondition",
-                                    "published_sigma_from_start"};
+  std::vector<std::string> known = {
+      "solver", "start",      "reduced",        "ceres",
+      "shape",  "test_edges", "odometry_noise", "published_sigma_from_start"};
   for (const NumberFlag& flag : NumberFlags()) known.emplace_back(flag.name);
   for (const gflags::CommandLineFlagInfo& flag : FlagsOfFlagsFile()) {
     EXPECT_TRUE(std::find(known.begin(), known.end(), flag.name) != known.end()) << flag.name;
@@ -296,27 +259,18 @@ TEST_F(FlagsTest, AFlagThatTheSolverDoesNotReadIsRefused) {
   const std::vector<std::string> by_ceres = {"ceres", "ceres --reduced"};
   const Case cases[] = {{"threads", all},
                         {"sigma_range_m", all},
-                        {"odom_rotation_floor_rad", all},
                         {"sigma_manifold_m", of_returns},
                         {"test_edges", of_returns},
-                        {"sigma_shape_rad", of_returns},
                         {"shape", with_choices},
-                        {"shape_gate", with_choices},
                         {"manifold_gate", with_choices},
-                        {"neighborhood", with_choices},
-                        {"several_poses", with_choices},
-                        {"max_neighbors", {"alternating_cg", "ceres", "published"}},
-                        {"published_sweeps", {"published"}},
-                        {"fine_radius_m", of_returns},
+                        {"landmark_size_m", of_returns},
                         {"coarse_rounds", in_rounds},
-                        {"coarse_gate_factor", in_rounds},
-                        {"round_tolerance", in_rounds},
-                        {"reduced_steps", over_landmarks},
-                        {"reduced_cg_tolerance", {"reduced"}},
+                        {"published_sigma_from_start", {"published"}},
+                        {"reduced_max_rounds", over_landmarks},
+                        {"reduced_tolerance", over_landmarks},
                         {"ceres", by_ceres},
                         {"cg_max_sweeps", {"alternating_cg"}},
-                        {"cg_tolerance", {"alternating_cg"}},
-                        {"sgd_iterations", {"sgd"}}};
+                        {"cg_tolerance", {"alternating_cg"}}};
   for (const Case& it : cases) {
     for (const std::string& solver : all) {
       const gflags::FlagSaver saver;
@@ -356,7 +310,7 @@ TEST_F(FlagsTest, HelpListsOurFlagsOnly) {
   const std::string help = HelpText("Does this and that.");
   EXPECT_THAT(help, testing::StartsWith("Does this and that.\n"));
   EXPECT_THAT(help, HasSubstr("\n  --threads=2\n      Threads;"));
-  EXPECT_THAT(help, HasSubstr("\n  --shape_margin_deg=10\n"));
+  EXPECT_THAT(help, HasSubstr("\n  --landmark_size_m=0.8\n"));
   EXPECT_THAT(help, testing::Not(HasSubstr("logtostderr")));
   EXPECT_THAT(help, testing::Not(HasSubstr("helpxml")));
 }

@@ -14,8 +14,7 @@ namespace {
 
 std::vector<ShapePair> PairsOf(const SlamGraph& graph, int num_threads = 1) {
   ThreadPool pool(num_threads);
-  return FindShapePairs(graph, graph.InitialState().points, SurfaceOf(graph).normals,
-                        AssociationOptions(), &pool);
+  return FindShapePairs(graph, graph.InitialState().points, SurfaceOf(graph).normals, &pool);
 }
 
 std::vector<ShapePair> PairsOf(const SyntheticScene& scene) { return PairsOf(MakeGraph(scene)); }

@@ -24,8 +24,8 @@ SlamGraph DriveRoundTheRoom(int num_back) {
 Status SeedWith(const SlamGraph& graph, const SeedingProgress& progress, ThreadPool* pool,
                 SequentialTrajectory* trajectory, SequentialSeedingReport* report) {
   ScanSurfaces surfaces(graph, Packed(SurfacesOf(graph)));
-  return SeedSequentially(SequentialSeedingOptions(), MotionOptions(), progress, pool, &surfaces,
-                          trajectory, report);
+  return SeedSequentially(SeedingOptions(), MotionOptions(), progress, pool, &surfaces, trajectory,
+                          report);
 }
 
 SequentialTrajectory Seed(const SlamGraph& graph, SequentialSeedingReport* report) {
@@ -66,8 +66,8 @@ TEST(SequentialSeeding, MarksTheKeyframeAfterAScanThatMatchesNothing) {
   ThreadPool pool(1);
   SequentialTrajectory trajectory;
   SequentialSeedingReport report;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
-                               &surfaces, &trajectory, &report)
+  ASSERT_TRUE(SeedSequentially(SeedingOptions(), MotionOptions(), nullptr, &pool, &surfaces,
+                               &trajectory, &report)
                   .ok());
   EXPECT_EQ(report.num_unmatched, 1);
   int before = 0, num_marked = 0;
@@ -192,9 +192,9 @@ TEST(SequentialSeeding, KeepsTheSurfacesOfTheKeyframesOfAllStretches) {
   ScanSurfaces surfaces(graph, measured);
   SequentialTrajectory made, kept;
   SequentialSeedingReport report;
-  ASSERT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
-                               &surfaces, &made, &report)
-                  .ok());
+  ASSERT_TRUE(
+      SeedSequentially(SeedingOptions(), MotionOptions(), nullptr, &pool, &surfaces, &made, &report)
+          .ok());
   ASSERT_TRUE(SeedWith(graph, nullptr, &pool, &kept, &report).ok());
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     // What is kept is in single precision.

@@ -130,8 +130,6 @@ TEST(AlternatingCgTest, ASweepIsOneIteration) {
   Problem problem;
   AlternatingCgOptions options;
   options.max_sweeps = 1;
-  options.map_iterations_per_sweep = 2;
-  options.pose_iterations_per_sweep = 1;
   options.scan_iterations_per_sweep = 3;
   std::vector<std::string> phases;
   const InnerResult result = problem.Solve(options, [&](const IterationSummary& it) {

@@ -138,7 +138,7 @@ SparseMatrix GaussNewtonHessian(const SlamGraph& graph, const Associations& asso
             GemanMcClure::FromGate(factors.manifold.robust_gate_sigmas).Weight(s));
       } else if (terms[t]->name() == "shape") {
         weights.segment(row, size).setConstant(
-            GemanMcClure::FromGate(factors.shape.robust_gate_sigmas).Weight(s));
+            GemanMcClure::FromGate(factors.ShapeGateSigmas()).Weight(s));
       }
     }
   }
@@ -177,7 +177,7 @@ TEST(EnergyTest, CostsAndGradientsAreThoseOfCeres) {
 TEST(EnergyTest, WithoutShapeTermsToo) {
   NoisyRoom room = DisturbedRoom();
   FactorOptions factors = EveryTerm();
-  factors.shape.enabled = false;
+  factors.shape = false;
   ExpectSameAsCeres(room.graph, factors, false, &room.state);
 }
 

@@ -106,7 +106,7 @@ TEST(ProblemBuilderTest, AllPointsAreEliminatedWithoutShapeTerms) {
   NoisyRoom room = MakeNoisyRoom();
   DisturbPoses(0.01, room.graph, &room.state);
   FactorOptions factors = EveryTerm();
-  factors.shape.enabled = false;
+  factors.shape = false;
   const JointProblem joint =
       BuildJointProblem(room.graph, AssociationsOf(room.graph, room.state), factors, &room.state);
   ExpectValidOrdering(joint, room.graph);

@@ -118,7 +118,7 @@ TEST(ScanObjectiveTest, PreconditionerIsTheDiagonalOfTheCurvature) {
   // For unit vectors of one pose: e^T P e = curvature, with P from P^-1's action. The shape terms
   // are left out of P, so they are switched off here.
   Fixture f;
-  f.factors.shape.enabled = false;
+  f.factors.shape = false;
   const SlamGraph& graph = f.room.graph;
   const MapState& state = f.room.state;
   const Energy energy(graph, f.associations, f.factors, &f.pool);

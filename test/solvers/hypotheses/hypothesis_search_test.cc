@@ -38,8 +38,8 @@ SimulatedDrive MakeDrive(std::uint64_t seed, BuildingKind building) {
   ScanSurfaces surfaces(drive.graph, Packed(SurfacesOf(drive.graph)));
   ThreadPool pool(1);
   SequentialSeedingReport report;
-  EXPECT_TRUE(SeedSequentially(SequentialSeedingOptions(), MotionOptions(), nullptr, &pool,
-                               &surfaces, &drive.matched, &report)
+  EXPECT_TRUE(SeedSequentially(SeedingOptions(), MotionOptions(), nullptr, &pool, &surfaces,
+                               &drive.matched, &report)
                   .ok());
   drive.surfaces = std::move(surfaces).TakeKept();
   for (const SimulatedScan& scan : log.scans) drive.truth.push_back(scan.world_from_robot);

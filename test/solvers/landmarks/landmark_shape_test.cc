@@ -15,7 +15,7 @@
 namespace plumbline {
 namespace {
 
-constexpr double kMarginRad = 0.17453292519943295;  // 10 degrees
+constexpr double kGateSigmas = 3.0;
 
 LineLandmark LandmarkFacing(double degrees) {
   LineLandmark landmark;
@@ -49,8 +49,7 @@ struct Observed {
 
   Observed AddTerms() const {
     Observed with_terms = *this;
-    AddShapeTerms(adjacent, ShapeOptions(), kMarginRad, landmarks, frames,
-                  &with_terms.observations);
+    AddShapeTerms(adjacent, kGateSigmas, landmarks, frames, &with_terms.observations);
     return with_terms;
   }
 
@@ -75,8 +74,8 @@ TEST(LandmarkShapeTest, DrawsToTheNearestMultipleOfARightAngle) {
     EXPECT_NEAR(observed.Cost(1, 22.0 + category), 0.0, 1e-5) << category;
     // And as it is, both together: the distance of the normals over sigma, squared, with the robust
     // weight of that error.
-    const double error = 2.0 * std::sin(DegToRad(2.0)) / ShapeOptions().sigma_rad;
-    const double gate = ShapeOptions().robust_gate_sigmas;
+    const double error = 2.0 * std::sin(DegToRad(2.0)) / kShapeSigmaRad;
+    const double gate = kGateSigmas;
     const double weight = std::pow(gate * gate / (gate * gate + error * error), 2);
     EXPECT_NEAR(observed.Cost(0, 20.0) + observed.Cost(1, 24.0 + category),
                 0.5 * weight * error * error, 1e-5)
@@ -148,8 +147,7 @@ TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
   }
   landmarks.landmarks.resize(4);
   ThreadPool pool(1);
-  const std::vector<AdjacentLandmarks> adjacent =
-      FindAdjacentLandmarks(graph, landmarks, 0.2, &pool);
+  const std::vector<AdjacentLandmarks> adjacent = FindAdjacentLandmarks(graph, landmarks, &pool);
   ASSERT_EQ(adjacent.size(), 4u);
   for (int pose = 0; pose < 2; ++pose) {
     for (int i = 0; i < 2; ++i) {
@@ -162,27 +160,24 @@ TEST(LandmarkShapeTest, FindsLandmarksThatFollowEachOtherAlongScans) {
 
 // Two lines that two poses see 8 degrees apart, with a prior that is much stronger than what they
 // see: both turn halfway, at once.
-TEST(LandmarkShapeTest, AStrongTermTurnsBothLines) {
+TEST(LandmarkShapeTest, ATermTurnsLinesThatAreHardlyObserved) {
   Observed observed(90.0, 98.0);
   for (LineObservation& observation : observed.observations.observations) {
     const double facing = DegToRad(observation.landmark == 0 ? 90.0 : 98.0);
     const Eigen::Vector2d along(-std::sin(facing), std::cos(facing));
     observation.weight = 100.0;
-    observation.xx = static_cast<float>(10.0 * along.x() * along.x());
-    observation.xy = static_cast<float>(10.0 * along.x() * along.y());
-    observation.yy = static_cast<float>(10.0 * along.y() * along.y());
+    observation.xx = static_cast<float>(1e-3 * along.x() * along.x());
+    observation.xy = static_cast<float>(1e-3 * along.x() * along.y());
+    observation.yy = static_cast<float>(1e-3 * along.y() * along.y());
   }
-  ShapeOptions strong;
-  strong.sigma_rad = 1e-3;
-  strong.robust_gate_sigmas = std::numeric_limits<double>::infinity();
+  constexpr double kNoGate = std::numeric_limits<double>::infinity();
   ThreadPool pool(1);
   const auto angle_between = [&] {
     return std::acos(std::abs(observed.landmarks[0].normal.dot(observed.landmarks[1].normal)));
   };
   for (int step = 0; step < 3; ++step) {
     LineObservations with_terms = observed.observations;
-    AddShapeTerms(observed.adjacent, strong, kMarginRad, observed.landmarks, observed.frames,
-                  &with_terms);
+    AddShapeTerms(observed.adjacent, kNoGate, observed.landmarks, observed.frames, &with_terms);
     FitLandmarkLines(with_terms, observed.frames, &pool, &observed.landmarks);
     EXPECT_LT(angle_between(), DegToRad(0.01)) << step;
     EXPECT_NEAR(std::abs(observed.landmarks[0].normal.dot(LandmarkFacing(94.0).normal)), 1.0, 1e-6);

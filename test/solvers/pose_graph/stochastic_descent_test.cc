@@ -26,7 +26,7 @@ RelativePoseConstraint Edge(int from, int to, const Pose2& motion, double sigma 
 
 PoseGraphResult Descend(const Edges& edges, std::vector<Pose2>* poses,
                         const std::vector<int>& fixed = {0}) {
-  return DescendStochastically(edges, StochasticDescentOptions(), poses, fixed);
+  return DescendStochastically(edges, poses, fixed);
 }
 
 void ExpectNear(const Pose2& pose, const Pose2& expected, double tolerance) {
@@ -68,7 +68,7 @@ TEST(StochasticDescent, SpreadsTheErrorOfALoopOverItsEdges) {
   const PoseGraphResult result = Descend(
       {Edge(0, 1, {1.0, 0.0, 0.0}), Edge(1, 2, {1.0, 0.0, 0.0}), Edge(0, 2, {2.03, 0.0, 0.0})},
       &poses);
-  EXPECT_EQ(result.iterations, StochasticDescentOptions().max_iterations);
+  EXPECT_EQ(result.iterations, kMaxDescentIterations);
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(poses[0].x, 5.0);
   ExpectNear(poses[1], {6.01, 7.0, 0.0}, 1e-3);
@@ -216,15 +216,14 @@ TEST(StochasticDescent, GivesTheSameBitsEveryTime) {
 TEST(StochasticDescent, StopsWhenAskedTo) {
   const Ring ring = MakeRing(0.1);
   std::vector<Pose2> poses = ring.odometry;
-  StochasticDescentOptions options;
   std::vector<int> iterations;
   double last_y = 0.0;
-  options.callback = [&](int iteration, const std::vector<Pose2>& now) {
+  const auto callback = [&](int iteration, const std::vector<Pose2>& now) {
     iterations.push_back(iteration);
     last_y = now.back().y;
     return iteration < 3;
   };
-  const PoseGraphResult result = DescendStochastically(ring.edges, options, &poses);
+  const PoseGraphResult result = DescendStochastically(ring.edges, &poses, {0}, callback);
   EXPECT_THAT(iterations, testing::ElementsAre(1, 2, 3));
   EXPECT_EQ(result.iterations, 3);
   EXPECT_FALSE(result.converged);
@@ -246,15 +245,6 @@ TEST(StochasticDescent, NothingToDo) {
   EXPECT_TRUE(Descend({}, &none).converged);
   EXPECT_TRUE(Descend({}, &one).converged);
   EXPECT_EQ(one[0].y, 2.0);
-}
-
-TEST(StochasticDescent, NamesTheOptionThatIsWrong) {
-  StochasticDescentOptions options;
-  std::string error;
-  EXPECT_TRUE(options.Check(&error));
-  options.max_iterations = 0;
-  EXPECT_FALSE(options.Check(&error));
-  EXPECT_THAT(error, HasSubstr("max_iterations = 0"));
 }
 
 // Olson's own world of 3500 poses, from the raw odometry.

@@ -147,7 +147,7 @@ TEST_P(SharedSolve, HasTheSameShapeTerms) {
   const int num_ranks = GetParam();
   NoisyRoom room = DisturbedRoom(40);
   SolverOptions options = Options();
-  options.factors.shape.enabled = true;
+  options.factors.shape = true;
   const Solution shared =
       SolveShared(options, room.graph, room.state.poses, InTurn(40, 6, num_ranks), num_ranks);
   MapState whole = room.state;
