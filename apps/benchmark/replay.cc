@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
+#include "plumbline/core/angle.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
@@ -110,6 +112,7 @@ class Host {
     IncrementalSummary summary;
     PLUMBLINE_RETURN_IF_ERROR(
         incremental_.Update(graph_, UpdateScope::kAutomatic, &state_.poses, &summary));
+    step->num_placed = summary.num_placed_poses;
     step->initial_energy = summary.initial_cost;
     step->final_energy = summary.final_cost;
     return Status::Ok();
@@ -191,13 +194,18 @@ Status SolveBatch(const SolverOptions& solver, const SlamGraph& graph, MapState*
   return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);
 }
 
-void Compare(const std::vector<Pose2>& batch, Replay* replay) {
+PoseDifferences Compare(const std::vector<Pose2>& poses, const std::vector<Pose2>& batch) {
+  PoseDifferences differences;
   for (std::size_t i = 0; i < batch.size(); ++i) {
-    const double difference_m =
-        (replay->world_from_robot[i].translation() - batch[i].translation()).norm();
-    replay->mean_difference_m += difference_m / batch.size();
-    replay->max_difference_m = std::max(replay->max_difference_m, difference_m);
+    const double distance_m = (poses[i].translation() - batch[i].translation()).norm();
+    differences.mean_m += distance_m / batch.size();
+    differences.max_m = std::max(differences.max_m, distance_m);
+    if (i == 0) continue;
+    const double turn_rad =
+        NormalizeAngle(Between(poses[i - 1], poses[i]).yaw - Between(batch[i - 1], batch[i]).yaw);
+    differences.max_turn_rad = std::max(differences.max_turn_rad, std::abs(turn_rad));
   }
+  return differences;
 }
 
 }  // namespace
@@ -246,14 +254,16 @@ Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, cons
     PLUMBLINE_RETURN_IF_ERROR(host.Refine(&step));
     keep();
   }
+  result.world_from_robot = PosesOf(host.state().poses);
   result.online_energy = EnergyOf(drive, host.state(), solver);
   PLUMBLINE_RETURN_IF_ERROR(host.Finish(&step));
   keep();
   result.final_energy = EnergyOf(drive, host.state(), solver);
-  result.world_from_robot = PosesOf(host.state().poses);
   MapState batch = seed;
   PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, drive, &batch, &result));
-  Compare(PosesOf(batch.poses), &result);
+  const std::vector<Pose2> batch_poses = PosesOf(batch.poses);
+  result.online_difference = Compare(result.world_from_robot, batch_poses);
+  result.final_difference = Compare(PosesOf(host.state().poses), batch_poses);
   *replay = std::move(result);
   return Status::Ok();
 }

@@ -48,23 +48,34 @@ struct ReplayStep {
   ReplayedSolve solve = ReplayedSolve::kWindow;
   int num_closures = 0;  ///< that have arrived
   int num_news = 0;      ///< of these, with this batch and not as the poses had it
+  int num_placed = 0;    ///< poses whose returns IncrementalSolver associated, first or anew
   double time_s = 0.0;   ///< pose graph included
   /// Of what was solved, before and after: comparable with each other alone.
   double initial_energy = 0.0;
   double final_energy = 0.0;
 };
 
+/// Differences between the poses of two maps of one drive that share their first pose.
+struct PoseDifferences {
+  double mean_m = 0.0;        ///< of the positions
+  double max_m = 0.0;         ///< of the positions
+  double max_turn_rad = 0.0;  ///< of the change of heading from one pose to the next: a kink
+};
+
 struct Replay {
   std::vector<ReplayStep> steps;
-  std::vector<Pose2> world_from_robot;  ///< after the final solve
+  std::vector<Pose2> world_from_robot;  ///< the map of the host, before the final solve
   /// All at once, from the seed.
   double batch_time_s = 0.0;
   /// MarginalEnergy of the whole drive.
   double batch_energy = 0.0;
-  double online_energy = 0.0;      ///< before the final solve
-  double final_energy = 0.0;       ///< after it
-  double mean_difference_m = 0.0;  ///< of the poses of replay and batch solution
-  double max_difference_m = 0.0;
+  double online_energy = 0.0;  ///< before the final solve
+  double final_energy = 0.0;   ///< after it
+  /// @{
+  /// From the batch solution: before and after the final solve.
+  PoseDifferences online_difference;
+  PoseDifferences final_difference;
+  /// @}
 
   /// Final energy over that of the batch solution.
   double EnergyRatio() const { return final_energy / batch_energy; }

@@ -337,7 +337,7 @@ TEST_F(ProgramsTest, ReplaysALog) {
       "--solver=alternating_cg does not go with --experiment=replay");
   const Outcome run = Run("benchmark", replay + "--output_dir=" + folder_ + "out --batch_scans=20");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("difference  energy"));
+  EXPECT_THAT(run.out, HasSubstr("poses       online: "));
   EXPECT_THAT(FilesOf("out"),
               ElementsAre("replay.csv", "replay.png", "report.html", "trajectory.tum"));
   EXPECT_EQ(Lines(Result("out", "replay.csv")).size(), 1u + 3u + 1u);

@@ -80,8 +80,11 @@ TEST_P(ReplayTest, EndsWhereSolvingAllAtOnceEnds) {
   const Replay replay = Replayed(GetParam());
   EXPECT_LT(std::abs(replay.online_energy / replay.batch_energy - 1.0), 0.01);
   EXPECT_LT(std::abs(replay.EnergyRatio() - 1.0), 0.01);
-  EXPECT_LT(replay.mean_difference_m, 0.005);
-  EXPECT_GE(replay.max_difference_m, replay.mean_difference_m);
+  for (const PoseDifferences& differences : {replay.online_difference, replay.final_difference}) {
+    EXPECT_LT(differences.mean_m, 0.005);
+    EXPECT_GE(differences.max_m, differences.mean_m);
+    EXPECT_LT(differences.max_turn_rad, 0.01);
+  }
   double worst_m = 0.0;
   const std::vector<Pose2>& truth = Drive().truth;
   ASSERT_EQ(replay.world_from_robot.size(), truth.size());
