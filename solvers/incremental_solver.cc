@@ -24,6 +24,7 @@
 #include "plumbline/solvers/association/tangent_lines.h"
 #include "plumbline/solvers/full/point_recovery.h"
 #include "plumbline/solvers/incremental/active_problem.h"
+#include "plumbline/solvers/incremental/drive_graph.h"
 #include "plumbline/solvers/incremental/edges_by_pose.h"
 #include "plumbline/solvers/incremental/landmark_store.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
@@ -80,7 +81,8 @@ class IncrementalSolver::Impl {
   Impl(const SolverOptions& solver, const IncrementalOptions& options)
       : solver_(solver),
         options_(options),
-        landmark_options_(LandmarkOptionsFor(solver.factors, solver.association)) {
+        landmark_options_(LandmarkOptionsFor(solver.factors, solver.association)),
+        drive_(solver.factors.motion) {
     Forget();
   }
 
@@ -126,6 +128,7 @@ class IncrementalSolver::Impl {
   void Forget() {
     store_ = std::make_unique<LandmarkStore>(landmark_options_);
     edges_ = EdgesByPose();
+    drive_ = DriveGraph(solver_.factors.motion);
     tests_ = std::make_unique<EdgeTests>(solver_.factors.beam);
     contradicted_.clear();
     surface_ = MeasuredSurface();
@@ -164,20 +167,19 @@ class IncrementalSolver::Impl {
            IncrementalSummary* summary) {
     if (graph.num_poses() == 0) return;
     MoveToFirstFixed(graph.fixed_poses().front(), poses);
-    for (const FixedPose& fixed : graph.fixed_poses()) {
-      const std::vector<double> block = PoseArray({fixed.world_from_robot});
-      std::copy(block.begin(), block.end(), &(*poses)[3 * fixed.pose]);
-    }
+    PutAtFixedPoses(graph, poses);
     const auto begin = Clock::now();
     const bool is_moved = IsMovedByCaller(*poses);
     const News news{num_scans_, edges_.relative_poses().size()};
     Extend(graph);
+    drive_.Extend(graph, surface_);
+    if (is_moved) drive_.Restart(*poses);
     const std::vector<std::size_t> revised = TestEdges(graph, news.first_edge);
     const bool all = scope == UpdateScope::kAll || is_moved || !revised.empty();
     const std::vector<int> active = ActivePoses(graph, all, news, *poses);
     if (static_cast<int>(active.size()) == graph.num_poses()) {
       num_poses_at_last_loop_ = graph.num_poses();
-      SpreadNewEdges(graph, news.first_edge, revised, poses);
+      CloseLoops(graph, poses);
     }
     TakeFrames(active, *poses);
     summary->num_free_poses = static_cast<int>(active.size());
@@ -188,6 +190,7 @@ class IncrementalSolver::Impl {
       if (round > 0 && to_place.empty()) break;
       RunRound(graph, active, to_place, round == 0, poses, summary);
     }
+    drive_.Measure(graph.num_poses(), *poses);
     summary->ignored_edges = DescribeIgnored(contradicted_, graph, *poses);
   }
 
@@ -199,6 +202,13 @@ class IncrementalSolver::Impl {
     std::vector<Pose2> moved = PosesOf(*poses);
     for (Pose2& pose : moved) pose = motion * pose;
     *poses = PoseArray(moved);
+  }
+
+  static void PutAtFixedPoses(const SlamGraph& graph, std::vector<double>* poses) {
+    for (const FixedPose& fixed : graph.fixed_poses()) {
+      const std::vector<double> block = PoseArray({fixed.world_from_robot});
+      std::copy(block.begin(), block.end(), &(*poses)[3 * fixed.pose]);
+    }
   }
 
   bool IsMovedByCaller(const std::vector<double>& poses) const {
@@ -270,43 +280,36 @@ class IncrementalSolver::Impl {
     for (const int pose : of) frames_[pose] = PoseFrame(&poses[3 * pose]);
   }
 
-  // Where a new relative pose asks for more than landmarks can bridge (a loop that gapes), a pose
-  // graph shares that out. In it the other constraints keep what earlier updates made of them,
-  // which is better than what they say; matches take the place of contradicted ones. What no scans
-  // speak for may be false: it is left to the joint estimation, where scans hold the map against
-  // it.
-  void SpreadNewEdges(const SlamGraph& graph, std::size_t first_new,
-                      const std::vector<std::size_t>& revised, std::vector<double>* poses) const {
-    std::vector<Pose2> world_from_pose = PosesOf(*poses);
-    double largest_error_m = 0.0;
-    std::vector<RelativePoseConstraint> edges;
-    for (const OdometryConstraint& c : graph.odometry()) {
-      edges.push_back({c.from, c.to, Between(world_from_pose[c.from], world_from_pose[c.to]),
-                       MotionCovariance(c.from_from_to, solver_.factors.motion)});
-    }
+  // Where a new relative pose asks for more than landmarks can bridge (a loop that gapes), the pose
+  // graph of the drive shares that out. Matches take the place of contradicted edges. An edge that
+  // neither its scans nor edges near by speak for may be false: it is left to the joint estimation,
+  // where scans hold the map against it.
+  void CloseLoops(const SlamGraph& graph, std::vector<double>* poses) {
+    drive_.Measure(graph.num_poses(), *poses);
+    std::vector<RelativePoseConstraint> steps, closures, alone;
     for (std::size_t i = 0; i < graph.relative_poses().size(); ++i) {
       RelativePoseConstraint edge = graph.relative_poses()[i];
+      if (edge.from == edge.to) continue;
       const bool is_step = std::abs(edge.from - edge.to) == 1;
-      const bool is_new = i >= first_new || std::binary_search(revised.begin(), revised.end(), i);
-      if (is_new && !is_step && solver_.test_edges && tests_->LacksMatch(graph, i)) continue;
-      if (const ContradictedEdge* contradicted = FindContradicted(i)) {
+      const ContradictedEdge* contradicted = FindContradicted(i);
+      if (contradicted != nullptr) {
         if (!contradicted->match) continue;
         edge = *contradicted->match;
       }
-      const Pose2 now = Between(world_from_pose[edge.from], world_from_pose[edge.to]);
-      if (is_new) {
-        const double error_m = (now.translation() - edge.from_from_to.translation()).norm();
-        largest_error_m = std::max(largest_error_m, error_m);
+      if (is_step) {
+        steps.push_back(edge);
+      } else if (contradicted == nullptr && solver_.test_edges && tests_->LacksMatch(graph, i)) {
+        alone.push_back(edge);
       } else {
-        edge.from_from_to = now;
+        closures.push_back(edge);
       }
-      edges.push_back(edge);
     }
-    if (largest_error_m < PlacingTolerance()) return;
-    std::vector<int> fixed;
-    for (const FixedPose& pose : graph.fixed_poses()) fixed.push_back(pose.pose);
-    OptimizePoseGraph(edges, {}, &world_from_pose, fixed);
-    *poses = PoseArray(world_from_pose);
+    const std::vector<RelativePoseConstraint> matched = closures;
+    for (const RelativePoseConstraint& edge : alone) {
+      if (drive_.AgreesWithOne(edge, matched)) closures.push_back(edge);
+    }
+    drive_.Close(steps, closures, graph.fixed_poses(), poses);
+    PutAtFixedPoses(graph, poses);
   }
 
   // Returns that have moved by less [m] are still in their cells, nearly.
@@ -428,6 +431,7 @@ class IncrementalSolver::Impl {
   mutable std::unique_ptr<ThreadPool> pool_;
   std::unique_ptr<LandmarkStore> store_;
   EdgesByPose edges_;
+  DriveGraph drive_;
   std::unique_ptr<EdgeTests> tests_;
   std::vector<ContradictedEdge> contradicted_;  // in order
   MeasuredSurface surface_;
