@@ -31,7 +31,8 @@ struct OwnResidual {
 /// Residuals that see poses only go with all solvers but kPoseGraph and kSgd. Those that see points
 /// need a solver that has them: kAlternatingCg, kCeres over points, or a RoundsSolver.
 /// SolverOptions::Check says so. SolveWindow and SolvePoses leave out the residuals that see
-/// something outside of the window; SolveWithCalibration refuses own terms.
+/// something outside of the window, and IncrementalSolver those of poses that are still to come;
+/// SolveWithCalibration refuses own terms.
 struct OwnTerm {
   std::string name;    ///< for summaries and messages
   std::string unit;    ///< of what the residuals measure, for reports

@@ -32,6 +32,7 @@
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/own_terms.h"
 
 namespace plumbline {
 namespace {
@@ -46,12 +47,13 @@ Status CheckOptions(const SolverOptions& solver, const IncrementalOptions& optio
     return Status::InvalidArgument(std::string("the incremental solver takes no ") + what);
   };
   if (solver.type != SolverType::kReduced || solver.own_solver) return refuse("other solver type");
-  if (!solver.factors.own_terms.empty()) return refuse("own terms");
   if (solver.factors.shape) return refuse("shape terms");
   if (!solver.factors.downweighted_steps.empty()) return refuse("down-weighted steps");
   if (!solver.factors.ignored_relative_poses.empty()) return refuse("ignored relative poses");
   return Status::Ok();
 }
+
+Status MovedFrom() { return Status::InvalidArgument("the incremental solver has been moved from"); }
 
 // Squared Mahalanobis length that one of a thousand edges has that the poses agree with (three
 // degrees of freedom).
@@ -89,6 +91,7 @@ class IncrementalSolver::Impl {
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary) {
     const auto begin = Clock::now();
+    if (poses == nullptr) return Status::InvalidArgument("there are no poses to update: null");
     PLUMBLINE_RETURN_IF_ERROR(CheckOptions(solver_, options_));
     PLUMBLINE_RETURN_IF_ERROR(CheckInput(graph, *poses));
     IncrementalSummary result;
@@ -111,6 +114,7 @@ class IncrementalSolver::Impl {
   }
 
   Status GetState(const SlamGraph& graph, MapState* state) const {
+    if (state == nullptr) return Status::InvalidArgument("there is no state to fill: null");
     if (3 * static_cast<std::size_t>(graph.num_poses()) != poses_.size() ||
         graph.num_returns() != surface_.normals.size()) {
       return Status::InvalidArgument("the graph is not the one of the last update");
@@ -160,7 +164,24 @@ class IncrementalSolver::Impl {
       return Status::InvalidArgument("pose " + std::to_string(i / 3) +
                                      " is not finite, or beyond 1e8 m or rad");
     }
-    return Status::Ok();
+    return CheckOwnTerms(NewOwnTerms(graph.num_poses()), graph, {poses, {}});
+  }
+
+  // The host's own residuals that count from now on, since their last pose is new, and those that
+  // see a pose that there can never be.
+  FactorOptions NewOwnTerms(int num_poses) const {
+    FactorOptions factors;
+    for (const auto& term : solver_.factors.own_terms) {
+      OwnTerm of_new{term->name, term->unit, term->sigma, {}};
+      for (const OwnResidual& residual : term->residuals) {
+        const auto [first, last] =
+            std::minmax_element(residual.poses.begin(), residual.poses.end());
+        const bool is_new = *last >= NumKnownPoses() && *last < num_poses;
+        if (is_new || *first < 0) of_new.residuals.push_back(residual);
+      }
+      factors.own_terms.push_back(std::make_shared<const OwnTerm>(std::move(of_new)));
+    }
+    return factors;
   }
 
   void Run(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
@@ -453,11 +474,13 @@ IncrementalSolver& IncrementalSolver::operator=(IncrementalSolver&&) noexcept = 
 
 Status IncrementalSolver::Update(const SlamGraph& graph, UpdateScope scope,
                                  std::vector<double>* poses, IncrementalSummary* summary) {
+  if (impl_ == nullptr) return MovedFrom();
   const DefaultFloatEnvironment float_environment;
   return impl_->Update(graph, scope, poses, summary);
 }
 
 Status IncrementalSolver::GetState(const SlamGraph& graph, MapState* state) const {
+  if (impl_ == nullptr) return MovedFrom();
   const DefaultFloatEnvironment float_environment;
   return impl_->GetState(graph, state);
 }

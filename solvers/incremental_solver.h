@@ -64,7 +64,8 @@ enum class UpdateScope {
 /// longer way around, close it before updates go on in the old part of the map.
 ///
 /// Relative poses are tested by their scans when they come, as Solve does. There is no acceptance
-/// test of the result. Own terms, shape terms and down-weighted steps are refused.
+/// test of the result. Shape terms and down-weighted steps are refused. A host's own residuals
+/// (FactorOptions::own_terms) count once the graph has all poses that they see.
 ///
 /// Not for several threads at once; several objects are.
 class IncrementalSolver {
@@ -83,15 +84,16 @@ class IncrementalSolver {
   /// few decimetres. Older poses that differ from what the last update gave have been moved by the
   /// caller: all poses are estimated anew from there. Fixed poses stay where the graph fixes them.
   ///
-  /// InvalidArgument on bad options, a graph that has shrunk, or poses of another number, not
-  /// finite or beyond 1e8; nothing has changed then. Unavailable if memory runs out: *poses is as
+  /// InvalidArgument on bad options, a graph that has shrunk, own residuals that are not finite at
+  /// the poses, or poses that are null, of another number, not finite or beyond 1e8, and if the
+  /// solver has been moved from; nothing has changed then. Unavailable if memory runs out: *poses is as
   /// it was, and the next update begins from scratch.
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary = nullptr);
 
   /// The map at the poses of the last update: these, and every map point where its beam and its
   /// tangent line put it. Goes through all returns. The graph has to be the one of the last update,
-  /// not grown; InvalidArgument if it is not.
+  /// not grown; InvalidArgument if it is not, on null, and if the solver has been moved from.
   Status GetState(const SlamGraph& graph, MapState* state) const;
 
  private:

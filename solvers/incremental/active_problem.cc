@@ -1,11 +1,14 @@
 #include "plumbline/solvers/incremental/active_problem.h"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
 #include "plumbline/solvers/landmarks/world_moments.h"
+#include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
@@ -67,6 +70,22 @@ void ActiveProblem::AddEdges(const EdgesByPose& edges, const std::vector<double>
   };
   terms.terms = {MakeMotionTerm(in_part(edges.motions(), &motions)),
                  MakeRelativePoseTerm(in_part(edges.relative_poses(), &relative_poses))};
+  for (const auto& term : edges.own_terms()) AddOwnTerm(*term, all_poses);
+}
+
+// Adds what a host's own term says of the active poses.
+void ActiveProblem::AddOwnTerm(const OwnTerm& term, const std::vector<double>& all_poses) {
+  const int num_poses = static_cast<int>(part_of_pose_.size());
+  OwnTerm in_part{term.name, term.unit, term.sigma, {}};
+  for (const OwnResidual& residual : term.residuals) {
+    const std::vector<int>& ids = residual.poses;
+    if (*std::max_element(ids.begin(), ids.end()) >= num_poses) continue;
+    if (std::none_of(ids.begin(), ids.end(), [this](int id) { return IsActive(id); })) continue;
+    in_part.residuals.push_back(residual);
+    for (int& id : in_part.residuals.back().poses) id = PoseInPart(id, all_poses);
+  }
+  if (in_part.residuals.empty()) return;
+  terms.terms.push_back(MakeTerm(std::make_shared<const OwnTerm>(std::move(in_part))));
 }
 
 void ActiveProblem::AddObservations(const LandmarkStore& store,

@@ -3,6 +3,7 @@
 namespace plumbline {
 
 void EdgesByPose::Extend(const SlamGraph& graph, const FactorOptions& factors) {
+  own_terms_ = factors.own_terms;
   motions_of_pose_.resize(graph.num_poses());
   relative_poses_of_pose_.resize(graph.num_poses());
   for (std::size_t i = motions_.size(); i < graph.odometry().size(); ++i) {

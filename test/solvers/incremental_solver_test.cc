@@ -1,11 +1,14 @@
 #include "plumbline/solvers/incremental_solver.h"
 
+#include <ceres/autodiff_cost_function.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "plumbline/solvers/solve.h"
@@ -259,6 +262,76 @@ TEST(IncrementalSolverTest, GivesTheMapOnDemand) {
   }
   EXPECT_GT(num_on_wall, 500u);
   EXPECT_LT(after, 0.6 * before);
+}
+
+// A measured position of the robot.
+struct MeasuredPosition {
+  double x_m, y_m, sigma_m;
+
+  template <typename T>
+  bool operator()(const T* pose, T* residuals) const {
+    residuals[0] = (pose[0] - x_m) / sigma_m;
+    residuals[1] = (pose[1] - y_m) / sigma_m;
+    return true;
+  }
+};
+
+SolverOptions WithPosition(int pose, double x_m, double y_m) {
+  auto term = std::make_shared<OwnTerm>();
+  term->name = "position";
+  term->residuals.push_back({std::make_shared<ceres::AutoDiffCostFunction<MeasuredPosition, 2, 3>>(
+                                 new MeasuredPosition{x_m, y_m, 1e-4}),
+                             {pose},
+                             {}});
+  SolverOptions options = Threads(1);
+  options.factors.own_terms = {term};
+  return options;
+}
+
+TEST(IncrementalSolverTest, OwnTermsCountOnceTheirPosesAreThere) {
+  Host host;
+  const int pose = kNumPoses / 2;
+  const Pose2 truth = host.drive.truth[pose];
+  const SolverOptions options = WithPosition(pose, truth.x + 0.03, truth.y - 0.03);
+  host.solver = IncrementalSolver(options, Window(20));
+  host.DriveAll();
+  for (int i = 0; i < 3; ++i) host.Update(UpdateScope::kAll);
+  MapState batch = host.graph.InitialState();
+  batch.poses = host.poses;
+  batch.points = host.graph.MeasuredMap(batch.poses);
+  ASSERT_TRUE(Solve(options, host.graph, &batch).IsSolutionUsable());
+  EXPECT_NEAR(host.poses[3 * pose], truth.x + 0.03, 0.01);
+  EXPECT_NEAR(host.poses[3 * pose + 1], truth.y - 0.03, 0.01);
+  for (int i = 0; i < kNumPoses; ++i) {
+    EXPECT_LT(DistanceM(Pose2(&host.poses[3 * i]), batch.WorldFromRobot(i)), 0.01);
+  }
+}
+
+TEST(IncrementalSolverTest, OwnTermsThatCannotBeEvaluatedAreRefused) {
+  for (const int pose : {3, -1}) {
+    Host host;
+    const double nowhere_m = pose < 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+    host.solver = IncrementalSolver(WithPosition(pose, nowhere_m, 0.0));
+    host.Receive(kBatch);
+    const Status status = host.solver.Update(host.graph, UpdateScope::kAutomatic, &host.poses);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr("own term \"position\": residual 0"));
+  }
+}
+
+TEST(IncrementalSolverTest, NullAndAMovedFromSolverAreRefused) {
+  Host host;
+  host.Receive(kBatch);
+  EXPECT_EQ(host.solver.Update(host.graph, UpdateScope::kAutomatic, nullptr).code(),
+            StatusCode::kInvalidArgument);
+  host.Update();
+  EXPECT_EQ(host.solver.GetState(host.graph, nullptr).code(), StatusCode::kInvalidArgument);
+  const IncrementalSolver other = std::move(host.solver);
+  MapState state;
+  EXPECT_TRUE(other.GetState(host.graph, &state).ok());
+  EXPECT_THAT(host.solver.GetState(host.graph, &state).message(), HasSubstr("moved from"));
+  EXPECT_THAT(host.solver.Update(host.graph, UpdateScope::kAutomatic, &host.poses).message(),
+              HasSubstr("moved from"));
 }
 
 TEST(IncrementalSolverTest, GraphsWithoutPosesOrReturnsAreFine) {
