@@ -1,7 +1,8 @@
 # Usage: cmake -D ROOT=<source tree> -P CheckIncludeDirection.cmake
 # Fails if an #include runs against core <- factors <- solvers <- apps <- test or against the order of
 # the folders inside solvers and apps, if a library folder includes what only programs may, if x.cc
-# does not include its own x.h first (which proves that x.h compiles alone), or if a file is too long.
+# does not include its own x.h first (which proves that x.h compiles alone), if a file is too long, or
+# if two headers define a class of the same name: the linker would mix their inline functions.
 cmake_minimum_required(VERSION 3.18)
 
 set(FOLDERS core factors solvers apps test)  # Each may include itself and those before it.
@@ -75,6 +76,19 @@ function(check_include file folder include)
   endif()
 endfunction()
 
+# The classes of the namespace, which are those not indented.
+function(check_classes file text)
+  string(REGEX MATCHALL "\n(class|struct|enum class) [A-Za-z0-9_]+[^;{<\n]*{" definitions "\n${text}")
+  foreach(definition IN LISTS definitions)
+    string(REGEX REPLACE "^\n(class|struct|enum class) ([A-Za-z0-9_]+).*" "\\2" name "${definition}")
+    get_property(other GLOBAL PROPERTY header_of_${name})
+    if(other)
+      complain("${file}: ${name} is defined in ${other} as well")
+    endif()
+    set_property(GLOBAL PROPERTY header_of_${name} ${file})
+  endforeach()
+endfunction()
+
 function(check_file file)
   string(REGEX MATCH "^[^/]+" folder ${file})
   file(READ ${ROOT}/${file} text)
@@ -87,6 +101,10 @@ function(check_file file)
   endif()
   if(folder IN_LIST LIBRARY_FOLDERS AND text MATCHES "Manifold\\*|LocalParameterization|SetManifold")
     complain("${file}: Ceres 2.0 has no manifolds, and 2.2 nothing else")
+  endif()
+
+  if(file MATCHES "h$")
+    check_classes(${file} "${text}")
   endif()
 
   string(REGEX MATCHALL "\n" newlines "${text}")

@@ -39,9 +39,9 @@ struct MotionOptions {
 
 /// A field of MotionOptions, for what treats all of them alike.
 struct MotionField {
-  const char* name;
-  const char* unit;
-  double MotionOptions::*value;
+  const char* name;              ///< as the field is spelled
+  const char* unit;              ///< for texts
+  double MotionOptions::*value;  ///< the field
 };
 /// All fields of MotionOptions, in order.
 constexpr MotionField kMotionFields[] = {

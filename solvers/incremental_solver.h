@@ -86,8 +86,8 @@ class IncrementalSolver {
   ///
   /// InvalidArgument on bad options, a graph that has shrunk, own residuals that are not finite at
   /// the poses, or poses that are null, of another number, not finite or beyond 1e8, and if the
-  /// solver has been moved from; nothing has changed then. Unavailable if memory runs out: *poses is as
-  /// it was, and the next update begins from scratch.
+  /// solver has been moved from; nothing has changed then. Unavailable if memory runs out: *poses
+  /// is as it was, and the next update begins from scratch.
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary = nullptr);
 

@@ -72,6 +72,8 @@ foreach(header gflags/gflags.h glog/logging.h iostream fstream)
 endforeach()
 expect_complaint(core/a.cc "#include <vector>\n#include \"plumbline/core/a.h\"\n"
                  "its first include must be")
+expect_complaint(solvers/full/x.h "class A final {\n};\nclass B;\nstruct A : B {\n};\n"
+                 "A is defined in solvers/full/x.h as well")
 string(REPEAT "\n" 251 long_header)
 expect_complaint(apps/x.h "${long_header}" "251 lines")
 string(REPEAT "// [;\n" 601 long_source)

@@ -66,6 +66,7 @@ class JointSystem {
   static std::vector<std::pair<int, int>> PairsOf(
       const std::vector<PairOfScans>& pairs, const std::vector<RelativePoseConstraint>& links) {
     std::vector<std::pair<int, int>> all;
+    all.reserve(pairs.size() + links.size());
     for (const PairOfScans& pair : pairs) all.emplace_back(pair.from, pair.to);
     for (const RelativePoseConstraint& link : links) all.emplace_back(link.from, link.to);
     return all;
@@ -139,7 +140,7 @@ class JointSystem {
   const std::vector<RelativePoseConstraint>& links_;
   ThreadPool& pool_;
   std::map<int, LocalMap> maps_;  // of the scans that others are matched to
-  PoseEquations equations_;
+  PoseGraphEquations equations_;
 };
 
 }  // namespace

@@ -32,10 +32,10 @@ struct PairEquations {
 
 /// The normal equations of residuals that relate two poses each. Their pattern stays, their values
 /// change from step to step. Pose 0 is constant.
-class PoseEquations {
+class PoseGraphEquations {
  public:
   /// pairs: (from, to), different poses each; below they are named by their order.
-  PoseEquations(std::size_t num_poses, const std::vector<std::pair<int, int>>& pairs)
+  PoseGraphEquations(std::size_t num_poses, const std::vector<std::pair<int, int>>& pairs)
       : right_(3 * (static_cast<Eigen::Index>(num_poses) - 1)) {
     std::vector<std::pair<int, int>> couplings;
     couplings.reserve(pairs.size());

@@ -124,7 +124,7 @@ class System {
   }
 
   std::vector<ResidualEdge> edges_;
-  PoseEquations equations_;
+  PoseGraphEquations equations_;
 };
 
 }  // namespace
