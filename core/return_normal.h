@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "plumbline/core/angle.h"
@@ -21,9 +22,9 @@ class ReturnNormal {
   explicit ReturnNormal(const Eigen::Vector2d& direction) {
     if (!(direction.squaredNorm() > 0.0)) return;
     // Single precision is a thousandth of a step.
-    const double turns =
-        std::atan2(static_cast<float>(direction.y()), static_cast<float>(direction.x())) /
-        (2.0 * kPi);
+    const float angle_rad =
+        std::atan2(static_cast<float>(direction.y()), static_cast<float>(direction.x()));
+    const double turns = static_cast<double>(angle_rad) / (2.0 * kPi);
     const auto step = static_cast<int>(std::lround((turns < 0.0 ? turns + 1.0 : turns) * kSteps));
     code_ = static_cast<std::uint16_t>(1 + step % kSteps);
   }
@@ -38,7 +39,7 @@ class ReturnNormal {
     if (IsNone()) return Eigen::Vector2d::Zero();
     // The nearest of some directions, which are at hand, and from there on by a small angle.
     const int near = (code_ - 1 + kStepsPerSector / 2) / kStepsPerSector;
-    const std::array<double, 2>& at = kSectors[near % kNumSectors];
+    const std::array<double, 2>& at = kSectors[static_cast<std::size_t>(near % kNumSectors)];
     return Turned({at[0], at[1]}, (code_ - 1 - near * kStepsPerSector) * (2.0 * kPi / kSteps));
   }
 
@@ -55,13 +56,13 @@ class ReturnNormal {
   using Sectors = std::array<std::array<double, 2>, kNumSectors>;
 
   static constexpr Sectors MakeSectors() {
-    constexpr int kQuarter = kNumSectors / 4;
+    constexpr std::size_t kQuarter = kNumSectors / 4;
     constexpr double kCos = 0.99518472667219688624, kSin = 0.09801714032956060199;  // of a sector
     Sectors sectors{};
     double c = 1.0, s = 0.0;
-    for (int i = 0; i <= kQuarter / 2; ++i) {
+    for (std::size_t i = 0; i <= kQuarter / 2; ++i) {
       const double next_c = kCos * c - kSin * s, next_s = kSin * c + kCos * s;
-      for (int quarter = 0; quarter < 4; ++quarter) {
+      for (std::size_t quarter = 0; quarter < 4; ++quarter) {
         SetQuarter(c, s, quarter, &sectors[quarter * kQuarter + i]);
         // Mirrored at the diagonal; axes are exact.
         if (i > 0) SetQuarter(s, c, quarter, &sectors[(quarter + 1) * kQuarter - i]);
@@ -71,7 +72,8 @@ class ReturnNormal {
     }
     return sectors;
   }
-  static constexpr void SetQuarter(double c, double s, int quarter, std::array<double, 2>* at) {
+  static constexpr void SetQuarter(double c, double s, std::size_t quarter,
+                                   std::array<double, 2>* at) {
     (*at)[0] = quarter == 0 ? c : quarter == 1 ? -s : quarter == 2 ? -c : s;
     (*at)[1] = quarter == 0 ? s : quarter == 1 ? c : quarter == 2 ? -s : -c;
   }

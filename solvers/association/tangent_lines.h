@@ -29,7 +29,7 @@ class TangentLines {
   const TangentLine& operator[](std::size_t return_id) const {
     static constexpr TangentLine kNoLine{0.0, 0.0, 0.0};
     const int number = line_of_return_[return_id];
-    return number == kNone ? kNoLine : lines_[number];
+    return number == kNone ? kNoLine : lines_[static_cast<std::size_t>(number)];
   }
   /// Whether the return has a line.
   bool HasLine(std::size_t return_id) const {

@@ -50,9 +50,13 @@ struct TermDerivatives {
   /// @{
   /// The entries of one block; null if they are not wanted.
   double* Gradient(PoseId pose) const { return Entry(pose_gradient, 3, pose.id - first_pose); }
-  double* Gradient(PointId point) const { return Entry(point_gradient, 2, point.id); }
+  double* Gradient(PointId point) const {
+    return Entry(point_gradient, 2, static_cast<std::ptrdiff_t>(point.id));
+  }
   double* Block(PoseId pose) const { return Entry(pose_blocks, 6, pose.id - first_pose); }
-  double* Block(PointId point) const { return Entry(point_blocks, 3, point.id); }
+  double* Block(PointId point) const {
+    return Entry(point_blocks, 3, static_cast<std::ptrdiff_t>(point.id));
+  }
   /// @}
 
  private:
