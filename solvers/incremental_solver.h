@@ -8,6 +8,7 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/interface/acceptance.h"
 #include "plumbline/solvers/interface/solver_options.h"
 
@@ -38,6 +39,12 @@ struct IncrementalSummary {
   /// The relative poses that the scans of their poses contradict, see SolverOptions::test_edges:
   /// all that are left out so far.
   std::vector<IgnoredEdge> ignored_edges;
+  /// The loop closures in force (relative poses between poses that do not follow each other) that
+  /// the result is farther off than one in a thousand right ones: they are false, or the map is
+  /// wrong there.
+  std::vector<IgnoredEdge> contradicted_closures;
+  /// At most one, if more closures contradict the map, in force or ignored, than are usually false.
+  std::vector<Alarm> alarms;
   double association_time_s = 0.0;   ///< testing edges, placing, cutting, weighing
   double minimization_time_s = 0.0;  ///< the steps
   double total_time_s = 0.0;         ///< of the update
@@ -64,8 +71,9 @@ enum class UpdateScope {
 /// longer way around, close it before updates go on in the old part of the map.
 ///
 /// Relative poses are tested by their scans when they come, as Solve does. There is no acceptance
-/// test of the result. Shape terms and down-weighted steps are refused. A host's own residuals
-/// (FactorOptions::own_terms) count once the graph has all poses that they see.
+/// test of the result; an alarm says so if many loop closures contradict it. Shape terms and
+/// down-weighted steps are refused. A host's own residuals (FactorOptions::own_terms) count once
+/// the graph has all poses that they see.
 ///
 /// Not for several threads at once; several objects are.
 class IncrementalSolver {

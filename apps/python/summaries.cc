@@ -173,6 +173,10 @@ void BindIncrementalSummary(py::module_* module) {
       .Field("final_cost", &IncrementalSummary::final_cost, "the same after it")
       .Field("ignored_edges", &IncrementalSummary::ignored_edges,
              "relative poses that did not count: all so far")
+      .Field("contradicted_closures", &IncrementalSummary::contradicted_closures,
+             "loop closures that count and that the result is off: false, or the map is wrong")
+      .Field("alarms", &IncrementalSummary::alarms,
+             "at most one, if more closures contradict the map than are usually false")
       .Field("association_time_s", &IncrementalSummary::association_time_s, "[s]")
       .Field("minimization_time_s", &IncrementalSummary::minimization_time_s, "[s]")
       .Field("total_time_s", &IncrementalSummary::total_time_s, "[s]");

@@ -11,7 +11,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <iomanip>
 #include <map>
+#include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -93,6 +96,9 @@ class JointMap {
   void Clear() {
     nodes_.clear();
     constraints_.clear();
+    warnings_.clear();
+    told_.clear();
+    has_alarm_ = false;
     is_outdated_ = true;
   }
 
@@ -105,12 +111,18 @@ class JointMap {
     std::vector<Pose2> world_from_robot(nodes_.size());
     for (const auto& [id, node] : nodes_) world_from_robot[node.pose] = node.world_from_robot;
     std::vector<double> poses = PoseArray(world_from_robot);
+    IncrementalSummary summary;
     PLUMBLINE_RETURN_IF_ERROR(graph_.num_returns() > 0
-                                  ? solver_.Update(graph_, UpdateScope::kAll, &poses)
+                                  ? solver_.Update(graph_, UpdateScope::kAll, &poses, &summary)
                                   : OptimizeConstraints(&poses));
+    NoteContradictions(summary);
     for (auto& [id, node] : nodes_) node.world_from_robot = Pose2(&poses[3 * node.pose]);
     return Status::Ok();
   }
+
+  /// What estimates have found since the last call, for people: constraints that contradict the
+  /// map, and that the map as a whole may be wrong. Each is told once.
+  std::vector<std::string> TakeWarnings() { return std::exchange(warnings_, {}); }
 
   /// Where the nodes are, by id.
   std::map<int, Pose2> Poses() const {
@@ -177,6 +189,31 @@ class JointMap {
     return Status::Ok();
   }
 
+  void NoteContradictions(const IncrementalSummary& summary) {
+    std::vector<int> id_of_pose(nodes_.size());
+    for (const auto& [id, node] : nodes_) id_of_pose[node.pose] = id;
+    const auto note = [&](const IgnoredEdge& edge, const char* consequence) {
+      const int from = id_of_pose[edge.from], to = id_of_pose[edge.to];
+      if (!told_.emplace(from, to).second) return;
+      std::ostringstream text;
+      text << std::fixed << std::setprecision(2) << "constraint " << from << " -> " << to << " is "
+           << edge.off_m << " m and " << edge.off_rad << " rad off the map: " << consequence;
+      warnings_.push_back(text.str());
+    };
+    for (const IgnoredEdge& edge : summary.ignored_edges) {
+      note(edge, "its scans contradict it, it is ignored");
+    }
+    for (const IgnoredEdge& edge : summary.contradicted_closures) {
+      note(edge, "it is false, or the map is wrong there");
+    }
+    if (!summary.alarms.empty() && !std::exchange(has_alarm_, true)) {
+      const Alarm& alarm = summary.alarms.front();
+      warnings_.push_back("the map may be wrong around " + alarm.place.Text() + ": " +
+                          alarm.Text());
+    }
+    if (summary.alarms.empty()) has_alarm_ = false;
+  }
+
   Status OptimizeConstraints(std::vector<double>* poses) {
     if (constraints_.empty()) return Status::Ok();
     SolverOptions options = options_;
@@ -194,6 +231,9 @@ class JointMap {
   SlamGraph graph_;  // of the nodes and constraints at the last estimate
   IncrementalSolver solver_;
   bool is_outdated_ = false;  // something that graph_ has is no more
+  std::vector<std::string> warnings_;
+  std::set<std::pair<int, int>> told_;  // constraints in warnings so far, by their nodes
+  bool has_alarm_ = false;              // at the last estimate
 };
 
 }  // namespace plumbline

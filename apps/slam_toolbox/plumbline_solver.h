@@ -102,6 +102,9 @@ class JointScanSolver : public karto::ScanSolver {
     status_ = Status::Ok();
     PlaceScans();
     Note(map_.Estimate());
+    for (const std::string& warning : map_.TakeWarnings()) {
+      RCLCPP_WARN(logger_, "%s", warning.c_str());
+    }
     corrections_.clear();
     for (const auto& [id, pose] : map_.Poses()) {
       corrections_.emplace_back(id, karto::Pose2(pose.x, pose.y, NormalizeAngle(pose.yaw)));

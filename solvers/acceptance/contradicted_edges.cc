@@ -243,15 +243,25 @@ std::vector<ContradictedEdge> FindContradictedEdges(const SlamGraph& graph,
   return tests.Contradicted(graph);
 }
 
+IgnoredEdge DescribeEdge(std::size_t index, const SlamGraph& graph,
+                         const std::vector<double>& poses) {
+  const RelativePoseConstraint& edge = graph.relative_poses()[index];
+  const Eigen::Vector3d error =
+      ErrorOf(edge.from_from_to, Between(Pose2(&poses[3 * edge.from]), Pose2(&poses[3 * edge.to])));
+  return {index,
+          edge.from,
+          edge.to,
+          error.head<2>().norm(),
+          std::abs(error.z()),
+          std::sqrt(Chi2(error, edge.covariance))};
+}
+
 std::vector<IgnoredEdge> DescribeIgnored(const std::vector<ContradictedEdge>& contradicted,
                                          const SlamGraph& graph, const std::vector<double>& poses) {
   std::vector<IgnoredEdge> ignored;
+  ignored.reserve(contradicted.size());
   for (const ContradictedEdge& c : contradicted) {
-    const RelativePoseConstraint& edge = graph.relative_poses()[c.edge];
-    const Eigen::Vector3d error = ErrorOf(
-        edge.from_from_to, Between(Pose2(&poses[3 * edge.from]), Pose2(&poses[3 * edge.to])));
-    ignored.push_back({c.edge, edge.from, edge.to, error.head<2>().norm(), std::abs(error.z()),
-                       std::sqrt(Chi2(error, edge.covariance))});
+    ignored.push_back(DescribeEdge(c.edge, graph, poses));
   }
   return ignored;
 }

@@ -101,7 +101,11 @@ class EdgeTests {
   double max_conflict_;
 };
 
-/// Describes contradicted edges for a summary. poses: (x, y, yaw) each.
+/// Describes a relative pose for a summary. poses: (x, y, yaw) each.
+IgnoredEdge DescribeEdge(std::size_t index, const SlamGraph& graph,
+                         const std::vector<double>& poses);
+
+/// The same for contradicted edges.
 std::vector<IgnoredEdge> DescribeIgnored(const std::vector<ContradictedEdge>& contradicted,
                                          const SlamGraph& graph, const std::vector<double>& poses);
 

@@ -20,6 +20,9 @@ constexpr double kMatchM = 0.25, kMatchRad = 0.35;
 // Smallest share, of a step at standstill.
 constexpr double kMinShare = 0.01;
 
+// Corrections that landmarks follow by themselves [m]: of returns at this range [m].
+constexpr double kBridgedM = 0.05, kReachM = 5.0;
+
 // Largest path [m] between the ends of two relative poses that are near each other.
 constexpr double kNearM = 10.0;
 
@@ -92,16 +95,18 @@ void DriveGraph::Measure(int end, const std::vector<double>& poses) {
     const Pose2 here(&poses[3 * pose]);
     if (pose == 0) {
       world_from_pose_.push_back(here);
-      continue;
+    } else {
+      step_to_[pose].measured = Between(Pose2(&poses[3 * (pose - 1)]), here);
+      world_from_pose_.push_back(world_from_pose_.back() * step_to_[pose].measured);
     }
-    step_to_[pose].measured = Between(Pose2(&poses[3 * (pose - 1)]), here);
-    world_from_pose_.push_back(world_from_pose_.back() * step_to_[pose].measured);
+    at_last_move_.push_back(world_from_pose_.back());
   }
 }
 
 void DriveGraph::Restart(const std::vector<double>& poses) {
   const int num_measured = static_cast<int>(world_from_pose_.size());
   world_from_pose_.clear();
+  at_last_move_.clear();
   Measure(num_measured, poses);
 }
 
@@ -168,14 +173,16 @@ void DriveGraph::Close(const std::vector<RelativePoseConstraint>& certain,
   std::vector<Pose2> optimum = world_from_pose_;
   OptimizeRobustly(edges, uncertain, &optimum);
   const Pose2 back = world_from_pose_[first.pose] * optimum[first.pose].Inverse();
+  double farthest_m = 0.0;
   for (std::size_t i = 0; i < optimum.size(); ++i) {
     optimum[i] = back * optimum[i];
-    const Pose2 moved = optimum[i] * world_from_pose_[i].Inverse() * Pose2(&(*poses)[3 * i]);
-    (*poses)[3 * i] = moved.x;
-    (*poses)[3 * i + 1] = moved.y;
-    (*poses)[3 * i + 2] = moved.yaw;
+    const Pose2 moved = Between(at_last_move_[i], optimum[i]);
+    farthest_m = std::max(farthest_m, moved.translation().norm() + kReachM * std::abs(moved.yaw));
   }
   world_from_pose_ = std::move(optimum);
+  if (farthest_m <= kBridgedM) return;
+  at_last_move_ = world_from_pose_;
+  *poses = PoseArray(world_from_pose_);
 }
 
 }  // namespace plumbline

@@ -37,8 +37,8 @@ class DriveGraph {
                      const std::vector<RelativePoseConstraint>& others) const;
 
   /// Moves the graph to its optimum: `certain` edges count as they are, `uncertain` ones under a
-  /// robust loss. Moves every pose by what its counterpart in the graph has moved. Fixed poses
-  /// stay. Needs measured steps to all poses.
+  /// robust loss. The poses move there, too, once the optimum is farther from where they last did
+  /// than landmarks can follow. Fixed poses stay. Needs measured steps to all poses.
   void Close(const std::vector<RelativePoseConstraint>& certain,
              const std::vector<RelativePoseConstraint>& uncertain,
              const std::vector<FixedPose>& fixed, std::vector<double>* poses);
@@ -54,6 +54,7 @@ class DriveGraph {
 
   MotionOptions motion_;
   std::vector<Pose2> world_from_pose_;                // of the poses that are measured
+  std::vector<Pose2> at_last_move_;                   // the same when the caller's poses last moved
   std::vector<Step> step_to_;                         // per pose of the graph
   std::vector<Eigen::Matrix3d> information_of_pose_;  // of its returns against their surfaces
   std::vector<RelativePoseConstraint> long_motions_;  // odometry between poses that do not follow

@@ -52,6 +52,7 @@ struct Host {
 
   explicit Host(int num_threads = 1, int num_free_poses = 20)
       : solver(Threads(num_threads), Window(num_free_poses)) {}
+  explicit Host(const SolverOptions& options) : solver(options, Window(20)) {}
 
   // Poses where the odometry puts them.
   void Receive(int num_poses) {
@@ -168,6 +169,45 @@ TEST(IncrementalSolverTest, AClosureThatItsScansContradictIsLeftOut) {
   EXPECT_EQ(host.summaries.back().ignored_edges[0].to, kNumPoses - 2);
   EXPECT_GT(host.summaries.back().ignored_edges[0].sigmas, 30.0);
   EXPECT_LT(host.MeanErrorM(), 0.006);
+}
+
+TEST(IncrementalSolverTest, ManyFalseClosuresRaiseTheAlarm) {
+  Host host;
+  host.DriveAll();
+  std::size_t num_false = 0;
+  for (const int from : {2, 5, 8}) {
+    EXPECT_TRUE(host.summaries.back().alarms.empty()) << num_false;
+    RelativePoseConstraint closure{from, kNumPoses - from, Pose2(1.5, -0.8, 0.4)};
+    closure.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+    ASSERT_TRUE(host.graph.AddRelativePose(closure).ok());
+    host.Update();
+    const IncrementalSummary& summary = host.summaries.back();
+    EXPECT_EQ(summary.ignored_edges.size() + summary.contradicted_closures.size(), ++num_false);
+  }
+  ASSERT_EQ(host.summaries.back().alarms.size(), 1u);
+  EXPECT_THAT(host.summaries.back().alarms[0].reason,
+              testing::StartsWith("3 of 3 loop closures contradict the map, by up to "));
+}
+
+// Scans that are not asked leave a false closure in force.
+TEST(IncrementalSolverTest, AClosureThatCountsAndIsFalseIsNamed) {
+  SolverOptions options = Threads(1);
+  options.test_edges = false;
+  Host host(options);
+  host.DriveAll();
+  RelativePoseConstraint closure{2, kNumPoses - 2, Pose2(1.5, -0.8, 0.4)};
+  closure.covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+  RelativePoseConstraint right{1, kNumPoses - 3,
+                               Between(host.drive.truth[1], host.drive.truth[kNumPoses - 3])};
+  right.covariance = closure.covariance;
+  for (int copy = 0; copy < 3; ++copy) ASSERT_TRUE(host.graph.AddRelativePose(right).ok());
+  ASSERT_TRUE(host.graph.AddRelativePose(closure).ok());
+  host.Update();
+  ASSERT_EQ(host.summaries.back().contradicted_closures.size(), 1u);
+  const IgnoredEdge& named = host.summaries.back().contradicted_closures[0];
+  EXPECT_EQ(named.edge, 3u);
+  EXPECT_EQ(named.to, kNumPoses - 2);
+  EXPECT_GT(named.off_m, 0.5);
 }
 
 TEST(IncrementalSolverTest, AllFollowWhenTheCallerMovesAPose) {

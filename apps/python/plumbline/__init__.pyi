@@ -390,6 +390,8 @@ class IncrementalSummary:
     initial_cost: Final[float]
     final_cost: Final[float]
     ignored_edges: Final[tuple[IgnoredEdge, ...]]
+    contradicted_closures: Final[tuple[IgnoredEdge, ...]]
+    alarms: Final[tuple[Alarm, ...]]
     association_time_s: Final[float]
     minimization_time_s: Final[float]
     total_time_s: Final[float]

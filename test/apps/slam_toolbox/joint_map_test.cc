@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "plumbline/test/solvers/noisy_room.h"
@@ -63,6 +64,28 @@ TEST(JointMapTest, FitsNodesToConstraintsAndScans) {
   EXPECT_EQ(map.FindPose(kFirstId)->x, first.x);
   EXPECT_EQ(map.FindPose(kFirstId)->yaw, first.yaw);
   EXPECT_EQ(map.Poses().size(), room.truth.size());
+}
+
+TEST(JointMapTest, WhatContradictsTheMapIsToldOnceByItsNodes) {
+  const NoisyRoom room = MakeNoisyRoom();
+  JointMap map;
+  AddRoom(room, kFirstId, {}, &map);
+  ASSERT_TRUE(map.Estimate().ok());
+  EXPECT_TRUE(map.TakeWarnings().empty());
+  const int last = kFirstId + 2 * (static_cast<int>(room.truth.size()) - 1);
+  for (const int from : {kFirstId, kFirstId + 2, kFirstId + 4}) {
+    ASSERT_TRUE(map.AddConstraint(from, last, {1.5, -1.0, 0.3}, Covariance(0.01)).ok());
+  }
+  ASSERT_TRUE(map.Estimate().ok());
+  const std::vector<std::string> warnings = map.TakeWarnings();
+  ASSERT_EQ(warnings.size(), 4u);
+  EXPECT_THAT(warnings[0],
+              testing::StartsWith("constraint 100 -> " + std::to_string(last) + " is "));
+  EXPECT_THAT(warnings[0], HasSubstr("its scans contradict it, it is ignored"));
+  EXPECT_THAT(warnings[3], testing::StartsWith("the map may be wrong around "));
+  EXPECT_THAT(warnings[3], HasSubstr("3 of 3 loop closures contradict the map, by up to "));
+  ASSERT_TRUE(map.Estimate().ok());
+  EXPECT_TRUE(map.TakeWarnings().empty());
 }
 
 TEST(JointMapTest, PartsThatNothingJoinsAreFittedEachForItself) {

@@ -52,21 +52,17 @@ TEST(DriveGraphTest, AClosureIsSpreadOverAllSteps) {
   EXPECT_EQ(poses[1], 0.0);
 }
 
-TEST(DriveGraphTest, RefinedPosesKeepTheirPlaceBesideTheGraph) {
+TEST(DriveGraphTest, PosesThatWereBentComeBackToTheGraph) {
   const SlamGraph graph = StraightDrive();
   DriveGraph drive = Measured(graph);
-  std::vector<double> poses = graph.initial_poses();
-  poses[3 * 20 + 1] += 0.02;
-  const Pose2 beside = Between(Pose2(&poses[3 * 19]), Pose2(&poses[3 * 20]));
   const std::vector<RelativePoseConstraint> closures = {
       Closure(0, kNumPoses - 1, {10.0, 0.8, 0.0})};
+  std::vector<double> poses = graph.initial_poses();
   drive.Close({}, closures, graph.fixed_poses(), &poses);
-  const Pose2 after = Between(Pose2(&poses[3 * 19]), Pose2(&poses[3 * 20]));
-  EXPECT_NEAR(after.y, beside.y, 0.01);
-  // The graph is at its optimum: nothing moves any more.
-  const std::vector<double> before = poses;
-  drive.Close({}, closures, graph.fixed_poses(), &poses);
-  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(poses[i], before[i], 0.01);
+  std::vector<double> bent = poses;
+  for (int i = 10; i < 30; ++i) bent[3 * i + 1] += 0.3;
+  drive.Close({}, closures, graph.fixed_poses(), &bent);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_NEAR(bent[i], poses[i], 0.01);
 }
 
 TEST(DriveGraphTest, TheOrderOfClosuresDoesNotMatter) {
