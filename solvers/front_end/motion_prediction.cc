@@ -21,12 +21,12 @@ constexpr int kStepsBefore = 3;
 // surroundings are rarely nearer all round.
 constexpr double kSurroundingsM = 2.0;
 
-std::vector<double> Intervals(const SlamGraph& graph) {
-  std::vector<double> intervals_s;
-  for (int pose = 1; pose < graph.num_poses(); ++pose) {
-    intervals_s.push_back(graph.timestamp_s(pose) - graph.timestamp_s(pose - 1));
+std::vector<double> TimestampsOf(const SlamGraph& graph) {
+  std::vector<double> timestamps_s;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    timestamps_s.push_back(graph.timestamp_s(pose));
   }
-  return intervals_s;
+  return timestamps_s;
 }
 
 // No motion where there is no step before.
@@ -40,8 +40,15 @@ bool LacksOdometry(const SlamGraph& graph) {
   return graph.num_poses() > 1 && graph.odometry().empty();
 }
 
-MotionPrediction::MotionPrediction(const SlamGraph& graph) : num_periods_(graph.num_poses(), 1.0) {
-  const std::vector<double> intervals_s = Intervals(graph);
+MotionPrediction::MotionPrediction(const SlamGraph& graph)
+    : MotionPrediction(TimestampsOf(graph)) {}
+
+MotionPrediction::MotionPrediction(const std::vector<double>& timestamps_s)
+    : num_periods_(timestamps_s.size(), 1.0) {
+  std::vector<double> intervals_s;
+  for (std::size_t pose = 1; pose < timestamps_s.size(); ++pose) {
+    intervals_s.push_back(timestamps_s[pose] - timestamps_s[pose - 1]);
+  }
   const double period_s = MedianOrZero(intervals_s);
   if (!(period_s > 0.0)) return;
   std::vector<double> num_periods(num_periods_);

@@ -26,6 +26,8 @@ class MotionPrediction {
  public:
   /// For the times of the graph's poses.
   explicit MotionPrediction(const SlamGraph& graph);
+  /// For poses at these times [s].
+  explicit MotionPrediction(const std::vector<double>& timestamps_s);
 
   /// The step from pose to - 1 to pose `to`: the median motion per period of the last three steps,
   /// as a single step may be a mistake. No motion where there is no step before. poses:

@@ -216,4 +216,19 @@ void SequentialMatcher::RebuildMap() {
   map_.Rebuild(scans, poses);
 }
 
+void DriveTracker::Add(int pose, int scan, const SurfacePoints& surface, StepKind kind, Pose2 step,
+                       SequentialSeedingReport* report) {
+  ScanMatch match;
+  match.world_from_robot = first_;
+  if (poses_.empty()) {
+    step = Pose2();
+  } else {
+    match = matcher_.Match(poses_.back(), surface, kind, &step, report);
+    path_m_ += Between(poses_.back(), match.world_from_robot).translation().norm();
+  }
+  poses_.push_back(match.world_from_robot);
+  steps_.push_back(step);
+  if (scan >= 0) matcher_.MaybeAddKeyframe(pose, scan, surface, path_m_, match);
+}
+
 }  // namespace plumbline

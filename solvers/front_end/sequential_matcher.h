@@ -43,6 +43,11 @@ class SequentialMatcher {
   void MaybeAddKeyframe(int pose, int scan, const SurfacePoints& surface, double path_m,
                         const ScanMatch& match);
 
+  /// Whether the odometry has lost the sign of its translation, from the next scan on.
+  void set_sign_lost(bool sign_lost) { sign_lost_ = sign_lost; }
+
+  /// In order of time.
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   std::vector<Keyframe> TakeKeyframes() { return std::move(keyframes_); }
   std::vector<PackedSurface> TakeKeySurfaces() { return std::move(key_surfaces_); }
 
@@ -62,7 +67,7 @@ class SequentialMatcher {
   const SeedingOptions& options_;
   const MotionOptions& motion_;
   const MotionOptions prediction_motion_;
-  const bool sign_lost_;
+  bool sign_lost_;
   StepKind kind_ = StepKind::kMeasured;  // of the step at hand
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
@@ -71,6 +76,37 @@ class SequentialMatcher {
   std::vector<Pose2> key_poses_;             // likewise
   std::vector<int> in_map_;                  // indices of the keyframes in the local map
   LocalMap map_;
+};
+
+/// Matches a drive, or a stretch of one, scan by scan, and keeps the pose of every scan. The
+/// options and the noise have to outlive it.
+class DriveTracker {
+ public:
+  /// first: world_from_robot of the first pose. The others as for SequentialMatcher.
+  DriveTracker(const SeedingOptions& options, const MotionOptions& motion, bool sign_lost,
+               const Pose2& first)
+      : matcher_(options, motion, sign_lost), first_(first) {}
+
+  /// Matches the scan of the next pose. pose, scan: their ids; scan is -1 if the pose has none that
+  /// shows a surface. step: from the pose before, as it is known before the match; the first pose
+  /// has none. Adds to the counts of *report.
+  void Add(int pose, int scan, const SurfacePoints& surface, StepKind kind, Pose2 step,
+           SequentialSeedingReport* report);
+
+  /// world_from_robot, one per pose.
+  const std::vector<Pose2>& poses() const { return poses_; }
+  /// Steps as driven, one per pose, from the pose before; the first one is unused.
+  const std::vector<Pose2>& steps() const { return steps_; }
+  SequentialMatcher& matcher() { return matcher_; }
+  std::vector<Pose2> TakePoses() { return std::move(poses_); }
+  std::vector<Pose2> TakeSteps() { return std::move(steps_); }
+
+ private:
+  SequentialMatcher matcher_;
+  const Pose2 first_;
+  std::vector<Pose2> poses_;
+  std::vector<Pose2> steps_;
+  double path_m_ = 0.0;
 };
 
 }  // namespace plumbline

@@ -215,30 +215,22 @@ class DriveMatcher {
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     MatchedStretch matched;
     SequentialSeedingReport run_up_report;
-    SequentialMatcher matcher(options_, motion_, sign_lost_);
-    double path_m = 0.0;
+    DriveTracker tracker(options_, motion_, sign_lost_,
+                         surfaces_.graph().InitialPose(stretch.run_up));
     for (int pose = stretch.run_up; pose < stretch.end; ++pose) {
       const int scan = surfaces_.scan_of_pose()[pose];
       SurfacePoints surface;
       if (scan >= 0) surface = surfaces_.Of(scan);
-      Pose2 step;
-      ScanMatch match;
-      match.world_from_robot = surfaces_.graph().InitialPose(stretch.run_up);
-      if (pose > stretch.run_up) {
-        const Pose2& previous = matched.poses.back();
-        step = StepTo(pose, matched.poses);
-        match = matcher.Match(previous, surface, KindOf(pose), &step,
-                              pose < stretch.begin ? &run_up_report : &matched.report);
-        path_m += Between(previous, match.world_from_robot).translation().norm();
-      }
-      matched.poses.push_back(match.world_from_robot);
-      matched.odometry.push_back(step);
-      if (scan >= 0) matcher.MaybeAddKeyframe(pose, scan, surface, path_m, match);
+      const Pose2 step = pose > stretch.run_up ? StepTo(pose, tracker.poses()) : Pose2();
+      tracker.Add(pose, scan, surface, KindOf(pose), step,
+                  pose < stretch.begin ? &run_up_report : &matched.report);
       if (pose >= stretch.begin) progress->Count();
       if (progress->stopped()) break;
     }
-    matched.keyframes = matcher.TakeKeyframes();
-    matched.key_surfaces = matcher.TakeKeySurfaces();
+    matched.poses = tracker.TakePoses();
+    matched.odometry = tracker.TakeSteps();
+    matched.keyframes = tracker.matcher().TakeKeyframes();
+    matched.key_surfaces = tracker.matcher().TakeKeySurfaces();
     return matched;
   }
 

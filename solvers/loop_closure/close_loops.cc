@@ -114,6 +114,35 @@ Status TestInBatches(const ScanSurfaces& surfaces, const KeyframeGraph& keys,
   return Status::Ok();
 }
 
+// Rounds of closures whose later keyframe is `first_key` or after it. refused: the matches of the
+// last round that are no closures.
+Status CloseInRounds(int first_key, const ScanSurfaces& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, ClosureMemory* memory, KeyframeGraph* keys,
+                     int* num_candidates, std::vector<TestedCandidate>* refused) {
+  bool found = true;
+  for (int round = 0; round < kMaxRounds && found; ++round) {
+    const std::vector<LoopCandidate> candidates =
+        FindLoopCandidates(*keys, surfaces.graph().peers(), pool, first_key);
+    std::vector<TestedCandidate> tested;
+    PLUMBLINE_RETURN_IF_ERROR(
+        TestInBatches(surfaces, *keys, candidates, progress, pool, memory, &tested));
+    *num_candidates += static_cast<int>(candidates.size());
+    refused->clear();
+    found = false;
+    for (const TestedCandidate& result : tested) {
+      if (RepeatsOneOf(result.edge, keys->refused, *keys)) continue;
+      if (result.outcome == ClosureOutcome::kAccepted) {
+        keys->closures.push_back(result.edge);
+        found = true;
+      } else if (result.outcome != ClosureOutcome::kNoMatch) {
+        refused->push_back(result);
+      }
+    }
+    if (found || first_key == 0) OptimizeAndPrune(keys);
+  }
+  return Status::Ok();
+}
+
 // What nearly became a closure, the best first and of each place once: as much as is weighed at a
 // time.
 void KeepTentative(std::vector<TestedCandidate> refused, KeyframeGraph* keys) {
@@ -222,20 +251,26 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
         graph.world_from_key.front() * graph.given.given_from_key.front().Inverse();
   }
   for (int k = 1; k < graph.size(); ++k) {
-    const Keyframe& from = graph.keyframes[k - 1];
-    const Keyframe& to = graph.keyframes[k];
-    const Pose2 from_from_to = Between(graph.world_from_key[k - 1], graph.world_from_key[k]);
-    Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
-    if (!has_given_poses) {
-      known = ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
-    }
     graph.sequential.push_back(
-        {{k - 1, k, from_from_to,
-          MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}});
-    // The given poses may contradict it.
-    graph.sequential.back().in_question = has_given_poses;
+        MatchedEdge(k - 1, graph.keyframes[k - 1], graph.keyframes[k], trajectory, motion));
   }
   return graph;
+}
+
+SequentialEdge MatchedEdge(int from_key, const Keyframe& from, const Keyframe& to,
+                           const SequentialTrajectory& trajectory, const MotionOptions& motion) {
+  const bool has_given_poses = !trajectory.given_poses.empty();
+  const std::vector<Pose2>& poses = trajectory.world_from_robot;
+  const Pose2 from_from_to = Between(poses[from.pose], poses[to.pose]);
+  Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
+  if (!has_given_poses) {
+    known = ChainOdometry(trajectory.odometry, from.pose, to.pose, motion).covariance.inverse();
+  }
+  SequentialEdge edge{{from_key, from_key + 1, from_from_to,
+                       MatchCovariance(RotateAxes(to.information, from_from_to.yaw), known)}};
+  // The given poses may contradict it.
+  edge.in_question = has_given_poses;
+  return edge;
 }
 
 Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
@@ -243,30 +278,19 @@ Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress,
   *report = LoopClosingReport();
   if (!keys->closures.empty()) OptimizeAndPrune(keys);
   std::vector<TestedCandidate> refused;
-  bool found = true;
-  for (int round = 0; round < kMaxRounds && found; ++round) {
-    const std::vector<LoopCandidate> candidates =
-        FindLoopCandidates(*keys, surfaces.graph().peers(), pool);
-    std::vector<TestedCandidate> tested;
-    PLUMBLINE_RETURN_IF_ERROR(
-        TestInBatches(surfaces, *keys, candidates, progress, pool, memory, &tested));
-    report->num_candidates += static_cast<int>(candidates.size());
-    refused.clear();
-    found = false;
-    for (const TestedCandidate& result : tested) {
-      if (RepeatsOneOf(result.edge, keys->refused, *keys)) continue;
-      if (result.outcome == ClosureOutcome::kAccepted) {
-        keys->closures.push_back(result.edge);
-        found = true;
-      } else if (result.outcome != ClosureOutcome::kNoMatch) {
-        refused.push_back(result);
-      }
-    }
-    OptimizeAndPrune(keys);
-  }
+  PLUMBLINE_RETURN_IF_ERROR(
+      CloseInRounds(0, surfaces, progress, pool, memory, keys, &report->num_candidates, &refused));
   KeepTentative(refused, keys);
   WriteReport(*keys, refused, report);
   return Status::Ok();
+}
+
+Status CloseNewLoops(int first_key, const ScanSurfaces& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, ClosureMemory* memory, KeyframeGraph* keys) {
+  int num_candidates = 0;
+  std::vector<TestedCandidate> refused;
+  return CloseInRounds(first_key, surfaces, progress, pool, memory, keys, &num_candidates,
+                       &refused);
 }
 
 }  // namespace plumbline

@@ -20,6 +20,11 @@ namespace plumbline {
 KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
                                 const MotionOptions& motion);
 
+/// The tie of a keyframe to the one before it, keyframe `from_key`, as the sequential matching left
+/// the two.
+SequentialEdge MatchedEdge(int from_key, const Keyframe& from, const Keyframe& to,
+                           const SequentialTrajectory& trajectory, const MotionOptions& motion);
+
 /// Looks for closures, adds them and moves the keyframes to the optimum of the pose graph, in
 /// rounds: each finds what the one before has brought into reach. Closures that the others
 /// contradict are dropped again. Closures that the graph has already are kept, as long as nothing
@@ -27,6 +32,11 @@ KeyframeGraph MakeKeyframeGraph(const SequentialTrajectory& trajectory,
 /// these keyframes so far; grows. Unavailable if progress stopped it.
 Status CloseLoops(const ScanSurfaces& surfaces, const SeedingProgress& progress, ThreadPool* pool,
                   ClosureMemory* memory, KeyframeGraph* keys, LoopClosingReport* report);
+
+/// The same for a graph that has grown: looks for closures from the keyframes `first_key` and later
+/// to earlier ones only. Leaves the poses as they are if it finds none.
+Status CloseNewLoops(int first_key, const ScanSurfaces& surfaces, const SeedingProgress& progress,
+                     ThreadPool* pool, ClosureMemory* memory, KeyframeGraph* keys);
 
 /// Moves the keyframes to the robust optimum of the graph's edges and closures.
 void OptimizeKeyframes(KeyframeGraph* keys);

@@ -211,12 +211,14 @@ class CandidateFinder {
 
   int num_nodes() const { return ways_.num_nodes(); }
 
-  // The candidates whose later keyframe lies in the node.
-  std::vector<LoopCandidate> OfNode(int node) const {
+  // The candidates whose later keyframe lies in the node and is not before `first_key`.
+  std::vector<LoopCandidate> OfNode(int node, int first_key) const {
     std::vector<LoopCandidate> candidates;
+    if (ways_.FirstKeyOf(node + 1) <= first_key) return candidates;
     const std::vector<int> near = NodesNear(node);
     const std::vector<Way> ways = ways_.From(node, near);
-    for (int second = ways_.FirstKeyOf(node); second < ways_.FirstKeyOf(node + 1); ++second) {
+    for (int second = std::max(first_key, ways_.FirstKeyOf(node));
+         second < ways_.FirstKeyOf(node + 1); ++second) {
       if (BeginsStretch(second, kSpacingM)) AddCandidates(second, near, ways, &candidates);
     }
     return candidates;
@@ -371,12 +373,13 @@ double ViewDistanceM(double distance_m, double turn_rad) {
 }
 
 std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
-                                              ThreadPool* pool) {
+                                              ThreadPool* pool, int first_key) {
   const CandidateFinder finder(graph);
   std::vector<std::vector<LoopCandidate>> of_node(finder.num_nodes());
   const std::vector<std::size_t> own = OwnShare(peers, of_node.size());
-  pool->ForEach(own.size(), 1,
-                [&](std::size_t i) { of_node[own[i]] = finder.OfNode(static_cast<int>(own[i])); });
+  pool->ForEach(own.size(), 1, [&](std::size_t i) {
+    of_node[own[i]] = finder.OfNode(static_cast<int>(own[i]), first_key);
+  });
   ShareCandidates(peers, &of_node);
   std::vector<LoopCandidate> candidates;
   for (std::vector<LoopCandidate>& of_this : of_node) {

@@ -29,9 +29,9 @@ struct LoopCandidate {
 
 /// Keyframes that may revisit a place and are not tied to it by a closure of the graph yet, in
 /// order of `second`. Processes that share the drive share the work (collective); peers: these, or
-/// null.
+/// null. first_key: earlier keyframes are no revisits.
 std::vector<LoopCandidate> FindLoopCandidates(const KeyframeGraph& graph, const Peers* peers,
-                                              ThreadPool* pool);
+                                              ThreadPool* pool, int first_key = 0);
 
 /// Keyframes spread over the path from an edge to the next untrusted one, each to be found again
 /// near by, in any heading, in the scans before the edge.
