@@ -11,7 +11,7 @@ set(PLUMBLINE_DOORS
   solvers/map_log.h
   solvers/seed.h
   solvers/solve.h
-  solvers/incremental_solver.h
+  solvers/online_mapper.h
   solvers/covariance.h
   solvers/calibration.h
   solvers/interface/solver_options.h
@@ -34,7 +34,7 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   solvers/interface/odometry_report.h
   solvers/interface/seeding_options.h
   solvers/interface/seeding_report.h)
-# Headers for a host with a solver, a residual or a reader of logs of its own, for Ceres' switches, for
+# Headers for a host with a front end, a solver, a residual or a reader of logs of its own, for Ceres' switches, for
 # several drives, and for a window of poses that is solved like a map. Also listed in the API
 # reference; solvers/README.md says how to use them.
 set(PLUMBLINE_EXTENSION_HEADERS
@@ -47,6 +47,7 @@ set(PLUMBLINE_EXTENSION_HEADERS
   solvers/association/tangent_lines.h
   solvers/full/energy.h
   solvers/full/rounds_solver.h
+  solvers/incremental_solver.h
   solvers/interface/ceres_options.h
   solvers/interface/inner_result.h
   solvers/interface/session_report.h

@@ -1,0 +1,104 @@
+#ifndef PLUMBLINE_SOLVERS_ONLINE_MAPPER_H_
+#define PLUMBLINE_SOLVERS_ONLINE_MAPPER_H_
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/laser_scan.h"
+#include "plumbline/core/pose2.h"
+#include "plumbline/core/status.h"
+#include "plumbline/solvers/alarm.h"
+#include "plumbline/solvers/map_log.h"
+
+namespace plumbline {
+
+/// How a drive is mapped while it goes on.
+struct OnlineMapperOptions {
+  /// How Finish maps the whole drive. The background has the same options, but for calibration,
+  /// own terms, edges that are named, and the callback.
+  MapLogOptions map;
+
+  /// False if a field is out of range; *error, if not null, then says which and why.
+  bool Check(std::string* error) const;
+};
+
+/// Where the robot is. The frame of the map is that of the robot at its first scan.
+struct OnlinePose {
+  int scan = 0;             ///< index among all scans that were added
+  Pose2 map_from_robot;     ///< at the time of the scan
+  Pose2 map_from_odometry;  ///< frame of the odometry; as before if the scan has no odometry
+  /// Number of scans in which loops have not been sought yet.
+  int num_pending = 0;
+};
+
+/// The map of a drive that goes on, by all loops that were closed so far.
+struct OnlineMap {
+  std::vector<Pose2> map_from_robot;    ///< per scan that was added
+  std::vector<Eigen::Vector2d> points;  ///< of the keyframes' surfaces, thinned to 3 cm [m]
+  Pose2 map_from_odometry;              ///< as in OnlinePose, at the newest scan
+  int num_closures = 0;                 ///< in force
+  int num_remappings = 0;               ///< of the drive so far, in the background
+  std::vector<Alarm> alarms;            ///< of the last one; scans are indices as above
+};
+
+/// Maps a drive while it goes on. Scans come in one at a time; AddScan matches each of them to the
+/// scans before it and gives its pose at once. A background thread closes loops from the newest
+/// keyframes. A second one maps the drive so far from its start, as MapLog does but without
+/// calibration, each time that the drive has grown by a quarter, or by a tenth while the map is in
+/// doubt (a loop has moved it by more than 0.5 m, a scan matched nothing, or the last such map has
+/// an alarm). That recognises odometry without sign or scale, slips and relocations, and takes
+/// false loops back. Corrections are in the poses from then on. Finish gives what MapLog gives of
+/// the same measurements.
+///
+/// The motion within the sweeps of a laser (LaserModel::beam_period_s) is taken out by Finish and
+/// by the maps of the background, not by the live matching.
+///
+/// All functions may be called from any thread. The order of concurrent calls of AddScan is that of
+/// the scans.
+class OnlineMapper {
+ public:
+  /// Bad options and lasers are reported by the first scan.
+  explicit OnlineMapper(const std::vector<LaserModel>& lasers,
+                        const OnlineMapperOptions& options = OnlineMapperOptions());
+  /// Stops the background.
+  ~OnlineMapper();
+  OnlineMapper(const OnlineMapper&) = delete;
+  OnlineMapper& operator=(const OnlineMapper&) = delete;
+
+  /// Matches a scan, and gives its pose in the map. scan: ranges [m], one per beam. odometry: pose
+  /// of the robot at that time by its wheels, in any fixed frame; none if it is not known. Without
+  /// it the step is predicted from the steps before it. laser: index of the laser that measured the
+  /// scan. now: may be null.
+  ///
+  /// InvalidArgument, naming the scan, on bad options, an unknown laser, a number of ranges other
+  /// than its beams, values that are not finite or beyond input_limits.h (ranges excepted: these
+  /// are no returns), a time before that of the scan before, and odometry that jumps: by more than
+  /// 5 m and 20 m/s. Nothing has changed then; a scan after a jump, or a reset of the odometry, is
+  /// to be added without odometry once. InvalidArgument after Finish. Unavailable if the background
+  /// has failed.
+  Status AddScan(const LaserScan& scan, const std::optional<Pose2>& odometry, OnlinePose* now,
+                 int laser = 0);
+
+  /// The map as it is known now. InvalidArgument on null.
+  Status GetMap(OnlineMap* map) const;
+
+  /// Waits until the background has caught up with all scans. If it is called after each scan,
+  /// poses and maps are the same each time. Unavailable if the background has failed.
+  Status Wait();
+
+  /// Ends the drive: stops the background and maps all measurements by MapLog, with the same result
+  /// for the same scans, whatever the background had found. Fails like MapLog; InvalidArgument
+  /// without scans, and if it was called before.
+  Status Finish(LogMapping* mapping);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plumbline
+
+#endif  // PLUMBLINE_SOLVERS_ONLINE_MAPPER_H_
