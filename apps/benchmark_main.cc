@@ -15,6 +15,7 @@
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
 #include "plumbline/apps/benchmark/mapper_record.h"
+#include "plumbline/apps/benchmark/online_run.h"
 #include "plumbline/apps/benchmark/replay.h"
 #include "plumbline/apps/benchmark/replay_report.h"
 #include "plumbline/apps/benchmark/scaling_study.h"
@@ -42,11 +43,11 @@
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, sessions_study, "
-              "variations, solver_comparison, scaling, log, synthetic, ablation, replay, "
+              "variations, solver_comparison, scaling, log, synthetic, ablation, online, replay, "
               "scan_solver, adversarial, sensors, profile");
 DEFINE_string(
     log, "",
-    "solver_comparison, log, ablation, replay, profile: CARMEN log, plain or .gz (empty: a "
+    "solver_comparison, log, ablation, online, replay, profile: CARMEN log, plain or .gz (empty: a "
     "simulated "
     "building; ablation: none); variations: CARMEN logs separated by commas, or @FILE with one per "
     "line, each with its relations beside it (a.relations for a.clf.gz); scan_solver: the log of "
@@ -57,7 +58,7 @@ DEFINE_string(
     "them (empty: that of a simulated mapper)");
 DEFINE_string(
     relations, "",
-    "solver_comparison, log, ablation, scan_solver: true relative poses of the log ('t1 t2 "
+    "solver_comparison, log, ablation, online, scan_solver: true relative poses of the log ('t1 t2 "
     "x y z roll pitch yaw')");
 DEFINE_string(corrected_log, "",
               "log: the same drive with poses that another mapper corrected: its scans are mapped "
@@ -67,6 +68,9 @@ DEFINE_string(
     "Folder for the results, report.html among them; made if it is not there (empty: none, "
     "for seeding_study, sessions_study, variations, scaling, scan_solver and adversarial only)");
 DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each case, 1 to this");
+DEFINE_double(online_speed, 20.0,
+              "online: scans come in this many times as fast as they were recorded (0: as fast as "
+              "they are taken)");
 DEFINE_string(online_solver, "incremental",
               "replay: what refines the map while it grows: incremental (landmarks are kept from "
               "call to call) or window (the newest poses in a problem of their own each time, all "
@@ -194,6 +198,24 @@ Status Sensors(const OutputFolder& output, HtmlReport* page) {
   return WriteSensorJson(output.File("sensors.json"), cases, outcomes);
 }
 
+Status MapOnline(const OutputFolder& output, HtmlReport* page) {
+  MapLogOptions options;
+  PLUMBLINE_RETURN_IF_ERROR(MapLogOptionsFromFlags(&options));
+  std::vector<Relation> relations;
+  if (!FLAGS_relations.empty()) {
+    PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
+  }
+  SlamGraph drive;
+  PLUMBLINE_RETURN_IF_ERROR(ReadDrive(FLAGS_log, &drive));
+  OnlineRun run;
+  PLUMBLINE_RETURN_IF_ERROR(RunOnline(
+      options, FLAGS_online_speed, drive,
+      [](int num_scans) { std::cout << "  " << num_scans << " scans\n"
+                                    << std::flush; }, &run));
+  PrintText("Maps while the robot drives", OnlineTable(run, relations), page);
+  return WriteOnlineCsv(output.File("online.csv"), run);
+}
+
 void PrintStep(const ReplayStep& step) {
   std::cout << "  " << step.num_poses << " scans, " << step.num_closures
             << " closures: " << ToString(step.solve) << ", " << std::fixed << std::setprecision(3)
@@ -300,6 +322,7 @@ constexpr Experiment kExperiments[] = {
      "synthetic_maps.png",
      false, true, true, ""},
     {"ablation", Ablation, "ablation.csv ablation.json", false, true, true, "start"},
+    {"online", MapOnline, "online.csv", false, true, false, ""},
     {"replay", ReplayDrive, "trajectory.tum replay.csv replay.png", false, true, false, "start"},
     {"scan_solver", ReplayMapper, "", false, false, false, "start", true},
     {"adversarial", Adversarial, "", false, false, false, "start", true},
@@ -405,6 +428,11 @@ Status CheckFlags() {
     if (value >= 1 && value <= kMostRuns) continue;
     return Status::InvalidArgument("--" + std::string(name) + " must be from 1 to " +
                                    std::to_string(kMostRuns));
+  }
+  constexpr double kMinSpeed = 0.01, kMaxSpeed = 1e6;
+  if (FLAGS_online_speed != 0.0 &&
+      !(FLAGS_online_speed >= kMinSpeed && FLAGS_online_speed <= kMaxSpeed)) {
+    return Status::InvalidArgument("--online_speed must be 0 or from 0.01 to 1e6");
   }
   ReplayOptions replay;
   PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&replay));

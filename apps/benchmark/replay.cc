@@ -194,7 +194,9 @@ Status SolveBatch(const SolverOptions& solver, const SlamGraph& graph, MapState*
   return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);
 }
 
-PoseDifferences Compare(const std::vector<Pose2>& poses, const std::vector<Pose2>& batch) {
+}  // namespace
+
+PoseDifferences ComparePoses(const std::vector<Pose2>& poses, const std::vector<Pose2>& batch) {
   PoseDifferences differences;
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const double distance_m = (poses[i].translation() - batch[i].translation()).norm();
@@ -207,8 +209,6 @@ PoseDifferences Compare(const std::vector<Pose2>& poses, const std::vector<Pose2
   }
   return differences;
 }
-
-}  // namespace
 
 bool FromString(const std::string& name, OnlineSolver* solver) {
   if (name == "incremental") *solver = OnlineSolver::kIncremental;
@@ -262,8 +262,8 @@ Status RunReplay(const SolverOptions& solver, const ReplayOptions& options, cons
   MapState batch = seed;
   PLUMBLINE_RETURN_IF_ERROR(SolveBatch(solver, drive, &batch, &result));
   const std::vector<Pose2> batch_poses = PosesOf(batch.poses);
-  result.online_difference = Compare(result.world_from_robot, batch_poses);
-  result.final_difference = Compare(PosesOf(host.state().poses), batch_poses);
+  result.online_difference = ComparePoses(result.world_from_robot, batch_poses);
+  result.final_difference = ComparePoses(PosesOf(host.state().poses), batch_poses);
   *replay = std::move(result);
   return Status::Ok();
 }

@@ -62,6 +62,9 @@ struct PoseDifferences {
   double max_turn_rad = 0.0;  ///< of the change of heading from one pose to the next: a kink
 };
 
+/// batch: the reference.
+PoseDifferences ComparePoses(const std::vector<Pose2>& poses, const std::vector<Pose2>& batch);
+
 struct Replay {
   std::vector<ReplayStep> steps;
   std::vector<Pose2> world_from_robot;  ///< the map of the host, before the final solve

@@ -20,11 +20,14 @@ Status SimulateBuilding(SlamGraph* graph) {
 
 }  // namespace
 
-Status PrepareDrive(const std::string& log, const MapLogOptions& options, LogMapping* mapping) {
+Status ReadDrive(const std::string& log, SlamGraph* graph) {
   LogNotes notes;
+  return log.empty() ? SimulateBuilding(graph) : ReadLogIntoGraph(log, 0, &notes, graph);
+}
+
+Status PrepareDrive(const std::string& log, const MapLogOptions& options, LogMapping* mapping) {
   SlamGraph graph;
-  PLUMBLINE_RETURN_IF_ERROR(log.empty() ? SimulateBuilding(&graph)
-                                        : ReadLogIntoGraph(log, 0, &notes, &graph));
+  PLUMBLINE_RETURN_IF_ERROR(ReadDrive(log, &graph));
   ThreadPool pool(options.solver.num_threads);
   return PrepareLog(options, std::move(graph), &pool, mapping);
 }

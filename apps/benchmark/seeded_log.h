@@ -3,10 +3,14 @@
 
 #include <string>
 
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 
 namespace plumbline {
+
+/// Reads a CARMEN log, or simulates a drive if the path is empty.
+Status ReadDrive(const std::string& log, SlamGraph* graph);
 
 /// Reads a CARMEN log, or simulates a drive if the path is empty, and prepares it (PrepareLog).
 Status PrepareDrive(const std::string& log, const MapLogOptions& options, LogMapping* mapping);

@@ -326,6 +326,20 @@ TEST_F(ProgramsTest, ReplaysAMapper) {
   ExpectUsageError(Run("benchmark", replay + "--relations=a.relations"), "need --log");
 }
 
+TEST_F(ProgramsTest, MapsALogOnline) {
+  SimulateLog(50);
+  const std::string online =
+      "--experiment=online --log=" + folder_ + "a.clf --output_dir=" + folder_ + "out ";
+  ExpectUsageError(Run("benchmark", online + "--online_speed=-1"), "--online_speed");
+  EXPECT_THAT(Run("benchmark", online + "--relations=" + folder_ + "none").err, HasSubstr("none"));
+  const Outcome run = Run("benchmark", online + "--online_speed=0");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("50 scans of "));
+  EXPECT_THAT(run.out, HasSubstr("live, each when it was given"));
+  EXPECT_THAT(FilesOf("out"), ElementsAre("online.csv", "report.html"));
+  EXPECT_EQ(Lines(Result("out", "online.csv")).size(), 1u + 50u);
+}
+
 TEST_F(ProgramsTest, ReplaysALog) {
   SimulateLog(50);
   const std::string replay = "--experiment=replay --log=" + folder_ + "a.clf ";
