@@ -13,6 +13,7 @@ PYBIND11_MODULE(_plumbline, module) {
   plumbline::BindSolvers(&module);
   plumbline::BindIncrementalSolver(&module);
   plumbline::BindMapLog(&module);
+  plumbline::BindOnlineMapper(&module);
   plumbline::BindFiles(&module);
   plumbline::BindEvaluation(&module);
   module.attr("__name__") = "plumbline._plumbline";

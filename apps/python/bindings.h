@@ -15,6 +15,7 @@ void BindSeedReports(pybind11::module_* module);        ///< how a seed was foun
 void BindSolvers(pybind11::module_* module);            ///< from a state to a better one
 void BindIncrementalSolver(pybind11::module_* module);  ///< the same while a graph grows
 void BindMapLog(pybind11::module_* module);             ///< from a log to a map
+void BindOnlineMapper(pybind11::module_* module);       ///< the same while the robot drives
 void BindFiles(pybind11::module_* module);              ///< readers and writers
 void BindEvaluation(pybind11::module_* module);         ///< how good a result is
 /// @}

@@ -8,6 +8,7 @@
 #include "plumbline/apps/python/bindings.h"
 #include "plumbline/apps/python/errors.h"
 #include "plumbline/apps/python/fields.h"
+#include "plumbline/apps/python/mapping.h"
 #include "plumbline/apps/python/objects.h"
 #include "plumbline/apps/python/progress.h"
 
@@ -50,6 +51,12 @@ py::object Map(const GraphObject& graph, MapLogOptions options, py::object seedi
 }
 
 }  // namespace
+
+py::object MappingOf(LogMapping mapping) {
+  MappingObject object;
+  TakeOver(std::move(mapping), &object);
+  return py::cast(std::move(object));
+}
 
 void BindMapLog(py::module_* module) {
   Fields<FrozenStretch>(module, "FrozenStretch", "Scans that a frozen laser repeated.")

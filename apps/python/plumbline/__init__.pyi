@@ -669,6 +669,34 @@ def map_log(
     into: LogMapping | None = ...,
 ) -> LogMapping: ...
 def alarm_text(alarms: Sequence[Alarm]) -> str: ...
+
+class OnlinePose:
+    scan: Final[int]
+    map_from_robot: Final[Pose2]
+    map_from_odometry: Final[Pose2]
+    num_pending: Final[int]
+
+class OnlineMap:
+    poses: Final[_Array]
+    points: Final[_Array]
+    map_from_odometry: Final[Pose2]
+    num_closures: Final[int]
+    num_remappings: Final[int]
+    alarms: Final[tuple[Alarm, ...]]
+
+class OnlineMapper:
+    def __init__(self, lasers: Sequence[LaserModel], options: MapLogOptions = ...) -> None: ...
+    def add_scan(
+        self,
+        timestamp_s: float,
+        ranges: ArrayLike,
+        odometry: Pose2 | ArrayLike | None = ...,
+        laser: int = ...,
+    ) -> OnlinePose: ...
+    def get_map(self) -> OnlineMap: ...
+    def wait(self) -> None: ...
+    def finish(self) -> LogMapping: ...
+
 def read_log(
     path: _Path,
     max_scans: int = ...,

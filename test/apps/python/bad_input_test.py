@@ -237,6 +237,9 @@ def odd_values(graph, rng):
     solver, updated = plumbline.IncrementalSolver(), plumbline.IncrementalSolver()
     updated.update(graph, graph.initial_poses)
     values["plumbline.IncrementalSolver"] = [solver, updated]
+    mapper = plumbline.OnlineMapper([graph.laser(0)])
+    mapper.add_scan(0.0, np.ones(graph.laser(0).num_beams), (0.0, 0.0, 0.0))
+    values["plumbline.OnlineMapper"] = [mapper, plumbline.OnlineMapper([graph.laser(0)])]
     values["plumbline.UpdateScope"] = list(plumbline.UpdateScope.__members__.values())
     values["numpy.ndarray"] = [graph.initial_poses, np.zeros((12, 3)), np.full((12, 3), np.nan)]
     values["plumbline.Relation"] = [plumbline.Relation(), plumbline.Relation(to_s=2.0)]
