@@ -32,6 +32,7 @@ struct PlainEdge {
 
 // All of a graph but its returns, as arrays of plain values.
 struct Outline {
+  std::vector<char> refusal;  // message of SlamGraph::status; empty: no failure
   std::vector<LaserModel> lasers;
   std::vector<TimedGuess> poses;
   std::vector<FixedPose> fixed_poses;
@@ -50,6 +51,7 @@ std::vector<LaserModel> LasersOf(const SlamGraph& graph) {
 
 Outline OutlineOf(const SlamGraph& graph) {
   Outline outline;
+  outline.refusal.assign(graph.status().message().begin(), graph.status().message().end());
   outline.lasers = LasersOf(graph);
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     outline.poses.push_back({graph.InitialPose(pose), graph.timestamp_s(pose)});
@@ -69,8 +71,7 @@ Outline OutlineOf(const SlamGraph& graph) {
 
 Status AddLasers(const std::vector<LaserModel>& lasers, SlamGraph* graph) {
   for (std::size_t laser = 0; laser < lasers.size(); ++laser) {
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(lasers[laser], &id));
+    const int id = graph->AddLaser(lasers[laser]);
     if (id == static_cast<int>(laser)) continue;
     return Status::InvalidArgument("lasers " + std::to_string(id) + " and " +
                                    std::to_string(laser) + " are equal");
@@ -78,27 +79,19 @@ Status AddLasers(const std::vector<LaserModel>& lasers, SlamGraph* graph) {
   return Status::Ok();
 }
 
-Status AddPoses(const Outline& outline, SlamGraph* graph) {
+void AddPosesAndConstraints(const Outline& outline, SlamGraph* graph) {
   for (const TimedGuess& pose : outline.poses) {
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(pose.world_from_robot, pose.timestamp_s, &id));
+    graph->AddPose(pose.world_from_robot, pose.timestamp_s);
   }
-  return Status::Ok();
-}
-
-Status AddConstraints(const Outline& outline, SlamGraph* graph) {
   for (const FixedPose& fixed : outline.fixed_poses) {
-    PLUMBLINE_RETURN_IF_ERROR(graph->FixPose(fixed.pose, fixed.world_from_robot));
+    graph->FixPose(fixed.pose, fixed.world_from_robot);
   }
-  for (const OdometryConstraint& step : outline.odometry) {
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry(step));
-  }
+  for (const OdometryConstraint& step : outline.odometry) graph->AddOdometry(step);
   for (const PlainEdge& plain : outline.edges) {
     RelativePoseConstraint edge{plain.from, plain.to, plain.from_from_to};
     edge.covariance = Eigen::Map<const Eigen::Matrix3d>(plain.covariance);
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(edge));
+    graph->AddRelativePose(edge);
   }
-  return Status::Ok();
 }
 
 std::size_t NumOwnReturns(const SlamGraph& part) {
@@ -181,11 +174,13 @@ void Broadcast(const Peers* peers, std::vector<T>* values) {
 
 // All of a part but its returns.
 Status MakePart(const Peers* peers, Outline outline, SlamGraph* part) {
+  if (!outline.refusal.empty()) {
+    return Status::InvalidArgument({outline.refusal.begin(), outline.refusal.end()});
+  }
   PLUMBLINE_RETURN_IF_ERROR(AddLasers(outline.lasers, part));
-  PLUMBLINE_RETURN_IF_ERROR(AddPoses(outline, part));
-  PLUMBLINE_RETURN_IF_ERROR(AddConstraints(outline, part));
+  AddPosesAndConstraints(outline, part);
   part->ShareWith(peers, std::move(outline.rank_of_pose), std::move(outline.scans));
-  return Status::Ok();
+  return part->status();
 }
 
 // surface: of the fetched scans, or null.
@@ -230,7 +225,8 @@ Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* 
   Outline outline;
   if (SpeaksForAll(peers)) outline = OutlineOf(*graph);
   outline.rank_of_pose = std::move(rank_of_pose);
-  auto& [lasers, guesses, fixed_poses, odometry, edges, scans, ranks] = outline;
+  auto& [refusal, lasers, guesses, fixed_poses, odometry, edges, scans, ranks] = outline;
+  Broadcast(peers, &refusal);
   Broadcast(peers, &lasers);
   Broadcast(peers, &guesses);
   Broadcast(peers, &fixed_poses);

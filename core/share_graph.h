@@ -12,7 +12,7 @@ namespace plumbline {
 /// Divides the graph of process 0 among all: *graph becomes the part of this process, which
 /// SlamGraph::ShareWith describes; what it was elsewhere does not matter. rank_of_pose: who gets
 /// the scans of each pose, as PartitionByPlace or PartitionByTime has it; needed in process 0.
-/// Collective. Fails on a graph with corrected lasers that are equal.
+/// Collective. Fails on a graph that refused a measurement or has corrected lasers that are equal.
 Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph);
 
 /// The same by place (PartitionByPlace). poses: where to divide, as MapState::poses; needed in

@@ -17,6 +17,7 @@ namespace plumbline {
 namespace {
 
 constexpr char kPoseLimits[] = "1e7 m or 1e6 rad";
+constexpr int kRefused = -1;  // id of what is not added
 
 // Sets one of some flags, of which there are as many as needed so far.
 void Set(std::size_t index, std::vector<bool>* flags) {
@@ -24,72 +25,155 @@ void Set(std::size_t index, std::vector<bool>* flags) {
   (*flags)[index] = true;
 }
 
+std::string EdgeName(const char* kind, std::size_t index, int from, int to) {
+  return std::string(kind) + " " + std::to_string(index) + " (" + std::to_string(from) + " -> " +
+         std::to_string(to) + ")";
+}
+
+// Empty if the graph can have this constraint.
+template <typename Constraint>
+std::string ProblemOfEdge(const SlamGraph& graph, const Constraint& edge) {
+  for (const int id : {edge.from, edge.to}) {
+    if (id < 0 || id >= graph.num_poses()) return "no pose with id " + std::to_string(id);
+  }
+  if (edge.from == edge.to) return "joins a pose with itself";
+  if (IsWithinLimits(edge.from_from_to)) return "";
+  return "relative pose is not finite, or beyond " + std::string(kPoseLimits);
+}
+
+// Empty if a relative pose can have this covariance.
+std::string ProblemOfCovariance(const Eigen::Matrix3d& covariance) {
+  const double asymmetry = (covariance - covariance.transpose()).cwiseAbs().maxCoeff();
+  const bool symmetric = asymmetry <= 1e-9 * covariance.cwiseAbs().maxCoeff();
+  // Factored from the last row up, as the residual will do: close to singular, the order decides.
+  const bool positive = Eigen::Matrix3d(covariance.reverse()).llt().info() == Eigen::Success;
+  if (!covariance.allFinite() || !symmetric || !positive) {
+    return "covariance is not symmetric positive definite";
+  }
+  const Eigen::Vector3d sigmas = covariance.diagonal().cwiseSqrt();
+  if (sigmas.minCoeff() >= kMinSigma && sigmas.maxCoeff() <= kMaxSigma) return "";
+  return "a standard deviation is not within 1e-9 and 1e9";
+}
+
+// Rounding must not make a return of what is none.
+float ClampRange(const LaserModel& laser, double range_m) {
+  const auto rounded = static_cast<float>(
+      std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0)));
+  if (rounded < laser.min_range_m) return std::nextafter(rounded, HUGE_VALF);
+  return rounded < laser.max_range_m ? rounded : std::nextafter(rounded, 0.0F);
+}
+
+// Where the measurements put the returns from id `first` on. points: two numbers per return.
+void PlacePoints(const SlamGraph& graph, const std::vector<double>& poses, std::size_t first,
+                 std::vector<double>* points) {
+  const DefaultFloatEnvironment float_environment;
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    const ScanEntry& scan = graph.scan(s);
+    const std::size_t end_of_scan = scan.first_return + scan.num_returns;
+    if (end_of_scan <= first) continue;
+    const ScanReturns returns = graph.ReturnsOfScan(s);
+    const PoseFrame laser(graph.WorldFromLaser(s, poses));
+    for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
+      const Eigen::Vector2d end = laser * returns.PointInLaser(r);
+      (*points)[2 * r] = end.x();
+      (*points)[2 * r + 1] = end.y();
+    }
+  }
+}
+
+// value_of(scan id, returns of the scan, return id)
+template <typename Value, typename ValueOf>
+std::vector<Value> OfAllReturns(const SlamGraph& graph, const ValueOf& value_of) {
+  std::vector<Value> values(graph.num_returns());
+  for (int s = 0; s < graph.num_scans(); ++s) {
+    const ScanReturns returns = graph.ReturnsOfScan(s);
+    const std::size_t end = graph.scan(s).first_return + graph.scan(s).num_returns;
+    for (std::size_t r = graph.scan(s).first_return; r < end; ++r) {
+      values[r] = value_of(s, returns, r);
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
-Status SlamGraph::AddLaser(const LaserModel& laser, int* laser_id) {
+struct SlamGraph::Return {
+  double range_m, bearing_rad;
+  int beam;
+};
+
+int SlamGraph::Refuse(const std::string& name, const std::string& problem) {
+  status_ = Status::InvalidArgument(name + ": " + problem);
+  return kRefused;
+}
+
+Status SlamGraph::TakeStatus() { return std::exchange(status_, Status::Ok()); }
+
+int SlamGraph::AddLaser(const LaserModel& laser) {
+  if (!status_.ok()) return kRefused;
   std::string error;
-  if (!laser.Check(&error)) return Status::InvalidArgument("laser model: " + error);
+  if (!laser.Check(&error)) return Refuse("laser " + std::to_string(num_lasers()), error);
   const auto known = laser_ids_.find(laser);
-  if (known != laser_ids_.end()) {
-    *laser_id = known->second;
-    return Status::Ok();
-  }
+  if (known != laser_ids_.end()) return known->second;
   LaserBeams added(laser);
   std::map<LaserModel, int> added_id = {{laser, num_lasers()}};
   lasers_.push_back(std::move(added));
   laser_ids_.merge(added_id);  // needs no memory: both or none
-  *laser_id = num_lasers() - 1;
-  return Status::Ok();
+  return num_lasers() - 1;
 }
 
-Status SlamGraph::AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id) {
+int SlamGraph::AddPose(const Pose2& initial_world_from_robot, double timestamp_s) {
+  if (!status_.ok()) return kRefused;
   if (!IsWithinLimits(initial_world_from_robot) || !(std::abs(timestamp_s) <= kMaxTimeS)) {
-    return Status::InvalidArgument("pose " + std::to_string(num_poses()) +
-                                   ": coordinates or time are not finite, or beyond " +
-                                   std::string(kPoseLimits) + " or 1e12 s");
+    return Refuse(
+        "pose " + std::to_string(num_poses()),
+        "coordinates or time are not finite, or beyond " + std::string(kPoseLimits) + " or 1e12 s");
   }
   if (num_poses() == 0) gauge_ = {{0, initial_world_from_robot}};
-  *pose_id = num_poses();
   timestamps_s_.push_back(timestamp_s);
   initial_poses_.insert(
       initial_poses_.end(),
       {initial_world_from_robot.x, initial_world_from_robot.y, initial_world_from_robot.yaw});
-  return Status::Ok();
+  return num_poses() - 1;
 }
 
-Status SlamGraph::FixPose(int pose_id, const Pose2& world_from_robot) {
-  if (pose_id < 0 || pose_id >= num_poses()) {
-    return Status::InvalidArgument("fixed pose: no pose with id " + std::to_string(pose_id));
+void SlamGraph::FixPose(int pose_id, const Pose2& world_from_robot) {
+  if (!status_.ok()) return;
+  const std::string name = "fixed pose " + std::to_string(pose_id);
+  if (!HasPose(pose_id)) {
+    Refuse(name, "no pose with id " + std::to_string(pose_id));
+    return;
   }
   if (!IsWithinLimits(world_from_robot)) {
-    return Status::InvalidArgument("fixed pose " + std::to_string(pose_id) +
-                                   ": coordinates are not finite, or beyond " + kPoseLimits);
+    Refuse(name, "coordinates are not finite, or beyond " + std::string(kPoseLimits));
+    return;
   }
   const auto known = index_of_fixed_pose_.find(pose_id);
   if (known != index_of_fixed_pose_.end()) {
     fixed_poses_[known->second].world_from_robot = world_from_robot;
-    return Status::Ok();
+    return;
   }
   std::map<int, std::size_t> added_index = {{pose_id, fixed_poses_.size()}};
   fixed_poses_.push_back({pose_id, world_from_robot});
   index_of_fixed_pose_.merge(added_index);  // needs no memory: both or none
-  return Status::Ok();
 }
 
-Status SlamGraph::FixPose(int pose_id) {
-  const bool known = pose_id >= 0 && pose_id < num_poses();
-  return FixPose(pose_id, known ? InitialPose(pose_id) : Pose2());
+void SlamGraph::FixPose(int pose_id) {
+  FixPose(pose_id, HasPose(pose_id) ? InitialPose(pose_id) : Pose2());
 }
 
-Status SlamGraph::CheckScan(int pose_id, int laser_id) const {
-  const std::string name = "scan " + std::to_string(num_scans());
-  if (pose_id < 0 || pose_id >= num_poses()) {
-    return Status::InvalidArgument(name + ": no pose with id " + std::to_string(pose_id));
+int SlamGraph::RefuseScan(const std::string& problem) {
+  return Refuse("scan " + std::to_string(num_scans()), problem);
+}
+
+bool SlamGraph::TakesScan(int pose_id, int laser_id) {
+  if (!status_.ok()) return false;
+  if (!HasPose(pose_id)) {
+    RefuseScan("no pose with id " + std::to_string(pose_id));
+  } else if (laser_id < 0 || laser_id >= num_lasers()) {
+    RefuseScan("no laser with id " + std::to_string(laser_id));
   }
-  if (laser_id < 0 || laser_id >= num_lasers()) {
-    return Status::InvalidArgument(name + ": no laser with id " + std::to_string(laser_id));
-  }
-  return Status::Ok();
+  return status_.ok();
 }
 
 void SlamGraph::ReserveReturns(std::size_t num_returns) {
@@ -97,7 +181,7 @@ void SlamGraph::ReserveReturns(std::size_t num_returns) {
   low_beam_.reserve(num_returns);
 }
 
-void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
+int SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns) {
   const LaserModel& laser = lasers_[laser_id].model;
   const bool has_own_bearings = std::any_of(returns.begin(), returns.end(), [&](const Return& r) {
     return r.bearing_rad != laser.Bearing(r.beam);
@@ -116,46 +200,48 @@ void SlamGraph::AppendScan(int pose_id, int laser_id, const std::vector<Return>&
     off_beam_rad_.push_back(static_cast<float>(r.bearing_rad - laser.Bearing(r.beam)));
   }
   scans_.push_back({pose_id, laser_id, first_return, returns.size(), has_own_bearings});
+  return num_scans() - 1;
 }
 
-Status SlamGraph::ReturnsOf(int laser_id, const std::vector<double>& ranges,
-                            std::vector<Return>* returns) const {
+bool SlamGraph::TakesRanges(int laser_id, const std::vector<double>& ranges) {
+  const int num_beams = lasers_[laser_id].model.num_beams;
+  if (static_cast<int>(ranges.size()) == num_beams) return true;
+  RefuseScan(std::to_string(ranges.size()) + " ranges for a laser of " + std::to_string(num_beams) +
+             " beams");
+  return false;
+}
+
+std::vector<SlamGraph::Return> SlamGraph::ReturnsOf(int laser_id,
+                                                    const std::vector<double>& ranges) const {
   const LaserModel& laser = lasers_[laser_id].model;
-  if (static_cast<int>(ranges.size()) != laser.num_beams) {
-    return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": " +
-                                   std::to_string(ranges.size()) + " ranges for a laser of " +
-                                   std::to_string(laser.num_beams) + " beams");
-  }
-  for (int beam = 0; beam < laser.num_beams; ++beam) {
-    if (laser.IsReturn(ranges[beam])) returns->push_back({ranges[beam], laser.Bearing(beam), beam});
-  }
-  return Status::Ok();
-}
-
-Status SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
-  const DefaultFloatEnvironment float_environment;
-  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
   std::vector<Return> returns;
-  PLUMBLINE_RETURN_IF_ERROR(ReturnsOf(laser_id, ranges, &returns));
-  AppendScan(pose_id, laser_id, returns);
-  return Status::Ok();
+  for (int beam = 0; beam < laser.num_beams; ++beam) {
+    if (laser.IsReturn(ranges[beam])) returns.push_back({ranges[beam], laser.Bearing(beam), beam});
+  }
+  return returns;
 }
 
-Status SlamGraph::AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges,
-                           const Pose2& motion, SweepOrder order) {
+int SlamGraph::AddScan(int pose_id, int laser_id, const std::vector<double>& ranges) {
   const DefaultFloatEnvironment float_environment;
-  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  if (!TakesScan(pose_id, laser_id) || !TakesRanges(laser_id, ranges)) return kRefused;
+  return AppendScan(pose_id, laser_id, ReturnsOf(laser_id, ranges));
+}
+
+int SlamGraph::AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges,
+                        const Pose2& motion, SweepOrder order) {
+  const DefaultFloatEnvironment float_environment;
+  if (!TakesScan(pose_id, laser_id)) return kRefused;
   const LaserModel& laser = lasers_[laser_id].model;
-  const std::string name = "scan " + std::to_string(num_scans());
   if (laser.beam_period_s != 0.0) {
-    return Status::InvalidArgument(name + ": the laser has a beam_period_s, so that the motion " +
-                                   "within its sweeps is still to be taken out");
+    return RefuseScan(
+        "the laser has a beam_period_s, so that the motion within its sweeps is still to be taken "
+        "out");
   }
   if (!IsWithinLimits(motion)) {
-    return Status::InvalidArgument(name + ": its motion is not finite, or beyond " + kPoseLimits);
+    return RefuseScan("its motion is not finite, or beyond " + std::string(kPoseLimits));
   }
-  std::vector<Return> returns;
-  PLUMBLINE_RETURN_IF_ERROR(ReturnsOf(laser_id, ranges, &returns));
+  if (!TakesRanges(laser_id, ranges)) return kRefused;
+  std::vector<Return> returns = ReturnsOf(laser_id, ranges);
   const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
   for (Return& r : returns) {
     if (order == SweepOrder::kAtOnce) break;
@@ -167,14 +253,13 @@ Status SlamGraph::AddSweep(int pose_id, int laser_id, const std::vector<double>&
     r.range_m = seen.range_m;
     r.bearing_rad = seen.bearing_rad;
   }
-  AppendScan(pose_id, laser_id, returns);
-  return Status::Ok();
+  return AppendScan(pose_id, laser_id, returns);
 }
 
-Status SlamGraph::AddPoints(int pose_id, int laser_id,
-                            const std::vector<Eigen::Vector2d>& points_in_robot) {
+int SlamGraph::AddPoints(int pose_id, int laser_id,
+                         const std::vector<Eigen::Vector2d>& points_in_robot) {
   const DefaultFloatEnvironment float_environment;
-  PLUMBLINE_RETURN_IF_ERROR(CheckScan(pose_id, laser_id));
+  if (!TakesScan(pose_id, laser_id)) return kRefused;
   const LaserModel& laser = lasers_[laser_id].model;
   const Pose2 laser_from_robot = laser.robot_from_laser.Inverse();
   const double middle_beam = 0.5 * (laser.num_beams - 1);
@@ -187,8 +272,7 @@ Status SlamGraph::AddPoints(int pose_id, int laser_id,
     const double beam =
         laser.num_beams > 1 ? middle_beam + from_middle_rad / laser.bearing_step_rad : 0.0;
     if (beam < -1.0 || beam > laser.num_beams) {
-      return Status::InvalidArgument("scan " + std::to_string(num_scans()) + ": point " +
-                                     std::to_string(i) + " lies outside of the laser's beams");
+      return RefuseScan("point " + std::to_string(i) + " lies outside of the laser's beams");
     }
     const int nearest = std::clamp(static_cast<int>(std::lround(beam)), 0, laser.num_beams - 1);
     returns.push_back({point.norm(), middle_rad + from_middle_rad, nearest});
@@ -197,66 +281,43 @@ Status SlamGraph::AddPoints(int pose_id, int laser_id,
   std::stable_sort(returns.begin(), returns.end(), [&](const Return& a, const Return& b) {
     return direction * a.bearing_rad < direction * b.bearing_rad;
   });
-  AppendScan(pose_id, laser_id, returns);
-  return Status::Ok();
+  return AppendScan(pose_id, laser_id, returns);
 }
 
-Status SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
+int SlamGraph::AddScanOf(const SlamGraph& other, int scan_id, int pose_id) {
+  if (!status_.ok()) return kRefused;
   if (scan_id < 0 || scan_id >= other.num_scans()) {
-    return Status::InvalidArgument("scan " + std::to_string(num_scans()) +
-                                   ": the other graph has no scan with id " +
-                                   std::to_string(scan_id));
+    return RefuseScan("the other graph has no scan with id " + std::to_string(scan_id));
   }
-  if (pose_id < 0 || pose_id >= num_poses()) return CheckScan(pose_id, 0);
-  int laser_id = 0;
-  PLUMBLINE_RETURN_IF_ERROR(AddLaser(other.LaserOfScan(scan_id), &laser_id));
+  if (!HasPose(pose_id)) return RefuseScan("no pose with id " + std::to_string(pose_id));
+  const int laser_id = AddLaser(other.LaserOfScan(scan_id));
   std::vector<char> bytes;
   other.PackScan(scan_id, &bytes);
   AddPackedScan(bytes.data());
   scans_.back().pose = pose_id;
   scans_.back().laser = laser_id;
-  return Status::Ok();
+  return num_scans() - 1;
 }
 
-Status SlamGraph::CheckEdge(const char* kind, int from, int to, const Pose2& motion) const {
-  const std::string name =
-      std::string(kind) + " " + std::to_string(from) + " -> " + std::to_string(to);
-  for (int id : {from, to}) {
-    if (id < 0 || id >= num_poses()) {
-      return Status::InvalidArgument(name + ": no pose with id " + std::to_string(id));
-    }
+void SlamGraph::AddOdometry(const OdometryConstraint& c) {
+  if (!status_.ok()) return;
+  const std::string problem = ProblemOfEdge(*this, c);
+  if (problem.empty()) {
+    odometry_.push_back(c);
+  } else {
+    Refuse(EdgeName("odometry", odometry_.size(), c.from, c.to), problem);
   }
-  if (from == to) return Status::InvalidArgument(name + ": joins a pose with itself");
-  if (!IsWithinLimits(motion)) {
-    return Status::InvalidArgument(name + ": relative pose is not finite, or beyond " +
-                                   kPoseLimits);
-  }
-  return Status::Ok();
 }
 
-Status SlamGraph::AddOdometry(const OdometryConstraint& c) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckEdge("odometry", c.from, c.to, c.from_from_to));
-  odometry_.push_back(c);
-  return Status::Ok();
-}
-
-Status SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
-  PLUMBLINE_RETURN_IF_ERROR(CheckEdge("relative pose", c.from, c.to, c.from_from_to));
-  const double asymmetry = (c.covariance - c.covariance.transpose()).cwiseAbs().maxCoeff();
-  const bool symmetric = asymmetry <= 1e-9 * c.covariance.cwiseAbs().maxCoeff();
-  // Factored from the last row up, as the residual will do: close to singular, the order decides.
-  const bool positive = Eigen::Matrix3d(c.covariance.reverse()).llt().info() == Eigen::Success;
-  const std::string name =
-      "relative pose " + std::to_string(c.from) + " -> " + std::to_string(c.to);
-  if (!c.covariance.allFinite() || !symmetric || !positive) {
-    return Status::InvalidArgument(name + ": covariance is not symmetric positive definite");
+void SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
+  if (!status_.ok()) return;
+  std::string problem = ProblemOfEdge(*this, c);
+  if (problem.empty()) problem = ProblemOfCovariance(c.covariance);
+  if (problem.empty()) {
+    relative_poses_.push_back(c);
+  } else {
+    Refuse(EdgeName("relative pose", relative_poses_.size(), c.from, c.to), problem);
   }
-  const Eigen::Vector3d sigmas = c.covariance.diagonal().cwiseSqrt();
-  if (sigmas.minCoeff() < kMinSigma || sigmas.maxCoeff() > kMaxSigma) {
-    return Status::InvalidArgument(name + ": a standard deviation is not within 1e-9 and 1e9");
-  }
-  relative_poses_.push_back(c);
-  return Status::Ok();
 }
 
 void SlamGraph::ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
@@ -351,23 +412,6 @@ bool SlamGraph::HasScansOf(int pose_id) const {
   return peers_ == nullptr || rank_of_pose_[pose_id] == peers_->rank();
 }
 
-void SlamGraph::PlacePoints(const std::vector<double>& poses, std::size_t first,
-                            std::vector<double>* points) const {
-  const DefaultFloatEnvironment float_environment;
-  for (int s = 0; s < num_scans(); ++s) {
-    const ScanEntry& scan = scans_[s];
-    const std::size_t end_of_scan = scan.first_return + scan.num_returns;
-    if (end_of_scan <= first) continue;
-    const ScanReturns returns = ReturnsOfScan(s);
-    const PoseFrame laser(WorldFromLaser(s, poses));
-    for (std::size_t r = std::max(first, scan.first_return); r < end_of_scan; ++r) {
-      const Eigen::Vector2d end = laser * returns.PointInLaser(r);
-      (*points)[2 * r] = end.x();
-      (*points)[2 * r + 1] = end.y();
-    }
-  }
-}
-
 std::vector<double> SlamGraph::RangesOfScan(int scan_id, double no_return_m) const {
   const ScanEntry& scan = scans_[scan_id];
   const ScanReturns returns = ReturnsOfScan(scan_id);
@@ -389,46 +433,27 @@ void SlamGraph::ExtendState(MapState* state) const {
                       initial_poses_.end());
   const std::size_t first = state->points.size() / 2;
   state->points.resize(2 * num_returns());
-  PlacePoints(state->poses, first, &state->points);
+  PlacePoints(*this, state->poses, first, &state->points);
 }
 
 std::vector<double> SlamGraph::MeasuredMap(const std::vector<double>& poses) const {
   std::vector<double> points(2 * num_returns());
-  PlacePoints(poses, 0, &points);
+  PlacePoints(*this, poses, 0, &points);
   return points;
 }
 
-template <typename Value, typename ValueOf>
-std::vector<Value> SlamGraph::OfAllReturns(const ValueOf& value_of) const {
-  std::vector<Value> values(num_returns());
-  for (int s = 0; s < num_scans(); ++s) {
-    const ScanReturns returns = ReturnsOfScan(s);
-    const std::size_t end = scans_[s].first_return + scans_[s].num_returns;
-    for (std::size_t r = scans_[s].first_return; r < end; ++r) values[r] = value_of(s, returns, r);
-  }
-  return values;
-}
-
 std::vector<int> SlamGraph::ScansOfReturns() const {
-  return OfAllReturns<int>([](int scan, const ScanReturns&, std::size_t) { return scan; });
+  return OfAllReturns<int>(*this, [](int scan, const ScanReturns&, std::size_t) { return scan; });
 }
 
 std::vector<int> SlamGraph::Beams() const {
   return OfAllReturns<int>(
-      [](int, const ScanReturns& returns, std::size_t r) { return returns.Beam(r); });
+      *this, [](int, const ScanReturns& returns, std::size_t r) { return returns.Beam(r); });
 }
 
 std::vector<double> SlamGraph::Bearings() const {
   return OfAllReturns<double>(
-      [](int, const ScanReturns& returns, std::size_t r) { return returns.Bearing(r); });
-}
-
-// Rounding must not make a return of what is none.
-float SlamGraph::ClampRange(const LaserModel& laser, double range_m) {
-  const auto rounded = static_cast<float>(
-      std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0)));
-  if (rounded < laser.min_range_m) return std::nextafter(rounded, HUGE_VALF);
-  return rounded < laser.max_range_m ? rounded : std::nextafter(rounded, 0.0F);
+      *this, [](int, const ScanReturns& returns, std::size_t r) { return returns.Bearing(r); });
 }
 
 void SlamGraph::Correct(const MeasurementCorrections& corrections) {

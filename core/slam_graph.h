@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "plumbline/core/laser_scan.h"
@@ -26,50 +27,59 @@ class Peers;
 /// one, at its initial guess: something has to hold the map in the world.
 class SlamGraph {
  public:
-  /// Gives the id of an equal laser that the graph already has, or else of a new one. Fails on a
+  /// The first measurement that was refused: InvalidArgument names it, its index and the error,
+  /// as "scan 12: 179 ranges for a laser of 180 beams". That call and all later ones that add or
+  /// fix change nothing and return -1; solvers refuse the graph with this message.
+  const Status& status() const { return status_; }
+  /// Returns status() and clears it: the graph is as before the refused measurement, and takes
+  /// others again. For callers that report, or leave out, a bad measurement where they add it.
+  Status TakeStatus();
+
+  /// Returns the id of an equal laser that the graph already has, or else of a new one. Refuses a
   /// model that LaserModel::Check refuses.
-  Status AddLaser(const LaserModel& laser, int* laser_id);
+  int AddLaser(const LaserModel& laser);
 
   /// Makes room for so many returns in all, so that adding them takes no more memory than they
   /// need.
   void ReserveReturns(std::size_t num_returns);
 
-  /// Adds a pose with its initial guess. Fails on a pose or time that is not finite, or beyond
-  /// input_limits.h.
-  Status AddPose(const Pose2& initial_world_from_robot, double timestamp_s, int* pose_id);
+  /// Adds a pose with its initial guess, and returns its id. Refuses a pose or time that is not
+  /// finite, or beyond input_limits.h.
+  int AddPose(const Pose2& initial_world_from_robot, double timestamp_s);
 
-  /// Fixes a pose, anew if it was fixed before. Fails on an unknown id, and on poses like AddPose.
-  Status FixPose(int pose_id, const Pose2& world_from_robot);
-  /// The same at the pose's initial guess.
-  Status FixPose(int pose_id);
+  /// Fixes a pose, anew if it was fixed before. Refuses an unknown id, and poses like AddPose.
+  void FixPose(int pose_id, const Pose2& world_from_robot);
+  /// Fixes a pose at its initial guess.
+  void FixPose(int pose_id);
 
-  /// Takes every return of the sweep as a map point. Fails on unknown ids or if ranges.size()
-  /// differs from the laser's number of beams.
-  Status AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
+  /// Takes every return of the sweep as a map point, and returns the scan id. Refuses unknown ids,
+  /// and ranges whose number is not the laser's number of beams.
+  int AddScan(int pose_id, int laser_id, const std::vector<double>& ranges);
 
-  /// The same for a sweep that took its time while the robot moved, with that motion taken out: its
+  /// Adds a sweep that took its time while the robot moved, with that motion taken out: its
   /// returns are as if seen from the pose, where the robot was when the first beam was measured.
   /// motion: from there to where it was a beam after the last, by odometry; in between it moves
-  /// steadily. Fails like AddScan, on a motion that AddOdometry refuses, and on a laser with a
-  /// beam_period_s: MapLog would take the motion out once more.
-  Status AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges, const Pose2& motion,
-                  SweepOrder order = SweepOrder::kFirstBeamFirst);
+  /// steadily. Returns the scan id. Refuses what AddScan refuses, a motion that AddOdometry
+  /// refuses, and a laser with a beam_period_s: MapLog would take the motion out once more.
+  int AddSweep(int pose_id, int laser_id, const std::vector<double>& ranges, const Pose2& motion,
+               SweepOrder order = SweepOrder::kFirstBeamFirst);
 
   /// Takes points [m], in the frame of the robot, for the returns of a sweep: one whose motion has
   /// been taken out, or whose beams are not evenly spaced. They keep their range and bearing from
   /// the laser's mounting; the beams of its model say which of them are neighbours. Points that are
-  /// not finite, or not within the laser's range, are no returns. Fails on unknown ids, and on a
-  /// point more than a step outside of the fan of beams, naming it.
-  Status AddPoints(int pose_id, int laser_id, const std::vector<Eigen::Vector2d>& points_in_robot);
+  /// not finite, or not within the laser's range, are no returns. Returns the scan id. Refuses
+  /// unknown ids, and a point more than a step outside of the fan of beams, naming it.
+  int AddPoints(int pose_id, int laser_id, const std::vector<Eigen::Vector2d>& points_in_robot);
 
-  /// Takes over a sweep of another graph with its laser: the same returns. Fails on unknown ids.
-  Status AddScanOf(const SlamGraph& other, int scan_id, int pose_id);
+  /// Copies a sweep of another graph with its laser, and returns the scan id. Refuses unknown ids.
+  int AddScanOf(const SlamGraph& other, int scan_id, int pose_id);
 
-  /// Fails on unknown or equal ids, and on motions that are not finite or beyond input_limits.h.
-  Status AddOdometry(const OdometryConstraint& constraint);
+  /// Refuses unknown or equal ids, and motions that are not finite or beyond input_limits.h.
+  void AddOdometry(const OdometryConstraint& constraint);
 
-  /// Fails like AddOdometry, and on a covariance that is not positive definite within these limits.
-  Status AddRelativePose(const RelativePoseConstraint& constraint);
+  /// Refuses what AddOdometry refuses, and covariances that are not positive definite within
+  /// limits.
+  void AddRelativePose(const RelativePoseConstraint& constraint);
 
   /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
   /// some poses only, and the peers, not null, have those of the others. rank_of_pose: which peer
@@ -160,13 +170,9 @@ class SlamGraph {
   std::vector<int> Beams() const;           ///< of all returns
   std::vector<double> Bearings() const;     ///< of all returns
   /// Measured end of a beam [m] in the frame of its laser.
-  Eigen::Vector2d PointInLaser(std::size_t return_id) const {
-    return ReturnsNear(return_id).PointInLaser(return_id);
-  }
+  Eigen::Vector2d PointInLaser(std::size_t id) const { return ReturnsNear(id).PointInLaser(id); }
   /// Measured end of a beam [m] in the frame of the robot.
-  Eigen::Vector2d PointInRobot(std::size_t return_id) const {
-    return ReturnsNear(return_id).PointInRobot(return_id);
-  }
+  Eigen::Vector2d PointInRobot(std::size_t id) const { return ReturnsNear(id).PointInRobot(id); }
 
   /// In the order of addition.
   const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
@@ -190,10 +196,7 @@ class SlamGraph {
   SlamGraph Corrected(const MeasurementCorrections& corrections) &&;
 
  private:
-  struct Return {
-    double range_m, bearing_rad;
-    int beam;
-  };
+  struct Return;
   // See ScanReturns.
   struct ScanIndex {
     std::size_t first_own_bearing = 0;  // in off_beam_rad_
@@ -201,28 +204,25 @@ class SlamGraph {
   };
   // One return of so many is known to be of which sweep: enough to begin a search from.
   static constexpr std::size_t kReturnsPerBlock = 256;
-  Status CheckScan(int pose_id, int laser_id) const;
+  bool HasPose(int id) const { return id >= 0 && id < num_poses(); }
+  // These keep the error and return -1.
+  int Refuse(const std::string& name, const std::string& problem);
+  int RefuseScan(const std::string& problem);
+  // These refuse the next scan if they return false.
+  bool TakesScan(int pose_id, int laser_id);
+  bool TakesRanges(int laser_id, const std::vector<double>& ranges);
   // The readings that are returns.
-  Status ReturnsOf(int laser_id, const std::vector<double>& ranges,
-                   std::vector<Return>* returns) const;
-  // What a return becomes if its range is this.
-  static float ClampRange(const LaserModel& laser, double range_m);
-  // In the order of their beams.
-  void AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
+  std::vector<Return> ReturnsOf(int laser_id, const std::vector<double>& ranges) const;
+  // In the order of their beams. Returns the scan id.
+  int AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
   ScanReturns ReturnsNear(std::size_t return_id) const {
     return ReturnsOfScan(ScanOfReturn(return_id));
   }
   void SetRanges(const std::vector<double>& ranges_m);
   void SetBearings(const std::vector<double>& bearings_rad);
-  // value_of(scan id, returns of the scan, return id)
-  template <typename Value, typename ValueOf>
-  std::vector<Value> OfAllReturns(const ValueOf& value_of) const;
-  // points: two numbers per return, those from `first` on are placed.
-  void PlacePoints(const std::vector<double>& poses, std::size_t first,
-                   std::vector<double>* points) const;
   void Correct(const MeasurementCorrections& corrections);
-  Status CheckEdge(const char* kind, int from, int to, const Pose2& motion) const;
 
+  Status status_;
   std::vector<FixedPose> gauge_;  // the first pose at its initial guess
   std::vector<FixedPose> fixed_poses_;
   std::map<int, std::size_t> index_of_fixed_pose_;

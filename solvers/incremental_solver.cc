@@ -154,6 +154,7 @@ class IncrementalSolver::Impl {
   int NumKnownPoses() const { return static_cast<int>(poses_.size() / 3); }
 
   Status CheckInput(const SlamGraph& graph, const std::vector<double>& poses) const {
+    PLUMBLINE_RETURN_IF_ERROR(graph.status());
     if (poses.size() != 3 * static_cast<std::size_t>(graph.num_poses())) {
       return Status::InvalidArgument("the graph has " + std::to_string(graph.num_poses()) +
                                      " poses, but there are " + std::to_string(poses.size()) +

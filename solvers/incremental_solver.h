@@ -92,10 +92,10 @@ class IncrementalSolver {
   /// few decimetres. Older poses that differ from what the last update gave have been moved by the
   /// caller: all poses are estimated anew from there. Fixed poses stay where the graph fixes them.
   ///
-  /// InvalidArgument on bad options, a graph that has shrunk, own residuals that are not finite at
-  /// the poses, or poses that are null, of another number, not finite or beyond 1e8, and if the
-  /// solver has been moved from; nothing has changed then. Unavailable if memory runs out: *poses
-  /// is as it was, and the next update begins from scratch.
+  /// InvalidArgument on bad options, a graph that has shrunk or refused a measurement, own
+  /// residuals that are not finite at the poses, or poses that are null, of another number, not
+  /// finite or beyond 1e8, and if the solver has been moved from; nothing has changed then.
+  /// Unavailable if memory runs out: *poses is as it was, and the next update begins from scratch.
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary = nullptr);
 

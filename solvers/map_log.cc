@@ -212,6 +212,7 @@ Status TakeLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
   return CatchExceptions([&] {
     std::string error;
     if (!options.Check(&error)) return Status::InvalidArgument(error);
+    PLUMBLINE_RETURN_IF_ERROR(graph.status());
     if (LacksOdometry(graph) &&
         (options.calibration.laser_mounting || options.calibration.odometry_scale)) {
       return Status::InvalidArgument(
@@ -219,7 +220,7 @@ Status TakeLog(const MapLogOptions& options, SlamGraph graph, ThreadPool* pool,
     }
     LogMapping prepared;
     prepared.graph = std::move(graph);
-    PLUMBLINE_RETURN_IF_ERROR(DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser));
+    DropRepeatedScans(&prepared.graph, &prepared.report.frozen_laser);
     prepared.report.range_noise_m = MeasureRangeNoise(prepared.graph);
     if (HasSweeps(prepared.graph)) {
       prepared.as_swept = prepared.graph;
@@ -291,8 +292,9 @@ Status StartFromSeed(const MapLogOptions& options, std::vector<double> start_pos
     if (options.solver.MovesPosesOnly()) {
       SlamGraph with_edges = mapping->graph;
       for (const RelativePoseConstraint& edge : seeding.pose_graph) {
-        PLUMBLINE_RETURN_IF_ERROR(with_edges.AddRelativePose(edge));
+        with_edges.AddRelativePose(edge);
       }
+      PLUMBLINE_RETURN_IF_ERROR(with_edges.status());
       mapping->graph = std::move(with_edges);
     }
     mapping->graph = std::move(mapping->graph).Corrected(seeding.corrections);

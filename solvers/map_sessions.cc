@@ -328,9 +328,10 @@ class SessionsRun {
       if (session.session != fixed_map_.session) continue;
       FollowFixedMap(fixed_map_.poses, session.first_pose, &poses);
       for (int i = 0; i < session.num_poses; ++i) {
-        PLUMBLINE_RETURN_IF_ERROR(graph.FixPose(session.first_pose + i, fixed_map_.poses[i]));
+        graph.FixPose(session.first_pose + i, fixed_map_.poses[i]);
       }
     }
+    PLUMBLINE_RETURN_IF_ERROR(graph.status());
     LogMapping& mapping = map->mapping;
     mapping.graph = std::move(graph);
     mapping.start_poses = PoseArray(poses);

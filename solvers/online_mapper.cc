@@ -33,6 +33,13 @@ constexpr double kSeedingGrowth = 1.25;
 constexpr double kDoubtfulCorrectionM = 0.5;
 constexpr double kGrowthInDoubt = 1.1;
 
+// Of a graph of one scan, without the name of what was refused: the mapper has its own number.
+Status WithoutName(const Status& status) {
+  if (status.ok()) return status;
+  constexpr std::size_t kColon = 2;  // and a blank
+  return Status::InvalidArgument(status.message().substr(status.message().find(": ") + kColon));
+}
+
 // A map of the drive so far.
 struct DriveSeeding {
   SlamGraph log;
@@ -192,17 +199,19 @@ class OnlineMapper::Impl {
       return Status::InvalidArgument("laser " + std::to_string(laser) + " is unknown, there are " +
                                      std::to_string(lasers_.size()));
     }
-    int pose_id = 0, laser_id = 0;
     const Pose2 initial =
         odometry && first_odometry_ ? Between(*first_odometry_, *odometry) : last_initial_;
     SlamGraph* measured = &live->measured;
-    PLUMBLINE_RETURN_IF_ERROR(measured->AddLaser(lasers_[laser], &laser_id));
-    PLUMBLINE_RETURN_IF_ERROR(measured->AddPose(initial, scan.timestamp_s, &pose_id));
+    const int laser_id = measured->AddLaser(lasers_[laser]);
+    const int pose_id = measured->AddPose(initial, scan.timestamp_s);
+    measured->AddScan(pose_id, laser_id, scan.ranges);
+    PLUMBLINE_RETURN_IF_ERROR(WithoutName(measured->status()));
     // The frame of the odometry has the same bounds as that of the map.
     if (odometry) {
-      PLUMBLINE_RETURN_IF_ERROR(SlamGraph().AddPose(*odometry, scan.timestamp_s, &pose_id));
+      SlamGraph bounds;
+      bounds.AddPose(*odometry, scan.timestamp_s);
+      PLUMBLINE_RETURN_IF_ERROR(WithoutName(bounds.status()));
     }
-    PLUMBLINE_RETURN_IF_ERROR(measured->AddScan(0, laser_id, scan.ranges));
     if (num_scans_ == 0) return Status::Ok();
     const double duration_s = scan.timestamp_s - last_time_s_;
     if (duration_s < 0.0) {

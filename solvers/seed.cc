@@ -16,6 +16,7 @@ Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const SlamGraph& graph, MapState* state, SeedingReport* report) {
   return CatchExceptions([&] {
     const DefaultFloatEnvironment float_environment;
+    PLUMBLINE_RETURN_IF_ERROR(graph.status());
     SeededDrive drive;
     PLUMBLINE_RETURN_IF_ERROR(
         SeedDrive(options, motion, surface, progress, pool, graph, &drive, report));

@@ -19,8 +19,9 @@ class ThreadPool;
 /// measurements put them from there. Expects poses in order of time, joined by odometry from each
 /// pose to the next, or by none at all: the scans alone then tell how the robot moved. The result
 /// does not depend on the number of threads. surface: as MeasureSurface gives it. progress may be
-/// empty. InvalidArgument on bad options, missing odometry or a wrong number of normals,
-/// Unavailable if progress stopped it or an exception was thrown; *state is then as it was.
+/// empty. InvalidArgument on bad options, a graph that refused a measurement, missing odometry or a
+/// wrong number of normals, Unavailable if progress stopped it or an exception was thrown; *state
+/// is then as it was.
 Status SeedGraph(const SeedingOptions& options, const MotionOptions& motion,
                  const MeasuredSurface& surface, const SeedingProgress& progress, ThreadPool* pool,
                  const SlamGraph& graph, MapState* state, SeedingReport* report);

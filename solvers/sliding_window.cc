@@ -73,12 +73,12 @@ class Window {
   Status Extract(const SlamGraph& graph, const MapState& state) {
     for (const int pose : poses_) {
       PLUMBLINE_RETURN_IF_ERROR(CheckPose(state, pose));
-      PLUMBLINE_RETURN_IF_ERROR(
-          part_.AddPose(state.WorldFromRobot(pose), graph.timestamp_s(pose), &part_of_pose_[pose]));
+      part_of_pose_[pose] = part_.AddPose(state.WorldFromRobot(pose), graph.timestamp_s(pose));
     }
-    PLUMBLINE_RETURN_IF_ERROR(FixPoses(graph));
+    FixPoses(graph);
     PLUMBLINE_RETURN_IF_ERROR(AddScans(graph, state));
-    return AddConstraints(graph);
+    AddConstraints(graph);
+    return part_.status();
   }
 
   // What is known of the surfaces of the part.
@@ -137,15 +137,14 @@ class Window {
   }
 
   // Free poses that the graph holds somewhere are held there, the others where they are.
-  Status FixPoses(const SlamGraph& graph) {
+  void FixPoses(const SlamGraph& graph) {
     for (const int pose : poses_) {
-      if (!is_free_[pose]) PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[pose]));
+      if (!is_free_[pose]) part_.FixPose(part_of_pose_[pose]);
     }
     for (const FixedPose& fixed : graph.fixed_poses()) {
       if (!is_free_[fixed.pose]) continue;
-      PLUMBLINE_RETURN_IF_ERROR(part_.FixPose(part_of_pose_[fixed.pose], fixed.world_from_robot));
+      part_.FixPose(part_of_pose_[fixed.pose], fixed.world_from_robot);
     }
-    return Status::Ok();
   }
 
   Status AddScans(const SlamGraph& graph, const MapState& state) {
@@ -155,7 +154,7 @@ class Window {
       const int pose = part_of_pose_[from.pose];
       if (pose == kOutside) continue;
       PLUMBLINE_RETURN_IF_ERROR(CheckPoints(graph, state, s));
-      PLUMBLINE_RETURN_IF_ERROR(part_.AddScanOf(graph, s, pose));
+      part_.AddScanOf(graph, s, pose);
       state_.points.resize(2 * part_.num_returns());
       CopyPoints(from, state.points, part_.scan(static_cast<int>(scans_.size())), &state_.points);
       scans_.push_back(s);
@@ -178,20 +177,17 @@ class Window {
                          constraints.begin() + static_cast<std::ptrdiff_t>(index), joins);
   }
 
-  Status AddConstraints(const SlamGraph& graph) {
+  void AddConstraints(const SlamGraph& graph) {
     const auto add = [this](auto constraint, auto method) {
-      if (!Joins(constraint.from, constraint.to)) return Status::Ok();
+      if (!Joins(constraint.from, constraint.to)) return;
       constraint.from = part_of_pose_[constraint.from];
       constraint.to = part_of_pose_[constraint.to];
-      return (part_.*method)(constraint);
+      (part_.*method)(constraint);
     };
-    for (const OdometryConstraint& c : graph.odometry()) {
-      PLUMBLINE_RETURN_IF_ERROR(add(c, &SlamGraph::AddOdometry));
-    }
+    for (const OdometryConstraint& c : graph.odometry()) add(c, &SlamGraph::AddOdometry);
     for (const RelativePoseConstraint& c : graph.relative_poses()) {
-      PLUMBLINE_RETURN_IF_ERROR(add(c, &SlamGraph::AddRelativePose));
+      add(c, &SlamGraph::AddRelativePose);
     }
-    return Status::Ok();
   }
 
   // Gives a residual the ids of the part; false if it sees what is not in it, or nothing free.
@@ -228,7 +224,8 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   std::string error;
   if (!window.Check(&error))
     return SolverFailure(options, Status::InvalidArgument("window." + error));
-  Status status = CheckStateSize(graph, *state);
+  Status status = graph.status();
+  if (status.ok()) status = CheckStateSize(graph, *state);
   if (status.ok() && !options.Check(&error)) status = Status::InvalidArgument(error);
   if (status.ok()) status = CheckOwnTermIds(options.factors, graph);
   if (status.ok()) status = CheckFreePoses(free_poses, graph, *state);

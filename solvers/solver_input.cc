@@ -31,6 +31,7 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, co
                         bool needs_points) {
   std::string error;
   if (!options.Check(&error)) return Status::InvalidArgument(error);
+  PLUMBLINE_RETURN_IF_ERROR(graph.status());
   PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state, needs_points));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));

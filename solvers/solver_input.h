@@ -18,10 +18,10 @@ struct MeasuredSurface;
 inline bool IsWithinReach(double coordinate) { return std::abs(coordinate) <= 1e8; }
 
 /// Whether a graph can be solved from this state: InvalidArgument names an option out of range or
-/// that does not go with the others, a state of another size than the graph, a pose or point that
-/// is not finite or beyond 1e8, an own term that sees what is not there or is not finite, or the
-/// lack of any return (of any relative pose, for solvers that look at nothing else). Without
-/// needs_points, the state may have none.
+/// that does not go with the others, what the graph refused (SlamGraph::status), a state of another
+/// size than the graph, a pose or point that is not finite or beyond 1e8, an own term that sees
+/// what is not there or is not finite, or the lack of any return (of any relative pose, for solvers
+/// that look at nothing else). Without needs_points, the state may have none.
 Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, const MapState& state,
                         bool needs_points = true);
 

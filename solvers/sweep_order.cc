@@ -20,7 +20,7 @@ constexpr int kNumScans = 200;
 constexpr double kClearlyThinner = 0.95;
 
 // The stretch of the log in which the robot turns most.
-Status FindMostTurned(const SlamGraph& log, SlamGraph* stretch) {
+SlamGraph MostTurned(const SlamGraph& log) {
   std::vector<double> turned(log.num_poses(), 0.0);
   for (const OdometryConstraint& step : log.odometry()) {
     turned[step.to] = std::abs(step.from_from_to.yaw);
@@ -34,24 +34,23 @@ Status FindMostTurned(const SlamGraph& log, SlamGraph* stretch) {
     most = sum;
     best = std::max(0, pose + 1 - kNumScans);
   }
+  SlamGraph stretch;
   const int end = std::min(best + kNumScans, log.num_poses());
   for (int pose = best; pose < end; ++pose) {
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(
-        stretch->AddPose(Pose2(&log.initial_poses()[3 * pose]), log.timestamp_s(pose), &id));
+    stretch.AddPose(Pose2(&log.initial_poses()[3 * pose]), log.timestamp_s(pose));
   }
   for (int scan = 0; scan < log.num_scans(); ++scan) {
     const int pose = log.scan(scan).pose;
     if (pose < best || pose >= end) continue;
-    PLUMBLINE_RETURN_IF_ERROR(stretch->AddScanOf(log, scan, pose - best));
+    stretch.AddScanOf(log, scan, pose - best);
   }
   for (OdometryConstraint step : log.odometry()) {
     step.from -= best;
     step.to -= best;
     if (step.from < 0 || step.to >= end - best) continue;
-    PLUMBLINE_RETURN_IF_ERROR(stretch->AddOdometry(step));
+    stretch.AddOdometry(step);
   }
-  return Status::Ok();
+  return stretch;
 }
 
 // Of the map of the scans; infinite where there is nothing to measure.
@@ -84,8 +83,7 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
 SweepOrder FindSweepOrder(const SeedingOptions& seeding, const SolverOptions& solver,
                           const SlamGraph& measured, ThreadPool* pool) {
   SweepOrder best = SweepOrder::kFirstBeamFirst;
-  SlamGraph stretch;
-  if (!FindMostTurned(measured, &stretch).ok()) return best;
+  const SlamGraph stretch = MostTurned(measured);
   // Whatever solver the log gets. Own terms are of poses of the whole log.
   SolverOptions quick;
   quick.factors = solver.factors;

@@ -74,39 +74,38 @@ class Falsifier {
         run_.level, &source_);
     std::vector<Pose2> start = truth;
     OptimizePoseGraph(mapper.edges, {}, &start);
-    PLUMBLINE_RETURN_IF_ERROR(AddScans(start, graph));
+    AddScans(start, graph);
     for (const RelativePoseConstraint& edge : mapper.edges) {
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose(edge));
+      graph->AddRelativePose(edge);
     }
     *is_false = std::move(mapper.is_false);
-    return Status::Ok();
+    return graph->status();
   }
 
   // A graph as a host may have it.
   Status MakeHostGraph(const std::vector<Pose2>& truth, SlamGraph* graph,
                        std::vector<char>* is_false) {
-    PLUMBLINE_RETURN_IF_ERROR(AddScans(Start(truth), graph));
+    AddScans(Start(truth), graph);
     for (int pose = 0; pose < graph->num_poses(); ++pose) {
       const bool missing =
           run_.attack == Attack::kMissingOdometry && source_.Uniform() < run_.level;
       if (pose == 0 || missing) continue;
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry(
+      graph->AddOdometry(
           {pose - 1, pose,
-           Between(log_.scans[pose - 1].odom_from_robot, log_.scans[pose].odom_from_robot)}));
+           Between(log_.scans[pose - 1].odom_from_robot, log_.scans[pose].odom_from_robot)});
     }
-    return AddClosures(truth, graph, is_false);
+    AddClosures(truth, graph, is_false);
+    return graph->status();
   }
 
  private:
-  Status AddScans(const std::vector<Pose2>& start, SlamGraph* graph) const {
-    int laser = 0, pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(log_.laser, &laser));
+  void AddScans(const std::vector<Pose2>& start, SlamGraph* graph) const {
+    const int laser = graph->AddLaser(log_.laser);
     for (std::size_t i = 0; i < start.size(); ++i) {
       const LaserScan& scan = log_.scans[i].scan;
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(start[i], scan.timestamp_s, &pose));
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));
+      const int pose = graph->AddPose(start[i], scan.timestamp_s);
+      graph->AddScan(pose, laser, scan.ranges);
     }
-    return Status::Ok();
   }
 
   // Where a host believes that the poses are.
@@ -135,8 +134,7 @@ class Falsifier {
     }
   }
 
-  Status AddClosures(const std::vector<Pose2>& truth, SlamGraph* graph,
-                     std::vector<char>* is_false) {
+  void AddClosures(const std::vector<Pose2>& truth, SlamGraph* graph, std::vector<char>* is_false) {
     constexpr int kFewestBetween = 60;
     constexpr double kReachM = 1.5;
     const Eigen::Vector3d sigmas(0.03, 0.03, 0.01);
@@ -157,9 +155,8 @@ class Falsifier {
                                 0.5 * source_.Gaussian());
       }
       const Eigen::Matrix3d covariance = sigmas.cwiseAbs2().asDiagonal();
-      PLUMBLINE_RETURN_IF_ERROR(graph->AddRelativePose({from, to, motion, covariance}));
+      graph->AddRelativePose({from, to, motion, covariance});
     }
-    return Status::Ok();
   }
 
   // Waves of 20 to 60 m along the path, zero at its start.

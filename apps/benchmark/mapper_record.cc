@@ -26,19 +26,17 @@ Status SimulateMapper(MapperRecord* record) {
   MapperRecord result;
   for (const SimulatedScan& scan : log.scans) result.truth.push_back(scan.world_from_robot);
   for (int pose = 0; pose < drive.num_poses(); ++pose) {
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(
-        result.graph.AddPose(result.truth[pose], drive.timestamp_s(pose), &id));
-    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddScanOf(drive, pose, pose));
+    result.graph.AddPose(result.truth[pose], drive.timestamp_s(pose));
+    result.graph.AddScanOf(drive, pose, pose);
   }
   constexpr double kFalseShare = 0.1;
   NoiseSource source(1, 0);
   for (const RelativePoseConstraint& edge :
        MakeMapperEdges(result.truth, FalseClosures::kGross, kFalseShare, &source).edges) {
-    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddRelativePose(edge));
+    result.graph.AddRelativePose(edge);
   }
   *record = std::move(result);
-  return Status::Ok();
+  return record->graph.status();
 }
 
 Status ReadMapper(const std::string& graph, const std::string& log, const std::string& relations,

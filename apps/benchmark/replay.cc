@@ -41,23 +41,23 @@ class Host {
   Status Receive() {
     const int first = graph_.num_poses();
     const int end = std::min(first + options_.batch_poses, drive_.num_poses());
-    for (int pose = first; pose < end; ++pose) PLUMBLINE_RETURN_IF_ERROR(AddPose(pose));
+    for (int pose = first; pose < end; ++pose) AddPose(pose);
     for (const OdometryConstraint& c : drive_.odometry()) {
-      if (ArrivesIn(first, end, c)) PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry(c));
+      if (ArrivesIn(first, end, c)) graph_.AddOdometry(c);
     }
     for (const RelativePoseConstraint& c : drive_.relative_poses()) {
-      if (ArrivesIn(first, end, c)) PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(c));
+      if (ArrivesIn(first, end, c)) graph_.AddRelativePose(c);
     }
     const std::vector<Pose2> poses = PosesOf(state_.poses);
     num_news_ = 0;
     for (const RelativePoseConstraint& c : closures_) {
       if (!ArrivesIn(first, end, c)) continue;
       arrived_closures_.push_back(c);
-      if (IsIncremental()) PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(c));
+      if (IsIncremental()) graph_.AddRelativePose(c);
       if (EdgeChi2(c, poses) > options_.max_closure_chi2) ++num_news_;
     }
     ++batch_;
-    return Status::Ok();
+    return graph_.status();
   }
 
   // What the batch asks for.
@@ -79,20 +79,18 @@ class Host {
     return later >= first && later < end;
   }
 
-  Status AddPose(int pose) {
+  void AddPose(int pose) {
     Pose2 world_from_robot = drive_.InitialPose(0);
     if (pose > 0) {
       world_from_robot = state_.WorldFromRobot(pose - 1) *
                          Between(sequential_poses_[pose - 1], sequential_poses_[pose]);
     }
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(world_from_robot, drive_.timestamp_s(pose), &id));
+    const int id = graph_.AddPose(world_from_robot, drive_.timestamp_s(pose));
     for (int& scan = next_scan_; scan < drive_.num_scans() && drive_.scan(scan).pose == pose;
          ++scan) {
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddScanOf(drive_, scan, id));
+      graph_.AddScanOf(drive_, scan, id);
     }
     graph_.ExtendState(&state_);
-    return Status::Ok();
   }
 
   bool IsIncremental() const { return options_.online_solver == OnlineSolver::kIncremental; }

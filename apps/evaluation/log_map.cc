@@ -35,10 +35,10 @@ Status ReadLogMap(const std::string& log_path, const std::string& trajectory_pat
       ++result.num_scans_without_pose;
       continue;
     }
-    int pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddPose(known->world_from_robot, timestamp_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(result.graph.AddScanOf(log, scan, pose));
+    const int pose = result.graph.AddPose(known->world_from_robot, timestamp_s);
+    result.graph.AddScanOf(log, scan, pose);
   }
+  PLUMBLINE_RETURN_IF_ERROR(result.graph.status());
   if (result.graph.num_returns() == 0) {
     return Status::InvalidArgument(log_path + ": no scan with returns has a pose at its time");
   }

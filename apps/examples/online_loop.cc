@@ -36,23 +36,22 @@ class OnlineMapper {
  public:
   // A key frame: ranges [m], one per beam, and the odometry since the one before.
   Status AddKeyframe(const Pose2& previous_from_this, const std::vector<double>& ranges_m) {
-    if (graph_.num_poses() == 0) PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(Laser(), &laser_));
+    if (graph_.num_poses() == 0) laser_ = graph_.AddLaser(Laser());
     const int previous = graph_.num_poses() - 1;
     Pose2 predicted;  // the first pose is the origin of the map
     if (previous >= 0) predicted = Pose2(&poses_[3 * previous]) * previous_from_this;
-    int pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(predicted, 0.1 * graph_.num_poses(), &pose));
+    const int pose = graph_.AddPose(predicted, 0.1 * graph_.num_poses());
     poses_.insert(poses_.end(), {predicted.x, predicted.y, predicted.yaw});
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(pose, laser_, ranges_m));
+    graph_.AddScan(pose, laser_, ranges_m);
     if (previous >= 0) {
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddOdometry({previous, pose, previous_from_this}));
+      graph_.AddOdometry({previous, pose, previous_from_this});
     }
     return graph_.num_poses() % kKeyframesPerUpdate == 0 ? Update() : Status::Ok();
   }
 
   // A place that was recognised: earlier and later pose, and how they lie to each other.
   Status CloseLoop(const RelativePoseConstraint& closure) {
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(closure));
+    graph_.AddRelativePose(closure);
     return Update();
   }
 

@@ -75,7 +75,10 @@ class G2oReader {
     for (const Fix& fix : fixes_) {
       int pose = 0;
       Status status = FindPose(fix.id, &pose);
-      if (status.ok()) status = g2o_->graph.FixPose(pose);
+      if (status.ok()) {
+        g2o_->graph.FixPose(pose);
+        status = g2o_->graph.status();
+      }
       if (!status.ok()) return At(path, fix.line, status);
     }
     if (g2o_->graph.num_poses() > 0) return Status::Ok();
@@ -107,14 +110,12 @@ class G2oReader {
     if (!(fields >> id >> pose.x >> pose.y >> pose.yaw)) {
       return Status::InvalidArgument("VERTEX_SE2 wants: id x y yaw");
     }
-    int index = 0;
-    PLUMBLINE_RETURN_IF_ERROR(
-        g2o_->graph.AddPose(pose, static_cast<double>(g2o_->graph.num_poses()), &index));
+    const int index = g2o_->graph.AddPose(pose, static_cast<double>(g2o_->graph.num_poses()));
     if (!g2o_->pose_of_id.emplace(id, index).second) {
       return Status::InvalidArgument("vertex " + std::to_string(id) + " was there before");
     }
     g2o_->vertex_lines.push_back(g2o_->lines.size() - 1);
-    return Status::Ok();
+    return g2o_->graph.status();
   }
 
   Status ParseEdge(std::istream& fields) {
@@ -175,9 +176,9 @@ class G2oReader {
     // The same for all scans but for the rounding of the file: one laser then, not thousands.
     if (g2o_->graph.num_lasers() == 0) robot_from_laser_ = Between(from_robot, from_laser);
     laser.robot_from_laser = robot_from_laser_;
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(g2o_->graph.AddLaser(laser, &id));
-    return g2o_->graph.AddScan(g2o_->graph.num_poses() - 1, id, ranges);
+    const int id = g2o_->graph.AddLaser(laser);
+    g2o_->graph.AddScan(g2o_->graph.num_poses() - 1, id, ranges);
+    return g2o_->graph.status();
   }
 
   Status FindPose(long long id, int* pose) const {
@@ -192,7 +193,8 @@ class G2oReader {
   Status AddEdge(Edge edge) {
     PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.from, &edge.constraint.from));
     PLUMBLINE_RETURN_IF_ERROR(FindPose(edge.to, &edge.constraint.to));
-    return g2o_->graph.AddRelativePose(edge.constraint);
+    g2o_->graph.AddRelativePose(edge.constraint);
+    return g2o_->graph.status();
   }
 
   G2oGraph* const g2o_;

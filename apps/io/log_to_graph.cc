@@ -49,17 +49,15 @@ Pose2 MountingOf(const CarmenLog& log, bool has_odometry) {
 }
 
 // A pose for a scan, what was seen there, and how the robot came there.
-Status AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_from_laser,
-                  bool has_odometry, SlamGraph* graph) {
+void AppendScan(const CarmenLog& log, std::size_t index, const Pose2& robot_from_laser,
+                bool has_odometry, SlamGraph* graph) {
   const CarmenScan& scan = log.scans[index];
-  int laser = 0, pose = 0;
-  PLUMBLINE_RETURN_IF_ERROR(
-      graph->AddLaser(ModelOf(scan, log.sweep_time_s, robot_from_laser), &laser));
-  PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(
-      Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s, &pose));
-  PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, scan.ranges));
-  if (index == 0 || !has_odometry) return Status::Ok();
-  return graph->AddOdometry(
+  const int laser = graph->AddLaser(ModelOf(scan, log.sweep_time_s, robot_from_laser));
+  const int pose =
+      graph->AddPose(Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.timestamp_s);
+  graph->AddScan(pose, laser, scan.ranges);
+  if (index == 0 || !has_odometry) return;
+  graph->AddOdometry(
       {pose - 1, pose, Between(log.scans[index - 1].odom_from_robot, scan.odom_from_robot)});
 }
 
@@ -86,10 +84,10 @@ Status Build(const CarmenLog& log, int max_scans, const Done& done, SlamGraph* g
   SlamGraph result;
   result.ReserveReturns(NumReadings(log, num_scans));
   for (std::size_t i = 0; i < num_scans; ++i) {
-    const Status status = AppendScan(log, i, robot_from_laser, has_odometry, &result);
-    if (!status.ok()) {
+    AppendScan(log, i, robot_from_laser, has_odometry, &result);
+    if (!result.status().ok()) {
       return Status::InvalidArgument("scan of line " + std::to_string(log.scans[i].line) + ": " +
-                                     status.message());
+                                     result.status().message());
     }
     done(i);
   }

@@ -122,7 +122,7 @@ class Parser {
     file_.format = dialect_->format;
     CarmenLog log;
     PLUMBLINE_RETURN_IF_ERROR(ReadScans(&log));
-    PLUMBLINE_RETURN_IF_ERROR(AddPoses(log));
+    AddPoses(log);
     PLUMBLINE_RETURN_IF_ERROR(AddScans(log));
     PLUMBLINE_RETURN_IF_ERROR(AddEdges());
     PLUMBLINE_RETURN_IF_ERROR(FixPoses());
@@ -195,17 +195,15 @@ class Parser {
     return Status::InvalidArgument(path_ + ": " + disagreement + "; one laser is expected");
   }
 
-  Status AddPoses(const CarmenLog& log) {
+  void AddPoses(const CarmenLog& log) {
     std::vector<double> times(poses_.size());
     std::iota(times.begin(), times.end(), 0.0);
     for (auto scan = log.scans.rbegin(); scan != log.scans.rend(); ++scan) {
       times[pose_of_laser_line_.at(scan->line)] = scan->timestamp_s;
     }
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      int pose = 0;
-      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddPose(poses_[i], times[i], &pose));
+      file_.graph.AddPose(poses_[i], times[i]);
     }
-    return Status::Ok();
   }
 
   Status AddScans(const CarmenLog& log) {
@@ -214,12 +212,11 @@ class Parser {
     const Status status = BuildGraph(log, 0, &of_log);
     if (!status.ok()) return Status::InvalidArgument(path_ + ": " + status.message());
     for (int s = 0; s < of_log.num_scans(); ++s) {
-      int laser = 0;
-      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddLaser(of_log.LaserOfScan(s), &laser));
+      const int laser = file_.graph.AddLaser(of_log.LaserOfScan(s));
       const int pose = pose_of_laser_line_.at(log.scans[s].line);
-      PLUMBLINE_RETURN_IF_ERROR(file_.graph.AddScan(pose, laser, log.scans[s].ranges));
+      file_.graph.AddScan(pose, laser, log.scans[s].ranges);
     }
-    return Status::Ok();
+    return file_.graph.status();
   }
 
   Status AddEdges() {
@@ -233,7 +230,8 @@ class Parser {
           RotateAxes(edge.information.inverse(), edge.from_from_to.yaw);
       constraint.covariance = 0.5 * (covariance + covariance.transpose());
       // Ids and numbers are known to be good.
-      if (!file_.graph.AddRelativePose(constraint).ok()) {
+      file_.graph.AddRelativePose(constraint);
+      if (!file_.graph.status().ok()) {
         return Error(edge.line,
                      "fields 'I11' to 'I33': the information is not positive definite, or "
                      "a standard deviation is not within 1e-9 and 1e9");
@@ -246,7 +244,7 @@ class Parser {
     for (const Fix& fix : fixes_) {
       int pose = 0;
       PLUMBLINE_RETURN_IF_ERROR(FindPose(fix.id, "id", fix.line, &pose));
-      PLUMBLINE_RETURN_IF_ERROR(file_.graph.FixPose(pose));
+      file_.graph.FixPose(pose);
     }
     return Status::Ok();
   }

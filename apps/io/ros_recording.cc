@@ -384,25 +384,25 @@ class GraphBuilder {
   Status AddScan(std::size_t index) {
     const RosScan& scan = Scan(index);
     const Pose2& odom_from_robot = *places_.poses[index];
-    int laser = 0, pose = 0;
-    const Status status = graph_.AddLaser(ModelOf(scan), &laser);
-    if (!status.ok()) return Error(ScanName(index) + status.message());
+    const int laser = graph_.AddLaser(ModelOf(scan));
     if (!first_pose_) first_pose_ = odom_from_robot;
-    PLUMBLINE_RETURN_IF_ERROR(
-        graph_.AddPose(Between(*first_pose_, odom_from_robot), stamps_s_[index], &pose));
-    PLUMBLINE_RETURN_IF_ERROR(AddReadings(scan, pose, laser));
+    const int pose = graph_.AddPose(Between(*first_pose_, odom_from_robot), stamps_s_[index]);
+    AddReadings(scan, pose, laser);
     if (pose > 0 && !robot_.odometry.empty()) {
-      PLUMBLINE_RETURN_IF_ERROR(
-          graph_.AddOdometry({pose - 1, pose, Between(last_pose_, odom_from_robot),
-                              !last_is_held_ && places_.is_held[index] == 0}));
+      graph_.AddOdometry({pose - 1, pose, Between(last_pose_, odom_from_robot),
+                          !last_is_held_ && places_.is_held[index] == 0});
     }
     last_pose_ = odom_from_robot;
     last_is_held_ = places_.is_held[index] != 0;
-    return Status::Ok();
+    const Status& status = graph_.status();
+    return status.ok() ? status : Error(ScanName(index) + status.message());
   }
 
-  Status AddReadings(const RosScan& scan, int pose, int laser) {
-    if (scan.bearings_rad.empty()) return graph_.AddScan(pose, laser, scan.ranges);
+  void AddReadings(const RosScan& scan, int pose, int laser) {
+    if (scan.bearings_rad.empty()) {
+      graph_.AddScan(pose, laser, scan.ranges);
+      return;
+    }
     const bool is_turned = DirectionOf(scan) != BeamDirection::kStated;
     const double sign = is_turned ? -MountingSign() : MountingSign();
     std::vector<Eigen::Vector2d> points;
@@ -410,7 +410,7 @@ class GraphBuilder {
       points.push_back(mounting_.place.robot_from_laser *
                        BeamEnd(scan.ranges[i], sign * scan.bearings_rad[i]));
     }
-    return graph_.AddPoints(pose, laser, points);
+    graph_.AddPoints(pose, laser, points);
   }
 
   const RosRecording& recording_;

@@ -23,16 +23,16 @@ Status LogOfPoseGraph(const SlamGraph& graph, int max_scans, SlamGraph* log) {
     const int given_pose = graph.scan(scan).pose;
     if (given_pose != last_pose) {
       const Pose2 world_from_robot = graph.InitialPose(given_pose);
-      PLUMBLINE_RETURN_IF_ERROR(
-          result.AddPose(world_from_robot, graph.timestamp_s(given_pose), &pose));
+      pose = result.AddPose(world_from_robot, graph.timestamp_s(given_pose));
       if (pose > 0) {
         const Pose2 step = Between(result.InitialPose(pose - 1), world_from_robot);
-        PLUMBLINE_RETURN_IF_ERROR(result.AddOdometry({pose - 1, pose, step}));
+        result.AddOdometry({pose - 1, pose, step});
       }
       last_pose = given_pose;
     }
-    PLUMBLINE_RETURN_IF_ERROR(result.AddScanOf(graph, scan, pose));
+    result.AddScanOf(graph, scan, pose);
   }
+  PLUMBLINE_RETURN_IF_ERROR(result.status());
   *log = std::move(result);
   return Status::Ok();
 }

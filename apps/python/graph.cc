@@ -112,15 +112,18 @@ void BindMeasurements(py::module_* module) {
                                  "SlamGraph.corrected. Made by a calibration or a seeding.");
 }
 
+// Raises what the graph has refused. It goes on as it was before.
+void RaiseIfRefused(GraphObject* graph) { RaiseIfError(graph->Mutable()->TakeStatus()); }
+
 int AddLaser(GraphObject& graph, const LaserModel& laser) {
-  int id = 0;
-  RaiseIfError(graph.Mutable()->AddLaser(laser, &id));
+  const int id = graph.Mutable()->AddLaser(laser);
+  RaiseIfRefused(&graph);
   return id;
 }
 
 int AddPose(GraphObject& graph, const Pose2& world_from_robot, double timestamp_s) {
-  int id = 0;
-  RaiseIfError(graph.Mutable()->AddPose(world_from_robot, timestamp_s, &id));
+  const int id = graph.Mutable()->AddPose(world_from_robot, timestamp_s);
+  RaiseIfRefused(&graph);
   return id;
 }
 
@@ -133,16 +136,17 @@ void CheckLaser(const GraphObject& graph, long long id) {
 void FixPose(GraphObject& graph, int pose, const std::optional<Pose2>& world_from_robot) {
   CheckPose(graph, pose);
   SlamGraph* changed = graph.Mutable();
-  RaiseIfError(world_from_robot ? changed->FixPose(pose, *world_from_robot)
-                                : changed->FixPose(pose));
+  world_from_robot ? changed->FixPose(pose, *world_from_robot) : changed->FixPose(pose);
+  RaiseIfRefused(&graph);
 }
 
 int AddScan(GraphObject& graph, int pose, int laser, const py::object& ranges) {
   CheckPose(graph, pose);
   CheckLaser(graph, laser);
   const std::vector<double> numbers = NumbersOf("ranges", ranges);
-  RaiseIfError(graph.Mutable()->AddScan(pose, laser, numbers));
-  return graph->num_scans() - 1;
+  const int id = graph.Mutable()->AddScan(pose, laser, numbers);
+  RaiseIfRefused(&graph);
+  return id;
 }
 
 int AddSweep(GraphObject& graph, int pose, int laser, const py::object& ranges, const Pose2& motion,
@@ -150,8 +154,9 @@ int AddSweep(GraphObject& graph, int pose, int laser, const py::object& ranges, 
   CheckPose(graph, pose);
   CheckLaser(graph, laser);
   const std::vector<double> numbers = NumbersOf("ranges", ranges);
-  RaiseIfError(graph.Mutable()->AddSweep(pose, laser, numbers, motion, order));
-  return graph->num_scans() - 1;
+  const int id = graph.Mutable()->AddSweep(pose, laser, numbers, motion, order);
+  RaiseIfRefused(&graph);
+  return id;
 }
 
 int AddPoints(GraphObject& graph, int pose, int laser, const py::object& points_in_robot) {
@@ -160,14 +165,16 @@ int AddPoints(GraphObject& graph, int pose, int laser, const py::object& points_
   const std::vector<double> rows = RowsOf("points_in_robot", points_in_robot, 2);
   std::vector<Eigen::Vector2d> points;
   for (std::size_t i = 0; i < rows.size(); i += 2) points.emplace_back(&rows[i]);
-  RaiseIfError(graph.Mutable()->AddPoints(pose, laser, points));
-  return graph->num_scans() - 1;
+  const int id = graph.Mutable()->AddPoints(pose, laser, points);
+  RaiseIfRefused(&graph);
+  return id;
 }
 
 void AddOdometry(GraphObject& graph, int from, int to, const Pose2& from_from_to) {
   CheckPose(graph, from);
   CheckPose(graph, to);
-  RaiseIfError(graph.Mutable()->AddOdometry({from, to, from_from_to}));
+  graph.Mutable()->AddOdometry({from, to, from_from_to});
+  RaiseIfRefused(&graph);
 }
 
 void AddRelativePose(GraphObject& graph, int from, int to, const Pose2& from_from_to,
@@ -175,7 +182,8 @@ void AddRelativePose(GraphObject& graph, int from, int to, const Pose2& from_fro
   CheckPose(graph, from);
   CheckPose(graph, to);
   const Eigen::Matrix3d matrix = MatrixOf("covariance", covariance);
-  RaiseIfError(graph.Mutable()->AddRelativePose({from, to, from_from_to, matrix}));
+  graph.Mutable()->AddRelativePose({from, to, from_from_to, matrix});
+  RaiseIfRefused(&graph);
 }
 
 void ExtendState(const GraphObject& graph, StateObject& object) {

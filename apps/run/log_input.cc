@@ -76,9 +76,9 @@ Status ReadFixedMap(const std::string& path, double max_bytes, RunSummary* summa
   }
   PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraphWithScans(path, 0, max_bytes, summary, graph));
   for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    PLUMBLINE_RETURN_IF_ERROR(graph->FixPose(pose));
+    graph->FixPose(pose);
   }
-  return Status::Ok();
+  return graph->status();
 }
 
 Status ReadLogInput(const std::string& path, int max_scans, double max_bytes, RunSummary* summary,

@@ -31,13 +31,12 @@ Status WriteRefinedPoseGraph(const std::string& path, const std::vector<double>&
                              const Pose2& before_from_after) {
   SlamGraph poses_and_edges;
   for (const Pose2& world_from_robot : PosesOf(poses)) {
-    int pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(poses_and_edges.AddPose(world_from_robot, 0.0, &pose));
+    poses_and_edges.AddPose(world_from_robot, 0.0);
   }
   for (const RelativePoseConstraint& edge : edges) {
-    PLUMBLINE_RETURN_IF_ERROR(
-        poses_and_edges.AddRelativePose(MoveRobotFrame(edge, before_from_after)));
+    poses_and_edges.AddRelativePose(MoveRobotFrame(edge, before_from_after));
   }
+  PLUMBLINE_RETURN_IF_ERROR(poses_and_edges.status());
   return WritePoseGraph(path, poses_and_edges, MotionOptions(), {}, poses);
 }
 

@@ -38,11 +38,12 @@ class GraphBuilder {
     }
     MeasureClouds();
     MeasureConstraints();
-    PLUMBLINE_RETURN_IF_ERROR(AddNodes());
-    PLUMBLINE_RETURN_IF_ERROR(AddSubmaps());
-    PLUMBLINE_RETURN_IF_ERROR(AddConstraints());
-    PLUMBLINE_RETURN_IF_ERROR(TieLooseNodes());
-    PLUMBLINE_RETURN_IF_ERROR(FixFrozen());
+    AddNodes();
+    AddSubmaps();
+    AddConstraints();
+    TieLooseNodes();
+    FixFrozen();
+    PLUMBLINE_RETURN_IF_ERROR(graph_.status());
     PLUMBLINE_RETURN_IF_ERROR(CheckConnected());
     *graph = std::move(graph_);
     *notes = std::move(notes_);
@@ -99,37 +100,32 @@ class GraphBuilder {
         std::max(cell_sigma_rad, kSigmasPerMedian * QuantileOr(0.0, std::move(off_rad), 0.5));
   }
 
-  Status AddNodes() {
-    int laser = 0;
-    PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(laser_, &laser));
+  void AddNodes() {
+    const int laser = graph_.AddLaser(laser_);
     std::vector<Eigen::Vector2d> points;
     for (const CartographerNode& node : state_.nodes) {
-      int pose = 0;
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(node.map_from_tracking, node.time_s, &pose));
+      const int pose = graph_.AddPose(node.map_from_tracking, node.time_s);
       const Pose2 tracking_from_level(0.0, 0.0, node.tracking_from_level_rad);
       points.clear();
       for (const Eigen::Vector2i& point : node.points_mm) {
         points.push_back(tracking_from_level * Eigen::Vector2d(kRasterM * point.cast<double>()));
       }
-      if (!points.empty()) PLUMBLINE_RETURN_IF_ERROR(graph_.AddPoints(pose, laser, points));
+      if (!points.empty()) graph_.AddPoints(pose, laser, points);
     }
-    return Status::Ok();
   }
 
   // A submap has the time of the first node that is matched with it.
-  Status AddSubmaps() {
+  void AddSubmaps() {
     std::vector<double> times(state_.submaps.size(), 0.0);
     for (auto c = state_.constraints.rbegin(); c != state_.constraints.rend(); ++c) {
       times[c->submap] = state_.nodes[c->node].time_s;
     }
     for (std::size_t i = 0; i < times.size(); ++i) {
-      int pose = 0;
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddPose(state_.submaps[i].map_from_submap, times[i], &pose));
+      graph_.AddPose(state_.submaps[i].map_from_submap, times[i]);
     }
-    return Status::Ok();
   }
 
-  Status AddConstraints() {
+  void AddConstraints() {
     for (std::size_t i = 0; i < off_.size(); ++i) {
       const CartographerConstraint& constraint = state_.constraints[i];
       RelativePoseConstraint edge = EdgeBetween(num_nodes_ + constraint.submap, constraint.node);
@@ -140,9 +136,8 @@ class GraphBuilder {
         edge.covariance *= sigmas * sigmas / (kMaxSigmas * kMaxSigmas);
         ++notes_.num_contradicted;
       }
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(edge));
+      graph_.AddRelativePose(edge);
     }
-    return Status::Ok();
   }
 
   RelativePoseConstraint EdgeBetween(int from, int to) const {
@@ -154,7 +149,7 @@ class GraphBuilder {
     return edge;
   }
 
-  Status TieLooseNodes() {
+  void TieLooseNodes() {
     std::vector<bool> is_loose(num_nodes_, true);
     for (const CartographerConstraint& constraint : state_.constraints) {
       is_loose[constraint.node] = false;
@@ -165,18 +160,17 @@ class GraphBuilder {
       if (!is_step || !(is_loose[node - 1] || is_loose[node])) continue;
       RelativePoseConstraint edge = EdgeBetween(node - 1, node);
       edge.from_from_to = Between(before.local_from_tracking, here.local_from_tracking);
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(edge));
+      graph_.AddRelativePose(edge);
     }
-    return Status::Ok();
   }
 
   // Where nothing is frozen, the first submap holds the map, as in Cartographer.
-  Status FixFrozen() {
+  void FixFrozen() {
     std::set<int> frozen;
     for (int node = 0; node < num_nodes_; ++node) {
       if (!IsFrozen(state_.nodes[node].id)) continue;
       frozen.insert(state_.nodes[node].id.trajectory);
-      PLUMBLINE_RETURN_IF_ERROR(graph_.FixPose(node));
+      graph_.FixPose(node);
     }
     std::vector<bool> is_matched(state_.submaps.size(), false);
     for (const CartographerConstraint& constraint : state_.constraints) {
@@ -186,10 +180,9 @@ class GraphBuilder {
     for (std::size_t submap = 0; submap < state_.submaps.size(); ++submap) {
       if (is_matched[submap] && !IsFrozen(state_.submaps[submap].id) && !needs_hold) continue;
       if (is_matched[submap]) needs_hold = false;
-      PLUMBLINE_RETURN_IF_ERROR(graph_.FixPose(num_nodes_ + static_cast<int>(submap)));
+      graph_.FixPose(num_nodes_ + static_cast<int>(submap));
     }
     notes_.frozen_trajectories.assign(frozen.begin(), frozen.end());
-    return Status::Ok();
   }
 
   Status CheckConnected() const {

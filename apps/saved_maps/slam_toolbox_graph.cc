@@ -59,14 +59,11 @@ class SlamToolboxGraphBuilder {
       return Fail(path_, name + std::to_string(num_readings) + " readings for a laser of " +
                              std::to_string(laser->second.num_beams) + " beams");
     }
-    int laser_id = 0, pose = 0;
-    Status status = graph_.AddLaser(laser->second, &laser_id);
-    if (status.ok()) {
-      status =
-          graph_.AddPose(PoseOf(scan.Object("corrected_pose")), sensor_data.Number("time"), &pose);
-    }
-    if (status.ok()) status = graph_.AddScan(pose, laser_id, readings.Numbers("range_readings"));
-    if (!status.ok()) return Fail(path_, name + status.message());
+    const int laser_id = graph_.AddLaser(laser->second);
+    const int pose =
+        graph_.AddPose(PoseOf(scan.Object("corrected_pose")), sensor_data.Number("time"));
+    graph_.AddScan(pose, laser_id, readings.Numbers("range_readings"));
+    PLUMBLINE_RETURN_IF_ERROR(StatusOf(name));
     if (!pose_of_scan_.emplace(ScanId(scan), pose).second) {
       return Fail(path_, name + "there are two of this id");
     }
@@ -91,8 +88,8 @@ class SlamToolboxGraphBuilder {
     // Turned from the map into the frame of the scan, to rounding.
     constraint.covariance =
         (0.5 * (constraint.covariance + constraint.covariance.transpose())).eval();
-    const Status status = graph_.AddRelativePose(constraint);
-    return status.ok() ? Status::Ok() : Fail(path_, name + status.message());
+    graph_.AddRelativePose(constraint);
+    return StatusOf(name);
   }
 
   Status Finish(const std::vector<ArchiveObject>& scans, SlamGraph* graph, int* num_restarts) {
@@ -151,8 +148,14 @@ class SlamToolboxGraphBuilder {
       ++num_restarts_;
       return Status::Ok();
     }
-    const Status status = graph_.AddOdometry({before.pose, pose, step});
-    return status.ok() ? Status::Ok() : Fail(path_, name + status.message());
+    graph_.AddOdometry({before.pose, pose, step});
+    return StatusOf(name);
+  }
+
+  // The error of the last measurement, by this name.
+  Status StatusOf(const std::string& name) const {
+    const Status& status = graph_.status();
+    return status.ok() ? status : Fail(path_, name + status.message());
   }
 
   static std::string ScanName(const ArchiveObject& vertex) {

@@ -6,19 +6,18 @@ namespace plumbline {
 
 Status MakeGraph(const SimulatedLog& log, SlamGraph* graph) {
   SlamGraph result;
-  int laser = 0;
-  PLUMBLINE_RETURN_IF_ERROR(result.AddLaser(log.laser, &laser));
+  const int laser = result.AddLaser(log.laser);
   result.ReserveReturns(log.scans.size() * log.laser.num_beams);
   for (std::size_t i = 0; i < log.scans.size(); ++i) {
     const SimulatedScan& scan = log.scans[i];
-    int pose = 0;
-    PLUMBLINE_RETURN_IF_ERROR(result.AddPose(
-        Between(log.scans[0].odom_from_robot, scan.odom_from_robot), scan.scan.timestamp_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(result.AddScan(pose, laser, scan.scan.ranges));
+    const int pose = result.AddPose(Between(log.scans[0].odom_from_robot, scan.odom_from_robot),
+                                    scan.scan.timestamp_s);
+    result.AddScan(pose, laser, scan.scan.ranges);
     if (i == 0) continue;
-    PLUMBLINE_RETURN_IF_ERROR(result.AddOdometry(
-        {pose - 1, pose, Between(log.scans[i - 1].odom_from_robot, scan.odom_from_robot)}));
+    result.AddOdometry(
+        {pose - 1, pose, Between(log.scans[i - 1].odom_from_robot, scan.odom_from_robot)});
   }
+  PLUMBLINE_RETURN_IF_ERROR(result.status());
   *graph = std::move(result);
   return Status::Ok();
 }

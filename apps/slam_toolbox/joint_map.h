@@ -172,21 +172,18 @@ class JointMap {
   Status ExtendGraph() {
     for (auto& [id, node] : nodes_) {
       if (node.pose != kNotInGraph) continue;
-      int laser = 0;
-      PLUMBLINE_RETURN_IF_ERROR(
-          graph_.AddPose(node.world_from_robot, node.timestamp_s, &node.pose));
+      node.pose = graph_.AddPose(node.world_from_robot, node.timestamp_s);
       if (node.ranges_m.empty()) continue;
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddLaser(node.laser, &laser));
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddScan(node.pose, laser, node.ranges_m));
+      const int laser = graph_.AddLaser(node.laser);
+      graph_.AddScan(node.pose, laser, node.ranges_m);
     }
     for (Constraint& constraint : constraints_) {
       if (constraint.is_in_graph) continue;
-      PLUMBLINE_RETURN_IF_ERROR(graph_.AddRelativePose(
-          {nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
-           constraint.source_from_target, constraint.covariance}));
+      graph_.AddRelativePose({nodes_.at(constraint.source).pose, nodes_.at(constraint.target).pose,
+                              constraint.source_from_target, constraint.covariance});
       constraint.is_in_graph = true;
     }
-    return Status::Ok();
+    return graph_.status();
   }
 
   void NoteContradictions(const IncrementalSummary& summary) {

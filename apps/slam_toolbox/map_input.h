@@ -24,29 +24,24 @@ inline Status Named(const std::string& name, const Status& status) {
 }
 
 inline Status CheckNode(int id, const Pose2& world_from_robot, double timestamp_s) {
-  int pose = 0;
   SlamGraph trial;
-  return Named("node " + std::to_string(id), trial.AddPose(world_from_robot, timestamp_s, &pose));
+  trial.AddPose(world_from_robot, timestamp_s);
+  return Named("node " + std::to_string(id), trial.status());
 }
 
 inline Status CheckScan(int id, const LaserModel& laser, const std::vector<double>& ranges_m) {
-  const std::string name = "node " + std::to_string(id);
-  int pose = 0, laser_id = 0;
   SlamGraph trial;
-  PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &pose));
-  PLUMBLINE_RETURN_IF_ERROR(Named(name, trial.AddLaser(laser, &laser_id)));
-  return Named(name, trial.AddScan(pose, laser_id, ranges_m));
+  trial.AddScan(trial.AddPose(Pose2(), 0.0), trial.AddLaser(laser), ranges_m);
+  return Named("node " + std::to_string(id), trial.status());
 }
 
 inline Status CheckConstraint(int source, int target, const Pose2& source_from_target,
                               const Eigen::Matrix3d& covariance) {
-  int from = 0, to = 0;
   SlamGraph trial;
-  PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &from));
-  PLUMBLINE_RETURN_IF_ERROR(trial.AddPose(Pose2(), 0.0, &to));
-  if (source == target) to = from;
+  const int from = trial.AddPose(Pose2(), 0.0), other = trial.AddPose(Pose2(), 0.0);
+  trial.AddRelativePose({from, source == target ? from : other, source_from_target, covariance});
   return Named("constraint " + std::to_string(source) + " -> " + std::to_string(target),
-               trial.AddRelativePose({from, to, source_from_target, covariance}));
+               trial.status());
 }
 
 }  // namespace plumbline

@@ -159,9 +159,9 @@ std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph) {
   return found;
 }
 
-Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
+void DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   *frozen = FindFrozenStretches(*graph);
-  if (frozen->empty()) return Status::Ok();
+  if (frozen->empty()) return;
   std::vector<char> is_repeated(graph->num_scans(), 0);
   for (const FrozenStretch& stretch : *frozen) {
     for (int scan = stretch.first_scan + 1; scan <= stretch.last_scan; ++scan) {
@@ -169,37 +169,33 @@ Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
     }
   }
   SlamGraph without;
-  int id = 0;
   for (int laser = 0; laser < graph->num_lasers(); ++laser) {  // so that they keep their ids
-    PLUMBLINE_RETURN_IF_ERROR(without.AddLaser(graph->laser(laser), &id));
+    without.AddLaser(graph->laser(laser));
   }
   for (int pose = 0; pose < graph->num_poses(); ++pose) {
-    PLUMBLINE_RETURN_IF_ERROR(
-        without.AddPose(graph->InitialPose(pose), graph->timestamp_s(pose), &id));
+    without.AddPose(graph->InitialPose(pose), graph->timestamp_s(pose));
   }
   for (int scan = 0; scan < graph->num_scans(); ++scan) {
     if (is_repeated[scan] == 0) {
-      PLUMBLINE_RETURN_IF_ERROR(without.AddScanOf(*graph, scan, graph->scan(scan).pose));
+      without.AddScanOf(*graph, scan, graph->scan(scan).pose);
       continue;
     }
     const LaserModel& laser = graph->LaserOfScan(scan);
     const std::vector<double> no_return(laser.num_beams, laser.max_range_m);
-    PLUMBLINE_RETURN_IF_ERROR(
-        without.AddScan(graph->scan(scan).pose, graph->scan(scan).laser, no_return));
+    without.AddScan(graph->scan(scan).pose, graph->scan(scan).laser, no_return);
   }
   for (const OdometryConstraint& step : graph->odometry()) {
-    PLUMBLINE_RETURN_IF_ERROR(without.AddOdometry(step));
+    without.AddOdometry(step);
   }
   for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
-    PLUMBLINE_RETURN_IF_ERROR(without.AddRelativePose(constraint));
+    without.AddRelativePose(constraint);
   }
   if (graph->has_named_fixed_poses()) {
     for (const FixedPose& fixed : graph->fixed_poses()) {
-      PLUMBLINE_RETURN_IF_ERROR(without.FixPose(fixed.pose, fixed.world_from_robot));
+      without.FixPose(fixed.pose, fixed.world_from_robot);
     }
   }
   *graph = std::move(without);
-  return Status::Ok();
 }
 
 }  // namespace plumbline

@@ -24,7 +24,7 @@ std::vector<FrozenStretch> FindFrozenStretches(const SlamGraph& graph);
 
 /// Takes the returns of all repetitions out of the graph: their poses follow the odometry alone.
 /// Scans keep their ids; returns get new ones. frozen: the stretches that were found.
-Status DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen);
+void DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen);
 
 }  // namespace plumbline
 

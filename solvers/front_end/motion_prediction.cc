@@ -110,9 +110,9 @@ OdometryNoiseReport MeasurePredictionNoise(const SlamGraph& graph, const std::ve
 Status AddPredictedSteps(const std::vector<Pose2>& poses, SlamGraph* graph) {
   const MotionPrediction prediction(*graph);
   for (int to = 1; to < graph->num_poses(); ++to) {
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry({to - 1, to, prediction.Step(poses, to)}));
+    graph->AddOdometry({to - 1, to, prediction.Step(poses, to)});
   }
-  return Status::Ok();
+  return graph->status();
 }
 
 }  // namespace plumbline

@@ -28,18 +28,16 @@ void MoveTo(const std::vector<Pose2>& world_from_robot, KeyframeGraph* keys) {
 
 GrowingMap::GrowingMap(const std::vector<LaserModel>& lasers, const MotionOptions& motion)
     : motion_(motion) {
-  int id = 0;
   for (const LaserModel& laser : lasers) {
-    // A laser that is refused has no scans.
-    if (!graph_.AddLaser(laser, &id).ok()) continue;
+    graph_.AddLaser(laser);
+    graph_.TakeStatus();  // a laser that is refused has no scans
   }
 }
 
 Status GrowingMap::Add(const LiveScan& scan) {
-  int id = 0;
-  PLUMBLINE_RETURN_IF_ERROR(
-      graph_.AddPose(scan.measured.InitialPose(0), scan.measured.timestamp_s(0), &id));
-  PLUMBLINE_RETURN_IF_ERROR(graph_.AddScanOf(scan.measured, 0, id));
+  const int id = graph_.AddPose(scan.measured.InitialPose(0), scan.measured.timestamp_s(0));
+  graph_.AddScanOf(scan.measured, 0, id);
+  PLUMBLINE_RETURN_IF_ERROR(graph_.TakeStatus());
   surface_.normals.insert(surface_.normals.end(), scan.surface.normals.begin(),
                           scan.surface.normals.end());
   steps_.push_back(scan.step);
@@ -148,9 +146,9 @@ Status GrowingMap::MakeLog(SlamGraph* log) const {
   for (int pose = 1; pose < graph_.num_poses(); ++pose) {
     OdometryConstraint step{pose - 1, pose, steps_[pose].value_or(Pose2())};
     step.is_measured = steps_[pose].has_value();
-    PLUMBLINE_RETURN_IF_ERROR(log->AddOdometry(step));
+    log->AddOdometry(step);
   }
-  return Status::Ok();
+  return log->status();
 }
 
 std::vector<Pose2> GrowingMap::Poses() const {

@@ -15,7 +15,7 @@ constexpr double kGapM = 20.0;
 
 // Appends the scans of the poses from `first` to before `end`, whose ids are `moved` higher there.
 // All processes get the same ids of lasers, whoever has the scans.
-Status AppendScans(const SlamGraph& graph, int first, int end, int moved, SlamGraph* appended_to) {
+void AppendScans(const SlamGraph& graph, int first, int end, int moved, SlamGraph* appended_to) {
   const auto is_appended = [&](const ScanEntry& scan) {
     return scan.pose >= first && scan.pose < end;
   };
@@ -24,7 +24,7 @@ Status AppendScans(const SlamGraph& graph, int first, int end, int moved, SlamGr
   std::size_t num_returns = appended_to->num_returns_of_all();
   for (ScanEntry scan : graph.all_scans()) {
     if (!is_appended(scan)) continue;
-    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddLaser(graph.laser(scan.laser), &scan.laser));
+    scan.laser = appended_to->AddLaser(graph.laser(scan.laser));
     scan.pose += moved;
     scan.first_return = num_returns;
     num_returns += scan.num_returns;
@@ -33,47 +33,42 @@ Status AppendScans(const SlamGraph& graph, int first, int end, int moved, SlamGr
   for (int scan = 0; scan < graph.num_scans(); ++scan) {
     const ScanEntry& entry = graph.scan(scan);
     if (!is_appended(entry)) continue;
-    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddScanOf(graph, scan, entry.pose + moved));
+    appended_to->AddScanOf(graph, scan, entry.pose + moved);
   }
-  if (graph.peers() == nullptr) return Status::Ok();
+  if (graph.peers() == nullptr) return;
   std::vector<int> rank_of_pose = appended_to->rank_of_pose();
   const auto begin = graph.rank_of_pose().begin();
   rank_of_pose.insert(rank_of_pose.end(), begin + first, begin + end);
   appended_to->ShareWith(graph.peers(), std::move(rank_of_pose), std::move(all_scans));
-  return Status::Ok();
 }
 
 // Appends the poses from `first` to before `end`, with their scans and edges, to another graph.
-Status AppendPart(const SlamGraph& graph, int first, int end,
-                  const std::vector<Pose2>& initial_poses, SlamGraph* appended_to) {
+void AppendPart(const SlamGraph& graph, int first, int end, const std::vector<Pose2>& initial_poses,
+                SlamGraph* appended_to) {
   const int moved = appended_to->num_poses() - first;
   for (int pose = first; pose < end; ++pose) {
-    int id = 0;
-    PLUMBLINE_RETURN_IF_ERROR(
-        appended_to->AddPose(initial_poses[pose - first], graph.timestamp_s(pose), &id));
+    appended_to->AddPose(initial_poses[pose - first], graph.timestamp_s(pose));
   }
-  PLUMBLINE_RETURN_IF_ERROR(AppendScans(graph, first, end, moved, appended_to));
+  AppendScans(graph, first, end, moved, appended_to);
   for (OdometryConstraint step : graph.odometry()) {
     if (step.from < first || step.from >= end) continue;
     step.from += moved;
     step.to += moved;
-    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddOdometry(step));
+    appended_to->AddOdometry(step);
   }
   for (RelativePoseConstraint edge : graph.relative_poses()) {
     if (edge.from < first || edge.from >= end) continue;
     edge.from += moved;
     edge.to += moved;
-    PLUMBLINE_RETURN_IF_ERROR(appended_to->AddRelativePose(edge));
+    appended_to->AddRelativePose(edge);
   }
-  return Status::Ok();
 }
 
 }  // namespace
 
 Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   const int first_pose = set->graph.num_poses(), first_scan = set->first_scan.back();
-  PLUMBLINE_RETURN_IF_ERROR(
-      AppendPart(graph, 0, graph.num_poses(), drive.world_from_robot, &set->graph));
+  AppendPart(graph, 0, graph.num_poses(), drive.world_from_robot, &set->graph);
   std::vector<PackedSurface> surfaces = std::move(set->surfaces).TakeKept();
   surfaces.insert(surfaces.end(), std::make_move_iterator(drive.surfaces.begin()),
                   std::make_move_iterator(drive.surfaces.end()));
@@ -87,7 +82,7 @@ Status AddSession(const SlamGraph& graph, SeededDrive drive, SessionSet* set) {
   set->matched.push_back(std::move(drive.matched));
   set->first_pose.push_back(set->graph.num_poses());
   set->first_scan.push_back(static_cast<int>(set->graph.all_scans().size()));
-  return Status::Ok();
+  return set->graph.status();
 }
 
 void FinishSet(ThreadPool* pool, SessionSet* set) {
@@ -157,8 +152,8 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
                                      own.world_from_robot[own.keyframes.front().pose].Inverse();
     std::vector<Pose2> placed;
     for (const Pose2& pose : own.world_from_robot) placed.push_back(world_from_session * pose);
-    PLUMBLINE_RETURN_IF_ERROR(AppendPart(set.graph, set.first_pose[session],
-                                         set.first_pose[session + 1], placed, &joined->graph));
+    AppendPart(set.graph, set.first_pose[session], set.first_pose[session + 1], placed,
+               &joined->graph);
     std::vector<Pose2> odometry = own.odometry;
     odometry.front() = i == 0 ? Pose2() : Between(poses.back(), placed.front());
     poses.insert(poses.end(), placed.begin(), placed.end());
@@ -189,7 +184,7 @@ Status JoinDrives(const SessionSet& set, const SessionGroup& group, const Motion
       joined->ties.closures.push_back(closure);
     }
   }
-  return Status::Ok();
+  return joined->graph.status();
 }
 
 }  // namespace plumbline

@@ -248,7 +248,7 @@ TEST_F(BadInputTest, MoreBeamsThanAnyLaserHas) {
   const std::string path = folder_ + "a.clf";
   WriteFile(path, log + " 0 0 0 0 0 0 1 h 1\n");
   ExpectRefused(RunOn(path, "slam", "--log=IN --output_dir=OUTout"),
-                path + ": scan of line 1: laser model: num_beams = 100001");
+                path + ": scan of line 1: laser 0: num_beams = 100001");
 }
 
 // Also where it is a thread of the pool that gets none.

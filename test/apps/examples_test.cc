@@ -86,7 +86,8 @@ TEST_F(RefineG2oTest, AnErrorNamesItsLine) {
   ExpectFailure(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 1 0\n", "in.g2o:3: EDGE_SE2 wants: from to");
   ExpectFailure(vertices + "EDGE_SE2 0 9 1 0 0 1 0 0 1 0 1\n", "in.g2o:3: there is no vertex 9");
   ExpectFailure(vertices + "EDGE_SE2 0 0 1 0 0 1 0 0 1 0 1\n", "in.g2o:3: ");
-  ExpectFailure(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 -1 0 1\n", "in.g2o:3: relative pose 0 -> 1");
+  ExpectFailure(vertices + "EDGE_SE2 0 1 1 0 0 1 0 0 -1 0 1\n",
+                "in.g2o:3: relative pose 0 (0 -> 1)");
   ExpectFailure(vertices + "FIX 4\n", "in.g2o:3: there is no vertex 4");
   ExpectFailure(vertices + "FIX 0 x\n", "in.g2o:3: FIX wants");
   ExpectFailure(vertices + "EDGE_SE2_XY 0 1 1 0 1 0 1\n",

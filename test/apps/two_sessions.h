@@ -30,9 +30,9 @@ inline TwoSessions MakeTwoSessions(const std::vector<Face>& first,
     const int number = static_cast<int>(sessions.marks.size());
     sessions.marks.push_back({number == 0 ? "first.clf" : "second.clf", number,
                               sessions.graph.num_scans(), day.num_scans()});
-    for (int pose = 0, id = 0; pose < day.num_poses(); ++pose) {
-      EXPECT_TRUE(sessions.graph.AddPose(day.InitialPose(pose), number + 0.1 * pose, &id).ok());
-      EXPECT_TRUE(sessions.graph.AddScanOf(day, pose, id).ok());
+    for (int pose = 0; pose < day.num_poses(); ++pose) {
+      const int id = sessions.graph.AddPose(day.InitialPose(pose), number + 0.1 * pose);
+      sessions.graph.AddScanOf(day, pose, id);
     }
   }
   return sessions;

@@ -29,18 +29,17 @@ plumbline::LaserModel Laser() {
   return laser;
 }
 
-plumbline::Status MakeGraph(const std::vector<Keyframe>& keyframes, plumbline::SlamGraph* graph) {
-  int laser = 0;
-  PLUMBLINE_RETURN_IF_ERROR(graph->AddLaser(Laser(), &laser));
+plumbline::SlamGraph MakeGraph(const std::vector<Keyframe>& keyframes) {
+  plumbline::SlamGraph graph;
+  const int laser = graph.AddLaser(Laser());
   for (const Keyframe& keyframe : keyframes) {
-    int pose = 0;
-    const double time_s = graph->num_poses();
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddPose(keyframe.world_from_robot, time_s, &pose));
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddScan(pose, laser, keyframe.ranges_m));
+    const double time_s = graph.num_poses();
+    const int pose = graph.AddPose(keyframe.world_from_robot, time_s);
+    graph.AddScan(pose, laser, keyframe.ranges_m);
     if (pose == 0) continue;
-    PLUMBLINE_RETURN_IF_ERROR(graph->AddOdometry({pose - 1, pose, keyframe.previous_from_this}));
+    graph.AddOdometry({pose - 1, pose, keyframe.previous_from_this});
   }
-  return plumbline::Status::Ok();
+  return graph;
 }
 
 // Refines poses and points in place.
@@ -99,12 +98,7 @@ int main() {
     truth.emplace_back(1.5 * std::cos(turn), 1.5 * std::sin(turn),
                        turn + plumbline::DegToRad(90.0));
   }
-  plumbline::SlamGraph graph;
-  const plumbline::Status status = MakeGraph(Drive(truth), &graph);
-  if (!status.ok()) {
-    std::fprintf(stderr, "%s\n", status.message().c_str());
-    return 1;
-  }
+  const plumbline::SlamGraph graph = MakeGraph(Drive(truth));
   plumbline::MapState state = graph.InitialState();
   const double before_m = MeanError(state, truth);
   if (!Refine(graph, &state)) return 1;

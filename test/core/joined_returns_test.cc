@@ -14,10 +14,9 @@ SlamGraph GraphOf(const std::vector<double>& ranges, double bearing_step_rad = 0
   laser.bearing_step_rad = bearing_step_rad;
   laser.max_range_m = 10.0;
   laser.robot_from_laser = Pose2(0.3, -0.2, 2.0);
-  int id = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &id).ok());
-  EXPECT_TRUE(graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0, &id).ok());
-  EXPECT_TRUE(graph.AddScan(0, 0, ranges).ok());
+  graph.AddLaser(laser);
+  graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0);
+  graph.AddScan(0, 0, ranges);
   return graph;
 }
 
@@ -79,7 +78,7 @@ TEST(JoinedReturns, PointsOfOneBeamAreNeighbours) {
   for (int i = 0; i < 8; ++i) {
     points.push_back(robot_from_laser * BeamEnd(9.0 + 0.05 * (i % 2), -0.4 + 0.005 * i));
   }
-  ASSERT_TRUE(graph.AddPoints(0, 0, points).ok());
+  graph.AddPoints(0, 0, points);
   MeasuredPoints(graph, 1, &points);
   std::vector<bool> joined;
   FindJoinedReturns(graph, 1, points, 0.05, &joined);

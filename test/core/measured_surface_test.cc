@@ -68,11 +68,10 @@ TEST(MeasuredSurfaceTest, DoesNotLookAtInitialGuesses) {
 TEST(MeasuredSurfaceTest, IsEmptyWithoutReturns) {
   SlamGraph graph;
   ThreadPool pool(2);
-  int pose = 0, laser = 0;
-  ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &pose).ok());
+  const int pose = graph.AddPose({1, 2, 3}, 0.0);
   EXPECT_TRUE(MeasureSurface(graph, ReturnNormalOptions(), &pool).normals.empty());
-  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(2), &laser).ok());
-  ASSERT_TRUE(graph.AddScan(pose, laser, {kNaN, kInfinity}).ok());
+  const int laser = graph.AddLaser(PanoramicLaser(2));
+  graph.AddScan(pose, laser, {kNaN, kInfinity});
   const MeasuredSurface surface = MeasureSurface(graph, ReturnNormalOptions(), &pool);
   EXPECT_TRUE(surface.normals.empty());
 }

@@ -33,12 +33,11 @@ struct Normal {
 std::vector<Normal> NormalsOf(const std::function<double(int beam, double bearing_rad)>& range) {
   SlamGraph graph;
   const LaserModel laser = HalfDegreeLaser();
-  int laser_id, pose_id;
-  EXPECT_TRUE(graph.AddLaser(laser, &laser_id).ok());
-  EXPECT_TRUE(graph.AddPose(Pose2(-7.0, 40.0, 2.0), 0.0, &pose_id).ok());
+  const int laser_id = graph.AddLaser(laser);
+  const int pose_id = graph.AddPose(Pose2(-7.0, 40.0, 2.0), 0.0);
   std::vector<double> ranges;
   for (int b = 0; b < laser.num_beams; ++b) ranges.push_back(range(b, laser.Bearing(b)));
-  EXPECT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
+  graph.AddScan(pose_id, laser_id, ranges);
 
   ThreadPool pool(1);
   std::vector<ReturnNormal> in_robot;
@@ -154,15 +153,14 @@ TEST(ReturnNormals, SparseFarSurfaceTakesItsNextNeighbours) {
 
 TEST(ReturnNormals, TheSameForAnyNumberOfThreads) {
   SlamGraph graph;
-  int laser_id, pose_id;
-  ASSERT_TRUE(graph.AddLaser(HalfDegreeLaser(), &laser_id).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose_id).ok());
+  const int laser_id = graph.AddLaser(HalfDegreeLaser());
+  const int pose_id = graph.AddPose(Pose2(), 0.0);
   for (int scan = 0; scan < 200; ++scan) {
     std::vector<double> ranges;
     for (int b = 0; b < 361; ++b) {
       ranges.push_back(3.0 + std::sin(0.05 * b + scan) + 0.01 * std::cos(37.0 * b * scan));
     }
-    ASSERT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
+    graph.AddScan(pose_id, laser_id, ranges);
   }
   ThreadPool one(1), three(3);
   std::vector<ReturnNormal> by_one, by_three;
@@ -181,12 +179,11 @@ TEST(ReturnNormals, OptionsAreChecked) {
 TEST(ReturnNormals, WhatMovesHasNone) {
   SlamGraph graph;
   const LaserModel laser = HalfDegreeLaser();
-  int laser_id, pose_id;
-  ASSERT_TRUE(graph.AddLaser(laser, &laser_id).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose_id).ok());
+  const int laser_id = graph.AddLaser(laser);
+  const int pose_id = graph.AddPose(Pose2(), 0.0);
   std::vector<double> ranges;
   for (int b = 0; b < laser.num_beams; ++b) ranges.push_back(WallAhead(2.0, laser.Bearing(b)));
-  ASSERT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
+  graph.AddScan(pose_id, laser_id, ranges);
   ThreadPool pool(1);
   std::vector<ReturnNormal> before;
   ExtendReturnNormals(graph, 0, ReturnNormalOptions(), &pool, &before);

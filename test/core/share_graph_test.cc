@@ -26,19 +26,18 @@ SlamGraph MakeWhole() {
   SlamGraph graph = MakeGraph(scene);
   LaserModel other = PanoramicLaser(90);
   other.robot_from_laser = Pose2(0.2, 0.0, 0.1);
-  int laser = 0;
-  EXPECT_TRUE(graph.AddLaser(other, &laser).ok());
+  const int laser = graph.AddLaser(other);
   std::vector<double> ranges(90, 1.5);
   ranges[3] = 0.0;
-  EXPECT_TRUE(graph.AddSweep(1, laser, ranges, Pose2(0.1, 0.02, 0.05)).ok());
+  graph.AddSweep(1, laser, ranges, Pose2(0.1, 0.02, 0.05));
   for (int pose = 1; pose < graph.num_poses(); ++pose) {
     const Pose2 step = Between(graph.InitialPose(pose - 1), graph.InitialPose(pose));
-    EXPECT_TRUE(graph.AddOdometry({pose - 1, pose, step}).ok());
+    graph.AddOdometry({pose - 1, pose, step});
   }
   RelativePoseConstraint edge{0, 4, Pose2(4.0, 0.4, 0.8)};
   edge.covariance(0, 1) = edge.covariance(1, 0) = 0.1;
-  EXPECT_TRUE(graph.AddRelativePose(edge).ok());
-  EXPECT_TRUE(graph.FixPose(2).ok());
+  graph.AddRelativePose(edge);
+  graph.FixPose(2);
   return graph;
 }
 
@@ -88,8 +87,7 @@ TEST(ShareGraphTest, GivesEveryProcessAllButTheScansOfOthers) {
 TEST(ShareGraphTest, FailsInAllProcessesOnLasersThatCannotBeToldApart) {
   SlamGraph whole = MakeWhole();
   LaserModel third = PanoramicLaser(90);
-  int laser = 0;
-  ASSERT_TRUE(whole.AddLaser(third, &laser).ok());
+  whole.AddLaser(third);
   MeasurementCorrections corrections;
   corrections.robot_from_laser.resize(3);  // where two of them are equal
   whole = whole.Corrected(corrections);
@@ -98,6 +96,19 @@ TEST(ShareGraphTest, FailsInAllProcessesOnLasersThatCannotBeToldApart) {
     if (peers.rank() == 0) part = whole;
     const Status status = ShareGraph(&peers, std::vector<int>(whole.num_poses()), &part);
     EXPECT_EQ(status.message(), "lasers 1 and 2 are equal");
+  });
+}
+
+TEST(ShareGraphTest, FailsInAllProcessesOnAGraphThatRefusedAMeasurement) {
+  SlamGraph whole = MakeWhole();
+  whole.AddScan(0, 0, {1.0});
+  ASSERT_FALSE(whole.status().ok());
+  RunOnPeers(2, [&](const Peers& peers) {
+    SlamGraph part;
+    if (peers.rank() == 0) part = whole;
+    const Status status = ShareGraph(&peers, std::vector<int>(whole.num_poses()), &part);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_EQ(status.message(), whole.status().message());
   });
 }
 

@@ -61,11 +61,10 @@ struct Arc {
 // The beams of a sweep that starts at a time, all 5 m long.
 SlamGraph Swept(const Arc& arc, const std::vector<double>& times_s) {
   SlamGraph graph;
-  int laser = 0, pose = 0;
-  EXPECT_TRUE(graph.AddLaser(arc.Laser(0.01), &laser).ok());
+  const int laser = graph.AddLaser(arc.Laser(0.01));
   for (const double time_s : times_s) {
-    EXPECT_TRUE(graph.AddPose(arc.At(time_s), time_s, &pose).ok());
-    EXPECT_TRUE(graph.AddScan(pose, laser, std::vector<double>(kNumBeams, 5.0)).ok());
+    const int pose = graph.AddPose(arc.At(time_s), time_s);
+    graph.AddScan(pose, laser, std::vector<double>(kNumBeams, 5.0));
   }
   return graph;
 }
@@ -121,8 +120,7 @@ TEST(SweepMotionTest, ReturnsStayWhereNobodyKnowsTheMotion) {
 
 TEST(SweepMotionTest, LasersThatMeasureAtOnceHaveNoSweeps) {
   SlamGraph graph;
-  int laser = 0;
-  ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.0), &laser).ok());
+  graph.AddLaser(Arc().Laser(0.0));
   EXPECT_FALSE(HasSweeps(graph));
 }
 
@@ -132,11 +130,10 @@ TEST(AddSweepTest, ReturnsAreWhereTheirBeamsEnded) {
   const SlamGraph measured = Swept(arc, {0.0});
   for (const SweepOrder order : {SweepOrder::kFirstBeamFirst, SweepOrder::kLastBeamFirst}) {
     SlamGraph graph;
-    int laser = 0, pose = 0;
-    ASSERT_TRUE(graph.AddLaser(arc.Laser(0.0), &laser).ok());
-    ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+    const int laser = graph.AddLaser(arc.Laser(0.0));
+    const int pose = graph.AddPose(Pose2(), 0.0);
     const std::vector<double> ranges(kNumBeams, 5.0);
-    ASSERT_TRUE(graph.AddSweep(pose, laser, ranges, arc.At(0.01 * kNumBeams), order).ok());
+    graph.AddSweep(pose, laser, ranges, arc.At(0.01 * kNumBeams), order);
     EXPECT_FALSE(HasSweeps(graph));
     ASSERT_EQ(graph.num_returns(), static_cast<std::size_t>(kNumBeams));
     for (int beam = 0; beam < kNumBeams; ++beam) {
@@ -152,32 +149,33 @@ TEST(AddSweepTest, KeepsReturnsOfTheLaserOnly) {
   LaserModel laser = Arc().Laser(0.0);
   laser.max_range_m = 6.0;
   SlamGraph graph;
-  int id = 0, pose = 0;
-  ASSERT_TRUE(graph.AddLaser(laser, &id).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+  const int id = graph.AddLaser(laser);
+  const int pose = graph.AddPose(Pose2(), 0.0);
   std::vector<double> ranges(kNumBeams, 7.0);
   ranges[3] = 5.9;  // beyond 6 m as seen from the beginning
-  ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0)).ok());
+  graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0));
   ASSERT_EQ(graph.num_returns(), 1u);
   EXPECT_EQ(graph.Beam(0), 3);
   EXPECT_TRUE(laser.IsReturn(graph.returns().range_m[0]));
   // At once: as measured.
-  ASSERT_TRUE(graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0), SweepOrder::kAtOnce).ok());
+  graph.AddSweep(pose, id, ranges, Pose2(2.0, 0.0, 0.0), SweepOrder::kAtOnce);
   EXPECT_EQ(graph.returns().range_m[1], 5.9F);
 }
 
 TEST(AddSweepTest, RefusesWhatWouldBeTakenOutTwiceAndWhatIsNoMotion) {
   SlamGraph graph;
-  int swept = 0, at_once = 0, pose = 0;
-  ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.01), &swept).ok());
-  ASSERT_TRUE(graph.AddLaser(Arc().Laser(0.0), &at_once).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
+  const int swept = graph.AddLaser(Arc().Laser(0.01));
+  const int at_once = graph.AddLaser(Arc().Laser(0.0));
+  const int pose = graph.AddPose(Pose2(), 0.0);
   const std::vector<double> ranges(kNumBeams, 5.0);
-  EXPECT_NE(graph.AddSweep(pose, swept, ranges, Pose2()).message().find("beam_period_s"),
-            std::string::npos);
-  EXPECT_FALSE(graph.AddSweep(pose, at_once, ranges, Pose2(NAN, 0.0, 0.0)).ok());
-  EXPECT_FALSE(graph.AddSweep(pose, at_once, {5.0}, Pose2()).ok());
-  EXPECT_FALSE(graph.AddSweep(1, at_once, ranges, Pose2()).ok());
+  EXPECT_EQ(graph.AddSweep(pose, swept, ranges, Pose2()), -1);
+  EXPECT_NE(graph.TakeStatus().message().find("beam_period_s"), std::string::npos);
+  EXPECT_EQ(graph.AddSweep(pose, at_once, ranges, Pose2(NAN, 0.0, 0.0)), -1);
+  EXPECT_NE(graph.TakeStatus().message().find("scan 0: its motion"), std::string::npos);
+  EXPECT_EQ(graph.AddSweep(pose, at_once, {5.0}, Pose2()), -1);
+  EXPECT_NE(graph.TakeStatus().message().find("scan 0: 1 ranges"), std::string::npos);
+  EXPECT_EQ(graph.AddSweep(1, at_once, ranges, Pose2()), -1);
+  EXPECT_NE(graph.TakeStatus().message().find("scan 0: no pose"), std::string::npos);
   EXPECT_EQ(graph.num_scans(), 0);
 }
 

@@ -44,10 +44,9 @@ inline SlamGraph MakeGraph(const SyntheticScene& scene, unsigned seed = 1) {
   std::mt19937 engine(seed);
   std::normal_distribution<double> gaussian;
   SlamGraph graph;
-  int laser_id = 0, pose_id = 0;
-  EXPECT_TRUE(graph.AddLaser(scene.laser, &laser_id).ok());
+  const int laser_id = graph.AddLaser(scene.laser);
   for (const Pose2& pose : scene.poses) {
-    EXPECT_TRUE(graph.AddPose(pose, static_cast<double>(graph.num_poses()), &pose_id).ok());
+    const int pose_id = graph.AddPose(pose, static_cast<double>(graph.num_poses()));
     const Pose2 world_from_laser = pose * scene.laser.robot_from_laser;
     std::vector<double> ranges;
     for (int beam = 0; beam < scene.laser.num_beams; ++beam) {
@@ -55,7 +54,7 @@ inline SlamGraph MakeGraph(const SyntheticScene& scene, unsigned seed = 1) {
       ranges.push_back(world.CastRay(world_from_laser.translation(), bearing) +
                        scene.range_sigma_m * gaussian(engine));
     }
-    EXPECT_TRUE(graph.AddScan(pose_id, laser_id, ranges).ok());
+    graph.AddScan(pose_id, laser_id, ranges);
   }
   return graph;
 }

@@ -12,12 +12,11 @@ plumbline::SlamGraph MakeGraph() {
   plumbline::LaserModel laser;
   laser.num_beams = 3;
   laser.bearing_step_rad = 0.5;
-  int laser_id = 0, pose = 0;
-  plumbline::Require(graph.AddLaser(laser, &laser_id).ok());
+  const int laser_id = graph.AddLaser(laser);
   for (const double time_s : {0.0, 1.0}) {
-    plumbline::Require(graph.AddPose({time_s, 0.0, 0.0}, time_s, &pose).ok());
-    plumbline::Require(graph.AddScan(pose, laser_id, {1.0, 2.0, 3.0}).ok());
+    graph.AddScan(graph.AddPose({time_s, 0.0, 0.0}, time_s), laser_id, {1.0, 2.0, 3.0});
   }
+  plumbline::Require(graph.status().ok());
   return graph;
 }
 

@@ -12,9 +12,12 @@
 
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/calibration.h"
+#include "plumbline/solvers/covariance.h"
+#include "plumbline/solvers/incremental_solver.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/sliding_window.h"
@@ -30,10 +33,8 @@ using testing::HasSubstr;
 NoisyRoom DisturbedRoom() {
   NoisyRoom room = MakeNoisyRoom();
   for (const OdometryConstraint& step : room.graph.odometry()) {
-    EXPECT_TRUE(room.graph
-                    .AddRelativePose(
-                        {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()})
-                    .ok());
+    room.graph.AddRelativePose(
+        {step.from, step.to, step.from_from_to, 1e-4 * Eigen::Matrix3d::Identity()});
   }
   DisturbPoses(0.03, room.graph, &room.state);
   return room;
@@ -158,6 +159,17 @@ TEST_P(EveryWay, ACallbackThatThrowsIsAFailureThatChangesNothing) {
   expect_failure([](const IterationSummary&) -> bool { throw 7; }, "no std::exception");
 }
 
+TEST_P(EveryWay, RefusesAGraphThatRefusedAMeasurement) {
+  NoisyRoom given = DisturbedRoom();
+  given.graph.AddRelativePose({0, 1000, Pose2()});
+  const std::string message = given.graph.status().message();
+  EXPECT_THAT(message, HasSubstr("(0 -> 1000): no pose with id 1000"));
+  const Outcome outcome = SolveThe(GetParam(), OptionsFor(GetParam()), given.graph, given.state);
+  EXPECT_EQ(outcome.summary.termination, TerminationType::kFailure);
+  EXPECT_EQ(outcome.summary.message, message);
+  ExpectSame(outcome, {{}, given.state, {}});
+}
+
 TEST_P(EveryWay, TwoThreadsMaySolveOneGraph) {
   const NoisyRoom a = DisturbedRoom();
   MapState b = a.state;
@@ -190,6 +202,29 @@ TEST(ApiGuarantees, ACalibrationStoppedInItsSolveKeepsWhatItFound) {
   EXPECT_EQ(calibration.parameters.size(), 1u);
   EXPECT_GT(calibration.steps, 0);
   EXPECT_EQ(calibration.corrections.range_m.size(), room.graph.num_returns());
+}
+
+TEST(ApiGuarantees, WhatIsNoSolveRefusesAGraphThatRefusedAMeasurement) {
+  NoisyRoom room = DisturbedRoom();
+  room.graph.AddScan(0, 0, {1.0});
+  const MapState given = room.state;
+  const auto expect_refused = [&](const Status& status) {
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_EQ(status.message(), room.graph.status().message());
+    EXPECT_EQ(room.state, given);
+  };
+  const SolverOptions options;
+  SeedingReport report;
+  expect_refused(SeedGraph({}, options, room.graph, &room.state, &report));
+  LogMapping mapping;
+  expect_refused(MapLog(MapLogOptions(), room.graph, nullptr, &mapping));
+  EXPECT_EQ(mapping.graph.num_poses(), 0);
+  IncrementalSolver incremental;
+  expect_refused(incremental.Update(room.graph, UpdateScope::kAll, &room.state.poses));
+  std::vector<Eigen::Matrix3d> covariances;
+  expect_refused(ComputePoseCovariances(options, room.graph, room.state, {{0, 0}}, &covariances));
+  Residuals residuals;
+  expect_refused(EvaluateResiduals(options, room.graph, room.state, &residuals));
 }
 
 TEST(ApiGuarantees, ASeedingWhoseProgressThrowsChangesNothing) {

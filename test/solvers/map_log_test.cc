@@ -297,11 +297,10 @@ SimulatedLog OfficeDriveOfManyScans() {
 
 SlamGraph WithoutOdometry(const SlamGraph& graph, bool has_clock) {
   SlamGraph scans_alone;
-  int pose = 0;
   for (int scan = 0; scan < graph.num_scans(); ++scan) {
     const double time_s = has_clock ? graph.timestamp_s(graph.scan(scan).pose) : 0.0;
-    EXPECT_TRUE(scans_alone.AddPose(Pose2(), time_s, &pose).ok());
-    EXPECT_TRUE(scans_alone.AddScanOf(graph, scan, pose).ok());
+    const int pose = scans_alone.AddPose(Pose2(), time_s);
+    scans_alone.AddScanOf(graph, scan, pose);
   }
   return scans_alone;
 }
@@ -472,7 +471,7 @@ LogMapping StartedBeforeACarriedRobot(const MapLogOptions& options) {
   drive.odometry[35].x -= 0.3;
   SeedingReport seeding;
   for (int p = 1; p < DoorwayDrive::kNumPoses; ++p) {
-    EXPECT_TRUE(drive.graph.AddOdometry({p - 1, p, drive.odometry[p]}).ok());
+    drive.graph.AddOdometry({p - 1, p, drive.odometry[p]});
     seeding.corrections.odometry.push_back(drive.odometry[p]);
   }
   for (int p = 25; p < 35; ++p) drive.Misplace(p, 34, 0.03);

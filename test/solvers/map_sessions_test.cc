@@ -233,9 +233,8 @@ TEST(MapSessionsTest, SessionsWithoutOdometryAreTied) {
   SlamGraph blind;
   const SlamGraph seeing = GraphOf(logs[1]);
   for (int pose = 0; pose < seeing.num_poses(); ++pose) {
-    int id = 0;
-    ASSERT_TRUE(blind.AddPose(Pose2(), seeing.timestamp_s(pose), &id).ok());
-    ASSERT_TRUE(blind.AddScanOf(seeing, pose, pose).ok());
+    blind.AddPose(Pose2(), seeing.timestamp_s(pose));
+    blind.AddScanOf(seeing, pose, pose);
   }
   const SessionsMapping mapping = Mapped({GraphOf(logs[0]), blind});
   ASSERT_THAT(mapping.maps, SizeIs(1));
@@ -253,11 +252,9 @@ TEST(MapSessionsTest, BadInputIsRefused) {
   EXPECT_THAT(refusal(MapLogOptions(), {}), HasSubstr("no session"));
   EXPECT_THAT(refusal(MapLogOptions(), {good, SlamGraph()}), HasSubstr("session 2"));
   SlamGraph blank;
-  int id = 0;
-  ASSERT_TRUE(blank.AddPose(Pose2(), 0.0, &id).ok());
+  blank.AddPose(Pose2(), 0.0);
   const std::vector<double> nothing(good.laser(0).num_beams, good.laser(0).max_range_m);
-  ASSERT_TRUE(blank.AddLaser(good.laser(0), &id).ok());
-  ASSERT_TRUE(blank.AddScan(0, id, nothing).ok());
+  blank.AddScan(0, blank.AddLaser(good.laser(0)), nothing);
   EXPECT_THAT(refusal(MapLogOptions(), {good, blank}), HasSubstr("session 2"));
   MapLogOptions options;
   options.start = StartType::kOdometry;
@@ -280,7 +277,7 @@ TEST(MapSessionsTest, AFinishedMapStaysWhereItIs) {
   std::vector<Pose2> poses = PosesOf(finished.state.poses);
   for (int pose = 0; pose < sessions[1].num_poses(); ++pose) {
     poses[pose] = world_from_map * poses[pose];
-    ASSERT_TRUE(sessions[1].FixPose(pose, poses[pose]).ok());
+    sessions[1].FixPose(pose, poses[pose]);
   }
   const SessionsMapping mapping = Mapped(sessions);
   ASSERT_THAT(mapping.maps, SizeIs(1));
@@ -294,13 +291,13 @@ TEST(MapSessionsTest, AFinishedMapStaysWhereItIs) {
 TEST(MapSessionsTest, AMapMayNotBeHeldInPart) {
   std::vector<SlamGraph> sessions = GraphsOf(TwoVisits());
   SessionsMapping mapping;
-  ASSERT_TRUE(sessions[0].FixPose(0).ok());
+  sessions[0].FixPose(0);
   const Status part = MapSessions(MapLogOptions(), sessions, nullptr, &mapping);
   EXPECT_EQ(part.code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(part.message(), HasSubstr("session 1: some of its poses are fixed"));
   for (SlamGraph& session : sessions) {
     for (int pose = 0; pose < session.num_poses(); ++pose) {
-      ASSERT_TRUE(session.FixPose(pose).ok());
+      session.FixPose(pose);
     }
   }
   const Status two = MapSessions(MapLogOptions(), sessions, nullptr, &mapping);

@@ -136,7 +136,7 @@ NoisyRoom DriftedRoom(const Pose2& drift) {
   room.state.points = room.graph.MeasuredMap(room.state.poses);
   for (int i = 0; i + 1 < kNumPoses; ++i) {
     const Pose2 step = Between(room.state.WorldFromRobot(i), room.state.WorldFromRobot(i + 1));
-    EXPECT_TRUE(room.graph.AddOdometry({i, i + 1, step}).ok());
+    room.graph.AddOdometry({i, i + 1, step});
   }
   return room;
 }
@@ -399,7 +399,7 @@ TEST(OwnTerm, HasItsResidualsReported) {
 
 TEST(OwnTerm, IsRefusedBySolversThatLookAtRelativePosesOnly) {
   NoisyRoom room = DriftedRoom({});
-  ASSERT_TRUE(room.graph.AddRelativePose({0, 1, Between(room.truth[0], room.truth[1])}).ok());
+  room.graph.AddRelativePose({0, 1, Between(room.truth[0], room.truth[1])});
   SolverOptions options;
   options.factors.own_terms = {Positions(room, 0.05)};
   for (const SolverType type : {SolverType::kPoseGraph, SolverType::kSgd}) {

@@ -33,7 +33,7 @@ inline SyntheticScene Room() {
 inline void AddOdometry(const std::function<Pose2(const Pose2&)>& distort, SlamGraph* graph) {
   for (int pose = 1; pose < graph->num_poses(); ++pose) {
     const Pose2 step = Between(graph->InitialPose(pose - 1), graph->InitialPose(pose));
-    ASSERT_TRUE(graph->AddOdometry({pose - 1, pose, distort(step)}).ok());
+    graph->AddOdometry({pose - 1, pose, distort(step)});
   }
 }
 

@@ -31,17 +31,16 @@ class PlainIcpTest : public testing::Test {
 TEST_F(PlainIcpTest, RecoversTheMotionBetweenTwoCopiesOfAScan) {
   const Pose2 motion(0.3, -0.2, 0.1);
   SlamGraph graph;
-  int laser = 0, from = 0, to = 0;
-  ASSERT_TRUE(graph.AddLaser(drive_.graph.LaserOfScan(0), &laser).ok());
+  const int laser = graph.AddLaser(drive_.graph.LaserOfScan(0));
   std::vector<Eigen::Vector2d> points, moved;
   for (std::size_t i = 0; i < drive_.graph.scan(0).num_returns; i += 2) {
     points.push_back(drive_.graph.PointInRobot(i));
     moved.push_back(motion.Inverse() * points.back());
   }
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &from).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 1.0, &to).ok());
-  ASSERT_TRUE(graph.AddPoints(from, laser, points).ok());
-  ASSERT_TRUE(graph.AddPoints(to, laser, moved).ok());
+  const int from = graph.AddPose(Pose2(), 0.0);
+  const int to = graph.AddPose(Pose2(), 1.0);
+  graph.AddPoints(from, laser, points);
+  graph.AddPoints(to, laser, moved);
   const PlainMatch match = PlainIcp(graph).Match(0, 1, Pose2(), PlainIcpOptions());
   EXPECT_TRUE(match.converged);
   EXPECT_EQ(match.matched_ratio, 1.0);

@@ -20,11 +20,10 @@ class ReplacePosesTest : public testing::Test {
   void MakeGraph(const std::vector<double>& times_s) {
     LaserModel laser;
     laser.num_beams = 1;
-    int laser_id = 0, pose = 0;
-    EXPECT_TRUE(graph_.AddLaser(laser, &laser_id).ok());
+    const int laser_id = graph_.AddLaser(laser);
     for (const double time_s : times_s) {
-      EXPECT_TRUE(graph_.AddPose(Pose2(), time_s, &pose).ok());
-      EXPECT_TRUE(graph_.AddScan(pose, laser_id, {2.0}).ok());
+      const int pose = graph_.AddPose(Pose2(), time_s);
+      graph_.AddScan(pose, laser_id, {2.0});
     }
     state_ = graph_.InitialState();
   }

@@ -191,7 +191,7 @@ TEST(LogToGraphTest, BadInputIsNamedAndLeavesTheGraph) {
   EXPECT_THAT(BuildGraph(MakeLog(), -1, &graph).message(), HasSubstr("max_scans = -1"));
   CarmenLog log = MakeLog();
   log.scans[1].bearing_step_rad = 0.0;
-  EXPECT_THAT(BuildGraph(log, 0, &graph).message(), HasSubstr("scan of line 17: laser model"));
+  EXPECT_THAT(BuildGraph(log, 0, &graph).message(), HasSubstr("scan of line 17: laser 1: "));
   EXPECT_EQ(graph.num_poses(), 3);
 }
 

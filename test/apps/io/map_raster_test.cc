@@ -36,10 +36,9 @@ TEST(MapRasterTest, WhatMovesCanBeLeftOut) {
   laser.first_bearing_rad = -0.5;
   laser.bearing_step_rad = 0.5;
   SlamGraph graph;
-  int laser_id = 0, pose = 0;
-  ASSERT_TRUE(graph.AddLaser(laser, &laser_id).ok());
-  ASSERT_TRUE(graph.AddPose(Pose2(), 0.0, &pose).ok());
-  ASSERT_TRUE(graph.AddScan(pose, laser_id, {5.0, 5.0, 5.0}).ok());
+  const int laser_id = graph.AddLaser(laser);
+  const int pose = graph.AddPose(Pose2(), 0.0);
+  graph.AddScan(pose, laser_id, {5.0, 5.0, 5.0});
   graph = std::move(graph).Corrected({{}, {}, {}, {}, {1}});
   const MapRaster raster{2.0, 4.0, 3.0, 1, 3};
   const MapState state = graph.InitialState();

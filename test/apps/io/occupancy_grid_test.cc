@@ -214,10 +214,9 @@ TEST_F(OccupancyGridTest, BeamsWithoutReturnTellNothing) {
   const int robot = static_cast<int>((scene.poses[0].x - grid.left_m) / 0.05);
   EXPECT_EQ(grid.At(robot, row + 2), Occupancy::kFree);
   SlamGraph blind;
-  int laser_id = 0, pose = 0;
-  ASSERT_TRUE(blind.AddLaser(scene.laser, &laser_id).ok());
-  ASSERT_TRUE(blind.AddPose({0.0, 0.0, 0.0}, 0.0, &pose).ok());
-  ASSERT_TRUE(blind.AddScan(pose, laser_id, std::vector<double>(720, 81.0)).ok());
+  const int laser_id = blind.AddLaser(scene.laser);
+  const int pose = blind.AddPose({0.0, 0.0, 0.0}, 0.0);
+  blind.AddScan(pose, laser_id, std::vector<double>(720, 81.0));
   for (const Occupancy cell : Build(blind).cells) ASSERT_EQ(cell, Occupancy::kUnknown);
 }
 
@@ -256,8 +255,7 @@ TEST_F(OccupancyGridTest, PointsThatAreNotFiniteAreLeftOut) {
 
 TEST_F(OccupancyGridTest, AGraphWithoutScansIsUnknownGround) {
   SlamGraph graph;
-  int pose = 0;
-  ASSERT_TRUE(graph.AddPose({7.0, 7.0, 0.0}, 0.0, &pose).ok());
+  graph.AddPose({7.0, 7.0, 0.0}, 0.0);
   const OccupancyGrid grid = Build(graph);
   EXPECT_EQ(grid.width, 20);  // half a metre around the pose
   for (const Occupancy cell : grid.cells) EXPECT_EQ(cell, Occupancy::kUnknown);

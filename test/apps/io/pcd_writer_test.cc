@@ -55,11 +55,10 @@ SlamGraph MakeGraph(int num_scans, double x_m, double y_m) {
   LaserModel laser;
   laser.num_beams = 3;
   laser.bearing_step_rad = 0.1;
-  int laser_id = 0, pose = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &laser_id).ok());
+  const int laser_id = graph.AddLaser(laser);
   for (int i = 0; i < num_scans; ++i) {
-    EXPECT_TRUE(graph.AddPose({x_m + 0.01 * i, y_m, 0.3}, i, &pose).ok());
-    EXPECT_TRUE(graph.AddScan(pose, laser_id, {1.0, 99.0, 2.0}).ok());
+    const int pose = graph.AddPose({x_m + 0.01 * i, y_m, 0.3}, i);
+    graph.AddScan(pose, laser_id, {1.0, 99.0, 2.0});
   }
   return graph;
 }

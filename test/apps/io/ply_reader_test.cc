@@ -18,10 +18,9 @@ SlamGraph MakeGraph() {
   LaserModel laser;
   laser.num_beams = 3;
   laser.bearing_step_rad = 0.1;
-  int laser_id = 0, pose = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &laser_id).ok());
-  EXPECT_TRUE(graph.AddPose({1000.0, -7.0, 0.3}, 0.0, &pose).ok());
-  EXPECT_TRUE(graph.AddScan(pose, laser_id, {1.0, 1.5, 2.0}).ok());
+  const int laser_id = graph.AddLaser(laser);
+  const int pose = graph.AddPose({1000.0, -7.0, 0.3}, 0.0);
+  graph.AddScan(pose, laser_id, {1.0, 1.5, 2.0});
   return graph;
 }
 

@@ -177,7 +177,7 @@ TEST_F(PoseGraphFileTest, NamesTheScanThatCannotBeRead) {
   EXPECT_THAT(status.message(), HasSubstr(path_ + ":2: ROBOTLASER1 field 'range[2]'"));
   std::string turned = Laser("1 2 3", "0");
   turned.replace(turned.find("-1.047198"), 9, "-99");
-  ExpectError("VERTEX_SE2 1 0 0 0\n" + turned, ": scan of line 2: laser model: first_bearing_rad");
+  ExpectError("VERTEX_SE2 1 0 0 0\n" + turned, ": scan of line 2: laser 0: first_bearing_rad");
   std::string moved = Laser("1 2 3", "1");
   moved.replace(moved.find("5.2"), 3, "5.9");
   ExpectError("VERTEX_SE2 1 0 0 0\n" + Laser("1 2 3", "0") + Laser("1 2 3", "0") + moved,

@@ -85,9 +85,8 @@ TEST(TrajectoryIoTest, MissingFileIsNotFound) {
 
 TEST(TrajectoryIoTest, TakesPosesOfAStateAndTimesOfItsGraph) {
   SlamGraph graph;
-  int pose = 0;
-  ASSERT_TRUE(graph.AddPose({1.0, 2.0, 3.0}, 10.0, &pose).ok());
-  ASSERT_TRUE(graph.AddPose({4.0, 5.0, 6.0}, 11.0, &pose).ok());
+  graph.AddPose({1.0, 2.0, 3.0}, 10.0);
+  graph.AddPose({4.0, 5.0, 6.0}, 11.0);
   MapState state = graph.InitialState();
   state.SetPose(1, {7.0, 5.0, 6.0});
   const std::vector<TimedPose> trajectory = TrajectoryOf(graph, state);

@@ -27,11 +27,10 @@ SlamGraph MakeGraph(double length_m) {
   LaserModel laser;
   laser.num_beams = 720;
   laser.bearing_step_rad = 2.0 * kPi / 720;
-  int laser_id = 0, pose = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &laser_id).ok());
+  const int laser_id = graph.AddLaser(laser);
   for (int i = 0; i <= 10; ++i) {
-    EXPECT_TRUE(graph.AddPose({0.1 * i * length_m, 0.0, 0.0}, i, &pose).ok());
-    EXPECT_TRUE(graph.AddScan(pose, laser_id, std::vector<double>(720, 3.0)).ok());
+    const int pose = graph.AddPose({0.1 * i * length_m, 0.0, 0.0}, i);
+    graph.AddScan(pose, laser_id, std::vector<double>(720, 3.0));
   }
   return graph;
 }
@@ -103,8 +102,7 @@ TEST_F(MapPictureTest, FarOutliersDoNotShrinkTheMap) {
 
 TEST_F(MapPictureTest, TheTrajectoryIsAlwaysInside) {
   SlamGraph graph = MakeGraph(10.0);
-  int pose = 0;
-  ASSERT_TRUE(graph.AddPose({10.0, 15.0, 0.0}, 11.0, &pose).ok());  // Sees nothing.
+  graph.AddPose({10.0, 15.0, 0.0}, 11.0);  // Sees nothing.
   const Picture picture = Draw(graph);
   const Box line = picture.Around(IsRed);
   EXPECT_NEAR(line.height(), 1500, 4);
@@ -191,8 +189,7 @@ TEST_F(MapPictureTest, OverlaysEndWithTheMap) {
 
 TEST_F(MapPictureTest, AGraphWithoutReturnsIsATrajectory) {
   SlamGraph graph;
-  int pose = 0;
-  ASSERT_TRUE(graph.AddPose({7.0, 7.0, 0.0}, 0.0, &pose).ok());
+  graph.AddPose({7.0, 7.0, 0.0}, 0.0);
   EXPECT_GT(Draw(graph).Count(IsGreen), 50);
 }
 

@@ -39,11 +39,11 @@ COVARIANCE = np.diag([1e-4, 1e-4, 1e-5])
         (lambda g: g.fix_pose(99), IndexError, "no pose with id 99"),
         (lambda g: g.fix_pose(0, (math.inf, 0, 0)), ValueError, "fixed pose 0"),
         (lambda g: g.add_odometry(0, 12, (1, 0, 0)), IndexError, "no pose with id 12"),
-        (lambda g: g.add_odometry(3, 3, (1, 0, 0)), ValueError, "odometry 3 -> 3"),
+        (lambda g: g.add_odometry(3, 3, (1, 0, 0)), ValueError, r"odometry 11 \(3 -> 3\)"),
         (lambda g: g.add_relative_pose(0, 1, (1, 0, 0), -COVARIANCE), ValueError, "covariance is"),
         (lambda g: g.add_relative_pose(0, 1, (1, 0, 0), np.ones(3)), ValueError, "covariance: "),
         (lambda g: g.add_relative_pose(0, 1, (1, 0, 0), COVARIANCE[:2]), ValueError, "covariance:"),
-        (lambda g: g.add_laser(plumbline.LaserModel()), ValueError, "laser model: num_beams = 0"),
+        (lambda g: g.add_laser(plumbline.LaserModel()), ValueError, "laser 1: num_beams = 0"),
         (lambda g: g.scan(12), IndexError, "no scan with id 12"),
         (lambda g: g.laser(-1), IndexError, "no laser with id -1"),
         (lambda g: g.measured_map(np.zeros((3, 3))), ValueError, "poses: 3 rows .* 12 poses"),
@@ -60,6 +60,7 @@ def test_a_graph_refuses(room, call, error, message):
         len(room.graph.odometry),
         len(room.graph.relative_poses),
     )
+    assert room.graph.add_pose((0, 0, 0), 99.0) == 12
 
 
 @pytest.mark.parametrize(

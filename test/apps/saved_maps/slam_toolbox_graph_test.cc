@@ -151,7 +151,7 @@ TEST_F(SlamToolboxGraphTest, RefusesWhatMakesNoGraph) {
   ExpectRefused(".posegraph", "no edges connect scan 2 with the first scan, 0");
   map_ = good;
   map_.edges[2].covariance[0] = -1.0;
-  ExpectRefused(".posegraph", "edge 0 -> 2: relative pose 0 -> 2: covariance is not symmetric");
+  ExpectRefused(".posegraph", "edge 0 -> 2: relative pose 2 (0 -> 2): covariance is not symmetric");
   map_ = good;
   map_.edges[2].difference.yaw = std::nan("");
   ExpectRefused(".posegraph", "edge 0 -> 2: ");

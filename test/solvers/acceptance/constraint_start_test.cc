@@ -81,8 +81,7 @@ TEST(ConstraintStartTest, AWrongClosureIsDownweighted) {
   NoisyRoom room = Room();
   Shuffle(room.graph, &room.state);
   const Eigen::Matrix3d covariance = 1e-4 * Eigen::Matrix3d::Identity();
-  ASSERT_TRUE(
-      room.graph.AddRelativePose({2, kNumPoses - 2, Pose2(50.0, 50.0, 1.0), covariance}).ok());
+  room.graph.AddRelativePose({2, kNumPoses - 2, Pose2(50.0, 50.0, 1.0), covariance});
   const auto start = StartFromConstraints(room.graph, room.state.poses, MotionOptions());
   ASSERT_TRUE(start);
   EXPECT_LT(WorstError(*start, room.truth), 1.0);  // believed, it would pull by tens of metres
@@ -94,7 +93,7 @@ TEST(ConstraintStartTest, WhatTheScansSayTakesThePlaceOfAContradictedEdge) {
   EXPECT_FALSE(StartFromConstraints(room.graph, room.state.poses, MotionOptions(), {}));
   const Eigen::Matrix3d covariance = 1e-6 * Eigen::Matrix3d::Identity();
   const Pose2 right = Between(room.truth[2], room.truth[20]);
-  ASSERT_TRUE(room.graph.AddRelativePose({2, 20, right * Pose2(0.5, 0.0, 0.0), covariance}).ok());
+  room.graph.AddRelativePose({2, 20, right * Pose2(0.5, 0.0, 0.0), covariance});
   const std::size_t edge = room.graph.relative_poses().size() - 1;
   const auto off_m = [&](const std::vector<double>& poses) {
     return Between(Between(Pose2(&poses[6]), Pose2(&poses[3 * 20])), right).translation().norm();
@@ -113,7 +112,7 @@ TEST(ConstraintStartTest, WhatTheScansSayTakesThePlaceOfAContradictedEdge) {
 TEST(ConstraintStartTest, FixedPosesStay) {
   NoisyRoom room = Room();
   Shuffle(room.graph, &room.state);
-  ASSERT_TRUE(room.graph.FixPose(2, room.state.WorldFromRobot(2)).ok());
+  room.graph.FixPose(2, room.state.WorldFromRobot(2));
   const auto start = StartFromConstraints(room.graph, room.state.poses, MotionOptions());
   ASSERT_TRUE(start);
   for (int i = 0; i < 3; ++i) EXPECT_EQ((*start)[6 + i], room.state.poses[6 + i]);
@@ -122,12 +121,10 @@ TEST(ConstraintStartTest, FixedPosesStay) {
 TEST(ConstraintStartTest, WithoutAStepToEveryPoseNothingIsSuggested) {
   NoisyRoom room = Room();
   SlamGraph gap;
-  int laser = 0, pose = 0;
-  ASSERT_TRUE(gap.AddLaser(room.graph.laser(0), &laser).ok());
-  for (const double x : {0.0, 9.0, -9.0, 1.0})
-    ASSERT_TRUE(gap.AddPose(Pose2(x, 0, 0), x, &pose).ok());
-  ASSERT_TRUE(gap.AddOdometry({0, 1, Pose2(0.1, 0, 0)}).ok());
-  ASSERT_TRUE(gap.AddOdometry({2, 3, Pose2(0.1, 0, 0)}).ok());
+  gap.AddLaser(room.graph.laser(0));
+  for (const double x : {0.0, 9.0, -9.0, 1.0}) gap.AddPose(Pose2(x, 0, 0), x);
+  gap.AddOdometry({0, 1, Pose2(0.1, 0, 0)});
+  gap.AddOdometry({2, 3, Pose2(0.1, 0, 0)});
   EXPECT_FALSE(StartFromConstraints(gap, gap.initial_poses(), MotionOptions()));
 }
 

@@ -138,13 +138,12 @@ TEST(RadiusLinesTest, ClutterHasNone) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> uniform(1.5, 2.0);
   SlamGraph graph;
-  int laser = 0, pose = 0;
-  ASSERT_TRUE(graph.AddLaser(PanoramicLaser(720), &laser).ok());
+  const int laser = graph.AddLaser(PanoramicLaser(720));
   for (const Pose2& world_from_robot : kPoses) {
-    ASSERT_TRUE(graph.AddPose(world_from_robot, 0.0, &pose).ok());
+    const int pose = graph.AddPose(world_from_robot, 0.0);
     std::vector<double> ranges(720);
     for (double& range : ranges) range = uniform(engine);
-    ASSERT_TRUE(graph.AddScan(pose, laser, ranges).ok());
+    graph.AddScan(pose, laser, ranges);
   }
   // One in ten has a normal by chance, and few of those meet others that draw a line with them.
   EXPECT_LE(LinesOf(graph).CountReturns(), graph.num_returns() / 50);

@@ -27,16 +27,15 @@ ScatteredReturns ScatterReturns(int num_scans) {
   ScatteredReturns scattered;
   RandomStates random(17);
   constexpr int kNumPoses = 40, kNumBeams = 12;
-  int laser = 0, id = 0;
-  EXPECT_TRUE(scattered.graph.AddLaser(PanoramicLaser(kNumBeams), &laser).ok());
+  const int laser = scattered.graph.AddLaser(PanoramicLaser(kNumBeams));
   for (int i = 0; i < kNumPoses; ++i) {
-    EXPECT_TRUE(scattered.graph.AddPose(random.Pose(), i, &id).ok());
+    scattered.graph.AddPose(random.Pose(), i);
   }
   for (int s = 0; s < num_scans; ++s) {
     const double longest_m = s % 10 == 9 ? kInfinity : 1.0;
     std::vector<double> ranges(kNumBeams, longest_m);
     for (double& range : ranges) range *= random.Uniform(0.1, 4.0);
-    EXPECT_TRUE(scattered.graph.AddScan((7 * s) % kNumPoses, laser, ranges).ok());
+    scattered.graph.AddScan((7 * s) % kNumPoses, laser, ranges);
   }
   scattered.poses = scattered.graph.initial_poses();
   for (std::size_t r = 0; r < scattered.graph.num_returns(); ++r) {
@@ -148,7 +147,7 @@ TEST(SurfaceCellsTest, CountsPosesAndNotScans) {
   for (const int pose : {3, 3, 5, 3}) {
     std::vector<double> ranges(12, kInfinity);
     ranges[4] = 1.0;
-    ASSERT_TRUE(scattered.graph.AddScan(pose, 0, ranges).ok());
+    scattered.graph.AddScan(pose, 0, ranges);
     scattered.surface.normals.emplace_back(Eigen::Vector2d(1.0, 0.0));
     ThreadPool pool(1);
     std::vector<int> cell_of_return;

@@ -110,11 +110,9 @@ TEST_P(GlobalIcpTest, IsTheSameForAnyNumberOfThreads) {
 TEST(GlobalIcpInputTest, ScansWithoutReturnsKeepTheirPlaceInTheStart) {
   Lap lap;
   SlamGraph empty;
-  int laser = 0;
-  ASSERT_TRUE(empty.AddLaser(lap.graph.laser(0), &laser).ok());
+  empty.AddLaser(lap.graph.laser(0));
   for (const Pose2& pose : PosesOf(lap.start.poses)) {
-    int id = 0;
-    ASSERT_TRUE(empty.AddPose(pose, 0.1 * empty.num_poses(), &id).ok());
+    empty.AddPose(pose, 0.1 * empty.num_poses());
   }
   MapState state = lap.start;
   ThreadPool pool(1);

@@ -42,15 +42,14 @@ TEST(OdometrySpan, TheStepToItsStartDoesNotCount) {
 
 TEST(OdometrySpan, FindsTheStepToEachPose) {
   SlamGraph graph;
-  int id = 0;
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(graph.AddPose(Pose2(), i, &id).ok());
-  ASSERT_TRUE(graph.AddOdometry({1, 2, Pose2()}).ok());
-  ASSERT_TRUE(graph.AddOdometry({0, 2, Pose2()}).ok());  // no step
+  for (int i = 0; i < 3; ++i) graph.AddPose(Pose2(), i);
+  graph.AddOdometry({1, 2, Pose2()});
+  graph.AddOdometry({0, 2, Pose2()});  // no step
   std::vector<int> steps;
   const Status missing = FindOdometrySteps(graph, &steps);
   EXPECT_EQ(missing.code(), StatusCode::kInvalidArgument);
   EXPECT_NE(missing.message().find("from pose 0 to pose 1"), std::string::npos);
-  ASSERT_TRUE(graph.AddOdometry({0, 1, Pose2()}).ok());
+  graph.AddOdometry({0, 1, Pose2()});
   ASSERT_TRUE(FindOdometrySteps(graph, &steps).ok());
   EXPECT_EQ(steps, (std::vector<int>{-1, 2, 0}));
 }

@@ -35,17 +35,15 @@ SlamGraph Scans(int num_scans, const Reading& reading) {
   laser.first_bearing_rad = DegToRad(-90.0);
   laser.bearing_step_rad = kStepRad;
   laser.max_range_m = 30.0;
-  int laser_id = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &laser_id).ok());
+  const int laser_id = graph.AddLaser(laser);
   for (int i = 0; i < num_scans; ++i) {
-    int pose = 0;
     const Pose2 here(1.0 + 0.013 * i, 1.0 + 0.009 * i, 0.0);
-    EXPECT_TRUE(graph.AddPose(here, 0.1 * i, &pose).ok());
+    const int pose = graph.AddPose(here, 0.1 * i);
     std::vector<double> ranges_m;
     for (int beam = 0; beam < kNumBeams; ++beam) {
       ranges_m.push_back(reading(beam, RangeToWalls(here.x, here.y, laser.Bearing(beam))));
     }
-    EXPECT_TRUE(graph.AddScan(pose, laser_id, ranges_m).ok());
+    graph.AddScan(pose, laser_id, ranges_m);
   }
   return graph;
 }

@@ -11,10 +11,9 @@ SlamGraph RowOfReturns() {
   LaserModel laser;
   laser.num_beams = 5;
   laser.bearing_step_rad = 1e-4;
-  int id = 0;
-  EXPECT_TRUE(graph.AddLaser(laser, &id).ok());
-  EXPECT_TRUE(graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0, &id).ok());
-  EXPECT_TRUE(graph.AddScan(0, 0, {1.0, 1.1, 1.2, 1.3, 1.4}).ok());
+  graph.AddLaser(laser);
+  graph.AddPose(Pose2(5.0, 6.0, 1.0), 0.0);
+  graph.AddScan(0, 0, {1.0, 1.1, 1.2, 1.3, 1.4});
   return graph;
 }
 

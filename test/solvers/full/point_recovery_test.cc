@@ -229,8 +229,7 @@ TEST(PointRecoveryTest, AnyNumberOfThreadsGivesTheSameBits) {
 
 TEST(PointRecoveryTest, AGraphWithoutReturnsHasNoPoints) {
   SlamGraph graph;
-  int id = 0;
-  ASSERT_TRUE(graph.AddPose({1, 2, 3}, 0.0, &id).ok());
+  graph.AddPose({1, 2, 3}, 0.0);
   ThreadPool pool(2);
   const MapState state = graph.InitialState();
   EXPECT_TRUE(RecoverPoints(graph, state.poses, {}, FactorOptions(), &pool).empty());

@@ -116,8 +116,7 @@ TEST(ProblemBuilderTest, AllPointsAreEliminatedWithoutShapeTerms) {
 
 TEST(ProblemBuilderTest, APoseWithoutTermsStaysOut) {
   NoisyRoom room = MakeNoisyRoom();
-  int pose_id = 0;
-  ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &pose_id).ok());
+  const int pose_id = room.graph.AddPose({9.0, 9.0, 0.0}, 99.0);
   room.graph.ExtendState(&room.state);
   DisturbPoses(0.01, room.graph, &room.state);
   const JointProblem joint = BuildJointProblem(room.graph, AssociationsOf(room.graph, room.state),
@@ -139,9 +138,8 @@ TEST(ProblemBuilderTest, OptimisesTheArraysOfTheState) {
 
 TEST(ProblemBuilderTest, FixedPosesAreConstants) {
   NoisyRoom room = MakeNoisyRoom();
-  int lonely = 0;
-  ASSERT_TRUE(room.graph.AddPose({9.0, 9.0, 0.0}, 99.0, &lonely).ok());
-  for (const int pose : {3, 7, lonely}) ASSERT_TRUE(room.graph.FixPose(pose).ok());
+  const int lonely = room.graph.AddPose({9.0, 9.0, 0.0}, 99.0);
+  for (const int pose : {3, 7, lonely}) room.graph.FixPose(pose);
   room.graph.ExtendState(&room.state);
   DisturbPoses(0.01, room.graph, &room.state);
   const MapState before = room.state;

@@ -163,12 +163,11 @@ RepairedLap MakeCorridor(double pause_s) {
     lap.odometry.emplace_back(i == 0 ? 0.0 : 0.1, 0.0, 0.0);
   }
   const SlamGraph at_once = MakeGraph(scene);
-  int laser = 0, pose = 0;
-  EXPECT_TRUE(lap.graph.AddLaser(scene.laser, &laser).ok());
+  const int laser = lap.graph.AddLaser(scene.laser);
   for (int i = 0; i <= 60; ++i) {
     const double time_s = i + (i >= kFirstAfter ? pause_s : 0.0);
-    EXPECT_TRUE(lap.graph.AddPose(scene.poses[i], time_s, &pose).ok());
-    EXPECT_TRUE(lap.graph.AddScan(pose, laser, at_once.RangesOfScan(i, 0.0)).ok());
+    const int pose = lap.graph.AddPose(scene.poses[i], time_s);
+    lap.graph.AddScan(pose, laser, at_once.RangesOfScan(i, 0.0));
   }
   lap.surfaces = SurfacesOf(lap.graph);
   lap.world_from_robot = scene.poses;

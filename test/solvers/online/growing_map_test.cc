@@ -36,10 +36,9 @@ TEST(GrowingMapTest, ClosesLoopsAndTakesOverASeeding) {
   SeededDrive seeded;
   for (int scan = 0; scan < drive.num_scans(); ++scan) {
     LiveScan live;
-    int pose = 0;
-    ASSERT_TRUE(
-        live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan), &pose).ok());
-    ASSERT_TRUE(live.measured.AddScanOf(drive, scan, pose).ok());
+    const int pose = live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan));
+    live.measured.AddScanOf(drive, scan, pose);
+    ASSERT_TRUE(live.measured.status().ok());
     if (scan > 0) live.step = drive.odometry()[scan - 1].from_from_to;
     matching.Match(&live);
     ASSERT_TRUE(map.Add(live).ok());
@@ -80,10 +79,9 @@ TEST(GrowingMapTest, StopsWhenAsked) {
   GrowingMap map({drive.laser(0)}, MotionOptions());
   for (int scan = 0; scan < drive.num_scans(); ++scan) {
     LiveScan live;
-    int pose = 0;
-    ASSERT_TRUE(
-        live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan), &pose).ok());
-    ASSERT_TRUE(live.measured.AddScanOf(drive, scan, pose).ok());
+    const int pose = live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan));
+    live.measured.AddScanOf(drive, scan, pose);
+    ASSERT_TRUE(live.measured.status().ok());
     if (scan > 0) live.step = drive.odometry()[scan - 1].from_from_to;
     matching.Match(&live);
     ASSERT_TRUE(map.Add(live).ok());

@@ -30,9 +30,9 @@ SlamGraph ShortDrive() {
 
 LiveScan ScanOf(const SlamGraph& drive, int scan) {
   LiveScan live;
-  int pose = 0;
-  EXPECT_TRUE(live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan), &pose).ok());
-  EXPECT_TRUE(live.measured.AddScanOf(drive, scan, pose).ok());
+  const int pose = live.measured.AddPose(drive.InitialPose(scan), drive.timestamp_s(scan));
+  live.measured.AddScanOf(drive, scan, pose);
+  EXPECT_TRUE(live.measured.status().ok());
   if (scan > 0) live.step = drive.odometry()[scan - 1].from_from_to;
   return live;
 }

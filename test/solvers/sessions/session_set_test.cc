@@ -32,10 +32,8 @@ Session MakeSession(const Pose2& moved) {
   Session session;
   const SlamGraph true_graph = MakeGraph(scene);
   for (int pose = 0; pose < 3; ++pose) {
-    int id = 0;
-    EXPECT_TRUE(
-        session.graph.AddPose(moved * scene.poses[pose], true_graph.timestamp_s(pose), &id).ok());
-    EXPECT_TRUE(session.graph.AddScanOf(true_graph, pose, pose).ok());
+    session.graph.AddPose(moved * scene.poses[pose], true_graph.timestamp_s(pose));
+    session.graph.AddScanOf(true_graph, pose, pose);
   }
   AddOdometry([](const Pose2& step) { return step; }, &session.graph);
   session.drive.surfaces = Packed(SurfacesOf(session.graph));

@@ -9,13 +9,12 @@ namespace {
 
 TEST(PoseEdgesTest, AreTheConstraintsOfTheGraph) {
   SlamGraph graph;
-  int id = 0;
   for (const Pose2& pose : {Pose2(1.0, 2.0, 0.5), Pose2(2.0, 2.0, 0.5), Pose2(2.0, 3.0, 1.0)}) {
-    ASSERT_TRUE(graph.AddPose(pose, 0.0, &id).ok());
+    graph.AddPose(pose, 0.0);
   }
-  ASSERT_TRUE(graph.AddOdometry({0, 1, {1.0, 0.0, 0.1}}).ok());
-  ASSERT_TRUE(graph.AddOdometry({1, 2, {0.5, 0.0, 0.1}}).ok());
-  ASSERT_TRUE(graph.AddRelativePose({2, 0, {-1.0, 0.5, 0.0}, CorrelatedCovariance()}).ok());
+  graph.AddOdometry({0, 1, {1.0, 0.0, 0.1}});
+  graph.AddOdometry({1, 2, {0.5, 0.0, 0.1}});
+  graph.AddRelativePose({2, 0, {-1.0, 0.5, 0.0}, CorrelatedCovariance()});
   const PoseEdges edges(graph, FactorOptions());
   ASSERT_EQ(edges.motions.size(), 2u);
   EXPECT_EQ(edges.motions[1].from, 1);
@@ -28,10 +27,9 @@ TEST(PoseEdgesTest, AreTheConstraintsOfTheGraph) {
 
 TEST(PoseEdgesTest, AnIgnoredRelativePoseSaysNextToNothing) {
   SlamGraph graph;
-  int id = 0;
-  for (const double x : {0.0, 1.0, 2.0}) ASSERT_TRUE(graph.AddPose({x, 0.0, 0.0}, x, &id).ok());
-  ASSERT_TRUE(graph.AddRelativePose({0, 1, {1.0, 0.0, 0.0}, CorrelatedCovariance()}).ok());
-  ASSERT_TRUE(graph.AddRelativePose({1, 2, {1.0, 0.0, 0.0}, CorrelatedCovariance()}).ok());
+  for (const double x : {0.0, 1.0, 2.0}) graph.AddPose({x, 0.0, 0.0}, x);
+  graph.AddRelativePose({0, 1, {1.0, 0.0, 0.0}, CorrelatedCovariance()});
+  graph.AddRelativePose({1, 2, {1.0, 0.0, 0.0}, CorrelatedCovariance()});
   FactorOptions options;
   options.ignored_relative_poses = {1, 7};  // of which there is one
   const PoseEdges plain(graph, FactorOptions()), ignoring(graph, options);
