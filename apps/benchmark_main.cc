@@ -39,7 +39,6 @@
 #include "plumbline/apps/report/report_sections.h"
 #include "plumbline/apps/run/flags.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/solve.h"
 
 DEFINE_string(experiment, "",
               "What to run, one or more of these with commas: seeding_study, sessions_study, "

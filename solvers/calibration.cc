@@ -27,7 +27,7 @@
 #include "plumbline/solvers/reduced/calibration_system.h"
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/unanchored_components.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/solver_input.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
@@ -326,7 +326,7 @@ Status CalibrateAndSolve(const SolverOptions& options, Calibrator* calibrator, M
   MapState calibrated;
   calibrated.poses = calibrator->graph().poses();
   calibrated.points = graph.MeasuredMap(calibrated.poses);
-  *summary = Solve(rest, graph, &calibrated);
+  *summary = RefineState(rest, graph, &calibrated);
   if (!summary->IsSolutionUsable()) return Status::Ok();
   PLUMBLINE_RETURN_IF_ERROR(calibrator->Report(calibrated.poses, result));
   result->corrections = calibrator->graph().corrections();
@@ -363,7 +363,7 @@ SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    Calibration* calibration) {
   *calibration = Calibration();
   const DefaultFloatEnvironment float_environment;
-  if (!calibration_options.IsOn()) return Solve(options, graph, state);
+  if (!calibration_options.IsOn()) return RefineState(options, graph, state);
   return CatchFailures(options, [&] {
     return SolveChecked(options, calibration_options, graph, state, calibration);
   });

@@ -21,7 +21,6 @@
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/unanchored_components.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/solver_input.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 

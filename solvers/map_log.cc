@@ -23,8 +23,8 @@
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/loop_closure/misplaced_scans.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seeding/seed_drive.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/sweep_order.h"
 
 namespace plumbline {
@@ -94,7 +94,7 @@ std::vector<int> PutScansWhereTheyFit(const SolverOptions& solver, ThreadPool* p
   std::vector<Pose2> poses = PosesOf(mapping->state.poses);
   for (const MisplacedScan& scan : before) poses[scan.pose] = scan.world_from_robot;
   MapState state{PoseArray(poses), {}};
-  SolverSummary summary = Solve(solver, mapping->surface, mapping->graph, &state);
+  SolverSummary summary = RefineState(solver, mapping->surface, mapping->graph, &state);
   if (!summary.IsSolutionUsable()) return poses_of(before);
   const std::vector<MisplacedScan> after = find(state.poses);
   if (after.size() >= before.size()) return poses_of(before);
@@ -361,7 +361,7 @@ Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* map
     } else {
       MeasureMissingSurface(options, pool, mapping);
       SolverSummary& summary = mapping->report.solver;
-      summary = Solve(solver, mapping->surface, mapping->graph, &mapping->state);
+      summary = RefineState(solver, mapping->surface, mapping->graph, &mapping->state);
       if (summary.IsSolutionUsable() && summary.termination != TerminationType::kUserStopped &&
           !options.solver.MovesPosesOnly()) {
         misplaced = PutScansWhereTheyFit(solver, pool, mapping);

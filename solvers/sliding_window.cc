@@ -14,7 +14,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/factors/own_term.h"
 #include "plumbline/solvers/association/noise_scales.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/solver_input.h"
 #include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/window_context.h"
@@ -236,10 +236,10 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   status = part.Extract(graph, *state);
   if (!status.ok()) return SolverFailure(options, status);
   const SolverOptions options_of_part = part.OptionsOfPart(options, graph);
-  SolverSummary summary =
-      surface == nullptr
-          ? Solve(options_of_part, part.part(), part.state())
-          : Solve(options_of_part, part.SurfaceOfPart(*surface, graph), part.part(), part.state());
+  SolverSummary summary = surface == nullptr
+                              ? RefineState(options_of_part, part.part(), part.state())
+                              : RefineState(options_of_part, part.SurfaceOfPart(*surface, graph),
+                                            part.part(), part.state());
   if (summary.IsSolutionUsable()) part.WriteBack(graph, state);
   return summary;
 }

@@ -1,133 +1,30 @@
 #include "plumbline/solvers/solve.h"
 
-#include <chrono>
-#include <optional>
+#include <cstddef>
+#include <string>
 #include <utility>
-#include <vector>
 
-#include "plumbline/core/fixed_poses.h"
-#include "plumbline/core/float_environment.h"
-#include "plumbline/core/measured_surface.h"
-#include "plumbline/core/over_peers.h"
-#include "plumbline/core/seconds_since.h"
-#include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/acceptance/constraint_start.h"
-#include "plumbline/solvers/acceptance/contradicted_edges.h"
-#include "plumbline/solvers/acceptance/mirrored_scans.h"
-#include "plumbline/solvers/association/noise_scales.h"
-#include "plumbline/solvers/full/round_energies.h"
-#include "plumbline/solvers/interface/solver.h"
-#include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
-namespace {
 
-// The relative poses that their scans contradict are left out, and may have spoilt the start.
-SolverSummary SolveTested(const Solver& solver, const SolverProblem& problem, MapState* state) {
-  const auto begin = std::chrono::steady_clock::now();
-  const SlamGraph& graph = problem.graph;
-  const FactorOptions& factors = problem.options.factors;
-  const MeasuredSurface* surface = problem.surface;
-  MeasuredSurface own_surface;
-  std::vector<ContradictedEdge> contradicted;
-  {
-    ThreadPool pool(problem.options.num_threads);
-    if (surface == nullptr) {
-      own_surface = MeasureSurface(graph, NormalOptionsFor(factors.beam), &pool);
-      surface = &own_surface;
-    }
-    contradicted = FindContradictedEdges(graph, *surface, factors.beam, &pool);
-  }
-  SolverOptions without = problem.options;
-  for (const ContradictedEdge& edge : contradicted) {
-    without.factors.ignored_relative_poses.push_back(edge.edge);
-  }
-  const std::optional<std::vector<double>> suggested =
-      contradicted.empty()
-          ? problem.suggested_poses
-          : StartFromConstraints(graph, state->poses, factors.motion, contradicted);
-  const double test_time_s = SecondsSince(begin);
-  SolverSummary summary = solver.Solve({without, graph, surface, suggested}, state);
-  summary.ignored_edges = DescribeIgnored(contradicted, graph, state->poses);
-  summary.association_time_s += test_time_s;
-  summary.total_time_s += test_time_s;
-  return summary;
+MapState Solution::State() const { return {PoseArray(poses), points}; }
+
+Solution Solve(const SlamGraph& graph, const SolverOptions& options) {
+  return Solve(graph, options, {graph.initial_poses(), {}});
 }
 
-SolverSummary SolveUnmeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
-  const bool has_edges_to_test = problem.options.test_edges && !solver.MovesPosesOnly() &&
-                                 !problem.graph.relative_poses().empty();
-  return has_edges_to_test ? SolveTested(solver, problem, state) : solver.Solve(problem, state);
-}
-
-// With the energies of all rounds.
-SolverSummary SolveMeasured(const Solver& solver, const SolverProblem& problem, MapState* state) {
-  const SolverOptions& options = problem.options;
-  MeasuredSurface own_surface;
-  const MeasuredSurface* surface = problem.surface;
-  if (surface == nullptr) {
-    ThreadPool pool(options.num_threads);
-    own_surface = MeasureSurface(problem.graph, NormalOptionsFor(options.factors.beam), &pool);
-    surface = &own_surface;
-  }
-  const RoundEnergyMeter meter(options, problem.graph, *surface, *state);
-  SolverSummary summary = SolveUnmeasured(
-      solver, {meter.options(), problem.graph, surface, problem.suggested_poses}, state);
-  if (summary.IsSolutionUsable()) meter.Measure(*state, &summary);
-  return summary;
-}
-
-// A null surface has not been measured yet.
-SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
-                      const SlamGraph& graph, MapState* state) {
-  return CatchFailures(options, [&] {
-    const Solver& solver = SolverOf(options);
-    const bool poses_only = solver.MovesPosesOnly();
-    Status status = CheckSolverInput(options, graph, *state, false);
-    const bool lacks_points =
-        state->points.empty() && graph.num_returns() > 0 && !solver.IsOverLandmarks();
-    if (status.ok() && (lacks_points || !IsAtFixedPoses(graph, *state))) {
-      MapState placed = *state;
-      if (lacks_points) placed.points = graph.MeasuredMap(placed.poses);
-      PutAtFixedPoses(graph, &placed);
-      SolverSummary summary = SolveOn(options, surface, graph, &placed);
-      if (summary.IsSolutionUsable()) *state = std::move(placed);
-      return summary;
-    }
-    if (status.ok() && surface != nullptr && (!poses_only || options.measure_rounds)) {
-      status = CheckSurfaceSize(graph, *surface);
-    }
-    std::optional<std::vector<double>> suggested;
-    if (status.ok() && !poses_only) {
-      suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
-      status = CheckScansAreNotMirrored(graph, state->poses, suggested);
-    }
-    if (!status.ok()) return SolverFailure(options, status);
-    const SolverProblem problem{options, graph, surface, suggested};
-    const bool has_returns =
-        SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns())) > 0.0;
-    SolverSummary summary = options.measure_rounds && has_returns
-                                ? SolveMeasured(solver, problem, state)
-                                : SolveUnmeasured(solver, problem, state);
-    // The given state is the result, and had none.
-    if (summary.IsSolutionUsable() && state->points.empty()) {
-      state->points = graph.MeasuredMap(state->poses);
-    }
-    return summary;
-  });
-}
-
-}  // namespace
-
-SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, nullptr, graph, state);
-}
-
-SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
-                    const SlamGraph& graph, MapState* state) {
-  const DefaultFloatEnvironment float_environment;
-  return SolveOn(options, &surface, graph, state);
+Solution Solve(const SlamGraph& graph, const SolverOptions& options, MapState start) {
+  Solution solution;
+  bool is_refused = false;
+  solution.report = RefineState(options, graph, &start, &is_refused);
+  start.poses.resize(3 * static_cast<std::size_t>(start.num_poses()));  // a bad start has any size
+  solution.poses = PosesOf(start.poses);
+  solution.points = std::move(start.points);
+  if (solution.report.IsSolutionUsable()) return solution;
+  const std::string& message = solution.report.message;
+  solution.status = is_refused ? Status::InvalidArgument(message) : Status::Unavailable(message);
+  return solution;
 }
 
 }  // namespace plumbline

@@ -2,10 +2,12 @@
 #define PLUMBLINE_SOLVERS_SOLVE_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "plumbline/core/map_state.h"
+#include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/interface/solver_options.h"
@@ -13,46 +15,59 @@
 
 namespace plumbline {
 
-struct MeasuredSurface;
+/// A map, and how it was found.
+struct Solution {
+  /// InvalidArgument on bad input, Unavailable where the solver failed: memory ran out, a callback
+  /// threw. The message is that of the report; poses and points are then those of the start.
+  Status status;
+  std::vector<Pose2> poses;    ///< world_from_robot per pose of the graph
+  std::vector<double> points;  ///< x, y [m] in the world, two numbers per return of the graph
+  SolverSummary report;        ///< how it went: rounds, costs, the comparison with the start
+
+  /// A map point, x, y [m] in the world. Needs a return id of the graph.
+  Eigen::Vector2d point(std::size_t return_id) const {
+    return {points[2 * return_id], points[2 * return_id + 1]};
+  }
+  /// A copy of poses and points for functions that take a state: covariances, residuals, the start
+  /// of another Solve.
+  MapState State() const;
+};
 
 /// Estimates all poses and all map points of the graph jointly: the maximum of the posterior of
-/// odometry, relative poses, beams and the two map priors. Starts from *state, which should be
-/// right to a few decimetres (SeedGraph brings it there); where odometry and relative poses flatly
-/// contradict it, or scans contradict relative poses, from where the sound ones put the poses, if
-/// that lowers the energy.
+/// odometry, relative poses, beams and the two map priors. Starts from the graph's initial poses,
+/// which should be right to a few decimetres (SeedGraph brings them there); where odometry and
+/// relative poses flatly contradict them, or scans contradict relative poses, from where the sound
+/// ones put the poses, if that lowers the energy.
 ///
-/// state->points may be empty: then they are where the measurements put them, seen from its poses.
-/// Solvers over landmarks (SolverType::kReduced) need no memory for them until the poses are found.
-///
-/// Fixed poses are constants: *state is put where they are, rigidly by the first of them, and no
+/// Fixed poses are constants: the start is put where they are, rigidly by the first of them, and no
 /// solver moves them.
 ///
-/// On return *state is the best one seen over the rounds (of associations: judged by
-/// MarginalEnergy). It was found without the held-out returns and is compared with the given state
-/// by energy and by these returns (see AcceptanceTest); then one last round takes them in. Where
-/// single steps of the odometry that the given state flatly contradicts have torn poses from the
-/// map, or are flatly contradicted by the result, too, it is all done once more with these
-/// downweighted (SolverSummary::downweighted_steps); stretches that fit clearly worse than in the
-/// given state are put back to its shape (SolverSummary::put_back). Relative poses that their own
-/// scans contradict do not count (SolverSummary::ignored_edges, SolverOptions::test_edges). *state
-/// is the given one, bit for bit, if nothing was better; the message says by which yardstick. Bad
-/// options, no returns, scans that match as mirror images only around the turns of the poses (beams
-/// counted from the wrong side, or a laser that hangs upside down), or a state that is not finite,
-/// beyond 1e8 m or of another size than the graph: termination kFailure, the message names the
-/// culprit, and *state is unchanged. So it is if memory runs out or the callback throws; nothing is
-/// thrown from here.
+/// The result is the best state seen over the rounds (of associations: judged by MarginalEnergy).
+/// It was found without the held-out returns and is compared with the start by energy and by these
+/// returns (see AcceptanceTest); then one last round takes them in. Where single steps of the
+/// odometry that the start flatly contradicts have torn poses from the map, or are flatly
+/// contradicted by the result, too, it is all done once more with these downweighted
+/// (SolverSummary::downweighted_steps); stretches that fit clearly worse than at the start are put
+/// back to its shape (SolverSummary::put_back). Relative poses that their own scans contradict do
+/// not count (SolverSummary::ignored_edges, SolverOptions::test_edges). The result is the start,
+/// bit for bit, if nothing was better; the message says by which yardstick.
+///
+/// InvalidArgument names the culprit: what the graph refused, bad options, no returns, scans that
+/// match as mirror images only around the turns of the poses (beams counted from the wrong side, or
+/// a laser that hangs upside down), or a start that is not finite, beyond 1e8 m or of another size
+/// than the graph. Nothing is thrown from here.
 ///
 /// Nothing is shared between calls: several threads may solve at a time, also the same graph.
 ///
 /// kPoseGraph and kSgd move the poses by the relative poses alone, see built_in_solvers.h: they
 /// need no returns, but fail likewise without relative poses. SolverOptions::own_solver puts a
 /// solver of the host in the place of those of the library, FactorOptions::own_terms adds terms.
-SolverSummary Solve(const SolverOptions& options, const SlamGraph& graph, MapState* state);
+Solution Solve(const SlamGraph& graph, const SolverOptions& options = SolverOptions());
 
-/// The same for a caller that has measured the surfaces already (LogMapping::surface). A surface of
-/// another number of returns: kFailure.
-SolverSummary Solve(const SolverOptions& options, const MeasuredSurface& surface,
-                    const SlamGraph& graph, MapState* state);
+/// Like Solve, from other poses. start.points may be empty: then they are where the measurements
+/// put them, seen from its poses. Solvers over landmarks (SolverType::kReduced) need no memory for
+/// them until the poses are found.
+Solution Solve(const SlamGraph& graph, const SolverOptions& options, MapState start);
 
 /// The residuals of one term, in standard deviations.
 struct TermResiduals {

@@ -10,8 +10,8 @@
 #include "plumbline/core/return_normals.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
-#include "plumbline/solvers/solve.h"
 
 namespace plumbline {
 namespace {
@@ -71,7 +71,7 @@ double Thickness(const SeedingOptions& seeding, const SolverOptions& solver,
   }
   graph = graph.Corrected(TakeOutSweepMotion(measured, order, state.poses));
   const MeasuredSurface surface = MeasureSurface(graph, normals, pool);
-  if (!Solve(solver, surface, graph, &state).IsSolutionUsable()) return kNone;
+  if (!RefineState(solver, surface, graph, &state).IsSolutionUsable()) return kNone;
   const MapQuality quality =
       MeasureMapQuality(graph.MeasuredMap(state.poses), MapQualityOptions(), pool);
   if (quality.num_samples == 0) return kNone;

@@ -19,7 +19,7 @@
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -164,7 +164,7 @@ Status RunAblation(const AblationInput& input, ThreadPool* pool,
   std::vector<AblationOutcome> results = {Measure(input, input.seed, pool)};
   for (const AblationVariant& variant : AblationVariants(input.full)) {
     MapState state = input.seed;
-    const SolverSummary summary = Solve(variant.options, input.graph, &state);
+    const SolverSummary summary = RefineState(variant.options, input.graph, &state);
     if (!summary.IsSolutionUsable()) {
       return Status::InvalidArgument(variant.name + ": " + summary.message);
     }

@@ -15,7 +15,7 @@
 #include "plumbline/core/map_state.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -61,7 +61,7 @@ Status MeasureFloor(std::uint64_t seed, const SolverOptions& solver, ThreadPool*
   AdversarialProblem problem;
   PLUMBLINE_RETURN_IF_ERROR(MakeAdversarialProblem({Attack::kNone, 0.0, seed}, &problem));
   MapState state = problem.graph.InitialState();
-  const SolverSummary summary = Solve(solver, problem.graph, &state);
+  const SolverSummary summary = RefineState(solver, problem.graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
   *floor_m = Measure(problem.graph, state.poses, problem.truth, pool).pose_error_m;
   return Status::Ok();
@@ -92,7 +92,7 @@ Status SolveProblem(const AdversarialProblem& problem, const SolverOptions& solv
                     ThreadPool* pool, AdversarialOutcome* outcome) {
   MapState state = problem.graph.InitialState();
   outcome->before = Measure(problem.graph, state.poses, problem.truth, pool);
-  outcome->summary = Solve(solver, problem.graph, &state);
+  outcome->summary = RefineState(solver, problem.graph, &state);
   if (!outcome->summary.IsSolutionUsable() && !IsDueRefusal(problem.graph, state.poses)) {
     return Status::InvalidArgument(outcome->summary.message);
   }

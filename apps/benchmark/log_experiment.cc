@@ -17,7 +17,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -102,7 +102,7 @@ class Experiment {
     MapState published = mapping_.state;
     PLUMBLINE_RETURN_IF_ERROR(
         RunPublished("published method, from the corrected poses", &published));
-    const SolverSummary summary = Solve(inputs_.solver, mapping_.graph, &mapping_.state);
+    const SolverSummary summary = RefineState(inputs_.solver, mapping_.graph, &mapping_.state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     AddRefined(summary);
     return Status::Ok();
@@ -155,7 +155,7 @@ class Experiment {
   Status RunPublished(const std::string& name, MapState* state) {
     SolverOptions options = inputs_.solver;
     options.type = SolverType::kPublished;
-    const SolverSummary summary = Solve(options, mapping_.graph, state);
+    const SolverSummary summary = RefineState(options, mapping_.graph, state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     AddOptimised(name, *state, summary.total_time_s);
     return Status::Ok();

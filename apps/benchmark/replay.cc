@@ -15,7 +15,7 @@
 #include "plumbline/solvers/interface/seeding_report.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -126,7 +126,7 @@ class Host {
       // The whole drive once it is there: without closures, like the solution of all at once.
       const SlamGraph& graph = HasArrived() ? drive_ : graph_;
       state_.points = graph.MeasuredMap(state_.poses);
-      summary = Solve(solver_, surface_, graph, &state_);
+      summary = RefineState(solver_, surface_, graph, &state_);
     }
     step->initial_energy = summary.acceptance.seed_energy;
     step->final_energy = summary.acceptance.final_energy;
@@ -186,7 +186,7 @@ double EnergyOf(const SlamGraph& graph, const MapState& state, const SolverOptio
 Status SolveBatch(const SolverOptions& solver, const SlamGraph& graph, MapState* state,
                   Replay* replay) {
   const auto start = Clock::now();
-  const SolverSummary summary = Solve(solver, graph, state);
+  const SolverSummary summary = RefineState(solver, graph, state);
   replay->batch_time_s = SecondsSince(start);
   replay->batch_energy = EnergyOf(graph, *state, solver);
   return summary.IsSolutionUsable() ? Status::Ok() : Status::InvalidArgument(summary.message);

@@ -23,7 +23,7 @@
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/seconds_since.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -185,7 +185,7 @@ ScalingOutcome RunScalingCase(int num_scans, const SolverOptions& options) {
   RestartPeakMemory();
   outcome.graph_memory_bytes = ResidentMemoryBytes();
   const std::clock_t cpu_start = std::clock();
-  const SolverSummary summary = Solve(reduced, graph, &state);
+  const SolverSummary summary = RefineState(reduced, graph, &state);
   outcome.cpu_time_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
   outcome.peak_memory_bytes = PeakMemoryBytes();
   MeasureErrors(graph, state, truth, &outcome.pose_error_after_m, &outcome.step_error_after_m);

@@ -18,7 +18,6 @@
 #include "plumbline/solvers/front_end/scan_surfaces.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/seeding/close_all_loops.h"
-#include "plumbline/solvers/solve.h"
 
 namespace plumbline {
 namespace {

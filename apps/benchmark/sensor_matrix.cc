@@ -12,7 +12,7 @@
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -82,7 +82,7 @@ Status MeasureFloor(const SolverOptions& solver, const MeasuredSurface& surface,
     state.SetPose(i, truth.trajectory[i].world_from_robot * off);
   }
   state.points = graph.MeasuredMap(state.poses);
-  const SolverSummary summary = Solve(solver, surface, graph, &state);
+  const SolverSummary summary = RefineState(solver, surface, graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
   *floor_m = MeasureStage("floor", graph, state, &truth, pool).error->mean_pose_error_m;
   return Status::Ok();

@@ -16,7 +16,7 @@
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/map_sessions.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -78,7 +78,7 @@ Status MeasureFloor(const MapLogOptions& options, const SessionMap& map,
     state.SetPose(i, truth[i] * off);
   }
   const SolverSummary summary =
-      Solve(RefinementOptions(options, map.mapping), map.mapping.graph, &state);
+      RefineState(RefinementOptions(options, map.mapping), map.mapping.graph, &state);
   if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
   *floor_m = ErrorsOf(truth, state.poses).mean;
   return Status::Ok();

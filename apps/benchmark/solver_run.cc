@@ -18,7 +18,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -134,7 +134,7 @@ class TracedRun {
     run_.start_memory_bytes = ResidentMemoryBytes();
     alarm(LastSecond(time_limit_s_));
     start = Seconds::Now();
-    const SolverSummary summary = Solve(options, graph, &state_);
+    const SolverSummary summary = RefineState(options, graph, &state_);
     const Seconds time = Seconds::Now() - start - aside;
     alarm(0);
     run_.peak_memory_bytes = PeakMemoryBytes();

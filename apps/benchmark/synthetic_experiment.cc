@@ -16,7 +16,7 @@
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
 #include "plumbline/solvers/pose_graph/stochastic_descent.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -105,7 +105,7 @@ class MapMaker {
     PutRaw(Mapper::kPublishedStart, PosesOf(state.poses));
     SolverOptions options = options_.solver;
     options.type = SolverType::kPublished;
-    const SolverSummary summary = Solve(options, drive_.graph, &state);
+    const SolverSummary summary = RefineState(options, drive_.graph, &state);
     if (!summary.IsSolutionUsable()) return Status::InvalidArgument(summary.message);
     Map(Mapper::kPublished) = {PosesOf(state.poses), state.points};
     return Status::Ok();

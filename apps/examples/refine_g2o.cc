@@ -224,22 +224,25 @@ Status Refine(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
   if (!graph.relative_poses().empty()) {
     plumbline::SolverOptions by_edges;
     by_edges.type = plumbline::SolverType::kPoseGraph;
-    const plumbline::SolverSummary edges = plumbline::Solve(by_edges, graph, state);
-    if (!edges.IsSolutionUsable()) return Status::InvalidArgument(edges.message);
-    std::printf("edges alone: chi2 %.6g -> %.6g\n", edges.seed_chi2, edges.final_chi2);
+    const plumbline::Solution edges = plumbline::Solve(graph, by_edges);
+    PLUMBLINE_RETURN_IF_ERROR(edges.status);
+    std::printf("edges alone: chi2 %.6g -> %.6g\n", edges.report.seed_chi2,
+                edges.report.final_chi2);
+    *state = edges.State();
   }
   if (graph.num_returns() == 0) {
     std::printf("no scans: that is all\n");
     return Status::Ok();
   }
-  const plumbline::SolverSummary joint = plumbline::Solve(plumbline::SolverOptions(), graph, state);
-  if (!joint.IsSolutionUsable()) return Status::InvalidArgument(joint.message);
-  if (joint.termination == plumbline::TerminationType::kNoImprovement) {
+  const plumbline::Solution joint = plumbline::Solve(graph, plumbline::SolverOptions(), *state);
+  PLUMBLINE_RETURN_IF_ERROR(joint.status);
+  if (joint.report.termination == plumbline::TerminationType::kNoImprovement) {
     std::printf("edges and scans: no better than the start, which stays\n");
   } else {
-    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.acceptance.seed_energy,
-                joint.acceptance.final_energy);
+    std::printf("edges and scans: energy %.6g -> %.6g\n", joint.report.acceptance.seed_energy,
+                joint.report.acceptance.final_energy);
   }
+  *state = joint.State();
   return Status::Ok();
 }
 

@@ -15,6 +15,7 @@ using plumbline::MapState;
 using plumbline::Pose2;
 using plumbline::RelativePoseConstraint;
 using plumbline::SlamGraph;
+using plumbline::Solution;
 using plumbline::Status;
 
 namespace {
@@ -72,10 +73,10 @@ plumbline::SolverOptions Options() {
 // [options]
 
 // [solve]
-Status Refine(const SlamGraph& graph, MapState* state) {
-  const plumbline::SolverSummary summary = plumbline::Solve(Options(), graph, state);
-  std::puts(summary.BriefReport().c_str());
-  return summary.IsSolutionUsable() ? Status::Ok() : Status::Unavailable(summary.message);
+Solution Refine(const SlamGraph& graph) {
+  Solution solution = plumbline::Solve(graph, Options());
+  std::puts(solution.report.BriefReport().c_str());
+  return solution;
 }
 // [solve]
 
@@ -174,36 +175,33 @@ double MapError(const std::vector<double>& points) {
 Status Run(bool* sharper) {
   PoseGraph host = MakePoseGraph(TruePath());
   SlamGraph graph = MakeGraph(host);
-  // [state]
-  MapState state = graph.InitialState();
-  // [state]
-  const double before_m = MapError(state.points);
-  PLUMBLINE_RETURN_IF_ERROR(Refine(graph, &state));
+  const double before_m = MapError(graph.InitialState().points);
+  Solution map = Refine(graph);
+  PLUMBLINE_RETURN_IF_ERROR(map.status);
 
   // [again]
   int num_dropped = 0;
-  PLUMBLINE_RETURN_IF_ERROR(DropFalseEdges(graph, state, &host, &num_dropped));
+  PLUMBLINE_RETURN_IF_ERROR(DropFalseEdges(graph, map.State(), &host, &num_dropped));
   if (num_dropped > 0) {
     graph = MakeGraph(host);
-    state = graph.InitialState();
-    PLUMBLINE_RETURN_IF_ERROR(Refine(graph, &state));
+    map = Refine(graph);
+    PLUMBLINE_RETURN_IF_ERROR(map.status);
   }
   // [again]
   std::printf("%d edges dropped, %zu kept\n", num_dropped, host.edges.size());
 
   // [result]
-  for (int pose = 0; pose < state.num_poses(); pose += 10) {
-    const Pose2 world_from_robot = state.WorldFromRobot(pose);
+  for (int pose = 0; pose < graph.num_poses(); pose += 10) {
+    const Pose2& world_from_robot = map.poses[pose];
     std::printf("t = %.1f s: x %.3f m, y %.3f m, yaw %.4f rad\n", graph.timestamp_s(pose),
                 world_from_robot.x, world_from_robot.y, world_from_robot.yaw);
   }
-  const std::vector<double>& points = state.points;  // x, y [m] of every return in turn
-  std::printf("%zu map points, the first at (%.3f, %.3f)\n", graph.num_returns(), points[0],
-              points[1]);
+  std::printf("%zu map points, the first at (%.3f, %.3f)\n", graph.num_returns(), map.point(0).x(),
+              map.point(0).y());
   // [result]
 
-  PLUMBLINE_RETURN_IF_ERROR(PrintSigmas(graph, state, state.num_poses() - 1));
-  const double after_m = MapError(state.points);
+  PLUMBLINE_RETURN_IF_ERROR(PrintSigmas(graph, map.State(), graph.num_poses() - 1));
+  const double after_m = MapError(map.points);
   std::printf("mean error of the map: %.1f mm -> %.1f mm\n", 1e3 * before_m, 1e3 * after_m);
   *sharper = num_dropped > 0 && after_m < 0.25 * before_m;
   return Status::Ok();

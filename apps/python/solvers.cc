@@ -19,6 +19,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/calibration.h"
 #include "plumbline/solvers/covariance.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
@@ -47,7 +48,7 @@ SolverSummary SolveGraph(const GraphObject& graph, StateObject& state, const Sol
                          py::object progress) {
   return SolveInPlace(
       graph, state, options, std::move(progress),
-      [](const auto& o, const SlamGraph& g, MapState* s) { return Solve(o, g, s); });
+      [](const auto& o, const SlamGraph& g, MapState* s) { return RefineState(o, g, s); });
 }
 
 SolverSummary SolveNewest(const GraphObject& graph, StateObject& state, const WindowOptions& window,

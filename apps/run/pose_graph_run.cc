@@ -37,7 +37,7 @@
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -222,7 +222,8 @@ class PoseGraphRun {
       std::cout << ProgressRow(iteration) << '\n' << std::flush;
       return StopSignal() == 0;
     };
-    solver_summary_ = Solve(options, graph_of_scans_ ? *graph_of_scans_ : file_.graph, &state_);
+    solver_summary_ =
+        RefineState(options, graph_of_scans_ ? *graph_of_scans_ : file_.graph, &state_);
     if (!solver_summary_.IsSolutionUsable()) {
       return Status::InvalidArgument(solver_summary_.message);
     }

@@ -215,10 +215,9 @@ class JointMap {
     if (constraints_.empty()) return Status::Ok();
     SolverOptions options = options_;
     options.type = SolverType::kPoseGraph;
-    MapState state{*poses, {}};
-    const SolverSummary summary = Solve(options, graph_, &state);
-    if (!summary.IsSolutionUsable()) return Status::Unavailable(summary.message);
-    *poses = std::move(state.poses);
+    const Solution solution = Solve(graph_, options, {*poses, {}});
+    if (!solution.status.ok()) return Status::Unavailable(solution.status.message());
+    *poses = PoseArray(solution.poses);
     return Status::Ok();
   }
 

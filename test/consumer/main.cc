@@ -42,17 +42,16 @@ plumbline::SlamGraph MakeGraph(const std::vector<Keyframe>& keyframes) {
   return graph;
 }
 
-// Refines poses and points in place.
-bool Refine(const plumbline::SlamGraph& graph, plumbline::MapState* state) {
+plumbline::Solution Refine(const plumbline::SlamGraph& graph) {
   plumbline::SolverOptions options;
   options.factors.beam.sigma_range_m = 0.01;
   options.callback = [](const plumbline::IterationSummary& iteration) {
     return iteration.total_time_s < 60.0;  // false would stop, with the best state so far
   };
-  const plumbline::SolverSummary summary = plumbline::Solve(options, graph, state);
-  std::puts(summary.BriefReport().c_str());
-  if (!summary.IsSolutionUsable()) std::fprintf(stderr, "%s\n", summary.message.c_str());
-  return summary.IsSolutionUsable();
+  plumbline::Solution solution = plumbline::Solve(graph, options);
+  std::puts(solution.report.BriefReport().c_str());
+  if (!solution.status.ok()) std::fprintf(stderr, "%s\n", solution.status.message().c_str());
+  return solution;
 }
 
 // Where a beam meets a wall [m].
@@ -81,12 +80,12 @@ std::vector<Keyframe> Drive(const std::vector<Pose2>& truth) {
   return keyframes;
 }
 
-double MeanError(const plumbline::MapState& state, const std::vector<Pose2>& truth) {
+double MeanError(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
   double sum_m = 0.0;
-  for (int i = 0; i < state.num_poses(); ++i) {
-    sum_m += (state.WorldFromRobot(i).translation() - truth[i].translation()).norm();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    sum_m += (poses[i].translation() - truth[i].translation()).norm();
   }
-  return sum_m / state.num_poses();
+  return sum_m / poses.size();
 }
 
 }  // namespace
@@ -99,10 +98,10 @@ int main() {
                        turn + plumbline::DegToRad(90.0));
   }
   const plumbline::SlamGraph graph = MakeGraph(Drive(truth));
-  plumbline::MapState state = graph.InitialState();
-  const double before_m = MeanError(state, truth);
-  if (!Refine(graph, &state)) return 1;
-  const double after_m = MeanError(state, truth);
+  const double before_m = MeanError(plumbline::PosesOf(graph.initial_poses()), truth);
+  const plumbline::Solution solution = Refine(graph);
+  if (!solution.status.ok()) return 1;
+  const double after_m = MeanError(solution.poses, truth);
   std::printf("mean error of the poses: %.4f m -> %.4f m\n", before_m, after_m);
   return after_m < 0.5 * before_m ? 0 : 1;
 }

@@ -14,8 +14,8 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/loop_closure/consistency_meter.h"
 #include "plumbline/solvers/pose_graph/refine_pose_graph.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/test/fuzz/input_file.h"
 
 namespace plumbline {
@@ -46,7 +46,7 @@ inline void MapGraph(bool seed, SlamGraph graph) {
   for (const double number : state.poses) Require(std::isfinite(number));
   for (const double number : state.points) Require(std::isfinite(number));
   if (graph.num_returns() == 0) return;
-  const SolverSummary summary = Solve(options, surface, graph, &state);
+  const SolverSummary summary = RefineState(options, surface, graph, &state);
   for (const double number : state.poses) Require(std::isfinite(number));
   for (const double number : state.points) Require(std::isfinite(number));
   MeasureMapConsistency(graph, PosesOf(state.poses), &pool);

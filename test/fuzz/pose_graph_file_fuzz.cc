@@ -1,5 +1,6 @@
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/fuzz/input_file.h"
 #include "plumbline/test/fuzz/map_graph.h"
 
@@ -23,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   int num_iterations = 0;
   descent.callback = [&](const IterationSummary&) { return ++num_iterations < 3; };
   MapState state = again.graph.InitialState();
-  if (pose_graph.graph.num_poses() <= 20) Solve(descent, again.graph, &state);
+  if (pose_graph.graph.num_poses() <= 20) RefineState(descent, again.graph, &state);
   for (const double number : state.poses) Require(std::isfinite(number));
   MapGraph(/*seed=*/false, std::move(pose_graph.graph));
   return 0;

@@ -19,6 +19,7 @@
 #include "plumbline/solvers/landmarks/line_landmarks.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
@@ -83,7 +84,7 @@ Outcome SolveThe(const Way& way, const SolverOptions& options, const SlamGraph& 
     outcome.summary = SolveWithCalibration(options, on, graph, &outcome.state, &calibration);
     outcome.corrections = calibration.corrections;
   } else {
-    outcome.summary = Solve(options, graph, &outcome.state);
+    outcome.summary = RefineState(options, graph, &outcome.state);
   }
   return outcome;
 }

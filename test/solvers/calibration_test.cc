@@ -12,8 +12,8 @@
 #include "plumbline/apps/evaluation/relations_metric.h"
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/log_to_graph.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/test/core/synthetic_scene.h"
 #include "plumbline/test/core/temp_file.h"
 #include "plumbline/test/core/thread_peers.h"
@@ -206,7 +206,7 @@ TEST(CalibrationTest, OffIsSolve) {
   Calibration calibration;
   calibration.steps = 7;
   SolveWithCalibration(Options(), CalibrationOptions(), graph, &state, &calibration);
-  Solve(Options(), graph, &solved);
+  RefineState(Options(), graph, &solved);
   EXPECT_EQ(state, solved);
   EXPECT_TRUE(calibration.parameters.empty());
   EXPECT_EQ(calibration.steps, 0);

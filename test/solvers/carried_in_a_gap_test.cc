@@ -16,8 +16,8 @@
 #include "plumbline/apps/simulation/noise_source.h"
 #include "plumbline/apps/simulation/simulator.h"
 #include "plumbline/solvers/front_end/odometry_noise.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
-#include "plumbline/solvers/solve.h"
 
 namespace plumbline {
 namespace {
@@ -116,7 +116,7 @@ TEST_P(CarriedInAGapTest, ASeedThatIsRightGetsBetterEverywhere) {
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(GetParam(), &drive));
   const double seed_m = WorstError(drive);
   ASSERT_LT(seed_m, 0.15);
-  const SolverSummary summary = Solve(drive.options, drive.graph, &drive.state);
+  const SolverSummary summary = RefineState(drive.options, drive.graph, &drive.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(WorstError(drive), 0.5 * seed_m) << summary.message;
   ASSERT_EQ(summary.downweighted_steps.size(), 1u);
@@ -129,9 +129,9 @@ TEST(CarriedInAGapTest, AnyNumberOfThreadsGivesTheSameBytes) {
   GapDrive drive;
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(102, &drive));
   MapState alone = drive.state;
-  Solve(drive.options, drive.graph, &drive.state);
+  RefineState(drive.options, drive.graph, &drive.state);
   drive.options.num_threads = 1;
-  Solve(drive.options, drive.graph, &alone);
+  RefineState(drive.options, drive.graph, &alone);
   EXPECT_EQ(alone, drive.state);
 }
 
@@ -141,7 +141,7 @@ TEST(CarriedInAGapTest, AStepThatIsDownweightedFromTheStartTearsNothing) {
   ASSERT_NO_FATAL_FAILURE(MakeGapDrive(102, &drive));
   drive.options.factors.downweighted_steps = {
       {static_cast<std::size_t>(drive.first_after - 1), 1000.0}};
-  const SolverSummary summary = Solve(drive.options, drive.graph, &drive.state);
+  const SolverSummary summary = RefineState(drive.options, drive.graph, &drive.state);
   EXPECT_TRUE(summary.downweighted_steps.empty());
   EXPECT_LT(WorstError(drive), 0.02);
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "plumbline/core/angle.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -78,7 +78,7 @@ TEST(CovarianceTest, ErrorsOfAHundredRunsAreAsLargeAsTheCovariancesSay) {
   double middle = 0.0, last = 0.0, relative = 0.0;
   for (unsigned run = 0; run < kNumRuns; ++run) {
     NoisyRoom room = SimulatedRun(run);
-    ASSERT_TRUE(Solve(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
+    ASSERT_TRUE(RefineState(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
     const std::vector<Eigen::Matrix3d> c = CovariancesOf(
         room.graph, room.state, {{kMiddle, kMiddle}, {kMiddle, kLast}, {kLast, kLast}});
     const Pose2 a = room.state.WorldFromRobot(kMiddle), b = room.state.WorldFromRobot(kLast);
@@ -102,7 +102,7 @@ TEST(CovarianceTest, ErrorsOfAHundredRunsAreAsLargeAsTheCovariancesSay) {
 
 TEST(CovarianceTest, IsTheInverseOfTheFullMatrixWithAllItsParts) {
   NoisyRoom room = SimulatedRun(3);
-  ASSERT_TRUE(Solve(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(ToldTheNoise(), room.graph, &room.state).IsSolutionUsable());
   const int n = room.graph.num_poses();
   std::vector<PosePair> pairs;
   for (int a = 0; a < n; ++a) {

@@ -13,6 +13,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/covariance.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seed.h"
 #include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
@@ -102,7 +103,7 @@ Result RunSolver(SolverType type, const SeededGraph& seeded, int num_threads) {
   // Enough to come through every line of them.
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
   options.alternating_cg.max_sweeps = 2;
-  const SolverSummary summary = Solve(options, seeded.graph, &state);
+  const SolverSummary summary = RefineState(options, seeded.graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_FALSE(SameBytes(result.seed_poses, state.poses))
       << summary.solver << ": " << summary.message;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "plumbline/solvers/interface/ceres_options.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -79,7 +79,7 @@ TEST_P(FixedPosesTest, StayBitForBitWhereTheyWereFixed) {
     for (const int pose : poses) room.graph.FixPose(pose);
     MapState seed = room.state;
     PutAtFixedPoses(room.graph, &seed);
-    const SolverSummary summary = Solve(GetParam().Options(), room.graph, &room.state);
+    const SolverSummary summary = RefineState(GetParam().Options(), room.graph, &room.state);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_NE(summary.termination, TerminationType::kNoImprovement) << summary.message;
     ExpectAtFixedPoses(room);
@@ -98,7 +98,7 @@ TEST_P(FixedPosesTest, WhereAllAreFixedTheSeedComesBack) {
     MapState seed = room.state;
     PutAtFixedPoses(room.graph, &seed);
     EXPECT_EQ(seed == room.state, in_place);
-    const SolverSummary summary = Solve(GetParam().Options(), room.graph, &room.state);
+    const SolverSummary summary = RefineState(GetParam().Options(), room.graph, &room.state);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_EQ(room.state.poses, seed.poses);
     // The published method does not ask whether moving the points is worth anything.
@@ -115,8 +115,9 @@ TEST_P(FixedPosesTest, AStateThatIsElsewhereIsMovedThereAsAWhole) {
     elsewhere.state.SetPose(pose, motion * room.state.WorldFromRobot(pose));
   }
   elsewhere.state.points = room.graph.MeasuredMap(elsewhere.state.poses);
-  ASSERT_TRUE(Solve(GetParam().Options(), room.graph, &room.state).IsSolutionUsable());
-  const SolverSummary summary = Solve(GetParam().Options(), elsewhere.graph, &elsewhere.state);
+  ASSERT_TRUE(RefineState(GetParam().Options(), room.graph, &room.state).IsSolutionUsable());
+  const SolverSummary summary =
+      RefineState(GetParam().Options(), elsewhere.graph, &elsewhere.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   ExpectAtFixedPoses(elsewhere);
   for (std::size_t i = 0; i < room.state.poses.size(); ++i) {
@@ -133,7 +134,7 @@ TEST_P(FixedPosesTest, AStateThatIsElsewhereStaysThereIfTheSolverFails) {
   const MapState before = room.state;
   SolverOptions options = GetParam().Options();
   options.callback = [](const IterationSummary&) -> bool { throw std::runtime_error("no more"); };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("no more"));
   EXPECT_EQ(room.state, before);
@@ -147,7 +148,7 @@ TEST_P(FixedPosesTest, AMapThatIsMovedAsAWholeIsRefinedAlike) {
     SolverOptions options = GetParam().Options();
     options.factors.shape = true;
     options.published.max_passes = 6;
-    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    const SolverSummary summary = RefineState(options, room.graph, &room.state);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_NE(summary.termination, TerminationType::kNoImprovement) << summary.message;
     return room.state;
@@ -182,7 +183,7 @@ TEST_P(FixedPosesOfScansTest, TheOnlyScanIsReturnedAtItsFixedPose) {
     }
     MapState state = graph.InitialState(), seed = state;
     PutAtFixedPoses(graph, &seed);
-    const SolverSummary summary = Solve(GetParam().Options(), graph, &state);
+    const SolverSummary summary = RefineState(GetParam().Options(), graph, &state);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
     EXPECT_EQ(state.poses, seed.poses);
     if (GetParam().type == SolverType::kPublished) continue;  // moves its points all the same

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
@@ -94,7 +94,7 @@ TEST(IncrementalSolverTest, EndsWhereSolvingAllAtOnceEnds) {
   batch.poses = host.poses;
   batch.points = host.graph.MeasuredMap(batch.poses);
   SolverOptions options = Threads(1);
-  const SolverSummary summary = Solve(options, host.graph, &batch);
+  const SolverSummary summary = RefineState(options, host.graph, &batch);
   ASSERT_TRUE(summary.IsSolutionUsable());
   double largest_m = 0.0;
   for (int pose = 0; pose < kNumPoses; ++pose) {
@@ -337,7 +337,7 @@ TEST(IncrementalSolverTest, OwnTermsCountOnceTheirPosesAreThere) {
   MapState batch = host.graph.InitialState();
   batch.poses = host.poses;
   batch.points = host.graph.MeasuredMap(batch.poses);
-  ASSERT_TRUE(Solve(options, host.graph, &batch).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(options, host.graph, &batch).IsSolutionUsable());
   EXPECT_NEAR(host.poses[3 * pose], truth.x + 0.03, 0.01);
   EXPECT_NEAR(host.poses[3 * pose + 1], truth.y - 0.03, 0.01);
   for (int i = 0; i < kNumPoses; ++i) {

@@ -19,7 +19,7 @@
 #include "plumbline/core/partition.h"
 #include "plumbline/core/share_graph.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/doorway_drive.h"
 
@@ -172,7 +172,7 @@ TEST(MapLogTest, GoesByTheOdometryThatTheSeedCorrected) {
   // The solver is given these motions, with the noise that goes with them.
   const MapLogOptions options;
   MapState state{mapping.start_poses, mapping.graph.MeasuredMap(mapping.start_poses)};
-  Solve(RefinementOptions(options, mapping), mapping.graph, &state);
+  RefineState(RefinementOptions(options, mapping), mapping.graph, &state);
   EXPECT_TRUE(state == mapping.state);
 }
 
@@ -485,8 +485,9 @@ TEST(RefineLogTest, BeginsAgainWhereScansLieBesideWhereTheyFit) {
   options.solver.factors.motion.translation_per_translation = 0.03;  // good wheels
   LogMapping mapping = StartedBeforeACarriedRobot(options);
   MapState once = mapping.state;
-  ASSERT_TRUE(Solve(RefinementOptions(options, mapping), mapping.surface, mapping.graph, &once)
-                  .IsSolutionUsable());
+  ASSERT_TRUE(
+      RefineState(RefinementOptions(options, mapping), mapping.surface, mapping.graph, &once)
+          .IsSolutionUsable());
   Refine(options, &mapping);
   const std::vector<int>& misplaced = mapping.report.misplaced_poses;
   EXPECT_GE(misplaced.size(), 3u);

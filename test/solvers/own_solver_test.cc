@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "plumbline/solvers/full/rounds_solver.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/sliding_window.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -111,7 +111,8 @@ NoisyRoom DisturbedRoom() {
 TEST(OwnSolver, IsRunInRoundsAndPassesTheAcceptanceTest) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
-  const SolverSummary summary = Solve(OptionsWith<DiagonalDescent>(), room.graph, &room.state);
+  const SolverSummary summary =
+      RefineState(OptionsWith<DiagonalDescent>(), room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_EQ(summary.solver, "diagonal_descent");
   EXPECT_LT(MeanPoseError(room), 0.8 * before_m);
@@ -126,7 +127,7 @@ TEST(OwnSolver, IsRunInRoundsAndPassesTheAcceptanceTest) {
 TEST(OwnSolver, GivesTheSeedBackBitForBitIfItsResultIsWorse) {
   NoisyRoom room = DisturbedRoom();
   const MapState seed = room.state;
-  const SolverSummary summary = Solve(OptionsWith<Collapse>(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(OptionsWith<Collapse>(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
   EXPECT_EQ(room.state.poses, seed.poses);
   EXPECT_EQ(room.state.points, seed.points);
@@ -136,7 +137,7 @@ TEST(OwnSolver, StopsWhenTheCallbackAsks) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsWith<DiagonalDescent>();
   options.callback = [](const IterationSummary& it) { return it.iteration < 5; };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.iterations.size(), 5u);
   EXPECT_TRUE(summary.IsSolutionUsable());
 }
@@ -144,7 +145,7 @@ TEST(OwnSolver, StopsWhenTheCallbackAsks) {
 TEST(OwnSolver, WhatItThrowsIsAFailure) {
   NoisyRoom room = DisturbedRoom();
   const MapState seed = room.state;
-  const SolverSummary summary = Solve(OptionsWith<Thrower>(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(OptionsWith<Thrower>(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_EQ(summary.solver, "thrower");
   EXPECT_NE(summary.message.find("out of ideas"), std::string::npos) << summary.message;

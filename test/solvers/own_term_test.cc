@@ -21,6 +21,7 @@
 #include "plumbline/solvers/full/rounds_solver.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/reduced/pose_system.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/terms/own_terms.h"
@@ -206,7 +207,7 @@ constexpr Choice kOverPoints[] = {{"alternating_cg", SolverType::kAlternatingCg,
 void ExpectRefused(const SolverOptions& options, const NoisyRoom& room,
                    const std::vector<std::string>& words) {
   MapState state = room.state;
-  const SolverSummary summary = Solve(options, room.graph, &state);
+  const SolverSummary summary = RefineState(options, room.graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   for (const std::string& word : words) EXPECT_THAT(summary.message, HasSubstr(word));
   EXPECT_EQ(state, room.state);
@@ -223,7 +224,7 @@ TEST_P(OverLandmarks, PositionsPullADriftedMapIntoPlace) {
   NoisyRoom room = DriftedRoom({0.2, -0.1, 0.03});
   SolverOptions options = GetParam().Options();
   options.factors.own_terms = {Positions(room, 0.05)};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.02);
   const TermSummary term = TermOfSummary(summary, "position");
@@ -239,7 +240,7 @@ TEST_P(OverLandmarks, ACompassTurnsTheMap) {
   options.factors.own_terms = {
       TermOfResiduals("position", {PositionOf(pose, room.truth[pose], 0.01)}),
       TermOfResiduals("compass", {HeadingOf(pose, room.truth[pose], 0.001)})};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.02);
   EXPECT_NEAR(room.state.WorldFromRobot(pose).yaw, room.truth[pose].yaw, 0.005);
@@ -259,7 +260,7 @@ TEST_P(OverPoints, PositionsPullADriftedMapIntoPlace) {
   const double before_m = SecondRoomError(room);
   SolverOptions options = GetParam().Options();
   options.factors.own_terms = {Positions(room, 0.001)};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.4 * before_m);
   EXPECT_EQ(TermOfSummary(summary, "position").count, static_cast<std::size_t>(kPosesPerRoom));
@@ -270,7 +271,7 @@ TEST_P(OverPoints, AKnownWallPullsItsPoints) {
   const double before_m = SecondRoomError(room);
   SolverOptions options = GetParam().Options();
   options.factors.own_terms = {Wall(room)};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.6 * before_m);
   const TermSummary term = TermOfSummary(summary, "wall");
@@ -474,9 +475,9 @@ TEST(OwnTerm, WithoutResidualsChangesNothing) {
   DisturbPoses(0.02, room.graph, &room.state);
   MapState other = room.state;
   SolverOptions options;
-  Solve(options, room.graph, &room.state);
+  RefineState(options, room.graph, &room.state);
   options.factors.own_terms = {TermOfResiduals("empty", {})};
-  const SolverSummary summary = Solve(options, room.graph, &other);
+  const SolverSummary summary = RefineState(options, room.graph, &other);
   EXPECT_EQ(TermOfSummary(summary, "empty").count, 0u);
   EXPECT_EQ(other, room.state);
 }

@@ -13,7 +13,7 @@
 #include "plumbline/solvers/covariance.h"
 #include "plumbline/solvers/full/ceres_solver.h"
 #include "plumbline/solvers/pose_graph/pose_graph.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/core/captured_output.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -45,7 +45,7 @@ SolverOptions CeresSolverOptions(bool over_landmarks) {
 
 SolverSummary SolveRoom(const SolverOptions& options) {
   NoisyRoom room = SmallDisturbedRoom();
-  return Solve(options, room.graph, &room.state);
+  return RefineState(options, room.graph, &room.state);
 }
 
 // The flags and the log lines of the host are as before after each test.

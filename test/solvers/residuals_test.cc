@@ -10,6 +10,7 @@
 #include "plumbline/factors/sqrt_information.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/energy.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/terms/terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
@@ -56,7 +57,7 @@ TEST_P(ResidualsOf, AddUpToTheCostsOfTheSummary) {
   SolverOptions options;
   options.type = GetParam();
   options.rounds.max_coarse_rounds = options.rounds.max_fine_rounds = 1;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   ASSERT_TRUE(summary.rounds.empty() || summary.rounds.back().kept);
   Residuals residuals;

@@ -11,7 +11,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
 #include "plumbline/solvers/landmarks/line_landmarks.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 #include "plumbline/test/solvers/seeding_testing.h"
 
@@ -136,7 +136,7 @@ TEST(SlidingWindowTest, AWindowAsLongAsTheGraphIsSolve) {
     room.graph.FixPose(3, room.state.WorldFromRobot(3));
     room.state.SetPose(3, room.state.WorldFromRobot(3) * Pose2(0.01, 0.0, 0.0));
     MapState whole = room.state;
-    const SolverSummary expected = Solve(Options(type), room.graph, &whole);
+    const SolverSummary expected = RefineState(Options(type), room.graph, &whole);
     const SolverSummary summary =
         SolveWindow(Options(type), WindowOptions(), room.graph, &room.state);
     EXPECT_EQ(room.state, whole) << ToString(type);

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/interface/ceres_options.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/terms/terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -40,7 +42,7 @@ SolverOptions OptionsFor(SolverType type) {
 void ExpectFailure(const SolverOptions& options, const SlamGraph& graph, MapState* state,
                    const std::string& culprit) {
   const MapState before = *state;
-  const SolverSummary summary = Solve(options, graph, state);
+  const SolverSummary summary = RefineState(options, graph, state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_FALSE(summary.IsSolutionUsable());
   EXPECT_THAT(summary.message, HasSubstr(culprit));
@@ -51,6 +53,61 @@ void ExpectFailure(const SolverOptions& options, const SlamGraph& graph, MapStat
   };
   EXPECT_TRUE(same_bits(state->poses, before.poses));
   EXPECT_TRUE(same_bits(state->points, before.points));
+}
+
+TEST(SolutionTest, IsWhatBecomesOfTheInitialPoses) {
+  const SlamGraph graph = DisturbedRoom().graph;
+  const SolverOptions options;
+  MapState expected = graph.InitialState();
+  const SolverSummary summary = RefineState(options, graph, &expected);
+  const Solution solution = Solve(graph, options);
+  EXPECT_TRUE(solution.status.ok());
+  EXPECT_EQ(solution.State(), expected);
+  EXPECT_EQ(solution.report.termination, summary.termination);
+  EXPECT_EQ(solution.report.final_marginal_energy, summary.final_marginal_energy);
+  ASSERT_EQ(solution.poses.size(), static_cast<std::size_t>(graph.num_poses()));
+  EXPECT_EQ(solution.poses[3].x, expected.poses[9]);
+  const std::size_t last = graph.num_returns() - 1;
+  EXPECT_EQ(solution.point(last), Eigen::Vector2d(&expected.points[2 * last]));
+}
+
+TEST(SolutionTest, IsWhatBecomesOfAGivenStart) {
+  NoisyRoom room = DisturbedRoom();
+  const SolverOptions options;
+  const Solution solution = Solve(room.graph, options, room.state);
+  EXPECT_TRUE(solution.status.ok());
+  RefineState(options, room.graph, &room.state);
+  EXPECT_EQ(solution.State(), room.state);
+  EXPECT_EQ(Solve(room.graph, options, {room.graph.initial_poses(), {}}).State(),
+            Solve(room.graph, options).State());
+}
+
+TEST(SolutionTest, OfBadInputIsTheStartWithAStatusThatSaysSo) {
+  NoisyRoom room = DisturbedRoom();
+  room.graph.AddScan(0, 0, {1.0});
+  const Solution refused = Solve(room.graph, SolverOptions(), room.state);
+  EXPECT_EQ(refused.status.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(refused.status.message(), room.graph.status().message());
+  EXPECT_EQ(refused.report.termination, TerminationType::kFailure);
+  EXPECT_EQ(refused.State(), room.state);
+
+  EXPECT_EQ(room.graph.TakeStatus().code(), StatusCode::kInvalidArgument);
+  MapState of_another_size = room.state;
+  of_another_size.poses.resize(7);
+  const Solution other = Solve(room.graph, SolverOptions(), of_another_size);
+  EXPECT_EQ(other.status.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(other.poses.size(), 2u);
+}
+
+TEST(SolutionTest, OfASolveThatFailedIsTheStartWithAStatusThatSaysSo) {
+  const NoisyRoom room = DisturbedRoom();
+  SolverOptions options;
+  options.callback = [](const IterationSummary&) -> bool { throw std::bad_alloc(); };
+  const Solution failed = Solve(room.graph, options, room.state);
+  EXPECT_EQ(failed.status.code(), StatusCode::kUnavailable);
+  EXPECT_EQ(failed.status.message(), failed.report.message);
+  EXPECT_THAT(failed.status.message(), HasSubstr("out of memory"));
+  EXPECT_EQ(failed.State(), room.state);
 }
 
 std::string NameOf(const testing::TestParamInfo<SolverType>& info) { return ToString(info.param); }
@@ -69,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(PointSolvers, SolveInRoundsWith,
 TEST_P(SolveInRoundsWith, BringsThePosesCloserToTheTruth) {
   NoisyRoom room = DisturbedRoom();
   const double before_m = MeanPoseError(room);
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), room.graph, &room.state);
+  const SolverSummary summary = RefineState(OptionsFor(GetParam()), room.graph, &room.state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.acceptance.IsBetter());
   EXPECT_GT(before_m, 0.02);
@@ -103,7 +160,7 @@ TEST_P(SolveInRoundsWith, ANoisyScannerGetsWiderNeighborhoods) {
   SolverOptions options = OptionsFor(GetParam());
   options.factors.beam.sigma_range_m = 0.04;
   options.factors.manifold.sigma_m = 0.03;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_FALSE(summary.rounds.empty());
   EXPECT_DOUBLE_EQ(summary.rounds.front().radius_m, 0.3);
   EXPECT_DOUBLE_EQ(summary.rounds.back().radius_m, 0.25);  // five times 0.05 m
@@ -121,7 +178,7 @@ TEST_P(SolveWith, ReturnsAPerfectSeedBitForBit) {
     graph.AddOdometry({i, i + 1, Between(scene.poses[i], scene.poses[i + 1])});
   }
   MapState state = graph.InitialState();
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), graph, &state);
+  const SolverSummary summary = RefineState(OptionsFor(GetParam()), graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_THAT(summary.message, HasSubstr("the seed is returned as it was"));
@@ -138,7 +195,7 @@ TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
     rows.push_back(it);
     return it.round < 2;
   };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
   EXPECT_EQ(summary.rounds.size(), 2u);
   ASSERT_EQ(summary.iterations.size(), rows.size());
@@ -153,12 +210,12 @@ TEST_P(SolveInRoundsWith, StopsWithTheBestStateSoFarWhenAskedTo) {
 TEST_P(SolveInRoundsWith, ToldToStopAtOnceSaysThatItStopped) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(GetParam());
-  ASSERT_TRUE(Solve(options, room.graph, &room.state).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(options, room.graph, &room.state).IsSolutionUsable());
   // Lines this wide blur what is sharp already: the round is undone.
   options.rounds.coarse_radius_m = 1.0;
   options.callback = [](const IterationSummary&) { return false; };
   const std::vector<double> poses = room.state.poses;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped) << summary.message;
   EXPECT_EQ(summary.rounds.size(), 1u);
   EXPECT_FALSE(summary.rounds.front().kept);
@@ -176,7 +233,7 @@ TEST_P(SolveWith, TakesPosesThatNothingTiesTogether) {
   SlamGraph graph = MakeGraph(scene);
   const int pose_id = graph.AddPose({-9, -9, 1}, 9.0);
   MapState state = graph.InitialState();
-  const SolverSummary summary = Solve(OptionsFor(GetParam()), graph, &state);
+  const SolverSummary summary = RefineState(OptionsFor(GetParam()), graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   for (const double value : state.poses) EXPECT_TRUE(std::isfinite(value));
   for (const double value : state.points) EXPECT_TRUE(std::isfinite(value));
@@ -198,11 +255,11 @@ TEST(SolveTest, AnyNumberOfThreadsGivesTheSameBits) {
   NoisyRoom one = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kAlternatingCg);
   options.num_threads = 1;
-  Solve(options, one.graph, &one.state);
+  RefineState(options, one.graph, &one.state);
   for (const int num_threads : {2, 3}) {
     NoisyRoom many = DisturbedRoom();
     options.num_threads = num_threads;
-    Solve(options, many.graph, &many.state);
+    RefineState(options, many.graph, &many.state);
     EXPECT_EQ(many.state, one.state) << num_threads;
   }
 }
@@ -210,7 +267,7 @@ TEST(SolveTest, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(SolveTest, SummarisesTheTermsOfTheLastRound) {
   NoisyRoom room = DisturbedRoom();
   const SolverSummary summary =
-      Solve(OptionsFor(SolverType::kAlternatingCg), room.graph, &room.state);
+      RefineState(OptionsFor(SolverType::kAlternatingCg), room.graph, &room.state);
   const auto term = [&](const char* name) { return TermOfSummary(summary, name); };
   EXPECT_EQ(term(kMotionTerm).count, 11u);
   EXPECT_EQ(term(kRelativePoseTerm).count, 2u);
@@ -284,11 +341,12 @@ TEST(SolveTest, PassesOnWhatCeresSaysOfItsOptions) {
 
 TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
   NoisyRoom own = DisturbedRoom();
-  const SolverSummary expected = Solve(OptionsFor(SolverType::kReduced), own.graph, &own.state);
+  const SolverSummary expected =
+      RefineState(OptionsFor(SolverType::kReduced), own.graph, &own.state);
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = OptionsFor(SolverType::kCeres);
   options.ceres->reduced = true;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.solver, "ceres, reduced");
   EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;
   EXPECT_TRUE(summary.rounds.empty());
@@ -302,12 +360,12 @@ TEST(SolveTest, CeresTakesTheRoundsOfTheReducedSolver) {
 TEST(SolveTest, ASurfaceThatTheCallerHasMeasuredGivesTheSameResult) {
   const SolverOptions options;
   NoisyRoom expected = DisturbedRoom();
-  Solve(options, expected.graph, &expected.state);
+  RefineState(options, expected.graph, &expected.state);
   NoisyRoom room = DisturbedRoom();
   ThreadPool pool(1);
   const MeasuredSurface surface =
       MeasureSurface(room.graph, NormalOptionsFor(options.factors.beam), &pool);
-  EXPECT_TRUE(Solve(options, surface, room.graph, &room.state).IsSolutionUsable());
+  EXPECT_TRUE(RefineState(options, surface, room.graph, &room.state).IsSolutionUsable());
   EXPECT_EQ(room.state, expected.state);
 }
 
@@ -318,8 +376,8 @@ TEST_P(SolveWith, PointsThatAreNotGivenAreWhereTheMeasurementsPutThem) {
   MapState without{room.state.poses, {}};
   SolverOptions options = OptionsFor(GetParam());
   options.num_threads = 1;
-  const SolverSummary with_points = Solve(options, room.graph, &given);
-  const SolverSummary summary = Solve(options, room.graph, &without);
+  const SolverSummary with_points = RefineState(options, room.graph, &given);
+  const SolverSummary summary = RefineState(options, room.graph, &without);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   // The order in which Ceres eliminates depends on the addresses of the unknowns.
   const bool is_exact = GetParam() != SolverType::kCeres;
@@ -345,14 +403,15 @@ TEST(SolveTest, AFailureLeavesAStateWithoutPointsAsItWas) {
   SolverOptions options;
   options.callback = [](const IterationSummary&) -> bool { throw std::runtime_error("no"); };
   MapState state{room.state.poses, {}};
-  EXPECT_FALSE(Solve(options, room.graph, &state).IsSolutionUsable());
+  EXPECT_FALSE(RefineState(options, room.graph, &state).IsSolutionUsable());
   EXPECT_EQ(state, (MapState{room.state.poses, {}}));
 }
 
 TEST(SolveTest, ASurfaceOfAnotherGraphIsRefused) {
   NoisyRoom room = DisturbedRoom();
   const MapState before = room.state;
-  const SolverSummary summary = Solve(SolverOptions(), MeasuredSurface(), room.graph, &room.state);
+  const SolverSummary summary =
+      RefineState(SolverOptions(), MeasuredSurface(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, testing::HasSubstr("but the surface 0 normals"));
   EXPECT_EQ(room.state, before);
@@ -377,7 +436,7 @@ TEST_P(SolveFalseEdges, AreIgnoredAndNamed) {
     const Pose2 motion = Between(room.truth[3], room.truth[8]) * Pose2(0.0, 0.4, 0.0);
     room.graph.AddRelativePose({3, 8, motion, 1e-7 * Eigen::Matrix3d::Identity()});
     options.test_edges = tested;
-    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    const SolverSummary summary = RefineState(options, room.graph, &room.state);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
     error_m[tested] = MeanPoseError(room);
     ASSERT_EQ(summary.ignored_edges.size(), tested ? 1u : 0u);

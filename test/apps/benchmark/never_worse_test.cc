@@ -11,7 +11,7 @@
 
 #include "plumbline/apps/benchmark/adversarial.h"
 #include "plumbline/apps/benchmark/adversarial_problem.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 
 namespace plumbline {
 namespace {
@@ -89,7 +89,7 @@ TEST(NeverWorseSolveTest, APerfectStartComesBackBitForBitAndTheMessageSaysWhy) {
   const std::vector<double> truth = PoseArray(problem.truth);
   const MapState start{truth, problem.graph.MeasuredMap(truth)};
   MapState state = start;
-  const SolverSummary summary = Solve(SolverOptions(), problem.graph, &state);
+  const SolverSummary summary = RefineState(SolverOptions(), problem.graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
   EXPECT_EQ(state, start);
   // Noise that poses are fitted to lowers the energy, and tells nothing of other returns.
@@ -114,7 +114,7 @@ TEST_P(AllSolversTest, HaveTheirResultJudgedByHeldOutReturns) {
   options.rounds.max_coarse_rounds = 1;
   options.rounds.max_fine_rounds = 1;
   MapState state = problem.graph.InitialState();
-  const SolverSummary summary = Solve(options, problem.graph, &state);
+  const SolverSummary summary = RefineState(options, problem.graph, &state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_GT(summary.acceptance.num_held_out, 1000u);
   EXPECT_LT(summary.acceptance.final_held_out_error,

@@ -13,7 +13,7 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/interface/solver.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -65,7 +65,7 @@ TEST_P(RunSolverWith, TracesTheEnergyFromTheSeedToTheResult) {
     energies.push_back(EnergyOf(room.graph, *iteration.poses, solver.options));
     return true;
   };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   energies.push_back(summary.final_marginal_energy);
 
   EXPECT_EQ(run.failure, "");

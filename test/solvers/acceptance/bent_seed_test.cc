@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -71,7 +71,7 @@ TEST(BentSeedTest, IsNoYardstickForPartsOfTheDrive) {
   Bend(&room);
   SolverOptions options;
   options.factors.own_terms = {WrongPositions(room)};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_EQ(summary.ignored_edges.size(), 1u);
   EXPECT_TRUE(summary.started_from_constraints);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
@@ -90,7 +90,7 @@ TEST(BentSeedTest, WithoutFalseEdgesTheWrongPosesCount) {
   const MapState seed = room.state;
   SolverOptions options;
   options.factors.own_terms = {WrongPositions(room)};
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.ignored_edges.empty());
   EXPECT_EQ(summary.acceptance.num_worse_stretches, 1) << summary.message;
   EXPECT_EQ(room.state, seed);

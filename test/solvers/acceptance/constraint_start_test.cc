@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -141,7 +141,7 @@ TEST_P(SolveFromConstraints, BringsMixedUpPosesHome) {
   Shuffle(room.graph, &room.state);
   SolverOptions options;
   options.type = GetParam();
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.started_from_constraints);
   EXPECT_THAT(summary.message, HasSubstr("started from odometry and relative poses"));
@@ -160,7 +160,7 @@ TEST_P(SolveFromConstraints, ScansThatContradictTheOdometryKeepTheirStart) {
   for (Pose2& motion : motions) motion.yaw += 0.06;
   room.graph = room.graph.Corrected({motions, {}, {}, {}, {}});
   ASSERT_TRUE(StartFromConstraints(room.graph, room.state.poses, options.factors.motion));
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_FALSE(summary.started_from_constraints);
   EXPECT_THAT(summary.message, Not(HasSubstr("started from odometry")));
   EXPECT_LT(WorstError(room.state.poses, room.truth), 0.05);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "plumbline/solvers/calibration.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/core/synthetic_scene.h"
 #include "plumbline/test/core/thread_peers.h"
 
@@ -127,7 +127,7 @@ TEST(MirroredScansTest, SolveRefusesThemAndLeavesTheStateAlone) {
     MapState state = graph.InitialState();
     SolverOptions options;
     options.type = type;
-    const SolverSummary summary = Solve(options, graph, &state);
+    const SolverSummary summary = RefineState(options, graph, &state);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
     EXPECT_THAT(summary.message, HasSubstr("the scans look mirrored: around 2"));
     EXPECT_EQ(state, graph.InitialState());
@@ -164,7 +164,7 @@ TEST(MirroredScansTest, ProcessesVoteTogether) {
       EXPECT_EQ(votes.SayMirrored(), mirrored);
       EXPECT_GE(votes.as_they_are + votes.mirrored, 12);
       MapState state{part.initial_poses(), {}};
-      EXPECT_EQ(Solve(SolverOptions(), part, &state).IsSolutionUsable(), !mirrored);
+      EXPECT_EQ(RefineState(SolverOptions(), part, &state).IsSolutionUsable(), !mirrored);
     });
   }
 }
@@ -179,7 +179,7 @@ TEST(MirroredScansTest, PosesThatTheOdometryReplacesAreNoReason) {
     state.SetPose(i, {2.0 * scene.poses[0].x - pose.x, pose.y, kPi - pose.yaw});
   }
   EXPECT_TRUE(VoteOnTurns(graph, state.poses).SayMirrored());
-  const SolverSummary summary = Solve(GoodOdometry(), graph, &state);
+  const SolverSummary summary = RefineState(GoodOdometry(), graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_TRUE(summary.started_from_constraints);
 }
@@ -190,7 +190,8 @@ TEST(MirroredScansTest, WherePosesSayNothingTheOdometryDoes) {
   MapState state = graph.InitialState();
   std::fill(state.poses.begin(), state.poses.end(), 0.0);
   EXPECT_FALSE(VoteOnTurns(graph, state.poses).AreEnough());
-  EXPECT_THAT(Solve(GoodOdometry(), graph, &state).message, HasSubstr("the scans look mirrored"));
+  EXPECT_THAT(RefineState(GoodOdometry(), graph, &state).message,
+              HasSubstr("the scans look mirrored"));
 }
 
 TEST(MirroredScansTest, ItTakesEnoughTurns) {

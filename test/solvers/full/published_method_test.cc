@@ -11,7 +11,7 @@
 #include "plumbline/solvers/association/held_out_returns.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/front_end/global_icp.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -79,7 +79,7 @@ TEST(PublishedMethodTest, BringsTheMapNearerToTheTruthFromOneIcpOverAllScans) {
                   .ok());
   EXPECT_LT(WorstPoseErrorM(room), 0.02);
   const double before_m = MapErrorM(room.graph, room.state.points);
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_LT(MapErrorM(room.graph, room.state.points), 0.8 * before_m);
   EXPECT_LT(WorstPoseErrorM(room), 0.02);
@@ -92,7 +92,7 @@ TEST(PublishedMethodTest, ReturnsTheStartWhereThePriorsDoHarm) {
   const MapState start = room.state;
   SolverOptions options = Published();
   options.factors.beam.sigma_range_m = 0.01;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement);
   EXPECT_GE(summary.rounds.size(), 5u);
   EXPECT_TRUE(room.state == start);
@@ -102,7 +102,7 @@ TEST(PublishedMethodTest, ReturnsTheStartWhereThePriorsDoHarm) {
 TEST(PublishedMethodTest, HeldOutPointsAreDrawnToTheLinesOfTheOthers) {
   NoisyRoom room = DisturbedRoom();
   const NoisyRoom exact = DenseRoom(0.0);
-  ASSERT_NE(Solve(Published(), room.graph, &room.state).termination,
+  ASSERT_NE(RefineState(Published(), room.graph, &room.state).termination,
             TerminationType::kNoImprovement);
   const std::vector<double> raw = room.graph.MeasuredMap(room.state.poses);
   double raw_sum = 0.0, sum = 0.0;
@@ -126,7 +126,7 @@ TEST(PublishedMethodTest, TakesTheThicknessOfSurfacesFromTheStart) {
     SolverOptions options = Published();
     options.published.sigma_from_start = from_start;
     options.published.max_passes = 1;
-    const SolverSummary summary = Solve(options, room.graph, &room.state);
+    const SolverSummary summary = RefineState(options, room.graph, &room.state);
     ASSERT_EQ(summary.terms[3].name, "manifold");
     sigma_m[from_start] = summary.terms[3].sigma;
   }
@@ -139,7 +139,7 @@ TEST(PublishedMethodTest, TakesTheThicknessOfSurfacesFromTheStart) {
 TEST(PublishedMethodTest, MovesMapAndPosesInTurnAlongConjugateDirections) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = Published();
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   ASSERT_GE(summary.rounds.size(), 6u);
   ASSERT_EQ(summary.iterations.size(), 2 * summary.rounds.size());
@@ -158,7 +158,7 @@ TEST(PublishedMethodTest, MovesMapAndPosesInTurnAlongConjugateDirections) {
 
 TEST(PublishedMethodTest, EveryPointThatIsNotHeldOutHasATangentLineAndSegmentsHavePairs) {
   NoisyRoom room = DisturbedRoom();
-  const SolverSummary summary = Solve(Published(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(Published(), room.graph, &room.state);
   ASSERT_FALSE(summary.rounds.empty());
   for (const RoundSummary& pass : summary.rounds) {
     EXPECT_EQ(pass.num_lines, room.graph.num_returns() - NumHeldOut(room.graph));
@@ -176,7 +176,7 @@ TEST(PublishedMethodTest, ReportsTheAcceptanceTestAndDoesNotApplyIt) {
   // From the truth, with noise as it is, every step away is a step for the worse.
   NoisyRoom room = DenseRoom();
   const MapState seed = room.state;
-  const SolverSummary summary = Solve(Published(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(Published(), room.graph, &room.state);
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_NE(summary.termination, TerminationType::kNoImprovement);
   EXPECT_GT(summary.acceptance.num_held_out, 10u);
@@ -190,7 +190,7 @@ TEST(PublishedMethodTest, PassesEndWhenOneGainsLittle) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = Published();
   options.published.max_passes = 1000;
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kConverged) << summary.message;
   EXPECT_LT(summary.rounds.size(), 1000u);
 }
@@ -200,7 +200,7 @@ TEST(PublishedMethodTest, StopsWhenTheCallbackSaysSo) {
   SolverOptions options = Published();
   int calls = 0;
   options.callback = [&](const IterationSummary&) { return ++calls < 5; };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(calls, 5);
 }

@@ -7,7 +7,7 @@
 
 #include "plumbline/solvers/full/marginal_energy.h"
 #include "plumbline/solvers/interface/ceres_options.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -47,7 +47,7 @@ TEST(RoundEnergiesTest, AllSolversStartAtTheSameEnergyAndEndAtThatOfTheirResult)
   const double start = EnergyOf(room.graph, room.state.poses, SolverOptions());
   for (const SolverOptions& options : EverySolver()) {
     MapState state = room.state;
-    const SolverSummary summary = Solve(options, room.graph, &state);
+    const SolverSummary summary = RefineState(options, room.graph, &state);
     SCOPED_TRACE(summary.solver);
     ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
     ASSERT_GE(summary.round_energies.size(), 2u);
@@ -72,7 +72,7 @@ TEST(RoundEnergiesTest, TheLastRoundThatWasKeptIsTheResult) {
   const NoisyRoom room = DisturbedRoom();
   for (const SolverOptions& options : EverySolver()) {
     MapState state = room.state;
-    const SolverSummary summary = Solve(options, room.graph, &state);
+    const SolverSummary summary = RefineState(options, room.graph, &state);
     SCOPED_TRACE(summary.solver);
     ASSERT_TRUE(summary.put_back.empty());
     std::size_t last = summary.round_energies.size() - 1;
@@ -84,7 +84,7 @@ TEST(RoundEnergiesTest, TheLastRoundThatWasKeptIsTheResult) {
 TEST(RoundEnergiesTest, RoundsOfPointsHaveTheEnergyThatDecidesAboutThem) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = EverySolver()[1];
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_EQ(summary.round_energies.size(), summary.rounds.size() + 1);
   for (std::size_t i = 0; i < summary.rounds.size(); ++i) {
     EXPECT_EQ(summary.round_energies[i + 1].marginal_energy, summary.rounds[i].marginal_energy);
@@ -95,11 +95,11 @@ TEST(RoundEnergiesTest, MeasuringChangesNothingAndIsOffByDefault) {
   const NoisyRoom room = DisturbedRoom();
   MapState plain = room.state, measured = room.state;
   SolverOptions options;
-  EXPECT_TRUE(Solve(options, room.graph, &plain).round_energies.empty());
+  EXPECT_TRUE(RefineState(options, room.graph, &plain).round_energies.empty());
   options.measure_rounds = true;
   int num_calls = 0;
   options.callback = [&](const IterationSummary&) { return ++num_calls > 0; };
-  const SolverSummary summary = Solve(options, room.graph, &measured);
+  const SolverSummary summary = RefineState(options, room.graph, &measured);
   EXPECT_TRUE(measured == plain);
   EXPECT_EQ(num_calls, static_cast<int>(summary.iterations.size()));
 }
@@ -109,14 +109,14 @@ TEST(RoundEnergiesTest, WhatTheSolverIgnoresCountsInNoRound) {
   NoisyRoom room = DisturbedRoom();
   SolverOptions options = EverySolver()[0];
   MapState state = room.state;
-  const double without = Solve(options, room.graph, &state).round_energies[0].marginal_energy;
+  const double without = RefineState(options, room.graph, &state).round_energies[0].marginal_energy;
   RelativePoseConstraint wrong;
   wrong.from = 2;
   wrong.to = 9;
   wrong.from_from_to = Between(room.truth[2], room.truth[9]) * Pose2(1.5, 1.0, 0.8);
   wrong.covariance = 1e-6 * Eigen::Matrix3d::Identity();
   room.graph.AddRelativePose(wrong);
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_EQ(summary.ignored_edges.size(), 1u);
   EXPECT_LT(summary.round_energies[0].marginal_energy, 1.01 * without);
 }
@@ -133,7 +133,7 @@ TEST(RoundEnergiesTest, AGraphWithoutReturnsHasNone) {
   options.type = SolverType::kPoseGraph;
   options.measure_rounds = true;
   MapState state = graph.InitialState();
-  const SolverSummary summary = Solve(options, graph, &state);
+  const SolverSummary summary = RefineState(options, graph, &state);
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_TRUE(summary.round_energies.empty());
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "plumbline/solvers/pose_graph/pose_graph.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
 namespace plumbline {
@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, PoseOnlySolveTest,
 TEST_P(PoseOnlySolveTest, MovesThePosesToTheOptimumOfTheEdges) {
   NoisyRoom room = DisturbedRoomWithEdges();
   const double seed_chi2 = Chi2(room);
-  const SolverSummary summary = Solve(Options(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(Options(), room.graph, &room.state);
   ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
   EXPECT_EQ(summary.solver, ToString(GetParam()));
   EXPECT_EQ(summary.num_relative_poses, room.graph.relative_poses().size());
@@ -57,7 +57,7 @@ TEST_P(PoseOnlySolveTest, PointsRideAlong) {
   NoisyRoom room = DisturbedRoomWithEdges();
   DisturbPoints(0.1, &room.state);  // not where the beams end
   const MapState before = room.state;
-  ASSERT_TRUE(Solve(Options(), room.graph, &room.state).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(Options(), room.graph, &room.state).IsSolutionUsable());
   const SlamGraph& graph = room.graph;
   const auto in_robot = [&graph](const MapState& state, std::size_t r) -> Eigen::Vector2d {
     return state.WorldFromRobot(graph.scan(graph.ScanOfReturn(r)).pose).Inverse() *
@@ -80,7 +80,7 @@ TEST_P(PoseOnlySolveTest, ReportsEveryIteration) {
     EXPECT_GT(row.step_norm, 0.0);
     return rows.size() < 7;
   };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   ASSERT_EQ(rows.size(), summary.iterations.size());
   ASSERT_GT(rows.size(), 1u);
   EXPECT_LE(rows.size(), 7u);
@@ -102,7 +102,7 @@ TEST_P(PoseOnlySolveTest, ReturnsTheGivenStateBitForBitIfNothingIsBetter) {
   state.SetPose(1, state.WorldFromRobot(0));
   perfect.AddRelativePose({0, 1, Pose2(), Eigen::Matrix3d::Identity()});
   const MapState before = state;
-  const SolverSummary summary = Solve(Options(), perfect, &state);
+  const SolverSummary summary = RefineState(Options(), perfect, &state);
   EXPECT_EQ(summary.termination, TerminationType::kNoImprovement) << summary.message;
   EXPECT_TRUE(summary.IsSolutionUsable());
   EXPECT_EQ(state, before);
@@ -115,7 +115,7 @@ TEST_P(PoseOnlySolveTest, HoldsFixedPosesAndPutsThemBack) {
   const Pose2 fixed = room.state.WorldFromRobot(3);
   room.graph.FixPose(3, fixed);
   room.state.SetPose(3, {9.0, 9.0, 9.0});
-  ASSERT_TRUE(Solve(Options(), room.graph, &room.state).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(Options(), room.graph, &room.state).IsSolutionUsable());
   EXPECT_EQ(ToBlock(room.state.WorldFromRobot(3)), ToBlock(fixed));
 }
 
@@ -124,7 +124,7 @@ TEST_P(PoseOnlySolveTest, HoldsFixedPosesAlsoWhereTheEdgesWouldRatherNot) {
   const Pose2 fixed = room.state.WorldFromRobot(5) * Pose2(0.5, 0.0, 0.0);
   room.graph.FixPose(5, fixed);
   room.graph.FixPose(0);
-  Solve(Options(), room.graph, &room.state);
+  RefineState(Options(), room.graph, &room.state);
   EXPECT_EQ(ToBlock(room.state.WorldFromRobot(5)), ToBlock(fixed));
   EXPECT_EQ(ToBlock(room.state.WorldFromRobot(0)), ToBlock(room.graph.InitialPose(0)));
 }
@@ -135,7 +135,7 @@ TEST_P(PoseOnlySolveTest, FailsWithoutRelativePoses) {
   scene.poses = {Pose2(), Pose2(0.1, 0.0, 0.0)};
   const SlamGraph graph = MakeGraph(scene);
   MapState state = graph.InitialState();
-  const SolverSummary summary = Solve(Options(), graph, &state);
+  const SolverSummary summary = RefineState(Options(), graph, &state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("no relative poses"));
   EXPECT_THAT(summary.message, HasSubstr(ToString(GetParam())));
@@ -146,9 +146,9 @@ TEST_P(PoseOnlySolveTest, NamesAStateOrOptionThatIsWrong) {
   NoisyRoom room = DisturbedRoomWithEdges();
   SolverOptions options = Options();
   options.num_threads = 0;
-  EXPECT_THAT(Solve(options, room.graph, &room.state).message, HasSubstr("num_threads = 0"));
+  EXPECT_THAT(RefineState(options, room.graph, &room.state).message, HasSubstr("num_threads = 0"));
   room.state.poses[3 * 5] = std::numeric_limits<double>::quiet_NaN();
-  const SolverSummary summary = Solve(Options(), room.graph, &room.state);
+  const SolverSummary summary = RefineState(Options(), room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kFailure);
   EXPECT_THAT(summary.message, HasSubstr("pose 5"));
 }
@@ -158,7 +158,7 @@ TEST(PoseOnlySolve, PoseGraphStopsAfterTheIterationItSaw) {
   SolverOptions options;
   options.type = SolverType::kPoseGraph;
   options.callback = [](const IterationSummary&) { return false; };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(summary.iterations.size(), 1u);
   EXPECT_LT(summary.final_chi2, summary.seed_chi2);
@@ -171,7 +171,7 @@ TEST(PoseOnlySolve, SgdStopsWithTheStateSoFarWhenAskedTo) {
   options.type = SolverType::kSgd;
   int num_calls = 0;
   options.callback = [&](const IterationSummary&) { return ++num_calls < 5; };
-  const SolverSummary summary = Solve(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_EQ(summary.termination, TerminationType::kUserStopped);
   EXPECT_EQ(summary.iterations.size(), 5u);
   EXPECT_LT(summary.final_chi2, summary.seed_chi2);

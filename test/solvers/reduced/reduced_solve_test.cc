@@ -11,8 +11,8 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/landmarks/landmark_energy.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/sliding_window.h"
-#include "plumbline/solvers/solve.h"
 #include "plumbline/solvers/terms/terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -32,7 +32,7 @@ SolverOptions Reduced(int num_threads = 2) {
 /// seed bit for bit if nothing was better.
 SolverSummary SolveSoundly(const SolverOptions& options, const SlamGraph& graph, MapState* state) {
   const MapState seed = *state;
-  const SolverSummary summary = Solve(options, graph, state);
+  const SolverSummary summary = RefineState(options, graph, state);
   EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
   for (const std::vector<double>* values : {&state->poses, &state->points}) {
     EXPECT_TRUE(
@@ -131,7 +131,7 @@ TEST(ReducedSolveTest, ReturnsWithoutANormalCountFromTheSecondRoundOn) {
     MapState state = room.state;
     std::vector<std::size_t> num_observations;
     for (const LandmarkRoundSummary& round :
-         Solve(options, surface, room.graph, &state).landmark_rounds) {
+         RefineState(options, surface, room.graph, &state).landmark_rounds) {
       num_observations.push_back(round.num_observations);
     }
     return num_observations;
@@ -164,7 +164,7 @@ TEST(ReducedSolveTest, LinesThatStayHoldThePosesBack) {
   EXPECT_LT(following.acceptance.final_energy, staying.acceptance.final_energy);
   options.type = SolverType::kCeres;
   options.ceres->reduced = true;
-  EXPECT_THAT(Solve(options, stay.graph, &stay.state).message, HasSubstr("lines_follow"));
+  EXPECT_THAT(RefineState(options, stay.graph, &stay.state).message, HasSubstr("lines_follow"));
 }
 
 TEST(ReducedSolveTest, SolvingAgainFindsLittleToDo) {
@@ -448,7 +448,7 @@ TEST(ReducedSolveTest, NamesAPoseThatIsNotFinite) {
   for (const double bad : {kNaN, kInfinity}) {
     NoisyRoom room = DisturbedRoom();
     room.state.poses[3 * 7 + 1] = bad;
-    const SolverSummary summary = Solve(Reduced(), room.graph, &room.state);
+    const SolverSummary summary = RefineState(Reduced(), room.graph, &room.state);
     EXPECT_EQ(summary.termination, TerminationType::kFailure);
     EXPECT_THAT(summary.message, HasSubstr("pose 7"));
   }

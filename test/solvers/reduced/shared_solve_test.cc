@@ -8,7 +8,7 @@
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/slam_graph.h"
-#include "plumbline/solvers/solve.h"
+#include "plumbline/solvers/refine_state.h"
 #include "plumbline/test/core/thread_peers.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -64,7 +64,7 @@ Solution SolveShared(const SolverOptions& options, const SlamGraph& whole,
   RunOnPeers(num_ranks, [&](const Peers& peers) {
     const Part part = MakePart(whole, rank_of_pose, peers);
     MapState state{poses, {}};
-    const SolverSummary summary = Solve(options, part.graph, &state);
+    const SolverSummary summary = RefineState(options, part.graph, &state);
     EXPECT_TRUE(summary.IsSolutionUsable()) << summary.message;
     poses_of_rank[peers.rank()] = state.poses;
     for (std::size_t s = 0; s < part.scans.size(); ++s) {
@@ -118,7 +118,7 @@ TEST_P(SharedSolve, EndsWhereTheWholeGraphDoes) {
   const Solution shared =
       SolveShared(options, room.graph, room.state.poses, InTurn(60, 7, num_ranks), num_ranks);
   MapState whole = room.state;
-  const SolverSummary summary = Solve(options, room.graph, &whole);
+  const SolverSummary summary = RefineState(options, room.graph, &whole);
   EXPECT_EQ(summary.termination, shared.summary.termination);
   EXPECT_EQ(summary.num_points, shared.summary.num_points);
   EXPECT_NEAR(shared.summary.final_marginal_energy / summary.final_marginal_energy, 1.0, 1e-6);
@@ -150,7 +150,7 @@ TEST_P(SharedSolve, HasTheSameShapeTerms) {
   const Solution shared =
       SolveShared(options, room.graph, room.state.poses, InTurn(40, 6, num_ranks), num_ranks);
   MapState whole = room.state;
-  const SolverSummary summary = Solve(options, room.graph, &whole);
+  const SolverSummary summary = RefineState(options, room.graph, &whole);
   EXPECT_LT(LargestDifference(shared.state.poses, whole.poses), 1e-6);
   ASSERT_EQ(summary.terms.size(), shared.summary.terms.size());
   const TermSummary &shape = summary.terms.back(), &shared_shape = shared.summary.terms.back();
@@ -170,10 +170,10 @@ TEST(SharedSolve, MoreProcessesThanScans) {
   MapState whole = room.state;
   whole.points = room.graph.MeasuredMap(whole.poses);
   const MapState seed = whole;
-  const SolverSummary summary = Solve(options, room.graph, &whole);
+  const SolverSummary summary = RefineState(options, room.graph, &whole);
   RunOnParts(room.graph, 9, [&](const SlamGraph& part) {
     MapState state = PartOf(part, seed);
-    const SolverSummary shared = Solve(options, part, &state);
+    const SolverSummary shared = RefineState(options, part, &state);
     ASSERT_TRUE(shared.IsSolutionUsable()) << shared.message;
     EXPECT_EQ(shared.termination, summary.termination);
     EXPECT_LT(LargestDifference(state.poses, whole.poses), 1e-6);
