@@ -62,10 +62,10 @@ Status MovedFrom() { return Status::InvalidArgument("the incremental solver has 
 // degrees of freedom).
 constexpr double kMaxAgreeingChi2 = 16.27;
 
-// Share of the closures of a mapper that are usually false: 2.7 % on intel and on aces, where the
-// map is right, and 10 % on mit-killian, where it is wrong, of slam_toolbox's mapper. And so many
-// may be false in any case.
+// Share of a mapper's closures that are usually false. By slam_toolbox's mapper it is 2.7 % on
+// intel and aces, where the map is right, and 10 % on mit-killian, where the map is wrong.
 constexpr double kUsuallyFalse = 0.05;
+// Number of closures that may be false in any drive.
 constexpr std::size_t kAlwaysFalse = 2;
 
 // An edge that closes a loop and agrees frees all poses if there are this many times as many as

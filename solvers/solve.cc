@@ -18,7 +18,8 @@ Solution Solve(const SlamGraph& graph, const SolverOptions& options, MapState st
   Solution solution;
   bool is_refused = false;
   solution.report = RefineState(options, graph, &start, &is_refused);
-  start.poses.resize(3 * static_cast<std::size_t>(start.num_poses()));  // a bad start has any size
+  start.poses.resize(3 *
+                     static_cast<std::size_t>(start.num_poses()));  // a bad start may have any size
   solution.poses = PosesOf(start.poses);
   solution.points = std::move(start.points);
   if (solution.report.IsSolutionUsable()) return solution;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "plumbline/solvers/front_end/scan_surfaces.h"
@@ -30,7 +31,7 @@ GrowingMap::GrowingMap(const std::vector<LaserModel>& lasers, const MotionOption
     : motion_(motion) {
   for (const LaserModel& laser : lasers) {
     graph_.AddLaser(laser);
-    graph_.TakeStatus();  // a laser that is refused has no scans
+    std::ignore = graph_.TakeStatus();  // a laser that is refused has no scans
   }
 }
 
