@@ -214,6 +214,7 @@ class DriveMatcher {
 
   MatchedStretch Match(const Stretch& stretch, ProgressMeter* progress) const {
     MatchedStretch matched;
+    if (stretch.run_up == stretch.end) return matched;  // of a graph without poses
     SequentialSeedingReport run_up_report;
     DriveTracker tracker(options_, motion_, sign_lost_,
                          surfaces_.graph().InitialPose(stretch.run_up));
