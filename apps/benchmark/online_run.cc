@@ -34,6 +34,7 @@ double ThreadTimeS() {
 
 std::vector<LaserModel> LasersOf(const SlamGraph& graph) {
   std::vector<LaserModel> lasers;
+  lasers.reserve(graph.num_lasers());
   for (int laser = 0; laser < graph.num_lasers(); ++laser) lasers.push_back(graph.laser(laser));
   return lasers;
 }
@@ -140,6 +141,7 @@ class OnlineFeeder {
 
 std::vector<Pose2> Untimed(const std::vector<TimedPose>& timed) {
   std::vector<Pose2> poses;
+  poses.reserve(timed.size());
   for (const TimedPose& pose : timed) poses.push_back(pose.world_from_robot);
   return poses;
 }

@@ -23,6 +23,7 @@ constexpr double kSurroundingsM = 2.0;
 
 std::vector<double> TimestampsOf(const SlamGraph& graph) {
   std::vector<double> timestamps_s;
+  timestamps_s.reserve(graph.num_poses());
   for (int pose = 0; pose < graph.num_poses(); ++pose) {
     timestamps_s.push_back(graph.timestamp_s(pose));
   }
