@@ -55,7 +55,7 @@ std::string ProblemOfCovariance(const Eigen::Matrix3d& covariance) {
   return "a standard deviation is not within 1e-9 and 1e9";
 }
 
-// Rounding must not make a return of what is none.
+// The nearest range that is a return, in single precision too.
 float ClampRange(const LaserModel& laser, double range_m) {
   const auto rounded = static_cast<float>(
       std::clamp(range_m, laser.min_range_m, std::nextafter(laser.max_range_m, 0.0)));

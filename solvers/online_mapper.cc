@@ -33,7 +33,8 @@ constexpr double kSeedingGrowth = 1.25;
 constexpr double kDoubtfulCorrectionM = 0.5;
 constexpr double kGrowthInDoubt = 1.1;
 
-// Of a graph of one scan, without the name of what was refused: the mapper has its own number.
+// The status of a graph of one scan, without the name of the refused measurement: the mapper counts
+// scans by itself.
 Status WithoutName(const Status& status) {
   if (status.ok()) return status;
   constexpr std::size_t kColon = 2;  // and a blank

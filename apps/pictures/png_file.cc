@@ -43,7 +43,7 @@ std::uint32_t Pixel(const unsigned char* row, std::size_t x) {
   return pixel & 0xffffffU;
 }
 
-// The colors of a drawing, reduced to what a palette holds. A drawing has few colors of its own;
+// The colors of a drawing, reduced to the size of a palette. A drawing has few colors of its own;
 // thousands more are blends along the edges of lines. Blends that differ in the low bits of their
 // channels become the most frequent color among them.
 class ReducedColors {

@@ -13,7 +13,7 @@ LiveMatching::LiveMatching(const SeedingOptions& options, const MotionOptions& m
       motion_(motion),
       normals_(normals),
       pool_(1),
-      tracker_(std::make_unique<DriveTracker>(options_, motion_, false, Pose2())) {}
+      tracker_(options_, motion_, /*sign_lost=*/false, Pose2()) {}
 
 void LiveMatching::Match(LiveScan* scan) {
   scan->surface = MeasureSurface(scan->measured, normals_, &pool_);
@@ -29,14 +29,14 @@ void LiveMatching::Match(LiveScan* scan) {
   } else if (id > 0) {
     step = PredictedStep();
   }
-  const std::size_t num_keyframes = tracker_->matcher().keyframes().size();
-  tracker_->Add(id, surface.empty() ? -1 : id, surface,
-                is_measured ? StepKind::kMeasured : StepKind::kPredicted, step, &report_);
-  const std::vector<Pose2>& poses = tracker_->poses();
+  const std::size_t num_keyframes = tracker_.matcher().keyframes().size();
+  tracker_.Add(id, surface.empty() ? -1 : id, surface,
+               is_measured ? StepKind::kMeasured : StepKind::kPredicted, step, &report_);
+  const std::vector<Pose2>& poses = tracker_.poses();
   scan->world_from_robot = poses.back();
   if (id > 0) scan->matched_step = Between(poses[id - 1], poses[id]);
-  scan->step_as_driven = tracker_->steps().back();
-  const std::vector<Keyframe>& keyframes = tracker_->matcher().keyframes();
+  scan->step_as_driven = tracker_.steps().back();
+  const std::vector<Keyframe>& keyframes = tracker_.matcher().keyframes();
   if (keyframes.size() == num_keyframes) return;
   scan->keyframe = keyframes.back();
   scan->key_surface = std::make_shared<const PackedSurface>(surface);
@@ -44,13 +44,13 @@ void LiveMatching::Match(LiveScan* scan) {
 
 void LiveMatching::SetOdometryFaults(const OdometryFaults& faults) {
   faults_ = faults;
-  tracker_->matcher().set_sign_lost(faults.sign_lost);
+  tracker_.matcher().set_sign_lost(faults.sign_lost);
 }
 
 // From the newest poses, and the period of the laser as their stamps show it.
 Pose2 LiveMatching::PredictedStep() const {
   constexpr std::ptrdiff_t kMaxPoses = 100;
-  const std::vector<Pose2>& poses = tracker_->poses();
+  const std::vector<Pose2>& poses = tracker_.poses();
   const std::ptrdiff_t num_poses = std::min<std::ptrdiff_t>(kMaxPoses, poses.size());
   const MotionPrediction prediction(
       std::vector<double>(timestamps_s_.end() - num_poses - 1, timestamps_s_.end()));

@@ -51,7 +51,7 @@ class LiveMatching {
   void SetOdometryFaults(const OdometryFaults& faults);
 
   /// As matched, one per scan.
-  const std::vector<Pose2>& poses() const { return tracker_->poses(); }
+  const std::vector<Pose2>& poses() const { return tracker_.poses(); }
 
  private:
   Pose2 PredictedStep() const;
@@ -63,7 +63,7 @@ class LiveMatching {
   OdometryFaults faults_;
   std::vector<double> timestamps_s_;
   SequentialSeedingReport report_;
-  std::unique_ptr<DriveTracker> tracker_;  // null before the first scan
+  DriveTracker tracker_;
 };
 
 }  // namespace plumbline

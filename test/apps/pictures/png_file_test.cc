@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kSize = 256;
 
-// What is read back of a drawing with these colors.
+// Writes a drawing with these colors, and reads it back.
 Picture WriteAndRead(const std::function<std::uint32_t(int x, int y)>& color) {
   cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, kSize, kSize);
   cairo_surface_flush(surface);
