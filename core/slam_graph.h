@@ -110,8 +110,7 @@ class SlamGraph {
 
   /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.
   int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
-  /// Number of sweeps.
-  int num_scans() const { return static_cast<int>(scans_.size()); }
+  int num_scans() const { return static_cast<int>(scans_.size()); }  ///< number of sweeps
   /// Number of returns of all scans, each a map point.
   std::size_t num_returns() const { return returns_.size(); }
 
@@ -127,11 +126,12 @@ class SlamGraph {
   bool has_named_fixed_poses() const { return !fixed_poses_.empty(); }
   /// Time of a pose [s].
   double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
+  /// Times of all poses [s], by id.
+  const std::vector<double>& timestamps_s() const { return timestamps_s_; }
 
   /// Pose, laser and returns of a sweep.
   const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
-  /// Number of different lasers.
-  int num_lasers() const { return static_cast<int>(lasers_.size()); }
+  int num_lasers() const { return static_cast<int>(lasers_.size()); }  ///< of different ones
   /// The model of a laser, as AddLaser took it.
   const LaserModel& laser(int laser_id) const { return lasers_[laser_id].model; }
   /// The model of the laser that made a sweep.

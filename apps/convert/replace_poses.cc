@@ -41,7 +41,7 @@ Status ReplacePoses(const std::string& trajectory_path, const SlamGraph& graph, 
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(trajectory_path, &trajectory));
   Pairing pairing;
   PLUMBLINE_RETURN_IF_ERROR(ChoosePairing({trajectory_path, TimesOf(trajectory)},
-                                          {"the log or graph", TimesOf(graph)}, kSameTime_s,
+                                          {"the log or graph", graph.timestamps_s()}, kSameTime_s,
                                           &pairing));
   if (!pairing.by_order) {
     std::vector<TimedPose> matches;

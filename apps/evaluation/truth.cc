@@ -25,8 +25,8 @@ Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* tr
   std::vector<TimedPose> read;
   PLUMBLINE_RETURN_IF_ERROR(ReadTumTrajectory(path, &read));
   Pairing pairing;
-  PLUMBLINE_RETURN_IF_ERROR(
-      ChoosePairing({path, TimesOf(read)}, {"the log", TimesOf(graph)}, kSameTime_s, &pairing));
+  PLUMBLINE_RETURN_IF_ERROR(ChoosePairing({path, TimesOf(read)}, {"the log", graph.timestamps_s()},
+                                          kSameTime_s, &pairing));
   if (pairing.by_order) {
     for (int p = 0; p < graph.num_poses(); ++p) {
       truth->trajectory.push_back({graph.timestamp_s(p), read[p].world_from_robot});
@@ -49,7 +49,7 @@ Status JoinTrajectory(const std::string& path, const SlamGraph& graph, Truth* tr
 }
 
 Status JoinHits(const std::string& path, const SlamGraph& graph, Truth* truth) {
-  const std::string fault = ClockFault(TimesOf(graph));
+  const std::string fault = ClockFault(graph.timestamps_s());
   if (!fault.empty()) {
     return Status::InvalidArgument(path + ": hits find their scans by time, but of the log " +
                                    fault);

@@ -42,13 +42,6 @@ std::vector<double> TimesOf(const std::vector<TimedPose>& trajectory) {
   return times_s;
 }
 
-std::vector<double> TimesOf(const SlamGraph& graph) {
-  std::vector<double> times_s;
-  times_s.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) times_s.push_back(graph.timestamp_s(pose));
-  return times_s;
-}
-
 Status ChoosePairing(const RecordTimes& a, const RecordTimes& b, double tolerance_s,
                      Pairing* pairing) {
   const bool by_order = AreSame(a.times_s, b.times_s, tolerance_s);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -18,8 +17,6 @@ std::string ClockFault(const std::vector<double>& times_s);
 
 /// Times [s] of the poses, in their order.
 std::vector<double> TimesOf(const std::vector<TimedPose>& trajectory);
-/// The same of a graph.
-std::vector<double> TimesOf(const SlamGraph& graph);
 
 /// Times [s] of one record of a drive, and what errors call it: the path of its file.
 struct RecordTimes {

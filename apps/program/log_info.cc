@@ -114,7 +114,7 @@ std::string GraphText(const SlamGraph& graph) {
   std::string text = "  used: " + std::to_string(graph.num_scans()) + " scans with " +
                      std::to_string(graph.num_returns()) + " returns at " +
                      std::to_string(graph.num_poses()) + " poses";
-  const std::vector<double> times_s = TimesOf(graph);
+  const std::vector<double>& times_s = graph.timestamps_s();
   if (!times_s.empty()) {
     const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
     text += ", " + TimeText(*first, *last, times_s.size());

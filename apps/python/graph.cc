@@ -218,15 +218,6 @@ GraphObject Corrected(const GraphObject& graph, const MeasurementCorrections& co
   return GraphObject(graph->Corrected(corrections));
 }
 
-std::vector<double> TimestampsOf(const SlamGraph& graph) {
-  std::vector<double> timestamps_s;
-  timestamps_s.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    timestamps_s.push_back(graph.timestamp_s(pose));
-  }
-  return timestamps_s;
-}
-
 void BindSlamGraph(py::module_* module) {
   using Graph = GraphObject;
   py::class_<Graph>(
@@ -274,7 +265,7 @@ void BindSlamGraph(py::module_* module) {
           "initial_poses", [](const Graph& g) { return ArrayOf(g->initial_poses(), 3); },
           "(N, 3): x, y [m], yaw [rad] of world_from_robot")
       .def_property_readonly(
-          "timestamps_s", [](const Graph& g) { return ArrayOf(TimestampsOf(*g)); },
+          "timestamps_s", [](const Graph& g) { return ArrayOf(g->timestamps_s()); },
           "(N,): time of each pose [s]")
       .def_property_readonly(
           "ranges_m", [](const Graph& g) { return ArrayOf(g->returns().range_m); },

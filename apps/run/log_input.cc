@@ -31,7 +31,7 @@ std::vector<Warning> DoubtsAbout(const std::string& path, const SlamGraph& graph
                 "moved. Long bare corridors may come out too short or too long, and fast turns or "
                 "gaps between scans may break the map"});
   }
-  const std::string fault = ClockFault(TimesOf(graph));
+  const std::string fault = ClockFault(graph.timestamps_s());
   if (!fault.empty()) {
     warnings.push_back(
         {"useless_clock", path + ": " + fault + "; the scans are taken in the order of the file"});

@@ -21,15 +21,6 @@ constexpr int kStepsBefore = 3;
 // surroundings are rarely nearer all round.
 constexpr double kSurroundingsM = 2.0;
 
-std::vector<double> TimestampsOf(const SlamGraph& graph) {
-  std::vector<double> timestamps_s;
-  timestamps_s.reserve(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) {
-    timestamps_s.push_back(graph.timestamp_s(pose));
-  }
-  return timestamps_s;
-}
-
 // No motion where there is no step before.
 double MedianOrZero(const std::vector<double>& values) {
   return values.empty() ? 0.0 : Median(values);
@@ -42,7 +33,7 @@ bool LacksOdometry(const SlamGraph& graph) {
 }
 
 MotionPrediction::MotionPrediction(const SlamGraph& graph)
-    : MotionPrediction(TimestampsOf(graph)) {}
+    : MotionPrediction(graph.timestamps_s()) {}
 
 MotionPrediction::MotionPrediction(const std::vector<double>& timestamps_s)
     : num_periods_(timestamps_s.size(), 1.0) {

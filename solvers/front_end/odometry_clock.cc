@@ -77,12 +77,6 @@ struct TurnSample {
   std::array<double, kNumTried> matched{};
 };
 
-std::vector<double> TimesOf(const SlamGraph& graph) {
-  std::vector<double> times_s(graph.num_poses());
-  for (int pose = 0; pose < graph.num_poses(); ++pose) times_s[pose] = graph.timestamp_s(pose);
-  return times_s;
-}
-
 // Median time between scans whose stamps differ [s]; 0 if stamps fall, or if too many repeat.
 double PeriodOf(const std::vector<double>& times_s) {
   std::vector<double> periods_s;
@@ -210,7 +204,7 @@ double PossibleWidth(const std::array<double, kNumTried>& unlikeliness, int best
 
 ClockOffset EstimateClockOffset(const SlamGraph& graph, const SequentialTrajectory& trajectory) {
   ClockOffset offset;
-  const std::vector<double> times_s = TimesOf(graph);
+  const std::vector<double>& times_s = graph.timestamps_s();
   if (times_s.size() < 3) return offset;
   const double period_s = PeriodOf(times_s);
   if (!(period_s > 0.0) || period_s > kMaxGapS) return offset;
@@ -239,7 +233,7 @@ std::vector<Pose2> OdometryInTime(const SlamGraph& graph, const std::vector<Pose
   for (std::size_t pose = 1; pose < odometry.size(); ++pose) {
     poses.push_back(poses.back() * odometry[pose]);
   }
-  const std::vector<double> times_s = TimesOf(graph);
+  const std::vector<double>& times_s = graph.timestamps_s();
   // Nothing before the first scan, after the last one, and in gaps.
   const auto pose_at = [&](double time_s) -> std::optional<Pose2> {
     const auto after = std::upper_bound(times_s.begin() + 1, times_s.end() - 1, time_s);
