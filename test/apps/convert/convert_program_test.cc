@@ -87,7 +87,7 @@ TEST_F(ConvertProgramTest, ReturnsOfASweepAreWhereTheRobotWasAtTheirTimes) {
   double mean_error_m[2] = {};
   for (const bool as_swept : {false, true}) {
     const Outcome run =
-        Convert("a.clf", "a.ply,b.g2o",
+        Convert("a.clf", "a.ply," + folder_ + "b.g2o",
                 "--trajectory=" + folder_ + "a.tum --sweep_time_s=" + (as_swept ? "0" : "0.15"));
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_EQ(run.out.find("Sweeps: measured first beam first") == run.out.npos, as_swept);
