@@ -19,13 +19,13 @@ set(PLUMBLINE_DOORS
 # All public headers: these, and the data that they take and give. The API reference lists them.
 set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   core/angle.h
+  core/custom_factor.h
   core/measured_surface.h
   core/measurements.h
   core/options_check.h
   core/pose_frame.h
   core/return_normal.h
   core/scan_returns.h
-  factors/own_term.h
   solvers/alarm.h
   solvers/interface/acceptance.h
   solvers/interface/association_options.h

@@ -20,11 +20,13 @@ struct MapState {
   int num_poses() const { return static_cast<int>(poses.size() / 3); }
 
   /// A pose. Needs a known id.
-  Pose2 WorldFromRobot(int pose_id) const { return Pose2(&poses[3 * pose_id]); }
+  Pose2 WorldFromRobot(int pose_id) const {
+    return Pose2(&poses[3 * static_cast<std::size_t>(pose_id)]);
+  }
 
   /// Moves a pose, and no map point: see SlamGraph::MeasuredMap. Needs a known id.
   void SetPose(int pose_id, const Pose2& world_from_robot) {
-    double* block = &poses[3 * pose_id];
+    double* block = &poses[3 * static_cast<std::size_t>(pose_id)];
     block[0] = world_from_robot.x;
     block[1] = world_from_robot.y;
     block[2] = world_from_robot.yaw;

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/copy_factor.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/partition.h"
 
@@ -224,6 +225,10 @@ SlamGraph Fetch(const Source& source, const std::vector<int>& ids_among_all,
 Status ShareGraph(const Peers* peers, std::vector<int> rank_of_pose, SlamGraph* graph) {
   Outline outline;
   if (SpeaksForAll(peers)) outline = OutlineOf(*graph);
+  if (outline.refusal.empty() && !graph->factors().empty()) {
+    const std::string text = "custom factors cannot be sent: each process adds them to its part";
+    outline.refusal.assign(text.begin(), text.end());
+  }
   outline.rank_of_pose = std::move(rank_of_pose);
   auto& [refusal, lasers, guesses, fixed_poses, odometry, edges, scans, ranks] = outline;
   Broadcast(peers, &refusal);
@@ -256,6 +261,11 @@ void ShareAnew(std::vector<int> rank_of_pose, SlamGraph* part, MeasuredSurface* 
   SlamGraph other;
   const Status made = MakePart(part->peers(), std::move(outline), &other);
   if (!made.ok()) throw std::logic_error(made.message());  // so it was made before
+  for (const CustomFactor& factor : part->factors()) {
+    if (!factor.points.empty()) throw std::logic_error("factors see points of a shared graph");
+    const auto same = [](int pose) { return pose; };
+    CopyFactor(*part, factor, same, same, &other);
+  }
   const Source source{*part, surface};
   MeasuredSurface other_surface;
   MoveScans(&source, part->rank_of_pose(), &other, &other_surface);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/core/factor_check.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/input_limits.h"
 #include "plumbline/core/peers.h"
@@ -53,6 +54,29 @@ std::string ProblemOfCovariance(const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d sigmas = covariance.diagonal().cwiseSqrt();
   if (sigmas.minCoeff() >= kMinSigma && sigmas.maxCoeff() <= kMaxSigma) return "";
   return "a standard deviation is not within 1e-9 and 1e9";
+}
+
+// Empty if the graph can have this factor.
+std::string ProblemOfOwnFactor(const SlamGraph& graph, const CustomFactor& factor) {
+  for (const int id : factor.poses) {
+    if (id >= 0 && id < graph.num_poses()) continue;
+    return "sees pose " + std::to_string(id) + ", but the graph has " +
+           std::to_string(graph.num_poses()) + " poses";
+  }
+  for (const std::size_t id : factor.points) {
+    if (id < graph.num_returns()) continue;
+    return "sees point " + std::to_string(id) + ", but the graph has " +
+           std::to_string(graph.num_returns()) + " returns";
+  }
+  return ProblemOfFactor(factor);
+}
+
+// Whether a factor holds the map in the world, in any direction, by the initial guesses.
+bool IsHeldBy(const SlamGraph& graph, const CustomFactor& factor) {
+  const SeenByFactor seen = SeenBy(graph, factor);
+  const Eigen::Vector2d origin =
+      seen.points.empty() ? seen.poses.front().translation() : seen.points.front();
+  return !HoldOnWorld(factor, seen, origin).isZero(0.0);
 }
 
 // The nearest range that is a return, in single precision too.
@@ -318,6 +342,28 @@ void SlamGraph::AddRelativePose(const RelativePoseConstraint& c) {
   } else {
     Refuse(EdgeName("relative pose", relative_poses_.size(), c.from, c.to), problem);
   }
+}
+
+void SlamGraph::AddFactor(const std::string& name, std::shared_ptr<const ceres::CostFunction> cost,
+                          std::vector<int> poses, std::vector<std::size_t> points,
+                          std::shared_ptr<ceres::LossFunction> loss) {
+  if (!status_.ok()) return;
+  CustomFactor factor{name, std::move(cost), std::move(poses), std::move(points), std::move(loss)};
+  std::string problem = ProblemOfOwnFactor(*this, factor);
+  if (problem.empty()) {
+    const int num_residuals = NumResiduals(factor);
+    const int known = residuals_of_factor_.emplace(name, num_residuals).first->second;
+    if (known != num_residuals) {
+      problem = "has " + std::to_string(num_residuals) + " residuals, but the first of its name " +
+                std::to_string(known);
+    }
+  }
+  if (!problem.empty()) {
+    Refuse("factor " + std::to_string(factors_.size()) + " (\"" + name + "\")", problem);
+    return;
+  }
+  if (!gauge_.empty() && IsHeldBy(*this, factor)) gauge_.clear();
+  factors_.push_back(std::move(factor));
 }
 
 void SlamGraph::ShareWith(const Peers* peers, std::vector<int> rank_of_pose,

@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "plumbline/core/custom_factor.h"
 #include "plumbline/core/laser_scan.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measurements.h"
@@ -23,8 +25,8 @@ class Peers;
 /// robot poses, and an initial guess of every pose. Ids count up from 0 in order of addition.
 ///
 /// The unknowns, poses and one map point per return, are a MapState. Solvers change that and never
-/// the graph. They hold fixed poses where they were fixed. If no pose is named, that is the first
-/// one, at its initial guess: something has to hold the map in the world.
+/// the graph. They hold fixed poses where they were fixed. If no pose was fixed, custom factors
+/// hold the map in the world, as positions by GPS do; without such factors the first pose is held.
 class SlamGraph {
  public:
   /// The first measurement that was refused: InvalidArgument names it, its index and the error,
@@ -39,8 +41,7 @@ class SlamGraph {
   /// model that LaserModel::Check refuses.
   int AddLaser(const LaserModel& laser);
 
-  /// Makes room for so many returns in all, so that adding them takes no more memory than they
-  /// need.
+  /// Makes room for so many returns in all, so that adding them takes no spare memory.
   void ReserveReturns(std::size_t num_returns);
 
   /// Adds a pose with its initial guess, and returns its id. Refuses a pose or time that is not
@@ -81,26 +82,29 @@ class SlamGraph {
   /// limits.
   void AddRelativePose(const RelativePoseConstraint& constraint);
 
-  /// Makes this graph one part of a larger one: it has all poses and constraints, but the scans of
-  /// some poses only, and the peers, not null, have those of the others. rank_of_pose: which peer
-  /// has the scans of each pose; all_scans: the sweeps of the larger graph, those of this part in
-  /// its own order. Scan and return ids, and the points of a state, are those of this part.
+  /// Adds a measurement with a cost function of the host, see CustomFactor; points: return ids.
+  /// Refuses unknown ids, parameter blocks other than the poses and points, and another number of
+  /// residuals than the factors of the same name have.
+  void AddFactor(const std::string& name, std::shared_ptr<const ceres::CostFunction> cost,
+                 std::vector<int> poses, std::vector<std::size_t> points = {},
+                 std::shared_ptr<ceres::LossFunction> loss = nullptr);
+
+  /// Makes this graph a part of a larger one: it has all poses and constraints, but the scans of
+  /// some poses only; the peers, not null, have the others. rank_of_pose: which peer has the scans
+  /// of each pose; all_scans: the sweeps of the larger graph, those of this part in its own order.
+  /// Scan and return ids, and the points of a state, are those of this part.
   void ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
                  std::vector<ScanEntry> all_scans);
-  /// Who has the other scans; null if this graph has them all.
-  const Peers* peers() const { return peers_; }
-  /// Which peer has the scans of each pose; empty if this graph has them all.
+  const Peers* peers() const { return peers_; }  ///< who has the other scans; null: nobody
+  /// As in ShareWith; empty if this graph has all scans.
   const std::vector<int>& rank_of_pose() const { return rank_of_pose_; }
-  /// Whether the scans of a pose are in this graph if it has any.
-  bool HasScansOf(int pose_id) const;
+  bool HasScansOf(int pose_id) const;  ///< whether they are in this graph, if it has any
   /// The sweeps of this graph and its peers.
   const std::vector<ScanEntry>& all_scans() const { return peers_ ? all_scans_ : scans_; }
   /// Which one of all_scans() a sweep of this graph is.
-  int IdAmongAll(int scan_id) const { return peers_ ? id_among_all_[scan_id] : scan_id; }
-  /// Number of returns of this graph and its peers.
-  std::size_t num_returns_of_all() const;
-  /// Which one of these a return of this graph is.
-  std::size_t ReturnIdAmongAll(std::size_t return_id) const;
+  int IdAmongAll(int scan_id) const { return peers_ ? id_among_all_[Index(scan_id)] : scan_id; }
+  std::size_t num_returns_of_all() const;                     ///< of this graph and its peers
+  std::size_t ReturnIdAmongAll(std::size_t return_id) const;  ///< which one of these it is
 
   /// Appends a sweep to bytes that AddPackedScan takes, in a process of the same program.
   void PackScan(int scan_id, std::vector<char>* bytes) const;
@@ -111,55 +115,48 @@ class SlamGraph {
   /// Pose ids are 0 to num_poses() - 1, and so on for scans, lasers and returns.
   int num_poses() const { return static_cast<int>(timestamps_s_.size()); }
   int num_scans() const { return static_cast<int>(scans_.size()); }  ///< number of sweeps
-  /// Number of returns of all scans, each a map point.
-  std::size_t num_returns() const { return returns_.size(); }
+  std::size_t num_returns() const { return returns_.size(); }  ///< of all scans, a map point each
 
   /// The initial guesses: x, y [m], yaw [rad] of world_from_robot, three numbers per pose.
   const std::vector<double>& initial_poses() const { return initial_poses_; }
   /// The initial guess of a pose. Needs a known id, as all accessors do.
-  Pose2 InitialPose(int pose_id) const { return Pose2(&initial_poses_[3 * pose_id]); }
-  /// The poses that FixPose named, in that order; the first pose if there are none.
+  Pose2 InitialPose(int pose_id) const { return Pose2(&initial_poses_[3 * Index(pose_id)]); }
+  /// The poses that FixPose named, in that order. If there are none: the first pose, or nothing
+  /// where a custom factor holds the map in the world, in any direction.
   const std::vector<FixedPose>& fixed_poses() const {
     return fixed_poses_.empty() ? gauge_ : fixed_poses_;
   }
-  /// Whether FixPose named any of them.
-  bool has_named_fixed_poses() const { return !fixed_poses_.empty(); }
-  /// Time of a pose [s].
-  double timestamp_s(int pose_id) const { return timestamps_s_[pose_id]; }
-  /// Times of all poses [s], by id.
-  const std::vector<double>& timestamps_s() const { return timestamps_s_; }
+  bool has_named_fixed_poses() const { return !fixed_poses_.empty(); }             ///< by FixPose
+  double timestamp_s(int pose_id) const { return timestamps_s_[Index(pose_id)]; }  ///< of a pose
+  const std::vector<double>& timestamps_s() const { return timestamps_s_; }  ///< of all poses [s]
 
-  /// Pose, laser and returns of a sweep.
-  const ScanEntry& scan(int scan_id) const { return scans_[scan_id]; }
+  const ScanEntry& scan(int scan_id) const { return scans_[Index(scan_id)]; }  ///< a sweep
   int num_lasers() const { return static_cast<int>(lasers_.size()); }  ///< of different ones
   /// The model of a laser, as AddLaser took it.
-  const LaserModel& laser(int laser_id) const { return lasers_[laser_id].model; }
-  /// The model of the laser that made a sweep.
-  const LaserModel& LaserOfScan(int scan_id) const { return laser(scans_[scan_id].laser); }
+  const LaserModel& laser(int laser_id) const { return lasers_[Index(laser_id)].model; }
+  const LaserModel& LaserOfScan(int scan_id) const { return laser(scan(scan_id).laser); }
   /// Where the laser of a sweep stands, by these poses.
   Pose2 WorldFromLaser(int scan_id, const std::vector<double>& poses) const {
-    return Pose2(&poses[3 * scans_[scan_id].pose]) * LaserOfScan(scan_id).robot_from_laser;
+    return Pose2(&poses[3 * Index(scan(scan_id).pose)]) * LaserOfScan(scan_id).robot_from_laser;
   }
 
   /// The readings of a sweep as AddScan takes them, one range [m] per beam; no_return_m for beams
   /// without a return.
   std::vector<double> RangesOfScan(int scan_id, double no_return_m) const;
 
-  /// All readings, by return id.
-  const LaserReturns& returns() const { return returns_; }
-  /// Whatever there is to know of the returns of a sweep, the quick way.
+  const LaserReturns& returns() const { return returns_; }  ///< all readings, by return id
+  /// All that is known of the returns of a sweep, the quick way.
   ScanReturns ReturnsOfScan(int scan_id) const {
-    const ScanEntry& scan = scans_[scan_id];
-    const ScanIndex& index = scan_index_[scan_id];
-    return {lasers_[scan.laser],
+    const ScanEntry& entry = scan(scan_id);
+    const ScanIndex& index = scan_index_[Index(scan_id)];
+    return {lasers_[Index(entry.laser)],
             returns_.range_m.data(),
             low_beam_.data(),
-            scan.has_own_bearings ? off_beam_rad_.data() + index.first_own_bearing : nullptr,
-            scan.first_return,
+            entry.has_own_bearings ? off_beam_rad_.data() + index.first_own_bearing : nullptr,
+            entry.first_return,
             index.first_large_beam};
   }
-  /// The sweep that a return is part of.
-  int ScanOfReturn(std::size_t return_id) const;
+  int ScanOfReturn(std::size_t return_id) const;  ///< the sweep that it is part of
   /// Index of the beam of a return within its sweep; gaps are beams without return.
   int Beam(std::size_t return_id) const { return ReturnsNear(return_id).Beam(return_id); }
   /// Direction of a beam [rad] in the frame of its laser, counter-clockwise from the x axis.
@@ -174,18 +171,18 @@ class SlamGraph {
   /// Measured end of a beam [m] in the frame of the robot.
   Eigen::Vector2d PointInRobot(std::size_t id) const { return ReturnsNear(id).PointInRobot(id); }
 
-  /// In the order of addition.
-  const std::vector<OdometryConstraint>& odometry() const { return odometry_; }
+  const std::vector<OdometryConstraint>& odometry() const { return odometry_; }  ///< as added
   /// In the order of addition.
   const std::vector<RelativePoseConstraint>& relative_poses() const { return relative_poses_; }
+  const std::vector<CustomFactor>& factors() const { return factors_; }  ///< as added
 
   /// Poses at their initial guesses, and the map points where the measurements put them from there.
   MapState InitialState() const;
-  /// Adds to a state of this graph what came after it, as InitialState has it, but seen from the
-  /// state's poses. Needs a state that has nothing which the graph lacks.
+  /// Adds to a state of this graph, or of one that it began as, what came after it, as InitialState
+  /// has it, but seen from the state's poses.
   void ExtendState(MapState* state) const;
-  /// Where the measurements put the map points, seen from these poses: x, y [m] in the world, two
-  /// numbers per return. poses: three numbers per pose, as MapState has them.
+  /// Where the measurements put the map points, seen from poses as MapState has them: x, y [m] in
+  /// the world, two numbers per return.
   std::vector<double> MeasuredMap(const std::vector<double>& poses) const;
 
   /// The same graph with other, finite measurements, in arrays that are empty or have the sizes
@@ -197,13 +194,13 @@ class SlamGraph {
 
  private:
   struct Return;
-  // See ScanReturns.
-  struct ScanIndex {
+  struct ScanIndex {                    // see ScanReturns
     std::size_t first_own_bearing = 0;  // in off_beam_rad_
     std::size_t first_large_beam = 0;   // return id
   };
-  // One return of so many is known to be of which sweep: enough to begin a search from.
+  // The sweep of one return of so many is known, to begin a search from.
   static constexpr std::size_t kReturnsPerBlock = 256;
+  static std::size_t Index(int id) { return static_cast<std::size_t>(id); }
   bool HasPose(int id) const { return id >= 0 && id < num_poses(); }
   // These keep the error and return -1.
   int Refuse(const std::string& name, const std::string& problem);
@@ -211,9 +208,8 @@ class SlamGraph {
   // These refuse the next scan if they return false.
   bool TakesScan(int pose_id, int laser_id);
   bool TakesRanges(int laser_id, const std::vector<double>& ranges);
-  // The readings that are returns.
   std::vector<Return> ReturnsOf(int laser_id, const std::vector<double>& ranges) const;
-  // In the order of their beams. Returns the scan id.
+  // returns: in the order of their beams. Gives the scan id.
   int AppendScan(int pose_id, int laser_id, const std::vector<Return>& returns);
   ScanReturns ReturnsNear(std::size_t return_id) const {
     return ReturnsOfScan(ScanOfReturn(return_id));
@@ -223,7 +219,7 @@ class SlamGraph {
   void Correct(const MeasurementCorrections& corrections);
 
   Status status_;
-  std::vector<FixedPose> gauge_;  // the first pose at its initial guess
+  std::vector<FixedPose> gauge_;  // the first pose at its initial guess; empty if factors hold it
   std::vector<FixedPose> fixed_poses_;
   std::map<int, std::size_t> index_of_fixed_pose_;
   std::vector<LaserBeams> lasers_;
@@ -238,6 +234,8 @@ class SlamGraph {
   std::vector<float> off_beam_rad_;  // of returns with bearings of their own: off their beams' ones
   std::vector<OdometryConstraint> odometry_;
   std::vector<RelativePoseConstraint> relative_poses_;
+  std::vector<CustomFactor> factors_;
+  std::map<std::string, int> residuals_of_factor_;  // their number by name
   std::vector<double> initial_poses_;
   const Peers* peers_ = nullptr;
   std::vector<int> rank_of_pose_;

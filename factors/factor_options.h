@@ -2,12 +2,10 @@
 #define PLUMBLINE_FACTORS_FACTOR_OPTIONS_H_
 
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "plumbline/core/options_check.h"
-#include "plumbline/factors/own_term.h"
 
 namespace plumbline {
 
@@ -100,7 +98,7 @@ struct DownweightedStep {
 /// What a relative pose that is ignored still says keeps the graph in one piece, and no more.
 constexpr double kIgnoredSigmaFactor = 1000.0;
 
-/// All sigmas and gates of the energy, and the terms that a host adds.
+/// All sigmas and gates of the energy.
 struct FactorOptions {
   MotionOptions motion;      ///< odometry
   RangeBeamOptions beam;     ///< the laser
@@ -116,8 +114,6 @@ struct FactorOptions {
   /// their standard deviations are kIgnoredSigmaFactor times what they say. Solve adds those that
   /// the scans contradict, see contradicted_edges.h.
   std::vector<std::size_t> ignored_relative_poses;
-  /// Terms of the host, see own_term.h. They are not copied with the options, and must not change.
-  std::vector<std::shared_ptr<const OwnTerm>> own_terms;
 
   /// Geman-McClure scale of the shape terms, in standard deviations.
   double ShapeGateSigmas() const { return 0.75 * manifold.robust_gate_sigmas; }
@@ -129,10 +125,6 @@ struct FactorOptions {
     PLUMBLINE_CHECK_NESTED_OPTIONS(manifold);
     for (const DownweightedStep& downweighted : downweighted_steps) {
       if (!downweighted.Check(error)) return false;
-    }
-    for (const std::shared_ptr<const OwnTerm>& term : own_terms) {
-      PLUMBLINE_CHECK_OPTION(term, !=, nullptr);
-      if (!term->Check(error)) return false;
     }
     return true;
   }

@@ -13,7 +13,6 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/own_term.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/solvers/acceptance/constraint_start.h"
 #include "plumbline/solvers/acceptance/mirrored_scans.h"
@@ -29,6 +28,7 @@
 #include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/align_to_factors.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
@@ -294,11 +294,6 @@ Status CheckInput(const SolverOptions& options, const CalibrationOptions& calibr
     return Status::InvalidArgument("the solver " + std::string(SolverOf(options).name()) +
                                    " does not look at the returns, and calibration needs them");
   }
-  if (!options.factors.own_terms.empty()) {
-    return Status::InvalidArgument("own term \"" + options.factors.own_terms.front()->name +
-                                   "\": calibration moves the poses with the sensors and takes no "
-                                   "own terms; Solve does");
-  }
   if ((calibration.laser_mounting || calibration.range_scale) && graph.fixed_poses().size() > 1) {
     return Status::InvalidArgument(
         "laser_mounting and range_scale move the poses with the sensors: they cannot be calibrated "
@@ -341,6 +336,7 @@ SolverSummary SolveChecked(const SolverOptions& options,
   if (!input.ok()) return SolverFailure(options, input);
   MapState seed = *state;
   PutAtFixedPoses(graph, &seed);
+  AlignToFactors(graph, &seed);
   Calibrator calibrator(options, calibration_options, graph, seed.poses);
   Calibration result;
   SolverSummary summary;

@@ -64,9 +64,8 @@ struct Calibration {
 /// Corrections, of factors their logarithms, are multiples of 1e-7. Collective for a shared graph.
 ///
 /// kFailure, with the state unchanged: whatever Solve refuses, options out of range, lasers of
-/// different mountings or several fixed poses with laser_mounting or range_scale, own terms, poses
-/// that nothing ties to a fixed one, a linear system that cannot be solved, and a callback that
-/// throws.
+/// different mountings or several fixed poses with laser_mounting or range_scale, poses that
+/// nothing ties to a fixed one, a linear system that cannot be solved, and a callback that throws.
 SolverSummary SolveWithCalibration(const SolverOptions& options,
                                    const CalibrationOptions& calibration_options,
                                    const SlamGraph& graph, MapState* state,

@@ -11,7 +11,6 @@
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/own_term.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/association/noise_scales.h"
@@ -122,9 +121,9 @@ Status ComputeCovariances(const SolverOptions& options, const SlamGraph& graph,
   const DefaultFloatEnvironment float_environment;
   PLUMBLINE_RETURN_IF_ERROR(CheckSolverInput(options, graph, state));
   PLUMBLINE_RETURN_IF_ERROR(CheckPairs(graph, pairs));
-  for (const auto& term : options.factors.own_terms) {
-    if (!term->SeesPoints()) continue;
-    return Status::InvalidArgument("own term \"" + term->name +
+  for (const CustomFactor& factor : graph.factors()) {
+    if (factor.points.empty()) continue;
+    return Status::InvalidArgument("factor \"" + factor.name +
                                    "\" sees points, which covariances of poses leave out");
   }
   PosteriorSystem system(options, graph, state.poses);

@@ -35,7 +35,8 @@
 #include "plumbline/solvers/reduced/pose_system.h"
 #include "plumbline/solvers/reduced/unanchored_components.h"
 #include "plumbline/solvers/solver_input.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/align_to_factors.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 
 namespace plumbline {
 namespace {
@@ -61,6 +62,8 @@ Status MovedFrom() { return Status::InvalidArgument("the incremental solver has 
 // Squared Mahalanobis length that one of a thousand edges has that the poses agree with (three
 // degrees of freedom).
 constexpr double kMaxAgreeingChi2 = 16.27;
+// The map as a whole moves for custom factors only if they are surer than this of the motion.
+constexpr double kLeastGainOfMove = 0.5 * kMaxAgreeingChi2;
 
 // Share of a mapper's closures that are usually false. By slam_toolbox's mapper it is 2.7 % on
 // intel and aces, where the map is right, and 10 % on mit-killian, where the map is wrong.
@@ -163,7 +166,8 @@ class IncrementalSolver::Impl {
     if (graph.num_poses() < NumKnownPoses() || graph.num_scans() < num_scans_ ||
         graph.num_returns() < surface_.normals.size() ||
         graph.odometry().size() < edges_.motions().size() ||
-        graph.relative_poses().size() < edges_.relative_poses().size()) {
+        graph.relative_poses().size() < edges_.relative_poses().size() ||
+        graph.factors().size() < edges_.factors().size()) {
       return Status::InvalidArgument("the graph has lost something since the last update");
     }
     if (graph.num_returns() > std::numeric_limits<std::uint32_t>::max()) {
@@ -174,31 +178,14 @@ class IncrementalSolver::Impl {
       return Status::InvalidArgument("pose " + std::to_string(i / 3) +
                                      " is not finite, or beyond 1e8 m or rad");
     }
-    return CheckOwnTerms(NewOwnTerms(graph.num_poses()), graph, {poses, {}});
-  }
-
-  // The host's own residuals that count from now on, since their last pose is new, and those that
-  // see a pose that there can never be.
-  FactorOptions NewOwnTerms(int num_poses) const {
-    FactorOptions factors;
-    for (const auto& term : solver_.factors.own_terms) {
-      OwnTerm of_new{term->name, term->unit, term->sigma, {}};
-      for (const OwnResidual& residual : term->residuals) {
-        const auto [first, last] =
-            std::minmax_element(residual.poses.begin(), residual.poses.end());
-        const bool is_new = *last >= NumKnownPoses() && *last < num_poses;
-        if (is_new || *first < 0) of_new.residuals.push_back(residual);
-      }
-      factors.own_terms.push_back(std::make_shared<const OwnTerm>(std::move(of_new)));
-    }
-    return factors;
+    PLUMBLINE_RETURN_IF_ERROR(CheckFactorsFit(graph, ReducedSolver()));
+    return CheckFactors(graph, {poses, {}}, edges_.factors().size());
   }
 
   void Run(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
            IncrementalSummary* summary) {
     if (graph.num_poses() == 0) return;
-    MoveToFirstFixed(graph.fixed_poses().front(), poses);
-    PutAtFixedPoses(graph, poses);
+    PlaceInWorld(graph, poses);
     const auto begin = Clock::now();
     const bool is_moved = IsMovedByCaller(*poses);
     const News news{num_scans_, edges_.relative_poses().size()};
@@ -227,7 +214,18 @@ class IncrementalSolver::Impl {
     CheckClosures(graph, *poses, summary);
   }
 
-  // A map is fixed somewhere else as a whole.
+  // The map as a whole, where it is fixed somewhere else or new factors hold it.
+  void PlaceInWorld(const SlamGraph& graph, std::vector<double>* poses) const {
+    if (!graph.fixed_poses().empty()) {
+      MoveToFirstFixed(graph.fixed_poses().front(), poses);
+      PutAtFixedPoses(graph, poses);
+    } else if (graph.factors().size() > edges_.factors().size()) {
+      MapState state{*poses, {}};
+      AlignToFactors(graph, &state, kLeastGainOfMove);
+      *poses = std::move(state.poses);
+    }
+  }
+
   static void MoveToFirstFixed(const FixedPose& fixed, std::vector<double>* poses) {
     const Pose2 given(&(*poses)[3 * fixed.pose]), to = fixed.world_from_robot;
     if (given.x == to.x && given.y == to.y && given.yaw == to.yaw) return;

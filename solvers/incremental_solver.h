@@ -72,8 +72,9 @@ enum class UpdateScope {
 ///
 /// Relative poses are tested by their scans when they come, as Solve does. There is no acceptance
 /// test of the result; an alarm says so if many loop closures contradict it. Shape terms and
-/// down-weighted steps are refused. A host's own residuals (FactorOptions::own_terms) count once
-/// the graph has all poses that they see.
+/// down-weighted steps are refused. Custom factors that see poses only are served. Where they hold
+/// the map in the world, each update with new ones first moves the map as a whole to where they
+/// want it.
 ///
 /// Not for several threads at once; several objects are.
 class IncrementalSolver {
@@ -92,10 +93,11 @@ class IncrementalSolver {
   /// few decimetres. Older poses that differ from what the last update gave have been moved by the
   /// caller: all poses are estimated anew from there. Fixed poses stay where the graph fixes them.
   ///
-  /// InvalidArgument on bad options, a graph that has shrunk or refused a measurement, own
-  /// residuals that are not finite at the poses, or poses that are null, of another number, not
-  /// finite or beyond 1e8, and if the solver has been moved from; nothing has changed then.
-  /// Unavailable if memory runs out: *poses is as it was, and the next update begins from scratch.
+  /// InvalidArgument on bad options, a graph that has shrunk or refused a measurement, custom
+  /// factors that see points or are not finite at the poses, or poses that are null, of another
+  /// number, not finite or beyond 1e8, and if the solver has been moved from; nothing has changed
+  /// then. Unavailable if memory runs out: *poses is as it was, and the next update begins from
+  /// scratch.
   Status Update(const SlamGraph& graph, UpdateScope scope, std::vector<double>* poses,
                 IncrementalSummary* summary = nullptr);
 

@@ -26,6 +26,7 @@
 #include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/seeding/seed_drive.h"
 #include "plumbline/solvers/sweep_order.h"
+#include "plumbline/solvers/terms/align_to_factors.h"
 
 namespace plumbline {
 namespace {
@@ -194,6 +195,14 @@ Status SeedLogTogether(const MapLogOptions& options, const SeedingProgress& prog
   return StartFromSeed(options, std::move(start_poses), std::move(seeding), mapping);
 }
 
+// The seed is in a frame of its own.
+void AlignStart(LogMapping* mapping) {
+  MapState start{std::move(mapping->start_poses), {}};
+  AlignToFactors(mapping->graph, &start);
+  mapping->start_poses = std::move(start.poses);
+  AlignToFactors(mapping->graph, &mapping->state);
+}
+
 }  // namespace
 
 bool MapLogOptions::Check(std::string* error) const {
@@ -354,6 +363,7 @@ SolverOptions RefinementOptions(const MapLogOptions& options, const LogMapping& 
 
 Status RefineLog(const MapLogOptions& options, ThreadPool* pool, LogMapping* mapping) {
   return CatchExceptions([&] {
+    AlignStart(mapping);
     const SolverOptions solver = RefinementOptions(options, *mapping);
     std::vector<int> misplaced;
     if (options.calibration.IsOn()) {

@@ -55,7 +55,6 @@ MapLogOptions OptionsWhileDriving(const MapLogOptions& options, const SeedingPro
   MapLogOptions driving = options;
   driving.calibration = CalibrationOptions();
   FactorOptions& factors = driving.solver.factors;
-  factors.own_terms.clear();
   factors.downweighted_steps.clear();
   factors.ignored_relative_poses.clear();
   driving.solver.callback = [progress](const IterationSummary&) {

@@ -18,6 +18,8 @@
 #include "plumbline/solvers/full/round_energies.h"
 #include "plumbline/solvers/interface/solver.h"
 #include "plumbline/solvers/solver_input.h"
+#include "plumbline/solvers/terms/align_to_factors.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 
 namespace plumbline {
 namespace {
@@ -77,46 +79,65 @@ SolverSummary SolveMeasured(const Solver& solver, const SolverProblem& problem, 
   return summary;
 }
 
+// From a state with points, for solvers that want them, and with its fixed poses in place.
+SolverSummary SolvePlaced(const SolverOptions& options, const MeasuredSurface* surface,
+                          const SlamGraph& graph, MapState* state, Status* input) {
+  const Solver& solver = SolverOf(options);
+  const bool poses_only = solver.MovesPosesOnly();
+  if (surface != nullptr && (!poses_only || options.measure_rounds)) {
+    *input = CheckSurfaceSize(graph, *surface);
+  }
+  std::optional<std::vector<double>> suggested;
+  if (input->ok() && !poses_only) {
+    suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
+    *input = CheckScansAreNotMirrored(graph, state->poses, suggested);
+  }
+  if (!input->ok()) return SolverFailure(options, *input);
+  const SolverProblem problem{options, graph, surface, suggested};
+  const bool has_returns =
+      SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns())) > 0.0;
+  SolverSummary summary = options.measure_rounds && has_returns
+                              ? SolveMeasured(solver, problem, state)
+                              : SolveUnmeasured(solver, problem, state);
+  // The given state is the result, and had none.
+  if (summary.IsSolutionUsable() && state->points.empty()) {
+    state->points = graph.MeasuredMap(state->poses);
+  }
+  return summary;
+}
+
+// Fills in points and moves the whole, where that is needed.
+SolverSummary PlaceAndSolve(const SolverOptions& options, const MeasuredSurface* surface,
+                            const SlamGraph& graph, MapState* state, Status* input) {
+  *input = CheckSolverInput(options, graph, *state, false);
+  if (!input->ok()) return SolverFailure(options, *input);
+  const bool lacks_points =
+      state->points.empty() && graph.num_returns() > 0 && !SolverOf(options).IsOverLandmarks();
+  const bool is_held_by_factors = graph.fixed_poses().empty();
+  if (!lacks_points && !is_held_by_factors && IsAtFixedPoses(graph, *state)) {
+    return SolvePlaced(options, surface, graph, state, input);
+  }
+  MapState placed = *state;
+  if (lacks_points) {
+    placed.points = graph.MeasuredMap(placed.poses);
+    *input = CheckFactors(graph, placed);
+    if (!input->ok()) return SolverFailure(options, *input);
+  }
+  PutAtFixedPoses(graph, &placed);
+  AlignToFactors(graph, &placed);
+  SolverSummary summary = SolvePlaced(options, surface, graph, &placed, input);
+  if (summary.IsSolutionUsable()) *state = std::move(placed);
+  return summary;
+}
+
 // surface: null if it has yet to be measured. is_refused: becomes true if the input is bad; may be
 // null.
 SolverSummary SolveOn(const SolverOptions& options, const MeasuredSurface* surface,
                       const SlamGraph& graph, MapState* state, bool* is_refused) {
   return CatchFailures(options, [&] {
-    const Solver& solver = SolverOf(options);
-    const bool poses_only = solver.MovesPosesOnly();
-    Status status = CheckSolverInput(options, graph, *state, false);
-    const bool lacks_points =
-        state->points.empty() && graph.num_returns() > 0 && !solver.IsOverLandmarks();
-    if (status.ok() && (lacks_points || !IsAtFixedPoses(graph, *state))) {
-      MapState placed = *state;
-      if (lacks_points) placed.points = graph.MeasuredMap(placed.poses);
-      PutAtFixedPoses(graph, &placed);
-      SolverSummary summary = SolveOn(options, surface, graph, &placed, is_refused);
-      if (summary.IsSolutionUsable()) *state = std::move(placed);
-      return summary;
-    }
-    if (status.ok() && surface != nullptr && (!poses_only || options.measure_rounds)) {
-      status = CheckSurfaceSize(graph, *surface);
-    }
-    std::optional<std::vector<double>> suggested;
-    if (status.ok() && !poses_only) {
-      suggested = StartFromConstraints(graph, state->poses, options.factors.motion);
-      status = CheckScansAreNotMirrored(graph, state->poses, suggested);
-    }
-    if (!status.ok()) {
-      if (is_refused != nullptr) *is_refused = true;
-      return SolverFailure(options, status);
-    }
-    const SolverProblem problem{options, graph, surface, suggested};
-    const bool has_returns =
-        SumOverPeers(graph.peers(), static_cast<double>(graph.num_returns())) > 0.0;
-    SolverSummary summary = options.measure_rounds && has_returns
-                                ? SolveMeasured(solver, problem, state)
-                                : SolveUnmeasured(solver, problem, state);
-    // The given state is the result, and had none.
-    if (summary.IsSolutionUsable() && state->points.empty()) {
-      state->points = graph.MeasuredMap(state->poses);
-    }
+    Status input;
+    SolverSummary summary = PlaceAndSolve(options, surface, graph, state, &input);
+    if (!input.ok() && is_refused != nullptr) *is_refused = true;
     return summary;
   });
 }

@@ -7,16 +7,15 @@
 #include <utility>
 #include <vector>
 
+#include "plumbline/core/copy_factor.h"
 #include "plumbline/core/float_environment.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/status.h"
 #include "plumbline/core/thread_pool.h"
-#include "plumbline/factors/own_term.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/solver_input.h"
-#include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/window_context.h"
 
 namespace plumbline {
@@ -95,9 +94,8 @@ class Window {
   const SlamGraph& part() const { return part_; }
   MapState* state() { return &state_; }
 
-  // The options with the ids of the part, and with the host's own terms as they are there: what
-  // they say of free poses and their points, by what else is in it. Edges are not tested: a window
-  // has few, and has to be quick.
+  // The options with the ids of the part. Edges are not tested: a window has few, and has to be
+  // quick.
   SolverOptions OptionsOfPart(const SolverOptions& options, const SlamGraph& graph) const {
     SolverOptions of_part = options;
     of_part.test_edges = false;
@@ -106,14 +104,6 @@ class Window {
     }
     for (std::size_t& edge : of_part.factors.ignored_relative_poses) {
       edge = IndexInPart(graph.relative_poses(), edge);
-    }
-    for (std::shared_ptr<const OwnTerm>& term : of_part.factors.own_terms) {
-      auto mapped = std::make_shared<OwnTerm>(*term);
-      mapped->residuals.clear();
-      for (OwnResidual residual : term->residuals) {
-        if (MoveIntoPart(graph, &residual)) mapped->residuals.push_back(std::move(residual));
-      }
-      term = std::move(mapped);
     }
     return of_part;
   }
@@ -188,25 +178,23 @@ class Window {
     for (const RelativePoseConstraint& c : graph.relative_poses()) {
       add(c, &SlamGraph::AddRelativePose);
     }
+    const auto pose_there = [this](int pose) { return part_of_pose_[pose]; };
+    const auto scan_there = [this](int scan) {
+      const auto found = std::lower_bound(scans_.begin(), scans_.end(), scan);
+      const bool is_there = found != scans_.end() && *found == scan;
+      return is_there ? static_cast<int>(found - scans_.begin()) : kOutside;
+    };
+    for (const CustomFactor& factor : graph.factors()) {
+      if (SeesFree(graph, factor)) CopyFactor(graph, factor, pose_there, scan_there, &part_);
+    }
   }
 
-  // Gives a residual the ids of the part; false if it sees what is not in it, or nothing free.
-  bool MoveIntoPart(const SlamGraph& graph, OwnResidual* residual) const {
-    bool sees_free = false;
-    for (int& pose : residual->poses) {
-      sees_free = sees_free || is_free_[pose];
-      pose = part_of_pose_[pose];
-      if (pose == kOutside) return false;
-    }
-    for (std::size_t& point : residual->points) {
-      const int s = graph.ScanOfReturn(point);
-      const auto in_part = std::lower_bound(scans_.begin(), scans_.end(), s);
-      if (in_part == scans_.end() || *in_part != s) return false;
-      sees_free = sees_free || is_free_[graph.scan(s).pose];
-      const int scan = static_cast<int>(in_part - scans_.begin());
-      point = part_.scan(scan).first_return + (point - graph.scan(s).first_return);
-    }
-    return sees_free;
+  bool SeesFree(const SlamGraph& graph, const CustomFactor& factor) const {
+    const auto is_free = [&](int pose) { return is_free_[pose] != 0; };
+    return std::any_of(factor.poses.begin(), factor.poses.end(), is_free) ||
+           std::any_of(factor.points.begin(), factor.points.end(), [&](std::size_t point) {
+             return is_free(graph.scan(graph.ScanOfReturn(point)).pose);
+           });
   }
 
   std::vector<char> is_free_;      // per pose of the graph
@@ -227,7 +215,6 @@ SolverSummary SolveChecked(const SolverOptions& options, const WindowOptions& wi
   Status status = graph.status();
   if (status.ok()) status = CheckStateSize(graph, *state);
   if (status.ok() && !options.Check(&error)) status = Status::InvalidArgument(error);
-  if (status.ok()) status = CheckOwnTermIds(options.factors, graph);
   if (status.ok()) status = CheckFreePoses(free_poses, graph, *state);
   if (status.ok() && surface != nullptr) status = CheckSurfaceSize(graph, *surface);
   if (!status.ok()) return SolverFailure(options, status);

@@ -40,7 +40,8 @@ struct Solution {
 /// ones put the poses, if that lowers the energy.
 ///
 /// Fixed poses are constants: the start is put where they are, rigidly by the first of them, and no
-/// solver moves them.
+/// solver moves them. Where custom factors hold the map instead (SlamGraph::fixed_poses), the start
+/// is moved as a whole to where these cost least, and all poses are free.
 ///
 /// The result is the best state seen over the rounds (of associations: judged by MarginalEnergy).
 /// It was found without the held-out returns and is compared with the start by energy and by these
@@ -61,7 +62,7 @@ struct Solution {
 ///
 /// kPoseGraph and kSgd move the poses by the relative poses alone, see built_in_solvers.h: they
 /// need no returns, but fail likewise without relative poses. SolverOptions::own_solver puts a
-/// solver of the host in the place of those of the library, FactorOptions::own_terms adds terms.
+/// solver of the host in the place of those of the library, SlamGraph::AddFactor adds factors.
 Solution Solve(const SlamGraph& graph, const SolverOptions& options = SolverOptions());
 
 /// Like Solve, from other poses. start.points may be empty: then they are where the measurements
@@ -90,7 +91,7 @@ struct Residuals {
   /// Per return, of its map point: distance from the tangent line of its surroundings. NaN: it has
   /// none.
   std::vector<double> surfaces;
-  /// All further terms that have residuals, as those of the host (FactorOptions::own_terms).
+  /// All further terms that have residuals, as custom factors do.
   std::vector<TermResiduals> others;
 };
 

@@ -11,7 +11,7 @@
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/interface/solver.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 
 namespace plumbline {
 namespace {
@@ -35,7 +35,8 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, co
   PLUMBLINE_RETURN_IF_ERROR(CheckStateSize(graph, state, needs_points));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("pose", state.poses, 3));
   PLUMBLINE_RETURN_IF_ERROR(CheckReach("point", state.points, 2));
-  PLUMBLINE_RETURN_IF_ERROR(CheckOwnTerms(options.factors, graph, state));
+  PLUMBLINE_RETURN_IF_ERROR(CheckFactorsFit(graph, SolverOf(options)));
+  PLUMBLINE_RETURN_IF_ERROR(CheckFactors(graph, state));
   if (options.MovesPosesOnly()) {
     if (!graph.relative_poses().empty()) return Status::Ok();
     return Status::InvalidArgument("the graph has no relative poses, and the solver " +
@@ -46,6 +47,25 @@ Status CheckSolverInput(const SolverOptions& options, const SlamGraph& graph, co
     return Status::Ok();
   }
   return Status::InvalidArgument("the graph has no laser returns: nothing to build a map of");
+}
+
+Status CheckFactorsFit(const SlamGraph& graph, const Solver& solver) {
+  for (std::size_t i = 0; i < graph.factors().size(); ++i) {
+    const CustomFactor& factor = graph.factors()[i];
+    const std::string name =
+        "factor " + std::to_string(i) + " (\"" + factor.name + "\"): the solver " + solver.name();
+    if (solver.MovesPosesOnly()) {
+      return Status::InvalidArgument(name +
+                                     " looks at relative poses only; reduced, "
+                                     "alternating_cg and ceres take custom factors");
+    }
+    if (solver.IsOverLandmarks() && !factor.points.empty()) {
+      return Status::InvalidArgument(name +
+                                     " eliminates the points, which the factor sees; "
+                                     "alternating_cg and ceres over points take it");
+    }
+  }
+  return Status::Ok();
 }
 
 Status CheckStateSize(const SlamGraph& graph, const MapState& state, bool needs_points) {

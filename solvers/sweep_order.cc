@@ -84,10 +84,9 @@ SweepOrder FindSweepOrder(const SeedingOptions& seeding, const SolverOptions& so
                           const SlamGraph& measured, ThreadPool* pool) {
   SweepOrder best = SweepOrder::kFirstBeamFirst;
   const SlamGraph stretch = MostTurned(measured);
-  // Whatever solver the log gets. Own terms are of poses of the whole log.
+  // Whatever solver the log gets.
   SolverOptions quick;
   quick.factors = solver.factors;
-  quick.factors.own_terms.clear();
   quick.num_threads = solver.num_threads;
   double least_m = kClearlyThinner * Thickness(seeding, quick, stretch, best, pool);
   for (const SweepOrder order : {SweepOrder::kLastBeamFirst, SweepOrder::kAtOnce}) {

@@ -74,11 +74,15 @@ foreach(header IN LISTS PLUMBLINE_EXTENSION_HEADERS)
   string(APPEND text "#include <plumbline/${header}>\n")
 endforeach()
 file(WRITE ${WORK}/extra_headers.cc "${text}")
+# Hosts turn on warnings that we do not. Warnings of other libraries do not count.
+set(strict_flags ${flags})
+list(TRANSFORM strict_flags REPLACE "^-I(/usr/.*)" "-isystem;\\1")
 foreach(source all_headers extra_headers)
-  execute_process(COMMAND ${COMPILER} -std=c++17 -fsyntax-only ${flags} ${WORK}/${source}.cc
+  execute_process(COMMAND ${COMPILER} -std=c++17 -fsyntax-only -Wall -Wextra -Wsign-conversion
+                          -Wdouble-promotion -Werror ${strict_flags} ${WORK}/${source}.cc
                   RESULT_VARIABLE result)
   if(result)
-    message(SEND_ERROR "${source}.cc does not compile with what is installed")
+    message(SEND_ERROR "${source}.cc does not compile without warnings with what is installed")
   endif()
 endforeach()
 # Examples and the plug-in, which the build compiles, include what is installed only.

@@ -101,10 +101,11 @@ ReportTable AcceptanceTable(const AcceptanceTest& acceptance) {
           "against the result it is refused, and the seed comes back. The energy has to fall; the "
           "held-out figure may rise to " +
           FixedText(acceptance.LargestHeldOutError(), 4) +
-          (acceptance.with_other_constraints ? ": relative poses and own terms are knowledge of "
-                                               "their own, which may cost the scans a "
-                                               "little."
-                                             : ", twice what chance does.")};
+          (acceptance.with_other_constraints
+               ? ": relative poses and custom factors are knowledge of "
+                 "their own, which may cost the scans a "
+                 "little."
+               : ", twice what chance does.")};
 }
 
 // Where a part of the drive was treated on its own.

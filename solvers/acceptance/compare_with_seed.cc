@@ -49,7 +49,7 @@ class SeedComparison {
   AcceptanceTest Result() const {
     AcceptanceTest acceptance;
     acceptance.with_other_constraints =
-        !graph_.relative_poses().empty() || !factors_.own_terms.empty();
+        !graph_.relative_poses().empty() || !graph_.factors().empty();
     acceptance.seed_energy = seed_energy_ / num_cuts_;
     acceptance.final_energy = state_energy_ / num_cuts_;
     const Peers* peers = graph_.peers();

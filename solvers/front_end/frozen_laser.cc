@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "plumbline/core/angle.h"
+#include "plumbline/core/copy_factor.h"
 #include "plumbline/core/joined_returns.h"
 #include "plumbline/core/pose2.h"
 
@@ -189,6 +190,11 @@ void DropRepeatedScans(SlamGraph* graph, std::vector<FrozenStretch>* frozen) {
   }
   for (const RelativePoseConstraint& constraint : graph->relative_poses()) {
     without.AddRelativePose(constraint);
+  }
+  const auto same = [](int pose) { return pose; };
+  const auto kept = [&](int scan) { return is_repeated[scan] == 0 ? scan : -1; };
+  for (const CustomFactor& factor : graph->factors()) {
+    CopyFactor(*graph, factor, same, kept, &without);
   }
   if (graph->has_named_fixed_poses()) {
     for (const FixedPose& fixed : graph->fixed_poses()) {

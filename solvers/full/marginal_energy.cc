@@ -10,7 +10,7 @@
 #include "plumbline/solvers/association/associations.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/full/scan_chunk.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
@@ -58,7 +58,7 @@ double MarginalEnergy(const SlamGraph& graph, const std::vector<double>& poses,
                      });
   double of_returns = 0.0;
   for (const double cost : costs) of_returns += cost;
-  return PoseTerms(graph, factors).Cost(poses) + OwnPointCost(factors, graph, poses) +
+  return PoseTerms(graph, factors).Cost(poses) + FactorPointCost(graph, poses) +
          SumOverPeers(graph.peers(), of_returns);
 }
 

@@ -159,7 +159,7 @@ class RoundsRun final : public JointRun {
   // held.
   std::vector<FixedPose> Constants() const {
     const bool is_gauge =
-        graph_.fixed_poses().size() == 1 && factors_.own_terms.empty() && AllPosesAreTied();
+        graph_.fixed_poses().size() == 1 && graph_.factors().empty() && AllPosesAreTied();
     return is_gauge ? std::vector<FixedPose>() : graph_.fixed_poses();
   }
   bool AllPosesAreTied() const {

@@ -19,8 +19,8 @@ struct RoundProblem {
   const FactorOptions& factors;      ///< of this round: early ones have wider robust gates
   /// Of the graph, the associations and the factors above. Its constants are the fixed poses of the
   /// graph. But there are none if a single pose is fixed, constraints tie all others to it, and no
-  /// own term says where the map lies: then the tangent lines hold the map for the round, which is
-  /// moved as a whole afterwards, so that the pose is in place.
+  /// custom factor says where the map lies: then the tangent lines hold the map for the round,
+  /// which moved as a whole afterwards, so that the pose is in place.
   const Energy& energy;
 };
 

@@ -8,7 +8,7 @@
 #include "plumbline/core/sort_unique.h"
 #include "plumbline/solvers/landmarks/return_residual.h"
 #include "plumbline/solvers/landmarks/world_moments.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 #include "plumbline/solvers/terms/terms.h"
 
 namespace plumbline {
@@ -49,13 +49,14 @@ int ActiveProblem::PoseInPart(int id, const std::vector<double>& all_poses) {
 }
 
 void ActiveProblem::AddEdges(const EdgesByPose& edges, const std::vector<double>& all_poses) {
-  std::vector<std::size_t> motions, relative_poses;
+  std::vector<std::size_t> motions, relative_poses, factors;
   for (std::size_t part = 1; part <= num_active_; ++part) {
     const auto append = [](const std::vector<std::size_t>& of_pose, std::vector<std::size_t>* all) {
       all->insert(all->end(), of_pose.begin(), of_pose.end());
     };
     append(edges.MotionsOf(pose_ids[part]), &motions);
     append(edges.RelativePosesOf(pose_ids[part]), &relative_poses);
+    append(edges.FactorsOf(pose_ids[part]), &factors);
   }
   const auto in_part = [&](const std::vector<PoseEdge>& all, std::vector<std::size_t>* indices) {
     SortUnique(indices);
@@ -70,22 +71,13 @@ void ActiveProblem::AddEdges(const EdgesByPose& edges, const std::vector<double>
   };
   terms.terms = {MakeMotionTerm(in_part(edges.motions(), &motions)),
                  MakeRelativePoseTerm(in_part(edges.relative_poses(), &relative_poses))};
-  for (const auto& term : edges.own_terms()) AddOwnTerm(*term, all_poses);
-}
-
-// Adds what a host's own term says of the active poses.
-void ActiveProblem::AddOwnTerm(const OwnTerm& term, const std::vector<double>& all_poses) {
-  const int num_poses = static_cast<int>(part_of_pose_.size());
-  OwnTerm in_part{term.name, term.unit, term.sigma, {}};
-  for (const OwnResidual& residual : term.residuals) {
-    const std::vector<int>& ids = residual.poses;
-    if (*std::max_element(ids.begin(), ids.end()) >= num_poses) continue;
-    if (std::none_of(ids.begin(), ids.end(), [this](int id) { return IsActive(id); })) continue;
-    in_part.residuals.push_back(residual);
-    for (int& id : in_part.residuals.back().poses) id = PoseInPart(id, all_poses);
+  SortUnique(&factors);
+  std::vector<CustomFactor> factors_in_part;
+  for (const std::size_t i : factors) {
+    factors_in_part.push_back(edges.factors()[i]);
+    for (int& id : factors_in_part.back().poses) id = PoseInPart(id, all_poses);
   }
-  if (in_part.residuals.empty()) return;
-  terms.terms.push_back(MakeTerm(std::make_shared<const OwnTerm>(std::move(in_part))));
+  for (const auto& term : MakeFactorTerms(factors_in_part)) terms.terms.push_back(term);
 }
 
 void ActiveProblem::AddObservations(const LandmarkStore& store,

@@ -40,7 +40,6 @@ struct ActiveProblem {
 
  private:
   void AddEdges(const EdgesByPose& edges, const std::vector<double>& all_poses);
-  void AddOwnTerm(const OwnTerm& term, const std::vector<double>& all_poses);
   void AddObservations(const LandmarkStore& store, const std::vector<double>& all_poses,
                        ThreadPool* pool);
   void ReadLandmark(const StoredLandmark& landmark, std::size_t p,

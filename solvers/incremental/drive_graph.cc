@@ -163,16 +163,16 @@ void DriveGraph::Close(const std::vector<RelativePoseConstraint>& certain,
   for (int pose = 1; pose < static_cast<int>(world_from_pose_.size()); ++pose) {
     edges.push_back(StepTo(pose));
   }
-  const FixedPose& first = fixed.front();
+  const int first = fixed.empty() ? 0 : fixed.front().pose;
   for (std::size_t i = 1; i < fixed.size(); ++i) {
     constexpr double kExact = 1e-8;  // [m^2], [rad^2]
-    edges.push_back({first.pose, fixed[i].pose,
-                     Between(first.world_from_robot, fixed[i].world_from_robot),
+    edges.push_back({first, fixed[i].pose,
+                     Between(fixed.front().world_from_robot, fixed[i].world_from_robot),
                      kExact * Eigen::Matrix3d::Identity()});
   }
   std::vector<Pose2> optimum = world_from_pose_;
   OptimizeRobustly(edges, uncertain, &optimum);
-  const Pose2 back = world_from_pose_[first.pose] * optimum[first.pose].Inverse();
+  const Pose2 back = world_from_pose_[first] * optimum[first].Inverse();
   double farthest_m = 0.0;
   for (std::size_t i = 0; i < optimum.size(); ++i) {
     optimum[i] = back * optimum[i];

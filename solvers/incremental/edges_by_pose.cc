@@ -3,9 +3,9 @@
 namespace plumbline {
 
 void EdgesByPose::Extend(const SlamGraph& graph, const FactorOptions& factors) {
-  own_terms_ = factors.own_terms;
   motions_of_pose_.resize(graph.num_poses());
   relative_poses_of_pose_.resize(graph.num_poses());
+  factors_of_pose_.resize(graph.num_poses());
   for (std::size_t i = motions_.size(); i < graph.odometry().size(); ++i) {
     motions_.push_back(MotionEdge(graph.odometry()[i], factors.motion));
     motions_of_pose_[motions_.back().from].push_back(i);
@@ -15,6 +15,10 @@ void EdgesByPose::Extend(const SlamGraph& graph, const FactorOptions& factors) {
     relative_poses_.push_back(RelativePoseEdge(graph.relative_poses()[i]));
     relative_poses_of_pose_[relative_poses_.back().from].push_back(i);
     relative_poses_of_pose_[relative_poses_.back().to].push_back(i);
+  }
+  for (std::size_t i = factors_.size(); i < graph.factors().size(); ++i) {
+    factors_.push_back(graph.factors()[i]);
+    for (const int pose : factors_.back().poses) factors_of_pose_[pose].push_back(i);
   }
 }
 

@@ -14,7 +14,7 @@ namespace plumbline {
 /// LandmarkEnergies. Held-out error: mean of rho(d^2 / s^2), squared distance of a held-out return
 /// from the line of its landmark in its own variances, robust; the other returns put the line
 /// there. Pose terms have no part in it: odometry that contradicts the scans lowers the energy and
-/// raises this, and is refused. Relative poses and own terms are knowledge of their own, and
+/// raises this, and is refused. Relative poses and custom factors are knowledge of their own, and
 /// obeying them may cost the scans a little: with them the energy, which counts both, decides
 /// unless the map falls apart.
 struct AcceptanceTest {
@@ -29,7 +29,7 @@ struct AcceptanceTest {
   double energy_rounding = 0.0;  ///< what rounding may change of the energies
   /// Rounding as a share: measured points have single precision.
   static constexpr double kRounding = 1e-9;
-  bool with_other_constraints = false;  ///< relative poses, or own terms of a host
+  bool with_other_constraints = false;  ///< relative poses, or custom factors
   /// Parts of the drive that fit clearly worse than in the seed, see acceptance/candidate.h.
   /// CompareWithSeed does not count them, CandidateEvaluator does.
   int num_worse_stretches = 0;

@@ -2,7 +2,6 @@
 
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/status.h"
-#include "plumbline/factors/own_term.h"
 #include "plumbline/solvers/interface/ceres_options.h"
 #include "plumbline/solvers/interface/solver.h"
 
@@ -14,23 +13,6 @@ constexpr int kMostIterations = 1000000000;  // the sum of two is an int
 bool Refuse(const std::string& reason, std::string* error) {
   if (error != nullptr) *error = reason;
   return false;
-}
-
-// Whether the solver looks at what own terms see.
-Status CheckOwnTermsFit(const FactorOptions& factors, const Solver& solver) {
-  for (const std::shared_ptr<const OwnTerm>& term : factors.own_terms) {
-    const std::string name = "own term \"" + term->name + "\": the solver " + solver.name();
-    if (solver.MovesPosesOnly()) {
-      return Status::InvalidArgument(
-          name + " looks at relative poses only; reduced, alternating_cg and ceres take own terms");
-    }
-    if (solver.IsOverLandmarks() && term->SeesPoints()) {
-      return Status::InvalidArgument(name +
-                                     " eliminates the points, which the term sees; alternating_cg "
-                                     "and ceres over points take it");
-    }
-  }
-  return Status::Ok();
 }
 
 }  // namespace
@@ -99,8 +81,7 @@ bool SolverOptions::Check(std::string* error) const {
         "of Ceres' reduced problem",
         error);
   }
-  const Status own_terms = CheckOwnTermsFit(factors, solver);
-  return own_terms.ok() || Refuse(own_terms.message(), error);
+  return true;
 }
 
 }  // namespace plumbline

@@ -90,7 +90,7 @@ struct RoundEnergy {
 
 /// Sizes, costs and residuals of one term.
 struct TermSummary {
-  std::string name;             ///< "motion", "range beam", ..., or that of an own term
+  std::string name;             ///< "motion", "range beam", ..., or that of custom factors
   std::size_t count = 0;        ///< residual blocks
   double initial_cost = 0.0;    ///< one half of the squared whitened residuals, robust
   double final_cost = 0.0;      ///< the same at the end

@@ -7,7 +7,7 @@
 #include "plumbline/factors/surface_noise.h"
 #include "plumbline/solvers/landmarks/fit_landmark_lines.h"
 #include "plumbline/solvers/landmarks/line_observations.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 
 namespace plumbline {
@@ -48,7 +48,7 @@ std::vector<double> LandmarkEnergies(const SlamGraph& graph, const FactorOptions
     FitLandmarkLines(observations, frames, pool, &lines_of_state[i]);
     const double cost =
         SumOverPeers(graph.peers(), compressor.Cost(lines_of_state[i], frames, loss));
-    energies.push_back(cost + terms.Cost(*states[i]) + OwnPointCost(factors, graph, *states[i]));
+    energies.push_back(cost + terms.Cost(*states[i]) + FactorPointCost(graph, *states[i]));
   }
   if (lines != nullptr) *lines = std::move(lines_of_state);
   return energies;

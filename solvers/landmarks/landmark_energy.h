@@ -22,7 +22,7 @@ void SettleLines(const ReturnCompressor& compressor, const std::vector<PoseFrame
 /// returns to landmarks, as CutIntoLandmarks gives it. Every point is at its optimum, and every
 /// line where all its returns and then the robust weights put it. A return on a landmark costs
 /// rho(d^2 / s^2) / 2, see MarginalEnergy; others cost nothing, in no state. Pose terms are added,
-/// and own terms as in MarginalEnergy; shape terms are not. selection: the returns that count.
+/// and custom factors as in MarginalEnergy; shape terms are not. selection: the returns that count.
 /// lines: if given, the landmarks of each state with these lines.
 ///
 /// MarginalEnergy gives each state associations of its own: where returns are few, which of them

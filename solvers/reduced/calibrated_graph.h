@@ -34,9 +34,10 @@ using CalibrationRows = Eigen::Matrix<double, 3, kNumCalibrationParameters>;
 ///
 /// New mountings and range scales are tried with the map in place: the poses are carried along so
 /// that every laser stays where it is, on a map that grows with its ranges about the first fixed
-/// pose. So what the returns say of each other does not change with these parameters, only what the
-/// odometry and other pose terms say of the poses; no difference of large sums has to tell that.
-/// That takes lasers that all have one mounting; the other parameters do not mind.
+/// pose, or the first one of all. So what the returns say of each other does not change with these
+/// parameters, only what the odometry and other pose terms say of the poses; no difference of large
+/// sums has to tell that. That takes lasers that all have one mounting; the other parameters do not
+/// mind.
 class CalibratedGraph {
  public:
   /// Keeps a reference to the graph. poses: (x, y, yaw) each.
@@ -71,7 +72,9 @@ class CalibratedGraph {
   SurfaceNoise Noise(const FactorOptions& factors) const;
 
  private:
-  int Anchor() const { return graph_.fixed_poses().front().pose; }
+  int Anchor() const {
+    return graph_.fixed_poses().empty() ? 0 : graph_.fixed_poses().front().pose;
+  }
   Pose2 MountingAt(int laser, const CalibrationVector& theta) const;
 
   const SlamGraph& given_;

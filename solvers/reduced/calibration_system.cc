@@ -7,6 +7,7 @@
 
 #include "plumbline/core/over_peers.h"
 #include "plumbline/solvers/reduced/pose_preconditioner.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 
 namespace plumbline {
 namespace {
@@ -34,6 +35,38 @@ struct LinearEdge {
     by_theta.col(kLogOdometryScale) -= edge.residual.sqrt_information.leftCols<2>() *
                                        Between(Pose2(from), Pose2(to)).translation();
   }
+};
+
+// Takes the equations of terms that see poses only, for poses that are carried along.
+class CarriedEquations final : public PoseEquations {
+ public:
+  CarriedEquations(const CalibratedGraph& graph, const PoseSystem& poses, CalibrationSystem* system)
+      : graph_(graph), poses_(poses), system_(*system) {}
+
+  void Add(int pose, const Eigen::Matrix3d& block, const Eigen::Vector3d& gradient) override {
+    const CalibrationRows carried = graph_.CarriedBy(pose);
+    AddToBorder(pose, block * carried);
+    system_.information += carried.transpose() * block * carried;
+    system_.gradient += carried.transpose() * gradient;
+  }
+
+  void AddCoupling(int a, int b, const Eigen::Matrix3d& block) override {
+    const CalibrationRows carried_a = graph_.CarriedBy(a), carried_b = graph_.CarriedBy(b);
+    AddToBorder(a, block.transpose() * carried_b);
+    AddToBorder(b, block * carried_a);
+    const CalibrationMatrix both = carried_b.transpose() * block * carried_a;
+    system_.information += both + both.transpose();
+  }
+
+ private:
+  void AddToBorder(int pose, const CalibrationRows& rows) {
+    const int row = poses_.row_of_pose[pose];
+    if (row != PoseSystem::kConstant) system_.border.middleRows<3>(3 * row) += rows;
+  }
+
+  const CalibratedGraph& graph_;
+  const PoseSystem& poses_;
+  CalibrationSystem& system_;
 };
 
 // S^-1 times the columns.
@@ -67,6 +100,7 @@ CalibrationSystem::CalibrationSystem(const CalibratedGraph& graph, const PoseEdg
                                      const PoseSystem& poses) {
   border.setZero(poses.gradient.size(), kNumCalibrationParameters);
   AddPoseEdges(graph, edges, poses);
+  AddFactors(graph, poses);
   AddRangeBias(std::exp(graph.theta()[kLogRangeScale]), observations, slopes, landmarks, frames,
                poses);
 }
@@ -86,6 +120,13 @@ void CalibrationSystem::AddPoseEdges(const CalibratedGraph& graph, const PoseEdg
       information += linear.by_theta.transpose() * linear.by_theta;
       gradient += linear.by_theta.transpose() * linear.residual;
     }
+  }
+}
+
+void CalibrationSystem::AddFactors(const CalibratedGraph& graph, const PoseSystem& poses) {
+  CarriedEquations equations(graph, poses, this);
+  for (const auto& term : MakeFactorTerms(graph.graph())) {
+    if (!term->SeesPoints()) term->AddEquations(graph.poses().data(), &equations);
   }
 }
 

@@ -35,6 +35,7 @@ struct CalibrationSystem {
 
  private:
   void AddPoseEdges(const CalibratedGraph& graph, const PoseEdges& edges, const PoseSystem& poses);
+  void AddFactors(const CalibratedGraph& graph, const PoseSystem& poses);
   void AddRangeBias(double range_scale, const LineObservations& observations,
                     const std::vector<RangeSlope>& slopes,
                     const std::vector<LineLandmark>& landmarks,

@@ -189,7 +189,7 @@ class LandmarkMinimizer {
     PoseTerms terms = terms_;
     const auto gauge = std::find(terms.is_constant.begin(), terms.is_constant.end(), true);
     const bool is_gauge =
-        factors_.own_terms.empty() && std::count(gauge, terms.is_constant.end(), true) == 1;
+        graph_.factors().empty() && std::count(gauge, terms.is_constant.end(), true) == 1;
     if (is_gauge) *gauge = false;
     std::vector<double> poses = poses_;
     const InnerResult inner = SolveLandmarksWithCeres(

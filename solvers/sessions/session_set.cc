@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "plumbline/core/copy_factor.h"
 #include "plumbline/solvers/loop_closure/close_loops.h"
 
 namespace plumbline {
@@ -12,6 +13,8 @@ namespace {
 
 // Path between two sessions in a group: more than what counts as one pass through a place [m].
 constexpr double kGapM = 20.0;
+
+constexpr int kNowhere = -1;
 
 // Appends the scans of the poses from `first` to before `end`, whose ids are `moved` higher there.
 // All processes get the same ids of lasers, whoever has the scans.
@@ -49,6 +52,14 @@ void AppendPart(const SlamGraph& graph, int first, int end, const std::vector<Po
   for (int pose = first; pose < end; ++pose) {
     appended_to->AddPose(initial_poses[pose - first], graph.timestamp_s(pose));
   }
+  const auto pose_there = [&](int pose) {
+    return pose >= first && pose < end ? pose + moved : kNowhere;
+  };
+  std::vector<int> scan_there(graph.num_scans(), kNowhere);
+  int num_scans = appended_to->num_scans();
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    if (pose_there(graph.scan(scan).pose) != kNowhere) scan_there[scan] = num_scans++;
+  }
   AppendScans(graph, first, end, moved, appended_to);
   for (OdometryConstraint step : graph.odometry()) {
     if (step.from < first || step.from >= end) continue;
@@ -61,6 +72,10 @@ void AppendPart(const SlamGraph& graph, int first, int end, const std::vector<Po
     edge.from += moved;
     edge.to += moved;
     appended_to->AddRelativePose(edge);
+  }
+  for (const CustomFactor& factor : graph.factors()) {
+    CopyFactor(
+        graph, factor, pose_there, [&](int scan) { return scan_there[scan]; }, appended_to);
   }
 }
 

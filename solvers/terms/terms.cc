@@ -8,7 +8,7 @@
 #include "plumbline/factors/relative_pose_factor.h"
 #include "plumbline/factors/robust_loss.h"
 #include "plumbline/factors/shape_factor.h"
-#include "plumbline/solvers/terms/own_terms.h"
+#include "plumbline/solvers/terms/custom_factor_terms.h"
 #include "plumbline/solvers/terms/term_of.h"
 
 namespace plumbline {
@@ -162,7 +162,7 @@ TermList MakeTerms(const SlamGraph& graph, const Associations& associations,
       std::make_shared<ManifoldTerm>(graph, associations, options.manifold),
       std::make_shared<ShapeTerm>(graph, associations, options),
   };
-  for (const auto& own_term : options.own_terms) terms.push_back(MakeTerm(own_term));
+  for (const auto& of_host : MakeFactorTerms(graph)) terms.push_back(of_host);
   return terms;
 }
 

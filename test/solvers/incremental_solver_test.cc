@@ -314,30 +314,30 @@ struct MeasuredPosition {
   }
 };
 
-SolverOptions WithPosition(int pose, double x_m, double y_m) {
-  auto term = std::make_shared<OwnTerm>();
-  term->name = "position";
-  term->residuals.push_back({std::make_shared<ceres::AutoDiffCostFunction<MeasuredPosition, 2, 3>>(
-                                 new MeasuredPosition{x_m, y_m, 1e-4}),
-                             {pose},
-                             {}});
-  SolverOptions options = Threads(1);
-  options.factors.own_terms = {term};
-  return options;
+void AddPosition(int pose, double x_m, double y_m, double sigma_m, SlamGraph* graph) {
+  graph->AddFactor("position",
+                   std::make_shared<ceres::AutoDiffCostFunction<MeasuredPosition, 2, 3>>(
+                       new MeasuredPosition{x_m, y_m, sigma_m}),
+                   {pose});
 }
 
-TEST(IncrementalSolverTest, OwnTermsCountOnceTheirPosesAreThere) {
+TEST(IncrementalSolverTest, CustomFactorsCount) {
   Host host;
   const int pose = kNumPoses / 2;
   const Pose2 truth = host.drive.truth[pose];
-  const SolverOptions options = WithPosition(pose, truth.x + 0.03, truth.y - 0.03);
-  host.solver = IncrementalSolver(options, Window(20));
-  host.DriveAll();
+  while (host.graph.num_poses() < kNumPoses) {
+    host.Receive(kBatch);
+    if (host.graph.num_poses() == kBatch) host.graph.FixPose(0);
+    if (host.graph.num_poses() > pose && host.graph.factors().empty()) {
+      AddPosition(pose, truth.x + 0.03, truth.y - 0.03, 1e-4, &host.graph);
+    }
+    host.Update();
+  }
   for (int i = 0; i < 3; ++i) host.Update(UpdateScope::kAll);
   MapState batch = host.graph.InitialState();
   batch.poses = host.poses;
   batch.points = host.graph.MeasuredMap(batch.poses);
-  ASSERT_TRUE(RefineState(options, host.graph, &batch).IsSolutionUsable());
+  ASSERT_TRUE(RefineState(Threads(1), host.graph, &batch).IsSolutionUsable());
   EXPECT_NEAR(host.poses[3 * pose], truth.x + 0.03, 0.01);
   EXPECT_NEAR(host.poses[3 * pose + 1], truth.y - 0.03, 0.01);
   for (int i = 0; i < kNumPoses; ++i) {
@@ -345,16 +345,36 @@ TEST(IncrementalSolverTest, OwnTermsCountOnceTheirPosesAreThere) {
   }
 }
 
-TEST(IncrementalSolverTest, OwnTermsThatCannotBeEvaluatedAreRefused) {
-  for (const int pose : {3, -1}) {
-    Host host;
-    const double nowhere_m = pose < 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN();
-    host.solver = IncrementalSolver(WithPosition(pose, nowhere_m, 0.0));
+TEST(IncrementalSolverTest, PositionsPutTheMapIntoTheWorld) {
+  Host host;
+  const Pose2 world_from_map(300.0, -200.0, 1.9);
+  while (host.graph.num_poses() < kNumPoses) {
+    const int first = host.graph.num_poses();
     host.Receive(kBatch);
-    const Status status = host.solver.Update(host.graph, UpdateScope::kAutomatic, &host.poses);
-    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
-    EXPECT_THAT(status.message(), HasSubstr("own term \"position\": residual 0"));
+    for (int pose = first; pose < host.graph.num_poses(); pose += 2) {
+      const Pose2 in_world = world_from_map * host.drive.truth[pose];
+      AddPosition(pose, in_world.x, in_world.y, 0.5, &host.graph);
+    }
+    host.Update();
   }
+  int num_of_all = 0;
+  for (const IncrementalSummary& summary : host.summaries) {
+    num_of_all += summary.num_free_poses > 20 ? 1 : 0;
+  }
+  EXPECT_LT(num_of_all, 3);  // once the positions have turned the map, it only grows
+  for (int pose = 0; pose < kNumPoses; ++pose) {
+    const Pose2 in_world = world_from_map * host.drive.truth[pose];
+    EXPECT_LT(DistanceM(Pose2(&host.poses[3 * pose]), in_world), 0.05) << pose;
+  }
+}
+
+TEST(IncrementalSolverTest, CustomFactorsThatCannotBeServedAreRefused) {
+  Host host;
+  host.Receive(kBatch);
+  AddPosition(3, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.1, &host.graph);
+  const Status status = host.solver.Update(host.graph, UpdateScope::kAutomatic, &host.poses);
+  EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(status.message(), HasSubstr("factor 0 (\"position\")"));
 }
 
 TEST(IncrementalSolverTest, NullAndAMovedFromSolverAreRefused) {

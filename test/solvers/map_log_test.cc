@@ -1,11 +1,13 @@
 #include "plumbline/solvers/map_log.h"
 
+#include <ceres/autodiff_cost_function.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -197,6 +199,47 @@ TEST(MapLogTest, LeavesOutWhatAFrozenLaserRepeats) {
   EXPECT_THAT(alarm.reason, HasSubstr("the laser gave the same scan 6 times more"));
   EXPECT_EQ(alarm.place.scan, first - 1);
   EXPECT_EQ(alarm.place.world_position, mapping.state.WorldFromRobot(first - 1).translation());
+}
+
+// A measured position of the robot, as of GPS.
+struct Position {
+  double x_m, y_m;
+
+  template <typename T>
+  bool operator()(const T* pose, T* residuals) const {
+    constexpr double kSigmaM = 0.3;
+    residuals[0] = (pose[0] - x_m) / kSigmaM;
+    residuals[1] = (pose[1] - y_m) / kSigmaM;
+    return true;
+  }
+};
+
+TEST(MapLogTest, PositionsPutTheMapIntoTheWorld) {
+  SimulatedLog log = OfficeDrive();
+  FreezeLaser(101.0, 12.0, &log);  // the graph is made anew without what it repeats
+  SlamGraph graph = GraphOf(log);
+  const MapEstimate truth = TruthOf(log, graph);
+  const Pose2 world_from_map(4000.0, -300.0, 2.5);
+  std::vector<Pose2> in_world;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    in_world.push_back(world_from_map * truth.poses[pose]);
+    if (pose % 5 != 0) continue;
+    graph.AddFactor("position",
+                    std::make_shared<ceres::AutoDiffCostFunction<Position, 2, 3>>(
+                        new Position{in_world[pose].x, in_world[pose].y}),
+                    {pose});
+  }
+  LogMapping mapping;
+  ASSERT_TRUE(MapLog(MapLogOptions(), graph, {}, &mapping).ok());
+  EXPECT_EQ(mapping.graph.factors().size(), graph.factors().size());
+  double sum_m = 0.0, sum_of_start_m = 0.0;
+  for (int pose = 0; pose < graph.num_poses(); ++pose) {
+    const Pose2 start(&mapping.start_poses[3 * pose]);
+    sum_m += Between(in_world[pose], mapping.state.WorldFromRobot(pose)).translation().norm();
+    sum_of_start_m += Between(in_world[pose], start).translation().norm();
+  }
+  EXPECT_LT(sum_m / graph.num_poses(), 0.05);
+  EXPECT_LT(sum_of_start_m / graph.num_poses(), 0.3);
 }
 
 TEST(MapLogTest, APoseGraphSolverClosesTheLoopsItself) {

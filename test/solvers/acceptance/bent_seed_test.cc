@@ -36,19 +36,15 @@ struct Position {
 };
 
 // Knowledge of a host that is wrong, and surer than the scans: it draws poses off the map.
-std::shared_ptr<const OwnTerm> WrongPositions(const NoisyRoom& room) {
-  OwnTerm term;
-  term.name = "position";
-  term.unit = "m";
-  term.sigma = 0.003;
+void AddWrongPositions(NoisyRoom* room) {
+  room->graph.FixPose(0);
   for (int pose = kFirst; pose <= kLast; ++pose) {
-    const Pose2& at = room.truth[pose];
-    term.residuals.push_back({std::make_shared<ceres::AutoDiffCostFunction<Position, 2, 3>>(
-                                  new Position{at.x + kOffM, at.y + kOffM, term.sigma}),
-                              {pose},
-                              {}});
+    const Pose2& at = room->truth[pose];
+    room->graph.AddFactor("position",
+                          std::make_shared<ceres::AutoDiffCostFunction<Position, 2, 3>>(
+                              new Position{at.x + kOffM, at.y + kOffM, 0.003}),
+                          {pose});
   }
-  return std::make_shared<const OwnTerm>(std::move(term));
 }
 
 // Poses 3 to 13, by up to half a metre.
@@ -69,9 +65,8 @@ TEST(BentSeedTest, IsNoYardstickForPartsOfTheDrive) {
   NoisyRoom room = Room();
   AddFalseEdge(&room);
   Bend(&room);
-  SolverOptions options;
-  options.factors.own_terms = {WrongPositions(room)};
-  const SolverSummary summary = RefineState(options, room.graph, &room.state);
+  AddWrongPositions(&room);
+  const SolverSummary summary = RefineState(SolverOptions(), room.graph, &room.state);
   ASSERT_EQ(summary.ignored_edges.size(), 1u);
   EXPECT_TRUE(summary.started_from_constraints);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
@@ -87,10 +82,9 @@ TEST(BentSeedTest, IsNoYardstickForPartsOfTheDrive) {
 TEST(BentSeedTest, WithoutFalseEdgesTheWrongPosesCount) {
   NoisyRoom room = Room();
   Bend(&room);
+  AddWrongPositions(&room);
   const MapState seed = room.state;
-  SolverOptions options;
-  options.factors.own_terms = {WrongPositions(room)};
-  const SolverSummary summary = RefineState(options, room.graph, &room.state);
+  const SolverSummary summary = RefineState(SolverOptions(), room.graph, &room.state);
   EXPECT_TRUE(summary.ignored_edges.empty());
   EXPECT_EQ(summary.acceptance.num_worse_stretches, 1) << summary.message;
   EXPECT_EQ(room.state, seed);

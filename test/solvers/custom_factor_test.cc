@@ -1,13 +1,14 @@
-// Residuals of a host's own behind Solve: positions, a compass and a wall that is known. What a
-// host writes is all above the tests.
+// Factors of a host's own behind Solve: positions, a compass and a wall that is known. What a host
+// writes is all above the tests.
 
-#include "plumbline/factors/own_term.h"
+#include "plumbline/core/custom_factor.h"
 
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/loss_function.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -24,7 +25,6 @@
 #include "plumbline/solvers/refine_state.h"
 #include "plumbline/solvers/sliding_window.h"
 #include "plumbline/solvers/solve.h"
-#include "plumbline/solvers/terms/own_terms.h"
 #include "plumbline/solvers/terms/pose_terms.h"
 #include "plumbline/test/solvers/noisy_room.h"
 
@@ -44,11 +44,13 @@ struct Position {
     return true;
   }
 };
-OwnResidual PositionOf(int pose, const Pose2& at, double sigma_m) {
-  return {std::make_shared<ceres::AutoDiffCostFunction<Position, 2, 3>>(
+CustomFactor PositionOf(int pose, const Pose2& at, double sigma_m) {
+  return {"position",
+          std::make_shared<ceres::AutoDiffCostFunction<Position, 2, 3>>(
               new Position{at.x, at.y, sigma_m}),
           {pose},
-          {}};
+          {},
+          nullptr};
 }
 
 // A measured heading of the robot.
@@ -63,11 +65,13 @@ struct Heading {
     return true;
   }
 };
-OwnResidual HeadingOf(int pose, const Pose2& at, double sigma_rad) {
+CustomFactor HeadingOf(int pose, const Pose2& at, double sigma_rad) {
   return {
+      "compass",
       std::make_shared<ceres::AutoDiffCostFunction<Heading, 1, 3>>(new Heading{at.yaw, sigma_rad}),
       {pose},
-      {}};
+      {},
+      nullptr};
 }
 
 // A map point lies on the wall x = x_m.
@@ -80,10 +84,12 @@ struct OnWall {
     return true;
   }
 };
-OwnResidual WallAt(std::size_t point, double x_m, double sigma_m) {
-  return {std::make_shared<ceres::AutoDiffCostFunction<OnWall, 1, 2>>(new OnWall{x_m, sigma_m}),
+CustomFactor WallAt(std::size_t point, double x_m, double sigma_m) {
+  return {"wall",
+          std::make_shared<ceres::AutoDiffCostFunction<OnWall, 1, 2>>(new OnWall{x_m, sigma_m}),
           {},
-          {point}};
+          {point},
+          nullptr};
 }
 
 // The length of the way from a pose to another, to a point and back.
@@ -99,11 +105,20 @@ struct Perimeter {
   }
 };
 
-std::shared_ptr<OwnTerm> TermOfResiduals(const char* name, std::vector<OwnResidual> residuals) {
-  auto term = std::make_shared<OwnTerm>();
-  term->name = name;
-  term->residuals = std::move(residuals);
-  return term;
+using CustomFactors = std::vector<CustomFactor>;
+
+double DistanceM(const Pose2& a, const Pose2& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+void ExpectSamePose(const Pose2& a, const Pose2& b) {
+  EXPECT_EQ(a.x, b.x);
+  EXPECT_EQ(a.y, b.y);
+  EXPECT_EQ(a.yaw, b.yaw);
+}
+
+void Add(const CustomFactors& factors, SlamGraph* graph) {
+  for (const CustomFactor& f : factors) graph->AddFactor(f.name, f.cost, f.poses, f.points, f.loss);
 }
 
 // Two rooms; the second one has drifted as a whole, and nothing but loose odometry joins it to the
@@ -143,27 +158,27 @@ NoisyRoom DriftedRoom(const Pose2& drift) {
 }
 
 // Positions of the second room's poses.
-std::shared_ptr<OwnTerm> Positions(const NoisyRoom& room, double sigma_m) {
-  std::vector<OwnResidual> residuals;
+CustomFactors Positions(const NoisyRoom& room, double sigma_m) {
+  CustomFactors factors;
   for (int i = kPosesPerRoom; i < kNumPoses; ++i) {
-    residuals.push_back(PositionOf(i, room.truth[i], sigma_m));
+    factors.push_back(PositionOf(i, room.truth[i], sigma_m));
   }
-  return TermOfResiduals("position", std::move(residuals));
+  return factors;
 }
 
 // The far wall of the second room, for what its first pose sees of it.
-std::shared_ptr<OwnTerm> Wall(const NoisyRoom& room) {
+CustomFactors Wall(const NoisyRoom& room) {
   const double wall_x = kSecondRoomX + 3.0;
   const MapState truth{PoseArray(room.truth), room.graph.MeasuredMap(PoseArray(room.truth))};
-  std::vector<OwnResidual> residuals;
+  CustomFactors factors;
   for (std::size_t r = 0; r < room.graph.num_returns(); ++r) {
     const Eigen::Vector2d point = MapPoint(truth, r);
     if (std::abs(point.x() - wall_x) < 0.05 && std::abs(point.y()) < 1.9) {
-      residuals.push_back(WallAt(r, wall_x, 0.001));
+      factors.push_back(WallAt(r, wall_x, 0.001));
     }
   }
-  EXPECT_GT(residuals.size(), 100u);
-  return TermOfResiduals("wall", std::move(residuals));
+  EXPECT_GT(factors.size(), 100u);
+  return factors;
 }
 
 double SecondRoomError(const NoisyRoom& room) {
@@ -214,16 +229,17 @@ void ExpectRefused(const SolverOptions& options, const NoisyRoom& room,
 }
 
 class OverLandmarks : public testing::TestWithParam<Choice> {};
-INSTANTIATE_TEST_SUITE_P(OwnTerm, OverLandmarks, testing::ValuesIn(kOverLandmarks),
+INSTANTIATE_TEST_SUITE_P(CustomFactor, OverLandmarks, testing::ValuesIn(kOverLandmarks),
                          [](const auto& info) { return std::string(info.param.name); });
 class OverPoints : public testing::TestWithParam<Choice> {};
-INSTANTIATE_TEST_SUITE_P(OwnTerm, OverPoints, testing::ValuesIn(kOverPoints),
+INSTANTIATE_TEST_SUITE_P(CustomFactor, OverPoints, testing::ValuesIn(kOverPoints),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(OverLandmarks, PositionsPullADriftedMapIntoPlace) {
   NoisyRoom room = DriftedRoom({0.2, -0.1, 0.03});
+  room.graph.FixPose(0);
   SolverOptions options = GetParam().Options();
-  options.factors.own_terms = {Positions(room, 0.05)};
+  Add(Positions(room, 0.05), &room.graph);
   const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.02);
@@ -235,11 +251,11 @@ TEST_P(OverLandmarks, PositionsPullADriftedMapIntoPlace) {
 
 TEST_P(OverLandmarks, ACompassTurnsTheMap) {
   NoisyRoom room = DriftedRoom({0.2, -0.1, 0.1});
+  room.graph.FixPose(0);
   SolverOptions options = GetParam().Options();
   const int pose = kPosesPerRoom + 2;
-  options.factors.own_terms = {
-      TermOfResiduals("position", {PositionOf(pose, room.truth[pose], 0.01)}),
-      TermOfResiduals("compass", {HeadingOf(pose, room.truth[pose], 0.001)})};
+  Add({PositionOf(pose, room.truth[pose], 0.01), HeadingOf(pose, room.truth[pose], 0.001)},
+      &room.graph);
   const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.02);
@@ -247,9 +263,9 @@ TEST_P(OverLandmarks, ACompassTurnsTheMap) {
 }
 
 TEST_P(OverLandmarks, RefuseWhatSeesPoints) {
-  const NoisyRoom room = DriftedRoom({0.05, 0.0, 0.0});
+  NoisyRoom room = DriftedRoom({0.05, 0.0, 0.0});
   SolverOptions options = GetParam().Options();
-  options.factors.own_terms = {Wall(room)};
+  Add(Wall(room), &room.graph);
   ExpectRefused(options, room, {"\"wall\"", "points", "alternating_cg"});
 }
 
@@ -257,9 +273,10 @@ TEST_P(OverLandmarks, RefuseWhatSeesPoints) {
 // drift.
 TEST_P(OverPoints, PositionsPullADriftedMapIntoPlace) {
   NoisyRoom room = DriftedRoom({0.03, -0.02, 0.0});
+  room.graph.FixPose(0);
   const double before_m = SecondRoomError(room);
   SolverOptions options = GetParam().Options();
-  options.factors.own_terms = {Positions(room, 0.001)};
+  Add(Positions(room, 0.001), &room.graph);
   const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.4 * before_m);
@@ -268,9 +285,10 @@ TEST_P(OverPoints, PositionsPullADriftedMapIntoPlace) {
 
 TEST_P(OverPoints, AKnownWallPullsItsPoints) {
   NoisyRoom room = DriftedRoom({0.03, 0.0, 0.0});
+  room.graph.FixPose(0);
   const double before_m = SecondRoomError(room);
   SolverOptions options = GetParam().Options();
-  options.factors.own_terms = {Wall(room)};
+  Add(Wall(room), &room.graph);
   const SolverSummary summary = RefineState(options, room.graph, &room.state);
   EXPECT_TRUE(summary.acceptance.IsBetter()) << summary.message;
   EXPECT_LT(SecondRoomError(room), 0.6 * before_m);
@@ -279,16 +297,17 @@ TEST_P(OverPoints, AKnownWallPullsItsPoints) {
   EXPECT_LT(term.WhitenedRms(), 1.0);
 }
 
-TEST(OwnTerm, CostsAndDerivativesAreThoseOfCeres) {
+TEST(CustomFactorTest, CostsAndDerivativesAreThoseOfCeres) {
   NoisyRoom room = DriftedRoom({0.03, -0.02, 0.01});
   FactorOptions factors;
   const auto perimeter =
       std::make_shared<ceres::AutoDiffCostFunction<Perimeter, 1, 3, 3, 2>>(new Perimeter);
   const auto loss = std::make_shared<ceres::CauchyLoss>(1.5);
-  factors.own_terms = {Positions(room, 0.01), Wall(room),
-                       TermOfResiduals("perimeter", {{perimeter, {2, 5}, {77}, loss},
-                                                     {perimeter, {9, 3}, {1400}, loss}})};
-  factors.own_terms.push_back(TermOfResiduals("robust", {PositionOf(3, {}, 0.1)}));
+  Add(Positions(room, 0.01), &room.graph);
+  Add(Wall(room), &room.graph);
+  Add({{"perimeter", perimeter, {2, 5}, {77}, loss},
+       {"perimeter", perimeter, {9, 3}, {1400}, loss}},
+      &room.graph);
   std::vector<double> pose_gradient, point_gradient;
   ThreadPool pool(2);
   const Associations associations = AssociationsOf(room.graph, room.state);
@@ -318,12 +337,14 @@ TEST(OwnTerm, CostsAndDerivativesAreThoseOfCeres) {
             0.0);
 }
 
-TEST(OwnTerm, TheReducedSystemHasItToo) {
-  const NoisyRoom room = DriftedRoom({0.03, -0.02, 0.01});
-  FactorOptions factors;
+TEST(CustomFactorTest, TheReducedSystemHasItToo) {
+  NoisyRoom room = DriftedRoom({0.03, -0.02, 0.01});
+  const FactorOptions factors;
   auto robust = PositionOf(4, {}, 0.1);
+  robust.name = "robust";
   robust.loss = std::make_shared<ceres::CauchyLoss>(1.5);
-  factors.own_terms = {Positions(room, 0.01), TermOfResiduals("robust", {robust})};
+  Add(Positions(room, 0.01), &room.graph);
+  Add({robust}, &room.graph);
   ThreadPool pool(1);
   const PoseTerms terms(room.graph, factors);
   LineObservations none;
@@ -342,12 +363,11 @@ TEST(OwnTerm, TheReducedSystemHasItToo) {
   }
 }
 
-TEST(OwnTerm, IsInWindowsAsFarAsItSeesThem) {
+TEST(CustomFactorTest, IsInWindowsAsFarAsItSeesThem) {
   NoisyRoom room = DriftedRoom({0.2, -0.1, 0.0});
   SolverOptions options;
-  const auto positions = Positions(room, 0.05);
-  positions->residuals.push_back(PositionOf(0, room.truth[0], 0.05));  // of a pose outside
-  options.factors.own_terms = {positions};
+  Add(Positions(room, 0.05), &room.graph);
+  Add({PositionOf(0, room.truth[0], 0.05)}, &room.graph);  // of a pose outside
   WindowOptions window;
   window.num_free_poses = kPosesPerRoom;
   const SolverSummary summary = SolveWindow(options, window, room.graph, &room.state);
@@ -356,18 +376,15 @@ TEST(OwnTerm, IsInWindowsAsFarAsItSeesThem) {
   EXPECT_EQ(TermOfSummary(summary, "position").count, static_cast<std::size_t>(kPosesPerRoom));
 
   options.type = SolverType::kAlternatingCg;
-  options.factors.own_terms = {Wall(room)};
+  Add(Wall(room), &room.graph);
   EXPECT_GT(TermOfSummary(SolveWindow(options, window, room.graph, &room.state), "wall").count,
             100u);
   options.type = SolverType::kReduced;
   EXPECT_THAT(SolveWindow(options, window, room.graph, &room.state).message, HasSubstr("\"wall\""));
-  positions->residuals.push_back(PositionOf(99, {}, 0.05));
-  options.factors.own_terms = {positions};
-  EXPECT_THAT(SolveWindow(options, window, room.graph, &room.state).message, HasSubstr("pose 99"));
 }
 
-TEST(OwnTerm, GivesAPoseThatNothingElseHoldsACovariance) {
-  const NoisyRoom room = DriftedRoom({});
+TEST(CustomFactorTest, GivesAPoseThatNothingElseHoldsACovariance) {
+  NoisyRoom room = DriftedRoom({});
   SolverOptions options;
   const int last = kNumPoses - 1;
   std::vector<Eigen::Matrix3d> covariances;
@@ -375,19 +392,19 @@ TEST(OwnTerm, GivesAPoseThatNothingElseHoldsACovariance) {
     return ComputePoseCovariances(options, room.graph, room.state, {{last, last}}, &covariances);
   };
   EXPECT_THAT(compute().message(), HasSubstr("nothing holds pose 15"));
-  options.factors.own_terms = {Positions(room, 0.02)};
+  Add(Positions(room, 0.02), &room.graph);
   ASSERT_TRUE(compute().ok());
   // Eight positions of 0.02 m hold the room that the pose is in.
   EXPECT_NEAR(std::sqrt(covariances[0](0, 0)), 0.02 / std::sqrt(8.0), 0.005);
   options.type = SolverType::kAlternatingCg;
-  options.factors.own_terms = {Wall(room)};
+  Add(Wall(room), &room.graph);
   EXPECT_THAT(compute().message(), HasSubstr("\"wall\" sees points"));
 }
 
-TEST(OwnTerm, HasItsResidualsReported) {
-  const NoisyRoom room = DriftedRoom({0.2, -0.1, 0.0});
+TEST(CustomFactorTest, HasItsResidualsReported) {
+  NoisyRoom room = DriftedRoom({0.2, -0.1, 0.0});
   SolverOptions options;
-  options.factors.own_terms = {Positions(room, 0.05)};
+  Add(Positions(room, 0.05), &room.graph);
   Residuals residuals;
   ASSERT_TRUE(EvaluateResiduals(options, room.graph, room.state, &residuals).ok());
   ASSERT_EQ(residuals.others.size(), 1u);
@@ -398,22 +415,15 @@ TEST(OwnTerm, HasItsResidualsReported) {
   EXPECT_NEAR(residuals.others[0].values[1], -2.0, 1e-9);
 }
 
-TEST(OwnTerm, IsRefusedBySolversThatLookAtRelativePosesOnly) {
+TEST(CustomFactorTest, IsRefusedBySolversThatLookAtRelativePosesOnly) {
   NoisyRoom room = DriftedRoom({});
   room.graph.AddRelativePose({0, 1, Between(room.truth[0], room.truth[1])});
   SolverOptions options;
-  options.factors.own_terms = {Positions(room, 0.05)};
+  Add(Positions(room, 0.05), &room.graph);
   for (const SolverType type : {SolverType::kPoseGraph, SolverType::kSgd}) {
     options.type = type;
     ExpectRefused(options, room, {"\"position\"", ToString(type), "reduced"});
   }
-  CalibrationOptions calibration;
-  calibration.range_bias = true;
-  Calibration found;
-  EXPECT_THAT(
-      SolveWithCalibration(SolverOptions(options), calibration, room.graph, &room.state, &found)
-          .message,
-      HasSubstr("\"position\""));
 }
 
 // Undefined in the left half of the world, and throws on its far side.
@@ -427,59 +437,164 @@ struct Moody {
   }
 };
 
-TEST(OwnTerm, MistakesAreNamed) {
+TEST(CustomFactorTest, MistakesAreNamed) {
   const NoisyRoom room = DriftedRoom({});
   const Pose2 origin;
-  const auto refuse = [&](OwnResidual residual, const std::string& word) {
-    SolverOptions options;
-    options.factors.own_terms = {
-        TermOfResiduals("gps", {PositionOf(1, origin, 0.1), std::move(residual)})};
-    ExpectRefused(options, room, {"\"gps\": residual 1 ", word});
+  const auto refuse = [&](const CustomFactor& factor, const std::string& word) {
+    SlamGraph graph = room.graph;
+    Add({PositionOf(1, origin, 0.1), factor}, &graph);
+    EXPECT_EQ(graph.factors().size(), 1u);
+    EXPECT_THAT(graph.status().message(), HasSubstr("factor 1 (\"" + factor.name + "\"): " + word));
   };
   refuse(PositionOf(99, origin, 0.1), "sees pose 99, but the graph has 16");
   refuse(PositionOf(-1, origin, 0.1), "sees pose -1");
-  refuse({nullptr, {1}, {}}, "no cost function");
-  refuse({PositionOf(1, origin, 0.1).cost, {1, 2}, {}}, "blocks of 3");
-  refuse({PositionOf(1, origin, 0.1).cost, {}, {}}, "neither a pose nor a point");
-  refuse({std::make_shared<ceres::AutoDiffCostFunction<Perimeter, 1, 3, 3, 2>>(new Perimeter),
+  refuse(WallAt(1u << 30, 0.0, 0.1), "sees point 1073741824, but the graph has");
+  refuse({"gps", nullptr, {1}, {}, nullptr}, "has no cost function");
+  const auto cost = PositionOf(1, origin, 0.1).cost;
+  refuse({"gps", cost, {1, 2}, {}, nullptr}, "sees 2 poses and 0 points, blocks of 3 and 2, but");
+  refuse({"gps", cost, {}, {}, nullptr}, "sees neither a pose nor a point");
+  refuse({"", cost, {1}, {}, nullptr}, "has no name");
+  refuse({"ring",
+          std::make_shared<ceres::AutoDiffCostFunction<Perimeter, 1, 3, 3, 2>>(new Perimeter),
           {2, 2},
-          {1}},
+          {1},
+          nullptr},
          "sees a block twice");
-  refuse(HeadingOf(1, origin, 0.1), "has 1 rows, but the first one 2");
-  refuse(PositionOf(1, {kNaN, 0.0, 0.0}, 0.1), "not finite");
-
-  SolverOptions options;
-  options.type = SolverType::kAlternatingCg;
-  options.factors.own_terms = {TermOfResiduals("wall", {WallAt(1u << 30, 0.0, 0.1)})};
-  ExpectRefused(options, room, {"sees point", "returns"});
-  options.factors.own_terms = {TermOfResiduals("", {})};
-  ExpectRefused(options, room, {"no name"});
-  options.factors.own_terms = {nullptr};
-  ExpectRefused(options, room, {"term"});
+  CustomFactor heading = HeadingOf(1, origin, 0.1);
+  heading.name = "position";
+  refuse(heading, "has 1 residuals, but the first of its name 2");
 }
 
-TEST(OwnTerm, WhatThrowsOrIsUndefinedIsRefused) {
+TEST(CustomFactorTest, WhatIsNotFiniteIsRefused) {
+  NoisyRoom room = DriftedRoom({});
+  Add({PositionOf(1, {kNaN, 0.0, 0.0}, 0.1)}, &room.graph);
+  ExpectRefused(SolverOptions(), room, {"factor 0 (\"position\")", "not finite"});
+}
+
+TEST(CustomFactorTest, WhatThrowsOrIsUndefinedIsRefused) {
   const NoisyRoom room = DriftedRoom({});
-  SolverOptions options;
   const auto moody = std::make_shared<ceres::AutoDiffCostFunction<Moody, 1, 3>>(new Moody);
   ASSERT_LT(room.state.WorldFromRobot(3).x, 0.0);
   ASSERT_LT(room.state.WorldFromRobot(4).x, -1.2);
   for (const int pose : {3, 4}) {
-    options.factors.own_terms = {TermOfResiduals("moody", {{moody, {pose}, {}}})};
-    ExpectRefused(options, room, {"\"moody\": residual 0 throws, fails or is not finite"});
+    NoisyRoom with_factor = room;
+    with_factor.graph.AddFactor("moody", moody, {pose});
+    ExpectRefused(SolverOptions(), with_factor,
+                  {"factor 0 (\"moody\"): throws, fails or is not finite"});
   }
 }
 
-TEST(OwnTerm, WithoutResidualsChangesNothing) {
-  NoisyRoom room = DriftedRoom({0.1, 0.0, 0.0});
-  DisturbPoses(0.02, room.graph, &room.state);
-  MapState other = room.state;
-  SolverOptions options;
-  RefineState(options, room.graph, &room.state);
-  options.factors.own_terms = {TermOfResiduals("empty", {})};
-  const SolverSummary summary = RefineState(options, room.graph, &other);
-  EXPECT_EQ(TermOfSummary(summary, "empty").count, 0u);
-  EXPECT_EQ(other, room.state);
+// A room whose map was made in a frame of its own, turned and moved against the world.
+struct TurnedRoom {
+  NoisyRoom room = NoisyRoomOfTwo();
+  std::vector<Pose2> in_world;
+
+  static NoisyRoom NoisyRoomOfTwo() { return DriftedRoom({}); }
+  TurnedRoom() {
+    const Pose2 world_from_map(120.0, -40.0, 2.2);
+    for (const Pose2& pose : room.truth) in_world.push_back(world_from_map * pose);
+  }
+  double LargestErrorM(const MapState& state) const {
+    double largest_m = 0.0;
+    for (int i = 0; i < kNumPoses; ++i) {
+      largest_m = std::max(largest_m, DistanceM(state.WorldFromRobot(i), in_world[i]));
+    }
+    return largest_m;
+  }
+};
+
+TEST_P(OverLandmarks, PositionsMoveTheMapIntoTheWorld) {
+  TurnedRoom turned;
+  for (int i = 0; i < kNumPoses; ++i) {
+    Add({PositionOf(i, turned.in_world[i], 1.0)}, &turned.room.graph);
+  }
+  EXPECT_TRUE(turned.room.graph.fixed_poses().empty());
+  const SolverSummary summary =
+      RefineState(GetParam().Options(), turned.room.graph, &turned.room.state);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_LT(turned.LargestErrorM(turned.room.state), 0.02);
+  EXPECT_LT(TermOfSummary(summary, "position").WhitenedRms(), 0.02);
+}
+
+TEST_P(OverPoints, PositionsMoveTheMapIntoTheWorld) {
+  TurnedRoom turned;
+  for (int i = 0; i < kNumPoses; ++i) {
+    Add({PositionOf(i, turned.in_world[i], 1.0)}, &turned.room.graph);
+  }
+  const SolverSummary summary =
+      RefineState(GetParam().Options(), turned.room.graph, &turned.room.state);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  EXPECT_LT(turned.LargestErrorM(turned.room.state), 0.03);
+}
+
+TEST(CustomFactorTest, ACompassAloneTurnsTheMapAboutItsFirstPose) {
+  TurnedRoom turned;
+  Add({HeadingOf(3, turned.in_world[3], 0.01), HeadingOf(9, turned.in_world[9], 0.01)},
+      &turned.room.graph);
+  const Pose2 first = turned.room.graph.InitialPose(0);
+  const SolverSummary summary = RefineState(SolverOptions(), turned.room.graph, &turned.room.state);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  const Pose2 found = turned.room.state.WorldFromRobot(0);
+  EXPECT_NEAR(found.x, first.x, 1e-3);
+  EXPECT_NEAR(found.y, first.y, 1e-3);
+  EXPECT_NEAR(NormalizeAngle(found.yaw - turned.in_world[0].yaw), 0.0, 0.01);
+  EXPECT_LT(TermOfSummary(summary, "gauge").final_cost, 1e-3);
+}
+
+// The distance between two poses.
+struct Distance {
+  double distance_m;
+
+  template <typename T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    using std::sqrt;
+    const T dx = a[0] - b[0], dy = a[1] - b[1];
+    residual[0] = (sqrt(dx * dx + dy * dy) - distance_m) / 0.01;
+    return true;
+  }
+};
+
+TEST(CustomFactorTest, WhatSaysNothingOfTheWorldLeavesTheFirstPoseFixed) {
+  NoisyRoom room = DriftedRoom({0.05, 0.0, 0.0});
+  const double distance_m = DistanceM(room.truth[0], room.truth[9]);
+  room.graph.AddFactor(
+      "distance",
+      std::make_shared<ceres::AutoDiffCostFunction<Distance, 1, 3, 3>>(new Distance{distance_m}),
+      {0, 9});
+  ASSERT_EQ(room.graph.fixed_poses().size(), 1u);
+  const Pose2 first = room.graph.InitialPose(0);
+  ASSERT_TRUE(RefineState(SolverOptions(), room.graph, &room.state).IsSolutionUsable());
+  ExpectSamePose(room.state.WorldFromRobot(0), first);
+}
+
+TEST(CustomFactorTest, FixedPosesStayWhereTheyAreNamed) {
+  TurnedRoom turned;
+  Add({PositionOf(9, turned.in_world[9], 0.1)}, &turned.room.graph);
+  turned.room.graph.FixPose(2);
+  const Pose2 fixed = turned.room.graph.InitialPose(2);
+  ASSERT_TRUE(
+      RefineState(SolverOptions(), turned.room.graph, &turned.room.state).IsSolutionUsable());
+  ExpectSamePose(turned.room.state.WorldFromRobot(2), fixed);
+}
+
+TEST(CustomFactorTest, IsServedByACalibration) {
+  TurnedRoom turned;
+  SlamGraph& graph = turned.room.graph;
+  for (int i = 0; i < kNumPoses; ++i) Add({PositionOf(i, turned.in_world[i], 0.02)}, &graph);
+  CalibrationOptions calibration;
+  calibration.range_scale = true;
+  // What a laser that reads 1 % too much measures.
+  MeasurementCorrections too_long;
+  for (const float range_m : graph.returns().range_m) too_long.range_m.push_back(1.01 * range_m);
+  const SlamGraph scaled = graph.Corrected(too_long);
+  MapState state{turned.room.state.poses, {}};
+  Calibration found;
+  const SolverSummary summary =
+      SolveWithCalibration(SolverOptions(), calibration, scaled, &state, &found);
+  ASSERT_TRUE(summary.IsSolutionUsable()) << summary.message;
+  ASSERT_EQ(found.parameters.size(), 1u);
+  EXPECT_NEAR(found.parameters[0].value, 1.0 / 1.01, 0.003);
+  EXPECT_LT(turned.LargestErrorM(state), 0.03);
 }
 
 }  // namespace
