@@ -11,7 +11,7 @@ set(LIBRARY_FOLDERS core factors solvers)
 # library, and the main files of the programs.
 set(ROOMS_solvers interface pose_graph front_end loop_closure hypotheses seeding online sessions association terms
     landmarks acceptance full reduced incremental mpi .)
-set(ROOMS_apps io bags saved_maps simulation program evaluation pictures figures report run convert
+set(ROOMS_apps io bags saved_maps readers simulation program evaluation pictures figures report run convert
     mpi slam_toolbox benchmark python .)
 # A package of its own, which is built against the installed library: its files include each other
 # by their names alone, and of ours what is installed.

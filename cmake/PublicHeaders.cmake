@@ -34,6 +34,8 @@ set(PLUMBLINE_PUBLIC_HEADERS ${PLUMBLINE_DOORS}
   solvers/interface/odometry_report.h
   solvers/interface/seeding_options.h
   solvers/interface/seeding_report.h)
+# The header of plumbline::io, a component of its own.
+set(PLUMBLINE_IO_HEADERS apps/readers/log_files.h)
 # Headers for a host with a front end, a solver, a residual or a reader of logs of its own, for Ceres' switches, for
 # several drives, and for a window of poses that is solved like a map. Also listed in the API
 # reference; solvers/README.md says how to use them.

@@ -10,7 +10,8 @@ set(PLUMBLINE_UNITS
   "solvers|solvers/interface|solvers/acceptance|solvers/terms|solvers/association|solvers/landmarks"
   "solvers/front_end|solvers/loop_closure|solvers/hypotheses|solvers/seeding"
   "solvers/full|solvers/reduced"
-  "apps/io|apps/program"
+  "apps/io|apps/readers"
+  "apps/simulation|apps/program"
   "apps/figures|apps/convert")
 
 function(plumbline_unity target)

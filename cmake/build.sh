@@ -11,7 +11,7 @@ set=library
 for target in "${@:-all}"; do
   case $target in
     plumbline) ;;
-    plumbline_slam | plumbline_simulate | plumbline_evaluate | plumbline_convert | plumbline_benchmark)
+    plumbline_io | plumbline_slam | plumbline_simulate | plumbline_evaluate | plumbline_convert | plumbline_benchmark)
       if [[ $set == library ]]; then set=programs; fi ;;
     *) set=tests ;;
   esac
@@ -19,9 +19,12 @@ done
 
 settings=()
 if [[ ! -f $root/build/CMakeCache.txt ]]; then
-  settings=(-DPLUMBLINE_UNITY_BUILD=ON -DPLUMBLINE_BUILD_APPS=OFF -DPLUMBLINE_BUILD_TESTS=OFF)
+  settings=(-DPLUMBLINE_UNITY_BUILD=ON -DPLUMBLINE_BUILD_IO=OFF -DPLUMBLINE_BUILD_APPS=OFF
+            -DPLUMBLINE_BUILD_TESTS=OFF)
 fi
-if [[ $set != library ]]; then settings+=(-DPLUMBLINE_BUILD_APPS=ON); fi
+if [[ $set != library ]]; then
+  settings+=(-DPLUMBLINE_BUILD_IO=ON -DPLUMBLINE_BUILD_APPS=ON)
+fi
 if [[ $set == tests ]]; then settings+=(-DPLUMBLINE_BUILD_TESTS=ON); fi
 "$root/cmake/bootstrap.sh" "$set"
 cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release ${settings[@]+"${settings[@]}"}

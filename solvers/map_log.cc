@@ -429,4 +429,18 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
   });
 }
 
+LogMap MapLog(SlamGraph graph, const MapLogOptions& options, const SeedingProgress& progress) {
+  LogMap map;
+  map.status = CatchExceptions([&] {
+    LogMapping mapping;
+    const Status status = MapLog(options, std::move(graph), progress, &mapping);
+    map.graph = std::move(mapping.graph);
+    map.poses = PosesOf(mapping.state.poses);
+    map.points = std::move(mapping.state.points);
+    map.report = std::move(mapping.report);
+    return status;
+  });
+  return map;
+}
+
 }  // namespace plumbline

@@ -2,6 +2,7 @@
 #define PLUMBLINE_SOLVERS_MAP_LOG_H_
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "plumbline/core/laser_scan.h"
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/measured_surface.h"
+#include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/factors/factor_options.h"
@@ -94,6 +96,27 @@ struct LogMapping {
 /// Fails like these; *mapping then holds what the steps before had found.
 Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgress& progress,
               LogMapping* mapping);
+
+/// A log's map, as a value.
+struct LogMap {
+  /// As the other MapLog gives it. If it is not ok, the rest is what was found before.
+  Status status;
+  SlamGraph graph;             ///< LogMapping::graph
+  std::vector<Pose2> poses;    ///< world_from_robot per pose of the graph
+  std::vector<double> points;  ///< x, y [m] in the world, two numbers per return of the graph
+  MappingReport report;        ///< how it went, and the alarms
+
+  /// A map point, x, y [m] in the world. Needs a return id of the graph.
+  Eigen::Vector2d point(std::size_t return_id) const {
+    return {points[2 * return_id], points[2 * return_id + 1]};
+  }
+  /// A copy of poses and points for functions that take a state.
+  MapState State() const { return {PoseArray(poses), points}; }
+};
+
+/// Maps a log in one call.
+LogMap MapLog(SlamGraph graph, const MapLogOptions& options = MapLogOptions(),
+              const SeedingProgress& progress = nullptr);
 
 /// Takes a log over and measures the surfaces that its scans saw. InvalidArgument on bad options,
 /// and on a calibration of what needs odometry if there is none; *mapping is then as it was.

@@ -3,14 +3,13 @@
 # BUILD_SHARED_LIBS=ON installs.
 file(REMOVE_RECURSE ${PREFIX})
 file(COPY ${STATIC_PREFIX}/ DESTINATION ${PREFIX})
-file(GLOB static ${PREFIX}/${LIBDIR}/libplumbline.* ${PREFIX}/${LIBDIR}/cmake/plumbline/*Targets*)
+file(GLOB static ${PREFIX}/${LIBDIR}/libplumbline.* ${PREFIX}/${LIBDIR}/cmake/plumbline/plumblineTargets*)
 file(REMOVE ${static})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --component shared_test
                         --prefix ${PREFIX} RESULT_VARIABLE result)
 if(result)
   message(FATAL_ERROR "installing failed: ${result}")
 endif()
-file(GLOB archives ${PREFIX}/${LIBDIR}/*.a)
-if(archives OR NOT EXISTS ${PREFIX}/${LIBDIR}/libplumbline.so)
-  message(FATAL_ERROR "${PREFIX} does not hold the shared library alone")
+if(EXISTS ${PREFIX}/${LIBDIR}/libplumbline.a OR NOT EXISTS ${PREFIX}/${LIBDIR}/libplumbline.so)
+  message(FATAL_ERROR "${PREFIX} does not hold the shared library in place of the static one")
 endif()

@@ -1,5 +1,7 @@
-# cmake -D README=... -D PREFIX=... -D FLAGS=... -D WORK=... -P readme_code_test.cmake
-# Builds and runs the first CMake and the first C++ block under "Embedding".
+# cmake -D README=... -D PREFIX=... -D FLAGS=... -D SIMULATE=<plumbline_simulate>
+#       -D WORLD=<file of a building> -D YOURS=<what the reader has> -D WORK=...
+#       -P readme_code_test.cmake
+# Builds and runs the C++ blocks under "Embedding", each with the CMake block, on a simulated log.
 cmake_minimum_required(VERSION 3.18)
 file(READ ${README} text)
 string(FIND "${text}" "\n## Embedding" begin)
@@ -16,6 +18,11 @@ function(write_block language file)
   math(EXPR length "${end} - ${begin}")
   string(SUBSTRING "${block}" ${begin} ${length} block)
   file(WRITE ${file} "${block}\n")
+  # The next call finds the next block.
+  string(FIND "${text}" "```${language}\n" begin)
+  math(EXPR end "${begin} + ${end}")
+  string(SUBSTRING "${text}" ${end} -1 text)
+  set(text "${text}" PARENT_SCOPE)
 endfunction()
 
 function(run)
@@ -26,9 +33,23 @@ function(run)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
+file(MAKE_DIRECTORY ${WORK})
 write_block(cmake ${WORK}/CMakeLists.txt)
-write_block(cpp ${WORK}/main.cc)
-run(${CMAKE_COMMAND} -S ${WORK} -B ${WORK}/build -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_FLAGS=${FLAGS})
-run(${CMAKE_COMMAND} --build ${WORK}/build)
-run(${WORK}/build/my_robot)
+file(READ ${YOURS} yours)
+run(${SIMULATE} --world=${WORLD} --log=${WORK}/drive.clf)
+foreach(name a_log your_pipeline a_drive)
+  configure_file(${WORK}/CMakeLists.txt ${WORK}/${name}/CMakeLists.txt COPYONLY)
+  write_block(cpp ${WORK}/${name}/main.cc)
+  file(READ ${WORK}/${name}/main.cc code)
+  if(code MATCHES "YourKeyframes")
+    file(APPEND ${WORK}/${name}/main.cc "${yours}")
+  endif()
+  run(${CMAKE_COMMAND} -S ${WORK}/${name} -B ${WORK}/${name}/build -DCMAKE_BUILD_TYPE=Release
+      -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_FLAGS=${FLAGS})
+  run(${CMAKE_COMMAND} --build ${WORK}/${name}/build)
+  execute_process(COMMAND ${WORK}/${name}/build/my_robot ${WORK}/drive.clf
+                  WORKING_DIRECTORY ${WORK} RESULT_VARIABLE result)
+  if(result)
+    message(SEND_ERROR "the program of ${name} fails: ${result}")
+  endif()
+endforeach()

@@ -6,7 +6,7 @@
 
 #include "plumbline/apps/benchmark/mapper_edges.h"
 #include "plumbline/apps/evaluation/pose_errors.h"
-#include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/noise_source.h"

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/io/heap.h"
 
 namespace plumbline {
 

@@ -53,7 +53,7 @@ Status EvaluateTrajectory(const EvaluationInputs& inputs, const std::vector<Time
 
 Status EvaluateLog(const EvaluationInputs& inputs, const std::vector<TimedPose>& trajectory,
                    ThreadPool* pool, Evaluation* evaluation) {
-  LogMap map;
+  LogAtPoses map;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogMap(inputs.log, inputs.trajectory, trajectory, &map));
   const MapState state = map.graph.InitialState();
   evaluation->raw_ranges = MeasureSharpness(state.points, pool);

@@ -12,7 +12,7 @@
 namespace plumbline {
 
 Status ReadLogMap(const std::string& log_path, const std::string& trajectory_path,
-                  const std::vector<TimedPose>& trajectory, LogMap* map) {
+                  const std::vector<TimedPose>& trajectory, LogAtPoses* map) {
   SlamGraph log;
   LogNotes notes;
   PLUMBLINE_RETURN_IF_ERROR(ReadLogIntoGraph(log_path, 0, &notes, &log));
@@ -25,7 +25,7 @@ Status ReadLogMap(const std::string& log_path, const std::string& trajectory_pat
   PLUMBLINE_RETURN_IF_ERROR(ChoosePairing(
       {log_path, scan_times_s}, {trajectory_path, TimesOf(trajectory)}, kSameTime_s, &pairing));
   const PoseTimeline timeline(trajectory);
-  LogMap result;
+  LogAtPoses result;
   result.clock_is_useless = pairing.clock_is_useless;
   for (int scan = 0; scan < log.num_scans(); ++scan) {
     const double timestamp_s = scan_times_s[scan];

@@ -12,7 +12,7 @@
 namespace plumbline {
 
 /// The scans of a log at the poses of a trajectory.
-struct LogMap {
+struct LogAtPoses {
   SlamGraph graph;                ///< in the log's order; its initial guesses are these poses
   bool clock_is_useless = false;  ///< scans and poses were paired by order
   std::size_t num_scans_without_pose = 0;
@@ -23,7 +23,7 @@ struct LogMap {
 /// counted. Fails and warns like ReadLogIntoGraph; fails like ChoosePairing, and with
 /// InvalidArgument if no return has a pose. trajectory_path: to name in errors.
 Status ReadLogMap(const std::string& log_path, const std::string& trajectory_path,
-                  const std::vector<TimedPose>& trajectory, LogMap* map);
+                  const std::vector<TimedPose>& trajectory, LogAtPoses* map);
 
 }  // namespace plumbline
 

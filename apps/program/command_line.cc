@@ -18,7 +18,7 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
-#include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/io/heap.h"
 #include "plumbline/apps/program/project_version.h"
 #include "plumbline/apps/program/stop_signal.h"
 

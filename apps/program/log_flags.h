@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "plumbline/apps/program/log_reader.h"
+#include "plumbline/apps/readers/log_reader.h"
 
 namespace plumbline {
 

@@ -15,7 +15,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/io/text_reader.h"
-#include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
 #include "plumbline/core/angle.h"
 #include "plumbline/core/median.h"
 

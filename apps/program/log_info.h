@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "plumbline/apps/program/log_reader.h"
+#include "plumbline/apps/readers/log_reader.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {

@@ -9,7 +9,7 @@
 
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/text_reader.h"
-#include "plumbline/apps/program/log_reader.h"
+#include "plumbline/apps/readers/log_reader.h"
 
 namespace plumbline {
 namespace {

@@ -16,13 +16,13 @@
 #include "plumbline/apps/io/pose_graph_writer.h"
 #include "plumbline/apps/io/ros_map.h"
 #include "plumbline/apps/io/trajectory_io.h"
-#include "plumbline/apps/program/log_reader.h"
-#include "plumbline/apps/program/pose_graph_input.h"
 #include "plumbline/apps/python/arrays.h"
 #include "plumbline/apps/python/bindings.h"
 #include "plumbline/apps/python/errors.h"
 #include "plumbline/apps/python/fields.h"
 #include "plumbline/apps/python/objects.h"
+#include "plumbline/apps/readers/log_reader.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
 
 namespace plumbline {
 namespace py = pybind11;

@@ -12,9 +12,9 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/program/command_line.h"
-#include "plumbline/apps/program/pose_graph_input.h"
-#include "plumbline/apps/program/pose_graph_log.h"
 #include "plumbline/apps/program/read_log.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_log.h"
 #include "plumbline/core/seconds_since.h"
 #include "plumbline/solvers/front_end/motion_prediction.h"
 

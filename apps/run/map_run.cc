@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "plumbline/apps/io/field_reader.h"
+#include "plumbline/apps/io/heap.h"
 #include "plumbline/apps/io/trajectory_io.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
 #include "plumbline/apps/program/command_line.h"
-#include "plumbline/apps/program/heap.h"
 #include "plumbline/apps/program/stop_signal.h"
 #include "plumbline/apps/report/calibration_report.h"
 #include "plumbline/apps/report/run_report.h"

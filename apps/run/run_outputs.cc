@@ -17,7 +17,7 @@
 #include "plumbline/apps/pictures/before_after_picture.h"
 #include "plumbline/apps/pictures/map_picture.h"
 #include "plumbline/apps/pictures/overlay_pictures.h"
-#include "plumbline/apps/program/implausible_readings.h"
+#include "plumbline/apps/readers/implausible_readings.h"
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/over_peers.h"
 

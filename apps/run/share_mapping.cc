@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/io/heap.h"
 #include "plumbline/apps/run/packed_seed.h"
 #include "plumbline/core/measured_surface.h"
 #include "plumbline/core/over_peers.h"

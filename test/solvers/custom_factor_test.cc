@@ -486,10 +486,9 @@ TEST(CustomFactorTest, WhatThrowsOrIsUndefinedIsRefused) {
 
 // A room whose map was made in a frame of its own, turned and moved against the world.
 struct TurnedRoom {
-  NoisyRoom room = NoisyRoomOfTwo();
+  NoisyRoom room = DriftedRoom({});
   std::vector<Pose2> in_world;
 
-  static NoisyRoom NoisyRoomOfTwo() { return DriftedRoom({}); }
   TurnedRoom() {
     const Pose2 world_from_map(120.0, -40.0, 2.2);
     for (const Pose2& pose : room.truth) in_world.push_back(world_from_map * pose);

@@ -132,6 +132,19 @@ TEST(MapLogTest, IsItsStepsInTurnOnAnyNumberOfThreads) {
   EXPECT_THAT(steps.surface.normals, IsEmpty());
 }
 
+TEST(MapLogTest, GivesAMapAsAValue) {
+  const LogMap map = MapLog(Office());
+  ASSERT_TRUE(map.status.ok()) << map.status.message();
+  EXPECT_TRUE(map.State() == MappedOffice().state);
+  EXPECT_EQ(map.graph.num_poses(), Office().num_poses());
+  EXPECT_EQ(map.report.seeding.loops.num_closures,
+            MappedOffice().report.seeding.loops.num_closures);
+  EXPECT_EQ(map.point(7).y(), map.points[15]);
+  const LogMap none = MapLog(SlamGraph());
+  EXPECT_EQ(none.status.code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(none.poses, IsEmpty());
+}
+
 TEST(MapLogTest, ComesNearerToTheTruthThanItsSeed) {
   const SimulatedLog log = OfficeDrive();
   const MapEstimate exact = TruthOf(log, Office());

@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_PROGRAM_LOG_READER_H_
-#define PLUMBLINE_APPS_PROGRAM_LOG_READER_H_
+#ifndef PLUMBLINE_APPS_READERS_LOG_READER_H_
+#define PLUMBLINE_APPS_READERS_LOG_READER_H_
 
 #include <cstddef>
 #include <optional>
@@ -57,4 +57,4 @@ Status ReadLog(const std::string& path, const LogReadOptions& options, LogNotes*
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_PROGRAM_LOG_READER_H_
+#endif  // PLUMBLINE_APPS_READERS_LOG_READER_H_

@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/implausible_readings.h"
+#include "plumbline/apps/readers/implausible_readings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

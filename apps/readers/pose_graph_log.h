@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_LOG_H_
-#define PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_LOG_H_
+#ifndef PLUMBLINE_APPS_READERS_POSE_GRAPH_LOG_H_
+#define PLUMBLINE_APPS_READERS_POSE_GRAPH_LOG_H_
 
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
@@ -17,4 +17,4 @@ Status LogOfPoseGraph(const SlamGraph& graph, int max_scans, SlamGraph* log);
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_LOG_H_
+#endif  // PLUMBLINE_APPS_READERS_POSE_GRAPH_LOG_H_

@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/pose_graph_log.h"
+#include "plumbline/apps/readers/pose_graph_log.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_INPUT_H_
-#define PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_INPUT_H_
+#ifndef PLUMBLINE_APPS_READERS_POSE_GRAPH_INPUT_H_
+#define PLUMBLINE_APPS_READERS_POSE_GRAPH_INPUT_H_
 
 #include <functional>
 #include <string>
@@ -33,4 +33,4 @@ Status ReadPoseGraph(const std::string& path, double max_bytes, PoseGraphInput* 
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_PROGRAM_POSE_GRAPH_INPUT_H_
+#endif  // PLUMBLINE_APPS_READERS_POSE_GRAPH_INPUT_H_

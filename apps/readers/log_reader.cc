@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/log_reader.h"
+#include "plumbline/apps/readers/log_reader.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,10 +7,10 @@
 #include "plumbline/apps/io/carmen_log.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/file_status.h"
+#include "plumbline/apps/io/heap.h"
 #include "plumbline/apps/io/log_to_graph.h"
 #include "plumbline/apps/io/ros_recording.h"
-#include "plumbline/apps/program/heap.h"
-#include "plumbline/apps/program/implausible_readings.h"
+#include "plumbline/apps/readers/implausible_readings.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/apps/saved_maps/slam_toolbox_graph.h"
 #include "plumbline/apps/saved_maps/slam_toolbox_map.h"

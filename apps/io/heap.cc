@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/heap.h"
+#include "plumbline/apps/io/heap.h"
 
 #include <cstdlib>  // says whether this is glibc
 #include <memory>

@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_APPS_PROGRAM_HEAP_H_
-#define PLUMBLINE_APPS_PROGRAM_HEAP_H_
+#ifndef PLUMBLINE_APPS_IO_HEAP_H_
+#define PLUMBLINE_APPS_IO_HEAP_H_
 
 #include <cstddef>
 
@@ -29,4 +29,4 @@ void GiveFreedMemoryBack(std::size_t num_returns = kManyReturns);
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_APPS_PROGRAM_HEAP_H_
+#endif  // PLUMBLINE_APPS_IO_HEAP_H_

@@ -1,4 +1,4 @@
-#include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
 
 #include <iomanip>
 #include <memory>
@@ -7,7 +7,7 @@
 
 #include "plumbline/apps/io/pose_graph_file.h"
 #include "plumbline/apps/io/pose_graph_writer.h"
-#include "plumbline/apps/program/implausible_readings.h"
+#include "plumbline/apps/readers/implausible_readings.h"
 #include "plumbline/apps/saved_maps/cartographer_graph.h"
 #include "plumbline/apps/saved_maps/cartographer_state.h"
 #include "plumbline/apps/saved_maps/cartographer_writer.h"
