@@ -174,17 +174,25 @@ class OnlineMapper::Impl {
     return failure_;
   }
 
+  Status MapNow(LogMapping* mapping) const {
+    SlamGraph log;
+    {
+      const std::lock_guard<std::mutex> log_lock(log_mutex_);
+      PLUMBLINE_RETURN_IF_ERROR(MakeLog(&log));
+    }
+    return MapLog(options_.map, std::move(log), {}, mapping);
+  }
+
   Status Finish(LogMapping* mapping) {
     const std::lock_guard<std::mutex> one_at_a_time(front_mutex_);
-    if (map_ == nullptr) return Status::InvalidArgument("the mapper has finished already");
-    if (num_scans_ == 0) return Status::InvalidArgument("the mapper has no scans");
-    StopThreads();
-    PLUMBLINE_RETURN_IF_ERROR(failure_);
-    for (const LiveScan& scan : queue_) PLUMBLINE_RETURN_IF_ERROR(map_->Add(scan));
-    queue_.clear();
+    if (num_scans_ > 0) StopThreads();
     SlamGraph log;
-    PLUMBLINE_RETURN_IF_ERROR(map_->MakeLog(&log));
-    map_.reset();
+    {
+      const std::lock_guard<std::mutex> log_lock(log_mutex_);
+      PLUMBLINE_RETURN_IF_ERROR(MakeLog(&log));
+      map_.reset();
+      queue_.clear();
+    }
     return MapLog(options_.map, std::move(log), {}, mapping);
   }
 
@@ -268,22 +276,31 @@ class OnlineMapper::Impl {
     return [this](SeedingPhase, int, int) { return !stop_; };
   }
 
+  // Needs the mutex of the log.
+  Status MakeLog(SlamGraph* log) const {
+    if (map_ == nullptr) return Status::InvalidArgument("the mapper has finished already");
+    std::vector<LiveScan> queued;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      PLUMBLINE_RETURN_IF_ERROR(failure_);
+      queued = queue_;
+    }
+    PLUMBLINE_RETURN_IF_ERROR(map_->MakeLog(queued, log));
+    if (log->num_poses() == 0) return Status::InvalidArgument("the mapper has no scans");
+    return Status::Ok();
+  }
+
   void RunLoops() {
     const DefaultFloatEnvironment float_environment;
     while (true) {
-      std::vector<LiveScan> scans;
-      std::unique_ptr<DriveSeeding> seeding;
       {
         std::unique_lock<std::mutex> lock(mutex_);
         changed_.wait(lock, [this] {
           return stop_ || !queue_.empty() || (seeding_ != nullptr && !is_seeding_);
         });
         if (stop_) return;
-        scans.swap(queue_);
-        if (!is_seeding_) seeding = std::exchange(seeding_, nullptr);
-        is_closing_ = true;
       }
-      const Status status = CatchExceptions([&] { return CloseLoops(scans, std::move(seeding)); });
+      const Status status = CatchExceptions([&] { return RunRound(); });
       if (status.ok()) continue;
       const std::lock_guard<std::mutex> lock(mutex_);
       if (!stop_) failure_ = status;
@@ -292,10 +309,11 @@ class OnlineMapper::Impl {
     }
   }
 
-  Status CloseLoops(const std::vector<LiveScan>& scans, std::unique_ptr<DriveSeeding> seeding) {
+  Status RunRound() {
     if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(options_.map.solver.num_threads);
-    const int num_closures = map_->num_closures();
-    for (const LiveScan& scan : scans) PLUMBLINE_RETURN_IF_ERROR(map_->Add(scan));
+    const int num_poses = map_->num_poses(), num_closures = map_->num_closures();
+    std::unique_ptr<DriveSeeding> seeding;
+    PLUMBLINE_RETURN_IF_ERROR(TakeQueue(&seeding));
     if (seeding != nullptr) {
       map_->Adopt(std::move(seeding->drive), seeding->report.odometry_noise.motion);
       seeding_has_alarm_ = seeding->report.alarm;
@@ -304,7 +322,21 @@ class OnlineMapper::Impl {
     const bool is_changed = seeding != nullptr || map_->num_closures() != num_closures;
     std::unique_ptr<DriveSeeding> next;
     PLUMBLINE_RETURN_IF_ERROR(WantSeeding(&next));
-    Publish(static_cast<int>(scans.size()), is_changed, std::move(seeding), std::move(next));
+    Publish(map_->num_poses() - num_poses, is_changed, std::move(seeding), std::move(next));
+    return Status::Ok();
+  }
+
+  // Moves the scans of the queue into the map. seeding: a finished one, or null.
+  Status TakeQueue(std::unique_ptr<DriveSeeding>* seeding) {
+    const std::lock_guard<std::mutex> log_lock(log_mutex_);
+    std::vector<LiveScan> scans;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      scans.swap(queue_);
+      if (!is_seeding_) *seeding = std::exchange(seeding_, nullptr);
+      is_closing_ = true;
+    }
+    for (const LiveScan& scan : scans) PLUMBLINE_RETURN_IF_ERROR(map_->Add(scan));
     return Status::Ok();
   }
 
@@ -323,7 +355,7 @@ class OnlineMapper::Impl {
     }
     num_seeded_keyframes_ = num_keyframes;
     *next = std::make_unique<DriveSeeding>();
-    return map_->MakeLog(&(*next)->log);
+    return map_->MakeLog({}, &(*next)->log);
   }
 
   void Publish(int num_scans, bool is_changed, std::unique_ptr<DriveSeeding> adopted,
@@ -384,11 +416,14 @@ class OnlineMapper::Impl {
   double last_time_s_ = 0.0;
   int num_scans_ = 0;
 
-  // Of the thread that closes loops, and of Finish after that.
+  // Of the thread that closes loops, and of Finish after that. Others read its measurements.
   std::unique_ptr<GrowingMap> map_;  // null after Finish
   std::unique_ptr<ThreadPool> pool_;
   int num_seeded_keyframes_ = 0;
   bool seeding_has_alarm_ = false;
+
+  // Guards the measurements: they move from the queue to the map. Is locked before mutex_.
+  mutable std::mutex log_mutex_;
 
   // Of all threads.
   mutable std::mutex mutex_;
@@ -431,6 +466,11 @@ Status OnlineMapper::GetMap(OnlineMap* map) const {
 }
 
 Status OnlineMapper::Wait() { return impl_->Wait(); }
+
+Status OnlineMapper::MapNow(LogMapping* mapping) const {
+  if (mapping == nullptr) return Status::InvalidArgument("there is no mapping to fill: null");
+  return CatchExceptions([&] { return impl_->MapNow(mapping); });
+}
 
 Status OnlineMapper::Finish(LogMapping* mapping) {
   if (mapping == nullptr) return Status::InvalidArgument("there is no mapping to fill: null");

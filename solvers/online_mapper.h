@@ -89,6 +89,10 @@ class OnlineMapper {
   /// poses and maps are the same each time. Unavailable if the background has failed.
   Status Wait();
 
+  /// Maps the measurements so far by MapLog, in the calling thread: what Finish would give now. The
+  /// drive goes on meanwhile, and nothing of it changes. Fails like Finish.
+  Status MapNow(LogMapping* mapping) const;
+
   /// Ends the drive: stops the background and maps all measurements by MapLog, with the same result
   /// for the same scans, whatever the background had found. Fails like MapLog; InvalidArgument
   /// without scans, and if it was called before.

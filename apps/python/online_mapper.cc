@@ -59,6 +59,12 @@ class OnlineMapperObject {
     RaiseIfError(Unlocked([&] { return mapper_.Wait(); }));
   }
 
+  py::object MapNow() const {
+    LogMapping mapping;
+    RaiseIfError(Unlocked([&] { return mapper_.MapNow(&mapping); }));
+    return MappingOf(std::move(mapping));
+  }
+
   py::object Finish() {
     LogMapping mapping;
     RaiseIfError(Unlocked([&] { return mapper_.Finish(&mapping); }));
@@ -109,6 +115,9 @@ void BindOnlineMapper(py::module_* module) {
            "odometry that jumps: add that scan without odometry.")
       .def("get_map", &Mapper::GetMap, "The map as it is known now.")
       .def("wait", &Mapper::Wait, "Waits until the background has caught up with all scans.")
+      .def("map_now", &Mapper::MapNow,
+           "Maps the measurements so far as map_log does, what finish would give now; the drive "
+           "goes on meanwhile. Returns a LogMapping.")
       .def("finish", &Mapper::Finish,
            "Ends the drive and maps all of its measurements as map_log does. Returns a "
            "LogMapping.");

@@ -11,6 +11,11 @@
 namespace plumbline {
 namespace {
 
+void AppendScan(const LiveScan& scan, SlamGraph* graph) {
+  const int id = graph->AddPose(scan.measured.InitialPose(0), scan.measured.timestamp_s(0));
+  graph->AddScanOf(scan.measured, 0, id);
+}
+
 double PathM(const Pose2& from, const Pose2& to) { return Between(from, to).translation().norm(); }
 
 // Moves a pose graph to refined poses, which then satisfy all its edges.
@@ -36,9 +41,9 @@ GrowingMap::GrowingMap(const std::vector<LaserModel>& lasers, const MotionOption
 }
 
 Status GrowingMap::Add(const LiveScan& scan) {
-  const int id = graph_.AddPose(scan.measured.InitialPose(0), scan.measured.timestamp_s(0));
-  graph_.AddScanOf(scan.measured, 0, id);
+  AppendScan(scan, &graph_);
   PLUMBLINE_RETURN_IF_ERROR(graph_.TakeStatus());
+  const int id = graph_.num_poses() - 1;
   surface_.normals.insert(surface_.normals.end(), scan.surface.normals.begin(),
                           scan.surface.normals.end());
   steps_.push_back(scan.step);
@@ -138,15 +143,19 @@ void GrowingMap::Adopt(SeededDrive seeded, const MotionOptions& motion) {
   }
 }
 
-Status GrowingMap::MakeLog(SlamGraph* log) const {
+Status GrowingMap::MakeLog(const std::vector<LiveScan>& later, SlamGraph* log) const {
   *log = graph_;
-  if (std::none_of(steps_.begin(), steps_.end(),
-                   [](const auto& step) { return step.has_value(); })) {
-    return Status::Ok();
+  std::vector<std::optional<Pose2>> steps = steps_;
+  for (const LiveScan& scan : later) {
+    AppendScan(scan, log);
+    steps.push_back(scan.step);
   }
-  for (int pose = 1; pose < graph_.num_poses(); ++pose) {
-    OdometryConstraint step{pose - 1, pose, steps_[pose].value_or(Pose2())};
-    step.is_measured = steps_[pose].has_value();
+  if (std::none_of(steps.begin(), steps.end(), [](const auto& step) { return step.has_value(); })) {
+    return log->status();
+  }
+  for (int pose = 1; pose < log->num_poses(); ++pose) {
+    OdometryConstraint step{pose - 1, pose, steps[pose].value_or(Pose2())};
+    step.is_measured = steps[pose].has_value();
     log->AddOdometry(step);
   }
   return log->status();

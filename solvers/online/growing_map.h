@@ -39,9 +39,9 @@ class GrowingMap {
   /// odometry that it found.
   void Adopt(SeededDrive seeded, const MotionOptions& motion);
 
-  /// The measurements so far, as MapLog takes them: odometry from each pose to the next one, or
-  /// none if none was measured.
-  Status MakeLog(SlamGraph* log) const;
+  /// The measurements so far, then those of `later`, as MapLog takes them: odometry from each pose
+  /// to the next one, or none if none was measured. It may be called while CloseLoops or Adopt run.
+  Status MakeLog(const std::vector<LiveScan>& later, SlamGraph* log) const;
 
   int num_poses() const { return graph_.num_poses(); }
   int num_keyframes() const { return keys_.size(); }

@@ -253,6 +253,36 @@ TEST(OnlineMapperTest, EndsInTheMiddleOfItsWork) {
   }
 }
 
+TEST(OnlineMapperTest, MapsTheDriveSoFarAndGoesOn) {
+  const SimulatedLog& log = OnlineOffice();
+  const std::size_t num_scans = log.scans.size() / 3;
+  OnlineMapper mapper({log.laser}), ending({log.laser}), undisturbed({log.laser});
+  LogMapping now, end;
+  EXPECT_THAT(mapper.MapNow(&now).message(), HasSubstr("no scans"));
+  EXPECT_THAT(mapper.MapNow(nullptr).message(), HasSubstr("null"));
+  for (std::size_t i = 0; i < num_scans; ++i) {
+    for (OnlineMapper* each : {&mapper, &ending, &undisturbed}) {
+      ASSERT_TRUE(AddScanOfLog(log, i, each).ok());
+    }
+  }
+  // The background of the mapper has not caught up.
+  ASSERT_TRUE(mapper.MapNow(&now).ok());
+  ASSERT_TRUE(ending.Finish(&end).ok());
+  EXPECT_EQ(now.state.poses, end.state.poses);
+  EXPECT_EQ(now.state.points, end.state.points);
+  ASSERT_TRUE(mapper.Wait().ok());
+  ASSERT_TRUE(undisturbed.Wait().ok());
+  OnlinePose pose, expected;
+  ASSERT_TRUE(AddScanOfLog(log, num_scans, &mapper, &pose).ok());
+  ASSERT_TRUE(AddScanOfLog(log, num_scans, &undisturbed, &expected).ok());
+  EXPECT_EQ(pose.scan, expected.scan);
+  ASSERT_TRUE(mapper.MapNow(&now).ok());
+  EXPECT_EQ(now.graph.num_scans(), static_cast<int>(num_scans) + 1);
+  ASSERT_TRUE(mapper.Finish(&end).ok());
+  EXPECT_EQ(now.state.poses, end.state.poses);
+  EXPECT_THAT(mapper.MapNow(&now).message(), HasSubstr("finished already"));
+}
+
 TEST(OnlineMapperTest, GivesMapsToOtherThreads) {
   const SimulatedLog& log = OnlineOffice();
   OnlineMapper mapper({log.laser});

@@ -62,7 +62,8 @@ def test_maps_while_driving_and_ends_as_the_batch(drive):
         graph.add_scan(i, 0, drive.ranges[i])
         if i > 0:
             graph.add_odometry(i - 1, i, drive.odometry[i - 1].between(drive.odometry[i]))
-    assert mapper.finish().state == plumbline.map_log(graph).state
+    so_far = mapper.map_now().state
+    assert mapper.finish().state == plumbline.map_log(graph).state == so_far
     with pytest.raises(plumbline.InvalidArgumentError, match="has finished"):
         drive.add(mapper, NUM_SCANS - 1)
 

@@ -44,7 +44,7 @@ TEST(GrowingMapTest, ClosesLoopsAndTakesOverASeeding) {
     ASSERT_TRUE(map.Add(live).ok());
     if (scan + 1 == half) {
       SlamGraph log;
-      ASSERT_TRUE(map.MakeLog(&log).ok());
+      ASSERT_TRUE(map.MakeLog({}, &log).ok());
       SeedingReport report;
       ASSERT_TRUE(SeedDrive(SeedingOptions(), motion, MeasureSurface(log, normals, &pool), {},
                             &pool, log, &seeded, &report)

@@ -75,7 +75,7 @@ TEST(LiveMatchingTest, MatchesAsTheSeedingDoes) {
   ASSERT_EQ(poses.size(), batch.world_from_robot.size());
   EXPECT_NEAR(poses.back().x, batch.world_from_robot.back().x, 1e-9);
   SlamGraph log;
-  ASSERT_TRUE(map.MakeLog(&log).ok());
+  ASSERT_TRUE(map.MakeLog({}, &log).ok());
   ASSERT_EQ(log.odometry().size(), drive.odometry().size());
   EXPECT_EQ(log.odometry().back().from_from_to.x, drive.odometry().back().from_from_to.x);
   EXPECT_EQ(log.returns().range_m, drive.returns().range_m);
