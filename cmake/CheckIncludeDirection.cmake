@@ -9,7 +9,7 @@ set(FOLDERS core factors solvers apps test)  # Each may include itself and those
 set(LIBRARY_FOLDERS core factors solvers)
 # The folders inside these two, likewise in order. Their own files come last: the doors of the
 # library, and the main files of the programs.
-set(ROOMS_solvers interface pose_graph front_end loop_closure hypotheses seeding online sessions association terms
+set(ROOMS_solvers interface pose_graph front_end loop_closure hypotheses seeding sessions online association terms
     landmarks acceptance full reduced incremental mpi .)
 set(ROOMS_apps io bags saved_maps readers simulation program evaluation pictures figures report run convert
     mpi slam_toolbox benchmark python .)

@@ -1,5 +1,6 @@
 #include "plumbline/solvers/online_mapper.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
@@ -13,9 +14,11 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
+#include "plumbline/solvers/online/drive_seeding.h"
 #include "plumbline/solvers/online/growing_map.h"
 #include "plumbline/solvers/online/live_matching.h"
-#include "plumbline/solvers/seeding/seed_drive.h"
+#include "plumbline/solvers/online/place_search.h"
+#include "plumbline/solvers/online/saved_map.h"
 
 namespace plumbline {
 namespace {
@@ -33,6 +36,12 @@ constexpr double kSeedingGrowth = 1.25;
 constexpr double kDoubtfulCorrectionM = 0.5;
 constexpr double kGrowthInDoubt = 1.1;
 
+// The place in a saved map is first sought after this path [m]: a drive shows three places then, as
+// many as the search wants. Then each time that the path has grown by a factor, or by a length [m].
+constexpr double kFirstSearchM = 10.0;
+constexpr double kSearchGrowth = 1.25;
+constexpr double kMaxSearchGrowthM = 25.0;
+
 // The status of a graph of one scan, without the name of the refused measurement: the mapper counts
 // scans by itself.
 Status WithoutName(const Status& status) {
@@ -41,61 +50,41 @@ Status WithoutName(const Status& status) {
   return Status::InvalidArgument(status.message().substr(status.message().find(": ") + kColon));
 }
 
-// A map of the drive so far.
-struct DriveSeeding {
-  SlamGraph log;
-  SeededDrive drive;  // with the poses of the joint estimation
-  SeedingReport report;
-  std::vector<Alarm> alarms;
-};
-
-// A calibration would move the frame of the robot. The host names poses that may not be there yet,
-// and expects its callback from Finish.
-MapLogOptions OptionsWhileDriving(const MapLogOptions& options, const SeedingProgress& progress) {
-  MapLogOptions driving = options;
-  driving.calibration = CalibrationOptions();
-  FactorOptions& factors = driving.solver.factors;
-  factors.downweighted_steps.clear();
-  factors.ignored_relative_poses.clear();
-  driving.solver.callback = [progress](const IterationSummary&) {
-    return progress(SeedingPhase::kClosingLoops, 0, 0);
-  };
-  return driving;
-}
-
-// The stages of MapLog.
-Status SeedDriveSoFar(const MapLogOptions& given, const SeedingProgress& progress,
-                      DriveSeeding* seeding) {
-  const MapLogOptions options = OptionsWhileDriving(given, progress);
-  ThreadPool pool(options.solver.num_threads);
-  LogMapping mapping;
-  PLUMBLINE_RETURN_IF_ERROR(PrepareLog(options, std::move(seeding->log), &pool, &mapping));
-  PLUMBLINE_RETURN_IF_ERROR(SeedDrive(options.seeding, options.solver.factors.motion,
-                                      mapping.surface, progress, &pool, mapping.graph,
-                                      &seeding->drive, &seeding->report));
-  PLUMBLINE_RETURN_IF_ERROR(StartFromSeed(options, PoseArray(seeding->drive.world_from_robot),
-                                          seeding->report, &mapping));
-  PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
-  seeding->drive.world_from_robot = PosesOf(mapping.state.poses);
-  seeding->alarms = std::move(mapping.report.alarms);
-  return Status::Ok();
-}
-
-OdometryFaults FaultsOf(const SeedingReport& report) {
-  OdometryFaults faults;
-  faults.sign_lost = report.sequential.odometry_sign.sign_lost;
-  const OdometryNoiseReport& noise = report.odometry_noise;
-  const bool is_given_pose = noise.given_poses.position_m > 0.0;
-  faults.translation_scale = is_given_pose ? 0.0 : noise.gross_translation_scale;
-  return faults;
-}
-
 // Poses by the loops that the background has closed.
 struct CorrectedPoses {
   std::vector<Pose2> map_from_robot;  // of the first scans
   Pose2 map_from_live;                // of the later ones
+  bool is_in_map = true;
   int num_closures = 0;
 };
+
+// What takes a while: one of the two.
+struct SlowJob {
+  std::unique_ptr<DriveSeeding> seeding;
+  std::unique_ptr<PlaceSearch> search;
+};
+
+Status CheckMap(const OnlineMapperOptions& options, const SavedMap* map) {
+  const bool is_fixed = map != nullptr && IsFixedMap(map->graph);
+  if (!options.keeps_scans && !is_fixed) {
+    return Status::InvalidArgument("scans have to be kept, but for those of a fixed map's drive");
+  }
+  if (map == nullptr) return Status::Ok();
+  PLUMBLINE_RETURN_IF_ERROR(map->graph.status());
+  if (map->graph.peers() != nullptr) {
+    return Status::InvalidArgument("the saved map is shared by several processes");
+  }
+  if (map->graph.num_scans() == 0) return Status::InvalidArgument("the saved map has no scan");
+  if (map->graph.has_named_fixed_poses() && !is_fixed) {
+    return Status::InvalidArgument("some poses of the saved map are fixed, and others are not");
+  }
+  if (!map->map_from_robot) return Status::Ok();
+  SlamGraph bounds;
+  bounds.AddPose(*map->map_from_robot, 0.0);
+  return WithoutName(bounds.status());
+}
+
+Status NothingToFill() { return Status::InvalidArgument("there is no mapping to fill: null"); }
 
 struct KeySurface {
   int pose = 0;
@@ -111,12 +100,16 @@ bool OnlineMapperOptions::Check(std::string* error) const {
 
 class OnlineMapper::Impl {
  public:
-  Impl(const std::vector<LaserModel>& lasers, const OnlineMapperOptions& options)
+  Impl(const std::vector<LaserModel>& lasers, const OnlineMapperOptions& options,
+       std::unique_ptr<const SavedMap> saved)
       : options_(options),
         lasers_(lasers),
+        saved_(std::move(saved)),
         matching_(options.map.seeding, options.map.solver.factors.motion,
                   NormalOptionsFor(options.map.solver.factors.beam)),
-        map_(std::make_unique<GrowingMap>(lasers, options.map.solver.factors.motion)) {}
+        map_(std::make_unique<GrowingMap>(lasers, options.map.solver.factors.motion)) {
+    corrected_.is_in_map = saved_ == nullptr;
+  }
 
   ~Impl() { StopThreads(); }
 
@@ -153,6 +146,7 @@ class OnlineMapper::Impl {
       for (std::size_t i = result.map_from_robot.size(); i < live_poses_.size(); ++i) {
         result.map_from_robot.push_back(corrected_.map_from_live * live_poses_[i]);
       }
+      result.is_in_map = corrected_.is_in_map;
       result.map_from_odometry = corrected_.map_from_live * live_from_odometry_;
       result.num_closures = corrected_.num_closures;
       result.num_remappings = num_remappings_;
@@ -176,24 +170,28 @@ class OnlineMapper::Impl {
 
   Status MapNow(LogMapping* mapping) const {
     SlamGraph log;
-    {
-      const std::lock_guard<std::mutex> log_lock(log_mutex_);
-      PLUMBLINE_RETURN_IF_ERROR(MakeLog(&log));
-    }
+    PLUMBLINE_RETURN_IF_ERROR(CopyLog(&log));
     return MapLog(options_.map, std::move(log), {}, mapping);
   }
 
-  Status Finish(LogMapping* mapping) {
-    const std::lock_guard<std::mutex> one_at_a_time(front_mutex_);
-    if (num_scans_ > 0) StopThreads();
+  Status MapNow(SessionsMapping* mapping) const {
+    PLUMBLINE_RETURN_IF_ERROR(WantSavedMap());
     SlamGraph log;
-    {
-      const std::lock_guard<std::mutex> log_lock(log_mutex_);
-      PLUMBLINE_RETURN_IF_ERROR(MakeLog(&log));
-      map_.reset();
-      queue_.clear();
-    }
+    PLUMBLINE_RETURN_IF_ERROR(CopyLog(&log));
+    return MapSessions(options_.map, {saved_->graph, std::move(log)}, {}, mapping);
+  }
+
+  Status Finish(LogMapping* mapping) {
+    SlamGraph log;
+    PLUMBLINE_RETURN_IF_ERROR(TakeLog(&log));
     return MapLog(options_.map, std::move(log), {}, mapping);
+  }
+
+  Status Finish(SessionsMapping* mapping) {
+    PLUMBLINE_RETURN_IF_ERROR(WantSavedMap());
+    SlamGraph log;
+    PLUMBLINE_RETURN_IF_ERROR(TakeLog(&log));
+    return MapSessions(options_.map, {saved_->graph, std::move(log)}, {}, mapping);
   }
 
  private:
@@ -203,6 +201,7 @@ class OnlineMapper::Impl {
     std::string error;
     if (!options_.Check(&error)) return Status::InvalidArgument(error);
     if (map_ == nullptr) return Status::InvalidArgument("the mapper has finished");
+    PLUMBLINE_RETURN_IF_ERROR(CheckMap(options_, saved_.get()));
     if (laser < 0 || laser >= static_cast<int>(lasers_.size())) {
       return Status::InvalidArgument("laser " + std::to_string(laser) + " is unknown, there are " +
                                      std::to_string(lasers_.size()));
@@ -240,10 +239,12 @@ class OnlineMapper::Impl {
     live_poses_.push_back(scan.world_from_robot);
     if (odometry) live_from_odometry_ = scan.world_from_robot * odometry->Inverse();
     if (scan.keyframe) key_surfaces_.push_back({scan.keyframe->pose, scan.key_surface});
+    const bool is_in_map = saved_ == nullptr || (corrected_.is_in_map && scan.is_matched);
     queue_.push_back(std::move(scan));
     ++num_pending_;
     if (now != nullptr) {
       now->scan = num_scans_;
+      now->is_in_map = is_in_map;
       now->map_from_robot = corrected_.map_from_live * live_poses_.back();
       now->map_from_odometry = corrected_.map_from_live * live_from_odometry_;
       now->num_pending = num_pending_;
@@ -253,7 +254,7 @@ class OnlineMapper::Impl {
 
   void StartThreads() {
     if (!loops_.joinable()) loops_ = std::thread([this] { RunLoops(); });
-    if (!seeder_.joinable()) seeder_ = std::thread([this] { RunSeeder(); });
+    if (!slow_.joinable()) slow_ = std::thread([this] { RunSlowJobs(); });
   }
 
   void StopThreads() {
@@ -262,18 +263,39 @@ class OnlineMapper::Impl {
       stop_ = true;
       changed_.notify_all();
     }
-    for (std::thread* thread : {&loops_, &seeder_}) {
+    for (std::thread* thread : {&loops_, &slow_}) {
       if (thread->joinable()) thread->join();
     }
   }
 
   // Needs the mutex.
   bool IsIdle() const {
-    return num_pending_ == 0 && !is_closing_ && !is_seeding_ && seeding_ == nullptr;
+    return num_pending_ == 0 && !is_closing_ && !is_job_running_ && job_ == nullptr;
   }
 
   SeedingProgress UntilStopped() const {
     return [this](SeedingPhase, int, int) { return !stop_; };
+  }
+
+  Status WantSavedMap() const {
+    if (saved_ != nullptr) return Status::Ok();
+    return Status::InvalidArgument("the drive has no saved map");
+  }
+
+  Status CopyLog(SlamGraph* log) const {
+    const std::lock_guard<std::mutex> log_lock(log_mutex_);
+    return MakeLog(log);
+  }
+
+  // Ends the drive.
+  Status TakeLog(SlamGraph* log) {
+    const std::lock_guard<std::mutex> one_at_a_time(front_mutex_);
+    if (num_scans_ > 0) StopThreads();
+    const std::lock_guard<std::mutex> log_lock(log_mutex_);
+    PLUMBLINE_RETURN_IF_ERROR(MakeLog(log));
+    map_.reset();
+    queue_.clear();
+    return Status::Ok();
   }
 
   // Needs the mutex of the log.
@@ -296,7 +318,7 @@ class OnlineMapper::Impl {
       {
         std::unique_lock<std::mutex> lock(mutex_);
         changed_.wait(lock, [this] {
-          return stop_ || !queue_.empty() || (seeding_ != nullptr && !is_seeding_);
+          return stop_ || !queue_.empty() || (job_ != nullptr && !is_job_running_);
         });
         if (stop_) return;
       }
@@ -310,103 +332,161 @@ class OnlineMapper::Impl {
   }
 
   Status RunRound() {
-    if (pool_ == nullptr) pool_ = std::make_unique<ThreadPool>(options_.map.solver.num_threads);
+    if (pool_ == nullptr) PLUMBLINE_RETURN_IF_ERROR(StartBackground());
     const int num_poses = map_->num_poses(), num_closures = map_->num_closures();
-    std::unique_ptr<DriveSeeding> seeding;
-    PLUMBLINE_RETURN_IF_ERROR(TakeQueue(&seeding));
-    if (seeding != nullptr) {
-      map_->Adopt(std::move(seeding->drive), seeding->report.odometry_noise.motion);
-      seeding_has_alarm_ = seeding->report.alarm;
-    }
+    const bool was_placed = map_->is_placed();
+    std::unique_ptr<SlowJob> done;
+    PLUMBLINE_RETURN_IF_ERROR(TakeQueue(&done));
+    const bool is_adopted = done != nullptr && Adopt(done.get());
+    if (given_place_ && map_->PlaceAt(*given_place_)) given_place_.reset();
     PLUMBLINE_RETURN_IF_ERROR(map_->CloseLoops(UntilStopped(), pool_.get()));
-    const bool is_changed = seeding != nullptr || map_->num_closures() != num_closures;
-    std::unique_ptr<DriveSeeding> next;
-    PLUMBLINE_RETURN_IF_ERROR(WantSeeding(&next));
-    Publish(map_->num_poses() - num_poses, is_changed, std::move(seeding), std::move(next));
+    const bool is_changed =
+        is_adopted || map_->num_closures() != num_closures || map_->is_placed() != was_placed;
+    std::unique_ptr<SlowJob> next;
+    PLUMBLINE_RETURN_IF_ERROR(WantJob(&next));
+    Publish(map_->num_poses() - num_poses, is_changed, std::move(done), std::move(next));
     return Status::Ok();
   }
 
-  // Moves the scans of the queue into the map. seeding: a finished one, or null.
-  Status TakeQueue(std::unique_ptr<DriveSeeding>* seeding) {
+  Status StartBackground() {
+    auto pool = std::make_unique<ThreadPool>(options_.map.solver.num_threads);
+    if (saved_ != nullptr) {
+      auto session = std::make_shared<SavedSession>();
+      PLUMBLINE_RETURN_IF_ERROR(MakeSavedSession(saved_->graph, options_.map.seeding,
+                                                 NormalOptionsFor(options_.map.solver.factors.beam),
+                                                 pool.get(), session.get()));
+      given_place_ = saved_->map_from_robot;
+      const std::lock_guard<std::mutex> log_lock(log_mutex_);
+      map_->StartIn({std::move(session), IsFixedMap(saved_->graph), options_.keeps_scans});
+    }
+    pool_ = std::move(pool);
+    return Status::Ok();
+  }
+
+  // Moves the scans of the queue into the map. done: a finished job, or null.
+  Status TakeQueue(std::unique_ptr<SlowJob>* done) {
     const std::lock_guard<std::mutex> log_lock(log_mutex_);
     std::vector<LiveScan> scans;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       scans.swap(queue_);
-      if (!is_seeding_) *seeding = std::exchange(seeding_, nullptr);
+      if (!is_job_running_) *done = std::exchange(job_, nullptr);
       is_closing_ = true;
     }
     for (const LiveScan& scan : scans) PLUMBLINE_RETURN_IF_ERROR(map_->Add(scan));
     return Status::Ok();
   }
 
-  // The log of the next seeding, if one is due and none is on its way.
-  Status WantSeeding(std::unique_ptr<DriveSeeding>* next) {
+  // Takes over what a job has found. Whether poses have changed.
+  bool Adopt(SlowJob* done) {
+    if (done->search != nullptr) {
+      return done->search->outcome == TieOutcome::kTied && map_->Place(*done->search);
+    }
+    seeding_has_alarm_ = done->seeding->report.alarm;
+    if (saved_ != nullptr) return false;
+    map_->Adopt(std::move(done->seeding->drive), done->seeding->report.odometry_noise.motion);
+    return true;
+  }
+
+  // The next job, if one is due and none is on its way.
+  Status WantJob(std::unique_ptr<SlowJob>* next) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (is_job_running_ || job_ != nullptr) return Status::Ok();
+    }
+    auto job = std::make_unique<SlowJob>();
+    if (IsSearchDue()) {
+      job->search = std::make_unique<PlaceSearch>();
+      PLUMBLINE_RETURN_IF_ERROR(map_->MakeSearch(job->search.get()));
+      searched_segment_ = map_->first_pose_of_segment();
+      searched_m_ = map_->segment_path_m();
+    } else if (IsSeedingDue()) {
+      num_seeded_keyframes_ = map_->num_keyframes();
+      job->seeding = std::make_unique<DriveSeeding>();
+      PLUMBLINE_RETURN_IF_ERROR(map_->MakeLog({}, &job->seeding->log));
+    } else {
+      return Status::Ok();
+    }
+    *next = std::move(job);
+    return Status::Ok();
+  }
+
+  bool IsSearchDue() const {
+    if (saved_ == nullptr || map_->is_placed() || given_place_) return false;
+    double due_m = kFirstSearchM;
+    if (map_->first_pose_of_segment() == searched_segment_ && searched_m_ > 0.0) {
+      due_m = std::min(kSearchGrowth * searched_m_, searched_m_ + kMaxSearchGrowthM);
+    }
+    return map_->segment_path_m() >= due_m;
+  }
+
+  bool IsSeedingDue() const {
+    if (saved_ != nullptr && IsFixedMap(saved_->graph)) return false;
     const int num_keyframes = map_->num_keyframes();
     const bool is_doubtful = seeding_has_alarm_ || map_->has_unmatched() ||
                              map_->largest_correction_m() > kDoubtfulCorrectionM;
     const double growth = is_doubtful ? kGrowthInDoubt : kSeedingGrowth;
-    if (num_keyframes < kMinSeededKeyframes || num_keyframes < growth * num_seeded_keyframes_) {
-      return Status::Ok();
-    }
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (is_seeding_ || seeding_ != nullptr) return Status::Ok();
-    }
-    num_seeded_keyframes_ = num_keyframes;
-    *next = std::make_unique<DriveSeeding>();
-    return map_->MakeLog({}, &(*next)->log);
+    return num_keyframes >= kMinSeededKeyframes && num_keyframes >= growth * num_seeded_keyframes_;
   }
 
-  void Publish(int num_scans, bool is_changed, std::unique_ptr<DriveSeeding> adopted,
-               std::unique_ptr<DriveSeeding> next) {
+  void Publish(int num_scans, bool is_changed, std::unique_ptr<SlowJob> done,
+               std::unique_ptr<SlowJob> next) {
     CorrectedPoses corrected;
     if (is_changed) corrected.map_from_robot = map_->Poses();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (is_changed) {
       corrected.map_from_live = corrected.map_from_robot.back() *
                                 live_poses_[corrected.map_from_robot.size() - 1].Inverse();
+      corrected.is_in_map = saved_ == nullptr || map_->is_placed();
       corrected.num_closures = map_->num_closures();
       corrected_ = std::move(corrected);
     }
-    if (adopted != nullptr) {
+    if (done != nullptr && done->seeding != nullptr) {
       ++num_remappings_;
-      alarms_ = std::move(adopted->alarms);
-      faults_ = FaultsOf(adopted->report);
+      alarms_ = std::move(done->seeding->alarms);
+      faults_ = FaultsOf(done->seeding->report);
     }
     if (next != nullptr) {
-      seeding_ = std::move(next);
-      is_seeding_ = true;
+      job_ = std::move(next);
+      is_job_running_ = true;
     }
     num_pending_ -= num_scans;
     is_closing_ = false;
     changed_.notify_all();
   }
 
-  void RunSeeder() {
+  void RunSlowJobs() {
     const DefaultFloatEnvironment float_environment;
     while (true) {
-      DriveSeeding* seeding = nullptr;
+      SlowJob* job = nullptr;
       {
         std::unique_lock<std::mutex> lock(mutex_);
-        changed_.wait(lock, [this] { return stop_ || is_seeding_; });
+        changed_.wait(lock, [this] { return stop_ || is_job_running_; });
         if (stop_) return;
-        seeding = seeding_.get();
+        job = job_.get();
       }
-      const Status status =
-          CatchExceptions([&] { return SeedDriveSoFar(options_.map, UntilStopped(), seeding); });
+      const Status status = CatchExceptions([&] { return RunJob(job); });
       const std::lock_guard<std::mutex> lock(mutex_);
       if (!status.ok()) {
-        seeding_.reset();
+        job_.reset();
         if (!stop_) failure_ = status;
       }
-      is_seeding_ = false;
+      is_job_running_ = false;
       changed_.notify_all();
     }
   }
 
+  Status RunJob(SlowJob* job) const {
+    if (job->seeding != nullptr) {
+      return SeedDriveSoFar(options_.map, UntilStopped(), job->seeding.get());
+    }
+    ThreadPool pool(options_.map.solver.num_threads);
+    return SeekPlace(UntilStopped(), &pool, job->search.get());
+  }
+
   const OnlineMapperOptions options_;
   const std::vector<LaserModel> lasers_;
+  const std::unique_ptr<const SavedMap> saved_;  // null without one
 
   // Of the thread that adds a scan.
   std::mutex front_mutex_;
@@ -421,6 +501,9 @@ class OnlineMapper::Impl {
   std::unique_ptr<ThreadPool> pool_;
   int num_seeded_keyframes_ = 0;
   bool seeding_has_alarm_ = false;
+  std::optional<Pose2> given_place_;  // until the drive is there
+  int searched_segment_ = 0;          // its first pose
+  double searched_m_ = 0.0;           // its path at the last search
 
   // Guards the measurements: they move from the queue to the map. Is locked before mutex_.
   mutable std::mutex log_mutex_;
@@ -438,17 +521,21 @@ class OnlineMapper::Impl {
   std::vector<Alarm> alarms_;
   std::optional<OdometryFaults> faults_;  // news for the matching
   int num_remappings_ = 0;
-  std::unique_ptr<DriveSeeding> seeding_;  // of the seeder while is_seeding_
-  bool is_seeding_ = false;
+  std::unique_ptr<SlowJob> job_;  // of the slow thread while is_job_running_
+  bool is_job_running_ = false;
   bool is_closing_ = false;  // the loops of what was taken from the queue
   Status failure_;
 
-  std::thread loops_, seeder_;
+  std::thread loops_, slow_;
 };
 
 OnlineMapper::OnlineMapper(const std::vector<LaserModel>& lasers,
                            const OnlineMapperOptions& options)
-    : impl_(std::make_unique<Impl>(lasers, options)) {}
+    : impl_(std::make_unique<Impl>(lasers, options, nullptr)) {}
+OnlineMapper::OnlineMapper(const std::vector<LaserModel>& lasers,
+                           const OnlineMapperOptions& options, SavedMap map)
+    : impl_(std::make_unique<Impl>(lasers, options,
+                                   std::make_unique<const SavedMap>(std::move(map)))) {}
 OnlineMapper::~OnlineMapper() = default;
 
 Status OnlineMapper::AddScan(const LaserScan& scan, const std::optional<Pose2>& odometry,
@@ -468,12 +555,22 @@ Status OnlineMapper::GetMap(OnlineMap* map) const {
 Status OnlineMapper::Wait() { return impl_->Wait(); }
 
 Status OnlineMapper::MapNow(LogMapping* mapping) const {
-  if (mapping == nullptr) return Status::InvalidArgument("there is no mapping to fill: null");
+  if (mapping == nullptr) return NothingToFill();
+  return CatchExceptions([&] { return impl_->MapNow(mapping); });
+}
+
+Status OnlineMapper::MapNow(SessionsMapping* mapping) const {
+  if (mapping == nullptr) return NothingToFill();
   return CatchExceptions([&] { return impl_->MapNow(mapping); });
 }
 
 Status OnlineMapper::Finish(LogMapping* mapping) {
-  if (mapping == nullptr) return Status::InvalidArgument("there is no mapping to fill: null");
+  if (mapping == nullptr) return NothingToFill();
+  return CatchExceptions([&] { return impl_->Finish(mapping); });
+}
+
+Status OnlineMapper::Finish(SessionsMapping* mapping) {
+  if (mapping == nullptr) return NothingToFill();
   return CatchExceptions([&] { return impl_->Finish(mapping); });
 }
 

@@ -9,9 +9,11 @@
 
 #include "plumbline/core/laser_scan.h"
 #include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/map_log.h"
+#include "plumbline/solvers/map_sessions.h"
 
 namespace plumbline {
 
@@ -20,14 +22,32 @@ struct OnlineMapperOptions {
   /// How Finish maps the whole drive. The background has the same options, but for calibration,
   /// own terms, edges that are named, and the callback.
   MapLogOptions map;
+  /// Whether all scans are kept for Finish and MapNow. Without, a drive that is localised in a
+  /// fixed map keeps the scans of its last 100 m at most, and of older ones the poses.
+  bool keeps_scans = true;
 
   /// False if a field is out of range; *error, if not null, then says which and why.
   bool Check(std::string* error) const;
 };
 
-/// Where the robot is. The frame of the map is that of the robot at its first scan.
+/// A finished map that a drive begins in.
+struct SavedMap {
+  /// As MapSessions takes a session. If all of its poses are fixed (SlamGraph::FixPose), the drive
+  /// is localised in it. If none is, the drive continues the map: its initial guesses are its poses
+  /// while the robot drives, and Finish estimates them anew.
+  SlamGraph graph;
+  /// Where the robot is at the first scan, give or take 0.5 m and 0.15 rad; none: nobody knows.
+  std::optional<Pose2> map_from_robot;
+};
+
+/// Where the robot is. The frame of the map is that of the saved map, or else that of the robot at
+/// its first scan.
 struct OnlinePose {
-  int scan = 0;             ///< index among all scans that were added
+  int scan = 0;  ///< index among all scans that were added
+  /// Whether the place in the saved map is known, and the scan matches those before it; true
+  /// without a saved map. If the place is not known yet, the pose is in the frame of the robot at
+  /// its first scan. If it is not known any more, the pose follows the last known one.
+  bool is_in_map = true;
   Pose2 map_from_robot;     ///< at the time of the scan
   Pose2 map_from_odometry;  ///< frame of the odometry; as before if the scan has no odometry
   /// Number of scans in which loops have not been sought yet.
@@ -36,6 +56,7 @@ struct OnlinePose {
 
 /// The map of a drive that goes on, by all loops that were closed so far.
 struct OnlineMap {
+  bool is_in_map = true;                ///< whether the place in the saved map is known
   std::vector<Pose2> map_from_robot;    ///< per scan that was added
   std::vector<Eigen::Vector2d> points;  ///< of the keyframes' surfaces, thinned to 3 cm [m]
   Pose2 map_from_odometry;              ///< as in OnlinePose, at the newest scan
@@ -53,6 +74,14 @@ struct OnlineMap {
 /// false loops back. Corrections are in the poses from then on. Finish gives what MapLog gives of
 /// the same measurements.
 ///
+/// In a saved map the background seeks the place of the drive, unless it is given, by the search of
+/// MapSessions and with its rules of when a place is certain. It then closes loops with the saved
+/// map, whose poses stay where they are while the robot drives. In a fixed map the place counts as
+/// lost after a scan that matches nothing and after 10 m of path in which nothing of the map is
+/// recognised; it is then sought by the scans that follow. Drives are mapped anew in the background
+/// for the alarms and the faults of the odometry alone if they continue a map, and not at all in a
+/// fixed one.
+///
 /// The motion within the sweeps of a laser (LaserModel::beam_period_s) is taken out by Finish and
 /// by the maps of the background, not by the live matching.
 ///
@@ -63,6 +92,9 @@ class OnlineMapper {
   /// Bad options and lasers are reported by the first scan.
   explicit OnlineMapper(const std::vector<LaserModel>& lasers,
                         const OnlineMapperOptions& options = OnlineMapperOptions());
+  /// A map whose poses are fixed in part, or that has no scans, is reported by the first scan, too.
+  OnlineMapper(const std::vector<LaserModel>& lasers, const OnlineMapperOptions& options,
+               SavedMap map);
   /// Stops the background.
   ~OnlineMapper();
   OnlineMapper(const OnlineMapper&) = delete;
@@ -92,11 +124,17 @@ class OnlineMapper {
   /// Maps the measurements so far by MapLog, in the calling thread: what Finish would give now. The
   /// drive goes on meanwhile, and nothing of it changes. Fails like Finish.
   Status MapNow(LogMapping* mapping) const;
+  /// The same with the saved map, by MapSessions.
+  Status MapNow(SessionsMapping* mapping) const;
 
   /// Ends the drive: stops the background and maps all measurements by MapLog, with the same result
   /// for the same scans, whatever the background had found. Fails like MapLog; InvalidArgument
-  /// without scans, and if it was called before.
+  /// without scans, if it was called before, and if scans were not kept. A saved map has no part in
+  /// it.
   Status Finish(LogMapping* mapping);
+  /// Ends the drive, and maps the saved map and the drive, in this order, by MapSessions.
+  /// InvalidArgument also without a saved map.
+  Status Finish(SessionsMapping* mapping);
 
  private:
   class Impl;

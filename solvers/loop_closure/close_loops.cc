@@ -206,12 +206,44 @@ void WriteReport(const KeyframeGraph& keys, const std::vector<TestedCandidate>& 
   }
 }
 
+// The finished map is one pose of the graph, which sees the other keyframes.
+void OptimizeInFixedMap(std::vector<RelativePoseConstraint> certain,
+                        std::vector<RelativePoseConstraint> uncertain, KeyframeGraph* keys) {
+  const auto first = keys->world_from_key.begin() + keys->num_fixed;
+  std::vector<Pose2> poses = {Pose2()};
+  poses.insert(poses.end(), first, keys->world_from_key.end());
+  for (std::vector<RelativePoseConstraint>* edges : {&certain, &uncertain}) {
+    edges->erase(std::remove_if(edges->begin(), edges->end(),
+                                [keys](const RelativePoseConstraint& edge) {
+                                  return edge.from < keys->num_fixed && edge.to < keys->num_fixed;
+                                }),
+                 edges->end());
+    for (RelativePoseConstraint& edge : *edges) {
+      edge.to -= keys->num_fixed - 1;
+      if (edge.from < keys->num_fixed) {
+        const Pose2& world_from_from = keys->world_from_key[edge.from];
+        edge.from = 0;
+        edge.from_from_to = world_from_from * edge.from_from_to;
+        edge.covariance = RotateAxes(edge.covariance, world_from_from.yaw);
+      } else {
+        edge.from -= keys->num_fixed - 1;
+      }
+    }
+  }
+  OptimizeRobustly(certain, uncertain, &poses);
+  std::copy(poses.begin() + 1, poses.end(), first);
+}
+
 }  // namespace
 
 void OptimizeKeyframes(KeyframeGraph* keys) {
   std::vector<RelativePoseConstraint> certain, uncertain = keys->closures;
   for (const SequentialEdge& edge : keys->sequential) {
     (edge.in_question && !edge.broken ? uncertain : certain).push_back(edge.InForce());
+  }
+  if (keys->num_fixed > 0) {
+    OptimizeInFixedMap(std::move(certain), std::move(uncertain), keys);
+    return;
   }
   if (keys->given.given_from_key.empty()) {
     OptimizeRobustly(certain, uncertain, &keys->world_from_key);

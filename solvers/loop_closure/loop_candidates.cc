@@ -123,6 +123,10 @@ class Ways {
       node_of_key_.push_back(num_nodes() - 1);
     }
     first_key_.push_back(graph.size());
+    // Nothing drifts within a finished map.
+    for (int node = 1; node < num_nodes() && first_key_[node] < graph.num_fixed; ++node) {
+      Join(0, node, Way{0.0, 0});
+    }
     for (const RelativePoseConstraint& closure : graph.closures) {
       Join(node_of_key_[closure.from], node_of_key_[closure.to],
            {std::hypot(closure.from_from_to.x, closure.from_from_to.y), 0});

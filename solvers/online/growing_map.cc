@@ -11,9 +11,33 @@
 namespace plumbline {
 namespace {
 
+// Path between a saved map and the drive: more than what counts as one pass through a place [m].
+constexpr double kGapM = 20.0;
+
 void AppendScan(const LiveScan& scan, SlamGraph* graph) {
   const int id = graph->AddPose(scan.measured.InitialPose(0), scan.measured.timestamp_s(0));
   graph->AddScanOf(scan.measured, 0, id);
+}
+
+SlamGraph GraphOfLasers(const std::vector<LaserModel>& lasers) {
+  SlamGraph graph;
+  for (const LaserModel& laser : lasers) {
+    graph.AddLaser(laser);
+    std::ignore = graph.TakeStatus();  // a laser that is refused has no scans
+  }
+  return graph;
+}
+
+// Appends the poses from `first` on, with their scans.
+void AppendPoses(const SlamGraph& graph, int first, SlamGraph* appended_to) {
+  const int moved = appended_to->num_poses() - first;
+  for (int pose = first; pose < graph.num_poses(); ++pose) {
+    appended_to->AddPose(graph.InitialPose(pose), graph.timestamp_s(pose));
+  }
+  for (int scan = 0; scan < graph.num_scans(); ++scan) {
+    const int pose = graph.scan(scan).pose;
+    if (pose >= first) appended_to->AddScanOf(graph, scan, pose + moved);
+  }
 }
 
 double PathM(const Pose2& from, const Pose2& to) { return Between(from, to).translation().norm(); }
@@ -33,11 +57,19 @@ void MoveTo(const std::vector<Pose2>& world_from_robot, KeyframeGraph* keys) {
 }  // namespace
 
 GrowingMap::GrowingMap(const std::vector<LaserModel>& lasers, const MotionOptions& motion)
-    : motion_(motion) {
-  for (const LaserModel& laser : lasers) {
-    graph_.AddLaser(laser);
-    std::ignore = graph_.TakeStatus();  // a laser that is refused has no scans
-  }
+    : lasers_(GraphOfLasers(lasers)), motion_(motion), graph_(lasers_) {}
+
+void GrowingMap::StartIn(InSavedMap saved) {
+  const SeededDrive& drive = saved.map->drive;
+  graph_ = saved.map->graph;
+  surface_ = saved.map->surface;
+  kept_ = drive.surfaces;
+  trajectory_ = drive.matched;
+  trajectory_.keyframes.clear();
+  first_pose_ = graph_.num_poses();
+  steps_.resize(first_pose_);
+  path_m_ = drive.keys.keyframes.back().path_m + kGapM;
+  saved_ = std::move(saved);
 }
 
 Status GrowingMap::Add(const LiveScan& scan) {
@@ -48,7 +80,7 @@ Status GrowingMap::Add(const LiveScan& scan) {
                           scan.surface.normals.end());
   steps_.push_back(scan.step);
   kept_.emplace_back();
-  if (id == 0) {
+  if (id == first_pose_ && num_forgotten_ == 0) {
     trajectory_.world_from_robot.push_back(scan.world_from_robot);
     trajectory_.odometry.emplace_back();
   } else {
@@ -57,7 +89,10 @@ Status GrowingMap::Add(const LiveScan& scan) {
   if (!trajectory_.given_poses.empty()) trajectory_.given_poses.push_back(graph_.InitialPose(id));
   if (scan.keyframe) {
     kept_.back() = *scan.key_surface;
-    AddKeyframe(*scan.keyframe);
+    Keyframe keyframe = *scan.keyframe;
+    keyframe.pose = id;
+    keyframe.scan = graph_.num_scans() - 1;
+    AddKeyframe(keyframe);
   }
   return Status::Ok();
 }
@@ -73,7 +108,7 @@ void GrowingMap::AddKeyframe(Keyframe keyframe) {
   keyframe.path_m = path_m_;
   const std::vector<Pose2>& poses = trajectory_.world_from_robot;
   if (keys_.size() == 0) {
-    keys_.world_from_key.push_back(poses[keyframe.pose]);
+    keys_.world_from_key.push_back(world_from_matched_ * poses[keyframe.pose]);
   } else {
     const Keyframe& last = keys_.keyframes.back();
     keys_.world_from_key.push_back(keys_.world_from_key.back() *
@@ -96,11 +131,14 @@ Status GrowingMap::CloseLoops(const SeedingProgress& progress, ThreadPool* pool)
       CloseNewLoops(std::max(1, first_new_key_), surfaces, progress, pool, &memory_, &keys_);
   kept_ = std::move(surfaces).TakeKept();
   PLUMBLINE_RETURN_IF_ERROR(status);
-  first_new_key_ = keys_.size();
   for (std::size_t k = 0; k < before.size(); ++k) {
     largest_correction_m_ =
         std::max(largest_correction_m_, PathM(before[k], keys_.world_from_key[k]));
   }
+  const bool is_lost = saved_.is_fixed && IsLost(first_new_key_);
+  first_new_key_ = keys_.size();
+  if (is_lost) BeginSegment();
+  if (saved_.is_fixed) SettleOldKeyframes();
   return Status::Ok();
 }
 
@@ -144,8 +182,12 @@ void GrowingMap::Adopt(SeededDrive seeded, const MotionOptions& motion) {
 }
 
 Status GrowingMap::MakeLog(const std::vector<LiveScan>& later, SlamGraph* log) const {
-  *log = graph_;
-  std::vector<std::optional<Pose2>> steps = steps_;
+  if (num_forgotten_ > 0) {
+    return Status::InvalidArgument("old scans of the drive were not kept, as the options say");
+  }
+  *log = first_pose_ == 0 ? graph_ : lasers_;
+  if (first_pose_ > 0) AppendPoses(graph_, first_pose_, log);
+  std::vector<std::optional<Pose2>> steps(steps_.begin() + first_pose_, steps_.end());
   for (const LiveScan& scan : later) {
     AppendScan(scan, log);
     steps.push_back(scan.step);
@@ -161,8 +203,55 @@ Status GrowingMap::MakeLog(const std::vector<LiveScan>& later, SlamGraph* log) c
   return log->status();
 }
 
+// Removes the poses of the drive before this id of the graph, with their scans.
+void GrowingMap::ForgetBefore(int pose) {
+  const int count = pose - first_pose_;
+  if (count <= 0) return;
+  const int first_scan = saved_.map->graph.num_scans();
+  const auto erase = [count](int first, auto* vector) {
+    vector->erase(vector->begin() + first, vector->begin() + first + count);
+  };
+  const std::size_t num_returns = graph_.scan(first_scan + count).first_return;
+  surface_.normals.erase(
+      surface_.normals.begin() + static_cast<std::ptrdiff_t>(saved_.map->graph.num_returns()),
+      surface_.normals.begin() + static_cast<std::ptrdiff_t>(num_returns));
+  SlamGraph graph = saved_.map->graph;
+  AppendPoses(graph_, pose, &graph);
+  graph_ = std::move(graph);
+  erase(first_scan, &kept_);
+  erase(first_pose_, &steps_);
+  erase(first_pose_, &trajectory_.world_from_robot);
+  erase(first_pose_, &trajectory_.odometry);
+  for (int k = keys_.num_fixed; k < keys_.size(); ++k) {
+    keys_.keyframes[k].pose -= count;
+    keys_.keyframes[k].scan -= count;
+  }
+  num_forgotten_ += count;
+}
+
 std::vector<Pose2> GrowingMap::Poses() const {
-  return PosesFollowingKeyframes(keys_, trajectory_.world_from_robot);
+  std::vector<Pose2> poses = settled_;
+  const std::vector<Pose2> newest = PosesOfSegment();
+  poses.insert(poses.end(), newest.begin(), newest.end());
+  return poses;
+}
+
+std::vector<Pose2> GrowingMap::PosesOfSegment() const {
+  const int first = FirstIdOfSegment();
+  std::vector<Pose2> poses(trajectory_.world_from_robot.begin() + first,
+                           trajectory_.world_from_robot.end());
+  if (num_keyframes() == 0) {
+    for (Pose2& pose : poses) pose = world_from_matched_ * pose;
+    return poses;
+  }
+  KeyframeGraph segment;
+  segment.keyframes.assign(keys_.keyframes.begin() + keys_.num_fixed, keys_.keyframes.end());
+  segment.world_from_key.assign(keys_.world_from_key.begin() + keys_.num_fixed,
+                                keys_.world_from_key.end());
+  segment.sequential.assign(keys_.sequential.begin() + keys_.num_fixed, keys_.sequential.end());
+  for (Keyframe& key : segment.keyframes) key.pose -= first;
+  for (SequentialEdge& edge : segment.sequential) edge.first_pose_after -= first;
+  return PosesFollowingKeyframes(segment, poses);
 }
 
 }  // namespace plumbline

@@ -29,11 +29,13 @@ void LiveMatching::Match(LiveScan* scan) {
   } else if (id > 0) {
     step = PredictedStep();
   }
+  const int num_unmatched = report_.num_unmatched;
   const std::size_t num_keyframes = tracker_.matcher().keyframes().size();
   tracker_.Add(id, surface.empty() ? -1 : id, surface,
                is_measured ? StepKind::kMeasured : StepKind::kPredicted, step, &report_);
   const std::vector<Pose2>& poses = tracker_.poses();
   scan->world_from_robot = poses.back();
+  scan->is_matched = report_.num_unmatched == num_unmatched;
   if (id > 0) scan->matched_step = Between(poses[id - 1], poses[id]);
   scan->step_as_driven = tracker_.steps().back();
   const std::vector<Keyframe>& keyframes = tracker_.matcher().keyframes();

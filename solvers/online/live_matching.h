@@ -25,6 +25,7 @@ struct LiveScan {
   std::optional<Pose2> step;         ///< odometry from the scan before; none if it was not measured
   MeasuredSurface surface;           ///< of the scan
   Pose2 world_from_robot;            ///< as matched
+  bool is_matched = true;            ///< else the pose follows from the step as driven
   Pose2 matched_step;                ///< from the scan before
   Pose2 step_as_driven;              ///< odometry with its sign corrected, or the predicted step
   std::optional<Keyframe> keyframe;  ///< the scan became one

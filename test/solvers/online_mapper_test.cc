@@ -170,7 +170,7 @@ TEST(OnlineMapperTest, NamesWhatIsWrongWithAScanAndStaysAsItWas) {
   ASSERT_TRUE(mapper.GetMap(&map).ok());
   EXPECT_EQ(map.map_from_robot.size(), 5u);
   EXPECT_FALSE(mapper.GetMap(nullptr).ok());
-  EXPECT_FALSE(mapper.Finish(nullptr).ok());
+  EXPECT_FALSE(mapper.Finish(static_cast<LogMapping*>(nullptr)).ok());
 
   OnlinePose now;
   ASSERT_TRUE(AddScanOfLog(log, 5, &mapper, &now).ok());
@@ -259,7 +259,7 @@ TEST(OnlineMapperTest, MapsTheDriveSoFarAndGoesOn) {
   OnlineMapper mapper({log.laser}), ending({log.laser}), undisturbed({log.laser});
   LogMapping now, end;
   EXPECT_THAT(mapper.MapNow(&now).message(), HasSubstr("no scans"));
-  EXPECT_THAT(mapper.MapNow(nullptr).message(), HasSubstr("null"));
+  EXPECT_THAT(mapper.MapNow(static_cast<LogMapping*>(nullptr)).message(), HasSubstr("null"));
   for (std::size_t i = 0; i < num_scans; ++i) {
     for (OnlineMapper* each : {&mapper, &ending, &undisturbed}) {
       ASSERT_TRUE(AddScanOfLog(log, i, each).ok());
