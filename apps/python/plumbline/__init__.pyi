@@ -672,6 +672,7 @@ def alarm_text(alarms: Sequence[Alarm]) -> str: ...
 
 class OnlinePose:
     scan: Final[int]
+    is_in_map: Final[bool]
     map_from_robot: Final[Pose2]
     map_from_odometry: Final[Pose2]
     num_pending: Final[int]
@@ -679,13 +680,24 @@ class OnlinePose:
 class OnlineMap:
     poses: Final[_Array]
     points: Final[_Array]
+    is_in_map: Final[bool]
     map_from_odometry: Final[Pose2]
     num_closures: Final[int]
     num_remappings: Final[int]
     alarms: Final[tuple[Alarm, ...]]
 
 class OnlineMapper:
+    @overload
     def __init__(self, lasers: Sequence[LaserModel], options: MapLogOptions = ...) -> None: ...
+    @overload
+    def __init__(
+        self,
+        lasers: Sequence[LaserModel],
+        saved_map: SlamGraph,
+        map_from_robot: Pose2 | ArrayLike | None = ...,
+        options: MapLogOptions = ...,
+        keeps_scans: bool = ...,
+    ) -> None: ...
     def add_scan(
         self,
         timestamp_s: float,
@@ -697,6 +709,7 @@ class OnlineMapper:
     def wait(self) -> None: ...
     def map_now(self) -> LogMapping: ...
     def finish(self) -> LogMapping: ...
+    def finish_with_map(self) -> list[LogMapping]: ...
 
 def read_log(
     path: _Path,

@@ -86,3 +86,40 @@ def test_bad_scans_are_refused_and_change_nothing(drive):
         options = plumbline.MapLogOptions()
         options.seeding.keyframe_distance_m = -1.0
         drive.add(plumbline.OnlineMapper([drive.laser], options), 0)
+
+
+def saved_map(drive, is_fixed):
+    graph = plumbline.SlamGraph()
+    graph.add_laser(drive.laser)
+    for i in range(NUM_SCANS):
+        graph.add_pose(drive.truth[i], 0.5 * i)
+        graph.add_scan(i, 0, drive.ranges[i])
+        if i > 0:
+            graph.add_odometry(i - 1, i, plumbline.Pose2(drive.truth[i - 1]).between(drive.truth[i]))
+        if is_fixed:
+            graph.fix_pose(i)
+    return graph
+
+
+@pytest.mark.parametrize("is_fixed", [False, True])
+def test_drives_in_a_saved_map(drive, is_fixed):
+    start = plumbline.Pose2(drive.truth[0]) * plumbline.Pose2(0.1, -0.1, 0.05)
+    mapper = plumbline.OnlineMapper([drive.laser], saved_map(drive, is_fixed), start)
+    errors = []
+    for i in range(NUM_SCANS):
+        now = drive.add(mapper, i)
+        mapper.wait()
+        if now.is_in_map:
+            errors.append(np.hypot(*(np.array(list(now.map_from_robot)) - drive.truth[i])[:2]))
+    assert len(errors) > NUM_SCANS - 3
+    assert np.sqrt(np.mean(np.square(errors[5:]))) < 0.05
+    assert mapper.get_map().is_in_map
+    maps = mapper.finish_with_map()
+    assert isinstance(maps, list) and all(len(m.state.poses) >= NUM_SCANS for m in maps)
+
+
+def test_a_saved_map_that_is_no_map_is_refused(drive):
+    with pytest.raises(plumbline.InvalidArgumentError, match="the saved map has no scan"):
+        drive.add(plumbline.OnlineMapper([drive.laser], plumbline.SlamGraph()), 0)
+    with pytest.raises(plumbline.InvalidArgumentError, match="no saved map"):
+        plumbline.OnlineMapper([drive.laser]).finish_with_map()
