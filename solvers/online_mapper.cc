@@ -16,16 +16,14 @@
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/online/drive_seeding.h"
 #include "plumbline/solvers/online/growing_map.h"
+#include "plumbline/solvers/online/kept_scans.h"
+#include "plumbline/solvers/online/live_input.h"
 #include "plumbline/solvers/online/live_matching.h"
 #include "plumbline/solvers/online/place_search.h"
 #include "plumbline/solvers/online/saved_map.h"
 
 namespace plumbline {
 namespace {
-
-// Odometry jumps if a step exceeds this length [m] plus this speed [m/s] times its duration: no
-// indoor robot drives as fast.
-constexpr double kMaxStepM = 5.0, kMaxSpeedMS = 20.0;
 
 // The drive so far is seeded first with this many keyframes, some 10 m, then whenever their number
 // has grown by a factor: all seedings together take five times as long as the last one.
@@ -41,14 +39,6 @@ constexpr double kGrowthInDoubt = 1.1;
 constexpr double kFirstSearchM = 10.0;
 constexpr double kSearchGrowth = 1.25;
 constexpr double kMaxSearchGrowthM = 25.0;
-
-// The status of a graph of one scan, without the name of the refused measurement: the mapper counts
-// scans by itself.
-Status WithoutName(const Status& status) {
-  if (status.ok()) return status;
-  constexpr std::size_t kColon = 2;  // and a blank
-  return Status::InvalidArgument(status.message().substr(status.message().find(": ") + kColon));
-}
 
 // Poses by the loops that the background has closed.
 struct CorrectedPoses {
@@ -81,7 +71,8 @@ Status CheckMap(const OnlineMapperOptions& options, const SavedMap* map) {
   if (!map->map_from_robot) return Status::Ok();
   SlamGraph bounds;
   bounds.AddPose(*map->map_from_robot, 0.0);
-  return WithoutName(bounds.status());
+  if (bounds.status().ok()) return Status::Ok();
+  return Status::InvalidArgument("map_from_robot of the saved map: " + bounds.status().message());
 }
 
 Status NothingToFill() { return Status::InvalidArgument("there is no mapping to fill: null"); }
@@ -95,6 +86,7 @@ struct KeySurface {
 
 bool OnlineMapperOptions::Check(std::string* error) const {
   PLUMBLINE_CHECK_NESTED_OPTIONS(map);
+  PLUMBLINE_CHECK_OPTION_WITHIN(min_step_m, 0.0, 1.0);
   return true;
 }
 
@@ -103,10 +95,11 @@ class OnlineMapper::Impl {
   Impl(const std::vector<LaserModel>& lasers, const OnlineMapperOptions& options,
        std::unique_ptr<const SavedMap> saved)
       : options_(options),
-        lasers_(lasers),
         saved_(std::move(saved)),
         matching_(options.map.seeding, options.map.solver.factors.motion,
                   NormalOptionsFor(options.map.solver.factors.beam)),
+        input_(lasers),
+        kept_(options.min_step_m),
         map_(std::make_unique<GrowingMap>(lasers, options.map.solver.factors.motion)) {
     corrected_.is_in_map = saved_ == nullptr;
   }
@@ -128,11 +121,9 @@ class OnlineMapper::Impl {
       if (faults_) matching_.SetOdometryFaults(*std::exchange(faults_, std::nullopt));
     }
     matching_.Match(&live);
-    last_initial_ = live.measured.InitialPose(0);
-    last_time_s_ = scan.timestamp_s;
-    last_odometry_ = odometry;
-    if (odometry && !first_odometry_) first_odometry_ = odometry;
-    Enqueue(std::move(live), odometry, now);
+    input_.Accept(live, odometry);
+    const bool is_kept = kept_.Keep(&live);
+    Enqueue(std::move(live), is_kept, odometry, now);
     ++num_scans_;
     return Status::Ok();
   }
@@ -142,10 +133,7 @@ class OnlineMapper::Impl {
     std::vector<KeySurface> keys;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      result.map_from_robot = corrected_.map_from_robot;
-      for (std::size_t i = result.map_from_robot.size(); i < live_poses_.size(); ++i) {
-        result.map_from_robot.push_back(corrected_.map_from_live * live_poses_[i]);
-      }
+      result.map_from_robot = CorrectedLivePoses();
       result.is_in_map = corrected_.is_in_map;
       result.map_from_odometry = corrected_.map_from_live * live_from_odometry_;
       result.num_closures = corrected_.num_closures;
@@ -195,53 +183,26 @@ class OnlineMapper::Impl {
   }
 
  private:
-  // Checks a scan, and makes its measurements.
   Status TakeInput(const LaserScan& scan, const std::optional<Pose2>& odometry, int laser,
                    LiveScan* live) const {
     std::string error;
     if (!options_.Check(&error)) return Status::InvalidArgument(error);
     if (map_ == nullptr) return Status::InvalidArgument("the mapper has finished");
     PLUMBLINE_RETURN_IF_ERROR(CheckMap(options_, saved_.get()));
-    if (laser < 0 || laser >= static_cast<int>(lasers_.size())) {
-      return Status::InvalidArgument("laser " + std::to_string(laser) + " is unknown, there are " +
-                                     std::to_string(lasers_.size()));
-    }
-    const Pose2 initial =
-        odometry && first_odometry_ ? Between(*first_odometry_, *odometry) : last_initial_;
-    SlamGraph* measured = &live->measured;
-    const int laser_id = measured->AddLaser(lasers_[laser]);
-    const int pose_id = measured->AddPose(initial, scan.timestamp_s);
-    measured->AddScan(pose_id, laser_id, scan.ranges);
-    PLUMBLINE_RETURN_IF_ERROR(WithoutName(measured->status()));
-    // The frame of the odometry has the same bounds as that of the map.
-    if (odometry) {
-      SlamGraph bounds;
-      bounds.AddPose(*odometry, scan.timestamp_s);
-      PLUMBLINE_RETURN_IF_ERROR(WithoutName(bounds.status()));
-    }
-    if (num_scans_ == 0) return Status::Ok();
-    const double duration_s = scan.timestamp_s - last_time_s_;
-    if (duration_s < 0.0) {
-      return Status::InvalidArgument("its time, " + std::to_string(scan.timestamp_s) +
-                                     " s, is before that of the scan before it, " +
-                                     std::to_string(last_time_s_) + " s");
-    }
-    if (!odometry || !last_odometry_) return Status::Ok();
-    live->step = Between(*last_odometry_, *odometry);
-    const double length_m = live->step->translation().norm();
-    if (length_m <= kMaxStepM + kMaxSpeedMS * duration_s) return Status::Ok();
-    return Status::InvalidArgument("the odometry jumps by " + std::to_string(length_m) + " m in " +
-                                   std::to_string(duration_s) + " s");
+    return input_.Take(scan, odometry, laser, live);
   }
 
-  void Enqueue(LiveScan scan, const std::optional<Pose2>& odometry, OnlinePose* now) {
+  void Enqueue(LiveScan scan, bool is_kept, const std::optional<Pose2>& odometry, OnlinePose* now) {
     const std::lock_guard<std::mutex> lock(mutex_);
     live_poses_.push_back(scan.world_from_robot);
     if (odometry) live_from_odometry_ = scan.world_from_robot * odometry->Inverse();
     if (scan.keyframe) key_surfaces_.push_back({scan.keyframe->pose, scan.key_surface});
     const bool is_in_map = saved_ == nullptr || (corrected_.is_in_map && scan.is_matched);
-    queue_.push_back(std::move(scan));
-    ++num_pending_;
+    if (is_kept) {
+      kept_scans_.push_back(num_scans_);
+      queue_.push_back(std::move(scan));
+      ++num_pending_;
+    }
     if (now != nullptr) {
       now->scan = num_scans_;
       now->is_in_map = is_in_map;
@@ -250,6 +211,26 @@ class OnlineMapper::Impl {
       now->num_pending = num_pending_;
     }
     changed_.notify_all();
+  }
+
+  // Of all scans. A scan that is not kept follows the kept one before it. Needs the mutex.
+  std::vector<Pose2> CorrectedLivePoses() const {
+    const std::vector<Pose2>& corrected = corrected_.map_from_robot;
+    std::vector<Pose2> poses(live_poses_.size());
+    std::size_t next = 0;  // after the kept scan
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (next < kept_scans_.size() && kept_scans_[next] == static_cast<int>(i)) ++next;
+      if (next > corrected.size()) {
+        poses[i] = corrected_.map_from_live * live_poses_[i];
+      } else {
+        const int kept = kept_scans_[next - 1];
+        poses[i] = corrected[next - 1];
+        if (kept != static_cast<int>(i)) {
+          poses[i] = poses[i] * Between(live_poses_[kept], live_poses_[i]);
+        }
+      }
+    }
+    return poses;
   }
 
   void StartThreads() {
@@ -382,8 +363,8 @@ class OnlineMapper::Impl {
     if (done->search != nullptr) {
       return done->search->outcome == TieOutcome::kTied && map_->Place(*done->search);
     }
-    seeding_has_alarm_ = done->seeding->report.alarm;
-    if (saved_ != nullptr) return false;
+    seeding_has_alarm_ = done->seeding->report.alarm || !done->seeding->is_better;
+    if (saved_ != nullptr || !done->seeding->is_better) return false;
     map_->Adopt(std::move(done->seeding->drive), done->seeding->report.odometry_noise.motion);
     return true;
   }
@@ -403,6 +384,7 @@ class OnlineMapper::Impl {
     } else if (IsSeedingDue()) {
       num_seeded_keyframes_ = map_->num_keyframes();
       job->seeding = std::make_unique<DriveSeeding>();
+      job->seeding->poses_at_hand = map_->Poses();
       PLUMBLINE_RETURN_IF_ERROR(map_->MakeLog({}, &job->seeding->log));
     } else {
       return Status::Ok();
@@ -435,8 +417,9 @@ class OnlineMapper::Impl {
     if (is_changed) corrected.map_from_robot = map_->Poses();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (is_changed) {
-      corrected.map_from_live = corrected.map_from_robot.back() *
-                                live_poses_[corrected.map_from_robot.size() - 1].Inverse();
+      corrected.map_from_live =
+          corrected.map_from_robot.back() *
+          live_poses_[kept_scans_[corrected.map_from_robot.size() - 1]].Inverse();
       corrected.is_in_map = saved_ == nullptr || map_->is_placed();
       corrected.num_closures = map_->num_closures();
       corrected_ = std::move(corrected);
@@ -444,7 +427,7 @@ class OnlineMapper::Impl {
     if (done != nullptr && done->seeding != nullptr) {
       ++num_remappings_;
       alarms_ = std::move(done->seeding->alarms);
-      faults_ = FaultsOf(done->seeding->report);
+      if (done->seeding->is_better) faults_ = FaultsOf(done->seeding->report);
     }
     if (next != nullptr) {
       job_ = std::move(next);
@@ -485,15 +468,13 @@ class OnlineMapper::Impl {
   }
 
   const OnlineMapperOptions options_;
-  const std::vector<LaserModel> lasers_;
   const std::unique_ptr<const SavedMap> saved_;  // null without one
 
   // Of the thread that adds a scan.
   std::mutex front_mutex_;
   LiveMatching matching_;
-  std::optional<Pose2> first_odometry_, last_odometry_;
-  Pose2 last_initial_;
-  double last_time_s_ = 0.0;
+  LiveInput input_;
+  KeptScans kept_;
   int num_scans_ = 0;
 
   // Of the thread that closes loops, and of Finish after that. Others read its measurements.
@@ -515,6 +496,7 @@ class OnlineMapper::Impl {
   std::vector<LiveScan> queue_;
   int num_pending_ = 0;
   std::vector<Pose2> live_poses_;  // as matched
+  std::vector<int> kept_scans_;    // those that are poses of the map
   Pose2 live_from_odometry_;
   std::vector<KeySurface> key_surfaces_;
   CorrectedPoses corrected_;

@@ -25,6 +25,10 @@ struct OnlineMapperOptions {
   /// Whether all scans are kept for Finish and MapNow. Without, a drive that is localised in a
   /// fixed map keeps the scans of its last 100 m at most, and of older ones the poses.
   bool keeps_scans = true;
+  /// Step [m] from one scan to the next that become poses of the map, at least, or a turn of as
+  /// many radians; other scans are matched, and have poses, but the map knows nothing of them. From
+  /// 0 to 1; 0: all scans become poses. Anything more leaves out scans of a robot that stands.
+  double min_step_m = 0.0;
 
   /// False if a field is out of range; *error, if not null, then says which and why.
   bool Check(std::string* error) const;
@@ -62,7 +66,8 @@ struct OnlineMap {
   Pose2 map_from_odometry;              ///< as in OnlinePose, at the newest scan
   int num_closures = 0;                 ///< in force
   int num_remappings = 0;               ///< of the drive so far, in the background
-  std::vector<Alarm> alarms;            ///< of the last one; scans are indices as above
+  /// Of the last one. Scans are indices among those that became poses (min_step_m).
+  std::vector<Alarm> alarms;
 };
 
 /// Maps a drive while it goes on. Scans come in one at a time; AddScan matches each of them to the
@@ -71,8 +76,9 @@ struct OnlineMap {
 /// calibration, each time that the drive has grown by a quarter, or by a tenth while the map is in
 /// doubt (a loop has moved it by more than 0.5 m, a scan matched nothing, or the last such map has
 /// an alarm). That recognises odometry without sign or scale, slips and relocations, and takes
-/// false loops back. Corrections are in the poses from then on. Finish gives what MapLog gives of
-/// the same measurements.
+/// false loops back. Such a map is taken over unless it has an alarm and its scans contradict each
+/// other more than those of the map at hand. Corrections are in the poses from then on. Finish
+/// gives what MapLog gives of the same measurements.
 ///
 /// In a saved map the background seeks the place of the drive, unless it is given, by the search of
 /// MapSessions and with its rules of when a place is certain. It then closes loops with the saved
@@ -127,10 +133,10 @@ class OnlineMapper {
   /// The same with the saved map, by MapSessions.
   Status MapNow(SessionsMapping* mapping) const;
 
-  /// Ends the drive: stops the background and maps all measurements by MapLog, with the same result
-  /// for the same scans, whatever the background had found. Fails like MapLog; InvalidArgument
-  /// without scans, if it was called before, and if scans were not kept. A saved map has no part in
-  /// it.
+  /// Ends the drive: stops the background and maps all scans but those that min_step_m leaves out
+  /// by MapLog, with the same result for the same scans, whatever the background had found. Fails
+  /// like MapLog; InvalidArgument without scans, if it was called before, and if scans were not
+  /// kept. A saved map has no part in it.
   Status Finish(LogMapping* mapping);
   /// Ends the drive, and maps the saved map and the drive, in this order, by MapSessions.
   /// InvalidArgument also without a saved map.

@@ -115,9 +115,11 @@ class OnlineFeeder {
       status = mapper_.AddScan(measured, std::nullopt, &now, laser);
     }
     PLUMBLINE_RETURN_IF_ERROR(status);
-    run_->scans.push_back({SecondsSince(start), ThreadTimeS() - start_cpu_s,
-                           SecondsSince(arrivals_[arrivals_.size() - now.num_pending]),
-                           now.num_pending, ResidentMemoryBytes()});
+    const double cpu_s = ThreadTimeS() - start_cpu_s;
+    const double lag_s =
+        now.num_pending > 0 ? SecondsSince(arrivals_[arrivals_.size() - now.num_pending]) : 0.0;
+    run_->scans.push_back(
+        {SecondsSince(start), cpu_s, lag_s, now.num_pending, ResidentMemoryBytes()});
     run_->live.push_back({measured.timestamp_s, now.map_from_robot});
     return Status::Ok();
   }

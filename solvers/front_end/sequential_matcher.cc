@@ -105,6 +105,13 @@ void SequentialMatcher::MaybeAddKeyframe(int pose, int scan, const SurfacePoints
   RebuildMap();
 }
 
+void SequentialMatcher::ForgetOldSurfaces() {
+  for (; num_forgotten_ < keyframes_.size(); ++num_forgotten_) {
+    if (keyframes_.back().path_m - keyframes_[num_forgotten_].path_m <= kMapPathM) return;
+    key_surfaces_[num_forgotten_] = PackedSurface();
+  }
+}
+
 PosePrediction SequentialMatcher::Predict(const Pose2& previous, const Pose2& step) const {
   // The motion's noise is given in the frame it starts from; the prediction wants its own.
   const MotionOptions& motion = kind_ == StepKind::kPredicted ? prediction_motion_ : motion_;

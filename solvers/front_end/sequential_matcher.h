@@ -1,6 +1,7 @@
 #ifndef PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_MATCHER_H_
 #define PLUMBLINE_SOLVERS_FRONT_END_SEQUENTIAL_MATCHER_H_
 
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,9 @@ class SequentialMatcher {
   void MaybeAddKeyframe(int pose, int scan, const SurfacePoints& surface, double path_m,
                         const ScanMatch& match);
 
+  /// Frees the surfaces of keyframes too far back on the path for the local map.
+  void ForgetOldSurfaces();
+
   /// Whether the odometry has lost the sign of its translation, from the next scan on.
   void set_sign_lost(bool sign_lost) { sign_lost_ = sign_lost; }
 
@@ -72,9 +76,10 @@ class SequentialMatcher {
   bool reversing_ = false;
   bool after_unmatched_ = false;  // since the last keyframe
   std::vector<Keyframe> keyframes_;
-  std::vector<PackedSurface> key_surfaces_;  // per keyframe
-  std::vector<Pose2> key_poses_;             // likewise
-  std::vector<int> in_map_;                  // indices of the keyframes in the local map
+  std::vector<PackedSurface> key_surfaces_;  // per keyframe; empty if forgotten
+  std::size_t num_forgotten_ = 0;
+  std::vector<Pose2> key_poses_;  // likewise
+  std::vector<int> in_map_;       // indices of the keyframes in the local map
   LocalMap map_;
 };
 

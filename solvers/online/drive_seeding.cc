@@ -1,9 +1,11 @@
 #include "plumbline/solvers/online/drive_seeding.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "plumbline/core/map_state.h"
 #include "plumbline/core/thread_pool.h"
+#include "plumbline/solvers/loop_closure/consistency_meter.h"
 
 namespace plumbline {
 namespace {
@@ -22,6 +24,22 @@ MapLogOptions OptionsWhileDriving(const MapLogOptions& options, const SeedingPro
   return driving;
 }
 
+// Conflicting returns beyond the usual share of those compared, as the posterior of the seeding
+// weighs scans (posterior.h).
+double ScanEnergy(const MapConsistency& map, double usual_share) {
+  const FreeSpaceConflict all = map.AllConflicts();
+  return all.num_conflicting - usual_share * all.num_compared;
+}
+
+bool IsBetter(const LogMapping& mapping, const std::vector<Pose2>& poses_at_hand,
+              ThreadPool* pool) {
+  if (mapping.report.alarms.empty()) return true;
+  const MapConsistency& map = mapping.report.consistency;
+  const MapConsistency at_hand = MeasureMapConsistency(mapping.graph, poses_at_hand, pool);
+  const double usual_share = std::min(map.UsualShare(), at_hand.UsualShare());
+  return ScanEnergy(map, usual_share) <= ScanEnergy(at_hand, usual_share);
+}
+
 }  // namespace
 
 Status SeedDriveSoFar(const MapLogOptions& given, const SeedingProgress& progress,
@@ -37,6 +55,7 @@ Status SeedDriveSoFar(const MapLogOptions& given, const SeedingProgress& progres
                                           seeding->report, &mapping));
   PLUMBLINE_RETURN_IF_ERROR(RefineLog(options, &pool, &mapping));
   seeding->drive.world_from_robot = PosesOf(mapping.state.poses);
+  seeding->is_better = IsBetter(mapping, seeding->poses_at_hand, &pool);
   seeding->alarms = std::move(mapping.report.alarms);
   return Status::Ok();
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "plumbline/core/pose2.h"
 #include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/alarm.h"
@@ -16,10 +17,15 @@ namespace plumbline {
 
 /// A map of the drive so far.
 struct DriveSeeding {
-  SlamGraph log;      ///< the measurements; empty after SeedDriveSoFar
+  SlamGraph log;  ///< the measurements; empty after SeedDriveSoFar
+  /// world_from_robot of the map at hand, per pose of the log.
+  std::vector<Pose2> poses_at_hand;
   SeededDrive drive;  ///< with the poses of the joint estimation
   SeedingReport report;
   std::vector<Alarm> alarms;
+  /// Whether it replaces the map at hand: it has no alarm, or its scans contradict each other no
+  /// more than those of the map at hand.
+  bool is_better = true;
 };
 
 /// Maps the log of a drive that goes on, by the stages of MapLog but the calibration: it would move

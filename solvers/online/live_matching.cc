@@ -40,6 +40,7 @@ void LiveMatching::Match(LiveScan* scan) {
   scan->step_as_driven = tracker_.steps().back();
   const std::vector<Keyframe>& keyframes = tracker_.matcher().keyframes();
   if (keyframes.size() == num_keyframes) return;
+  tracker_.matcher().ForgetOldSurfaces();
   scan->keyframe = keyframes.back();
   scan->key_surface = std::make_shared<const PackedSurface>(surface);
 }

@@ -188,6 +188,10 @@ TEST(OnlineMapperTest, RefusesBadOptionsAndLasersWithTheFirstScan) {
   options.map.seeding.keyframe_distance_m = -1.0;
   OnlineMapper bad_options({log.laser}, options);
   EXPECT_THAT(AddScanOfLog(log, 0, &bad_options).message(), HasSubstr("keyframe_distance_m"));
+  options = OnlineMapperOptions();
+  options.min_step_m = -0.1;
+  OnlineMapper bad_step({log.laser}, options);
+  EXPECT_THAT(AddScanOfLog(log, 0, &bad_step).message(), HasSubstr("min_step_m"));
   LaserModel laser = log.laser;
   laser.num_beams = 0;
   OnlineMapper bad_laser({laser});
@@ -281,6 +285,42 @@ TEST(OnlineMapperTest, MapsTheDriveSoFarAndGoesOn) {
   ASSERT_TRUE(mapper.Finish(&end).ok());
   EXPECT_EQ(now.state.poses, end.state.poses);
   EXPECT_THAT(mapper.MapNow(&now).message(), HasSubstr("finished already"));
+}
+
+TEST(OnlineMapperTest, LeavesOutScansOfARobotThatStands) {
+  const SimulatedLog& log = OnlineOffice();
+  const std::size_t stop = 40, num_standing = 30, num_scans = 80;
+  OnlineMapperOptions options;
+  options.min_step_m = 0.05;
+  OnlineMapper standing({log.laser}, options), driving({log.laser}, options);
+  OnlinePose now, expected;
+  for (std::size_t i = 0; i < num_scans; ++i) {
+    ASSERT_TRUE(AddScanOfLog(log, i, &driving, &expected).ok());
+    ASSERT_TRUE(driving.Wait().ok());
+    LaserScan scan = log.scans[i].scan;
+    const int num_here = i == stop ? static_cast<int>(num_standing) : 1;
+    if (i > stop) scan.timestamp_s += static_cast<double>(num_standing - 1);
+    for (int k = 0; k < num_here; ++k) {
+      ASSERT_TRUE(standing.AddScan(scan, log.scans[i].odom_from_robot, &now).ok());
+      ASSERT_TRUE(standing.Wait().ok());
+      EXPECT_LT(ErrorM(log, i, now.map_from_robot), 0.3);
+      scan.timestamp_s += 1.0;
+    }
+  }
+  EXPECT_EQ(now.scan, static_cast<int>(num_scans + num_standing) - 2);
+  EXPECT_NEAR(now.map_from_robot.x, expected.map_from_robot.x, 0.01);
+  EXPECT_NEAR(now.map_from_robot.y, expected.map_from_robot.y, 0.01);
+  OnlineMap map;
+  ASSERT_TRUE(standing.GetMap(&map).ok());
+  ASSERT_EQ(map.map_from_robot.size(), num_scans + num_standing - 1);
+  for (std::size_t k = stop; k < stop + num_standing; ++k) {
+    EXPECT_NEAR(map.map_from_robot[k].x, map.map_from_robot[stop].x, 0.01);
+  }
+  LogMapping of_standing, of_driving;
+  ASSERT_TRUE(standing.Finish(&of_standing).ok());
+  ASSERT_TRUE(driving.Finish(&of_driving).ok());
+  EXPECT_EQ(of_standing.graph.num_scans(), of_driving.graph.num_scans());
+  EXPECT_LT(of_standing.graph.num_scans(), static_cast<int>(num_scans) + 2);
 }
 
 TEST(OnlineMapperTest, GivesMapsToOtherThreads) {
