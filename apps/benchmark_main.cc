@@ -15,6 +15,7 @@
 #include "plumbline/apps/benchmark/log_experiment.h"
 #include "plumbline/apps/benchmark/log_report.h"
 #include "plumbline/apps/benchmark/mapper_record.h"
+#include "plumbline/apps/benchmark/online_day.h"
 #include "plumbline/apps/benchmark/online_run.h"
 #include "plumbline/apps/benchmark/replay.h"
 #include "plumbline/apps/benchmark/replay_report.h"
@@ -70,6 +71,11 @@ DEFINE_int32(sensor_seeds, 3, "sensors: seeds of buildings and noise for each ca
 DEFINE_double(online_speed, 20.0,
               "online: scans come in this many times as fast as they were recorded (0: as fast as "
               "they are taken)");
+DEFINE_double(online_hours, 0.0,
+              "online: instead of a log, so many hours in a simulated building at 10 Hz, standing "
+              "half of the time, as fast as they are taken (0: the log)");
+DEFINE_bool(online_localised, false,
+            "online, with --online_hours: in a map of the building, and without keeping old scans");
 DEFINE_string(online_solver, "incremental",
               "replay: what refines the map while it grows: incremental (landmarks are kept from "
               "call to call) or window (the newest poses in a problem of their own each time, all "
@@ -197,9 +203,18 @@ Status Sensors(const OutputFolder& output, HtmlReport* page) {
   return WriteSensorJson(output.File("sensors.json"), cases, outcomes);
 }
 
+void PrintNumScans(int num_scans) { std::cout << "  " << num_scans << " scans\n" << std::flush; }
+
 Status MapOnline(const OutputFolder& output, HtmlReport* page) {
   MapLogOptions options;
   PLUMBLINE_RETURN_IF_ERROR(MapLogOptionsFromFlags(&options));
+  if (FLAGS_online_hours > 0.0) {
+    OnlineDay day;
+    PLUMBLINE_RETURN_IF_ERROR(
+        RunOnlineDay(options, {FLAGS_online_hours, FLAGS_online_localised}, PrintNumScans, &day));
+    PrintText("A day of a robot", OnlineDayTable(day), page);
+    return Status::Ok();
+  }
   std::vector<Relation> relations;
   if (!FLAGS_relations.empty()) {
     PLUMBLINE_RETURN_IF_ERROR(ReadRelations(FLAGS_relations, &relations));
@@ -207,10 +222,7 @@ Status MapOnline(const OutputFolder& output, HtmlReport* page) {
   SlamGraph drive;
   PLUMBLINE_RETURN_IF_ERROR(ReadDrive(FLAGS_log, &drive));
   OnlineRun run;
-  PLUMBLINE_RETURN_IF_ERROR(RunOnline(
-      options, FLAGS_online_speed, drive,
-      [](int num_scans) { std::cout << "  " << num_scans << " scans\n"
-                                    << std::flush; }, &run));
+  PLUMBLINE_RETURN_IF_ERROR(RunOnline(options, FLAGS_online_speed, drive, PrintNumScans, &run));
   PrintText("Maps while the robot drives", OnlineTable(run, relations), page);
   return WriteOnlineCsv(output.File("online.csv"), run);
 }
@@ -432,6 +444,10 @@ Status CheckFlags() {
   if (FLAGS_online_speed != 0.0 &&
       !(FLAGS_online_speed >= kMinSpeed && FLAGS_online_speed <= kMaxSpeed)) {
     return Status::InvalidArgument("--online_speed must be 0 or from 0.01 to 1e6");
+  }
+  constexpr double kMaxHours = 24.0;
+  if (!(FLAGS_online_hours >= 0.0 && FLAGS_online_hours <= kMaxHours)) {
+    return Status::InvalidArgument("--online_hours must be from 0 to 24");
   }
   ReplayOptions replay;
   PLUMBLINE_RETURN_IF_ERROR(ReplayOptionsFromFlags(&replay));

@@ -331,6 +331,7 @@ TEST_F(ProgramsTest, MapsALogOnline) {
   const std::string online =
       "--experiment=online --log=" + folder_ + "a.clf --output_dir=" + folder_ + "out ";
   ExpectUsageError(Run("benchmark", online + "--online_speed=-1"), "--online_speed");
+  ExpectUsageError(Run("benchmark", online + "--online_hours=25"), "--online_hours");
   EXPECT_THAT(Run("benchmark", online + "--relations=" + folder_ + "none").err, HasSubstr("none"));
   const Outcome run = Run("benchmark", online + "--online_speed=0");
   ASSERT_EQ(run.exit_code, 0) << run.err;
