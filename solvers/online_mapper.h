@@ -20,7 +20,7 @@ namespace plumbline {
 /// How a drive is mapped while it goes on.
 struct OnlineMapperOptions {
   /// How Finish maps the whole drive. The background has the same options, but for calibration,
-  /// own terms, edges that are named, and the callback.
+  /// edges that are named, and the callback.
   MapLogOptions map;
   /// Whether all scans are kept for Finish and MapNow. Without, a drive that is localised in a
   /// fixed map keeps the scans of its last 100 m at most, and of older ones the poses.
