@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -16,7 +15,6 @@
 #include "plumbline/apps/io/compressed_frames.h"
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/io/memory_limit.h"
-#include "plumbline/core/input_limits.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -63,21 +61,6 @@ std::string Description(const BagTopic& topic) {
     text += ", encoding " + Quote(topic.encoding);
   }
   return text + ")";
-}
-
-// False if it is none; `fault` then says why.
-bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* fault) {
-  if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite()) {
-    *fault = "is not finite";
-  } else if (pose.position.cwiseAbs().maxCoeff() > kMaxCoordinateM) {
-    *fault = "is farther away than 10000 km";
-  } else if (std::abs(pose.rotation.norm() - 1.0) > 0.01) {
-    *fault = "has a quaternion that is no rotation";
-  } else {
-    *transform = Eigen::Translation3d(pose.position) * pose.rotation.normalized();
-    return true;
-  }
-  return false;
 }
 
 // With a graph of the same scan.

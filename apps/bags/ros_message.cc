@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
 #include "plumbline/apps/io/byte_reader.h"
+#include "plumbline/core/input_limits.h"
 
 namespace plumbline {
 namespace {
@@ -265,6 +267,20 @@ class CloudDecoder {
 };
 
 }  // namespace
+
+bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* fault) {
+  if (!pose.position.allFinite() || !pose.rotation.coeffs().allFinite()) {
+    *fault = "is not finite";
+  } else if (pose.position.cwiseAbs().maxCoeff() > kMaxCoordinateM) {
+    *fault = "is farther away than 10000 km";
+  } else if (std::abs(pose.rotation.norm() - 1.0) > 0.01) {
+    *fault = "has a quaternion that is no rotation";
+  } else {
+    *transform = Eigen::Translation3d(pose.position) * pose.rotation.normalized();
+    return true;
+  }
+  return false;
+}
 
 bool DecodeScan(RosEncoding encoding, std::string_view bytes, RosScan* scan, std::string* fault) {
   FieldDecoder decoder(encoding, bytes);

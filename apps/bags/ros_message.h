@@ -30,6 +30,10 @@ struct RosOdometry {
   RosPose pose;
 };
 
+/// Converts a pose. False if a number is not finite or beyond input_limits.h, or the norm of the
+/// quaternion is off by more than 1 %; `fault` then says why, as "is not finite".
+bool ToIsometry(const RosPose& pose, Eigen::Isometry3d* transform, std::string* fault);
+
 /// A geometry_msgs/TransformStamped.
 struct RosTransform {
   double stamp_s = 0.0;

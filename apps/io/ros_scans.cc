@@ -13,27 +13,6 @@ namespace {
 
 bool IsStated(double range_max_m) { return range_max_m > 0.0; }
 
-// The kind of fault of a scan, but for its frame and its stamp; empty if there is none.
-std::string FaultOf(const RosScan& scan, bool range_max_is_stated) {
-  if (!scan.fault.empty()) return scan.fault;
-  if (scan.ranges.empty()) return "field 'ranges' is empty";
-  if (!std::isfinite(scan.angle_min_rad)) return "field 'angle_min' is not finite";
-  if (AnglesOf(scan, BeamAngleSource::kAngleMax).step_rad == 0.0) {
-    return "field 'angle_increment' is zero or not finite";
-  }
-  if (std::isnan(scan.range_min_m)) return "field 'range_min' is not a number";
-  if (range_max_is_stated && !(scan.range_max_m > std::max(scan.range_min_m, 0.0))) {
-    return "field 'range_max' is not above range_min and zero";
-  }
-  LaserModel laser;
-  const BeamAngles angles = AnglesOf(scan, BeamAngleSource::kAngleMax);
-  laser.num_beams = NumBeams(scan);
-  laser.first_bearing_rad = angles.first_rad;
-  laser.bearing_step_rad = angles.step_rad;
-  std::string fault;
-  return laser.Check(&fault) ? "" : fault;
-}
-
 bool IsRepeated(const RosScan& scan, const RosScan& before) {
   return scan.stamp_s == before.stamp_s && scan.ranges.size() == before.ranges.size() &&
          scan.bearings_rad == before.bearings_rad &&
@@ -109,6 +88,26 @@ BeamAngles AnglesOf(const RosScan& scan, BeamAngleSource source) {
   return angles;
 }
 
+std::string ScanFault(const RosScan& scan, bool range_max_is_stated) {
+  if (!scan.fault.empty()) return scan.fault;
+  if (scan.ranges.empty()) return "field 'ranges' is empty";
+  if (!std::isfinite(scan.angle_min_rad)) return "field 'angle_min' is not finite";
+  if (AnglesOf(scan, BeamAngleSource::kAngleMax).step_rad == 0.0) {
+    return "field 'angle_increment' is zero or not finite";
+  }
+  if (std::isnan(scan.range_min_m)) return "field 'range_min' is not a number";
+  if (range_max_is_stated && !(scan.range_max_m > std::max(scan.range_min_m, 0.0))) {
+    return "field 'range_max' is not above range_min and zero";
+  }
+  LaserModel laser;
+  const BeamAngles angles = AnglesOf(scan, BeamAngleSource::kAngleMax);
+  laser.num_beams = NumBeams(scan);
+  laser.first_bearing_rad = angles.first_rad;
+  laser.bearing_step_rad = angles.step_rad;
+  std::string fault;
+  return laser.Check(&fault) ? "" : fault;
+}
+
 Status SelectScans(const RosRecording& recording, const std::string& laser_frame,
                    ScanSelection* selection) {
   const std::vector<RosScan>& scans = recording.scans;
@@ -122,7 +121,7 @@ Status SelectScans(const RosRecording& recording, const std::string& laser_frame
   const RosScan* before = nullptr;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const RosScan& scan = scans[i];
-    std::string fault = FaultOf(scan, result.range_max_is_stated);
+    std::string fault = ScanFault(scan, result.range_max_is_stated);
     if (fault.empty() && scan.frame != result.laser_frame) {
       if (!laser_frame.empty()) continue;
       fault = "field 'header.frame_id' is '" + scan.frame + "', but '" + result.laser_frame +

@@ -25,6 +25,10 @@ struct BeamAngles {
 
 BeamAngles AnglesOf(const RosScan& scan, BeamAngleSource source);
 
+/// The fault of a scan, its frame and stamp aside; empty if it has none. range_max_is_stated: its
+/// range_max is to be checked.
+std::string ScanFault(const RosScan& scan, bool range_max_is_stated);
+
 /// Part of the scans of a recording that can be used, as far as the scans themselves tell.
 struct ScanSelection {
   std::string laser_frame;
