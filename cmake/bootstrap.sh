@@ -4,7 +4,8 @@
 # the tests as well (the default). `all` adds what tests can do without: doxygen for the API
 # reference, clang-format, clang-tidy, other locales, what the Python module needs, the browser that
 # report.html is tested in (450 MB), what the plug-in of slam_toolbox builds and loads with (190 MB),
-# and MPI with PETSc, for plumbline_slam_mpi (400 MB).
+# MPI with PETSc, for plumbline_slam_mpi (400 MB), and DDS, for plumbline_live and the robot that it
+# is tested with.
 # Debian and its kin only: elsewhere it says what is wanted and leaves the rest to CMake.
 set -euo pipefail
 
@@ -20,6 +21,7 @@ tests=(libgtest-dev libgmock-dev clang-14 ccache)
 browser=(chromium-headless-shell)
 python=(pybind11-dev python3-dev python3-numpy python3-pytest)
 mpi=(petsc-dev libopenmpi-dev openmpi-bin)
+dds=(cyclonedds-dev libfastrtps-dev libfastcdr-dev)
 plugin=(ament-cmake pluginlib-dev libtbb-dev libboost-dev)
 
 wanted=${1:-tests}
@@ -36,7 +38,8 @@ esac
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "bootstrap: no apt-get here. The build needs what Debian calls: ${packages[*]}" >&2
   if [[ $wanted != library ]]; then
-    echo "bootstrap: the Python module wants ${python[*]}, plumbline_slam_mpi ${mpi[*]}" >&2
+    echo "bootstrap: the Python module wants ${python[*]}, plumbline_slam_mpi ${mpi[*]}," \
+      "plumbline_live ${dds[*]}" >&2
   fi
   exit 0
 fi
@@ -75,7 +78,7 @@ fi
 tools=(doxygen git clang-tidy-14 clang-format-14 locales)
 # One call of apt-get takes half the time of one call per set.
 if install_missing "${packages[@]}" "${tools[@]}" "${python[@]}" "${browser[@]}" "${plugin[@]}" \
-  "${mpi[@]}"; then
+  "${mpi[@]}" "${dds[@]}"; then
   exit
 fi
 install_missing "${packages[@]}"
@@ -87,3 +90,4 @@ optional "no pybind11; the Python module is not built" "${python[@]}"
 optional "no browser; the test of report.html is skipped" "${browser[@]}"
 optional "no ament; the plug-in of slam_toolbox is not built" "${plugin[@]}"
 optional "no PETSc; plumbline_slam_mpi is not built" "${mpi[@]}"
+optional "no Cyclone DDS; plumbline_live is not built" "${dds[@]}"

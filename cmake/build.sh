@@ -11,7 +11,8 @@ set=library
 for target in "${@:-all}"; do
   case $target in
     plumbline) ;;
-    plumbline_io | plumbline_slam | plumbline_simulate | plumbline_evaluate | plumbline_convert | plumbline_benchmark)
+    plumbline_io | plumbline_slam | plumbline_simulate | plumbline_evaluate | plumbline_convert | \
+      plumbline_benchmark | plumbline_live)
       if [[ $set == library ]]; then set=programs; fi ;;
     *) set=tests ;;
   esac

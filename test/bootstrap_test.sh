@@ -41,12 +41,12 @@ expect 'install .*libceres-dev.*libcairo2-dev.*libgtest-dev'
 expect_none 'chromium|doxygen'
 calls_of "$work/tree/cmake/bootstrap.sh" all
 expect 'install .*libgtest-dev'
-for package in chromium doxygen pluginlib-dev petsc-dev; do expect "$package"; done
+for package in chromium doxygen pluginlib-dev petsc-dev cyclonedds-dev; do expect "$package"; done
 # What cannot be installed holds up nothing else.
 printf '#!/bin/sh\ncase "$*" in *chromium*) exit 100 ;; esac\necho "apt-get $*" >>"$CALLS"\n' \
   >"$work/tools/apt-get"
 calls_of "$work/tree/cmake/bootstrap.sh" all 2>"$work/complaints"
-for package in libgtest-dev doxygen petsc-dev; do expect "$package"; done
+for package in libgtest-dev doxygen petsc-dev libfastrtps-dev; do expect "$package"; done
 grep -q "no browser" "$work/complaints" || fail "does not say what is missing"
 if PATH=$work/tools:$PATH "$work/tree/cmake/bootstrap.sh" everything 2>"$CALLS"; then
   fail "took a set that there is not"

@@ -93,9 +93,9 @@ class LiveNode::Impl {
     }
   }
 
-  void AddBadMessage(const std::string& topic, const std::string& fault) {
+  void AddFault(const std::string& kind, const std::string& detail) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    faults_.Add("messages on " + topic + " that cannot be decoded", fault);
+    faults_.Add(kind, detail);
   }
 
   void Work(double now_s, std::vector<LiveUpdate>* updates) {
@@ -147,11 +147,6 @@ class LiveNode::Impl {
   std::shared_ptr<LiveDrive> Drive() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return drive_;
-  }
-
-  void AddFault(const std::string& kind, const std::string& detail) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    faults_.Add(kind, detail);
   }
 
   // Takes the oldest waiting scan, if all is known that it waits for.
@@ -342,8 +337,8 @@ void LiveNode::AddOdometry(const RosOdometry& odometry) { impl_->AddOdometry(odo
 void LiveNode::AddTransforms(const std::vector<RosTransform>& transforms) {
   impl_->AddTransforms(transforms);
 }
-void LiveNode::AddBadMessage(const std::string& topic, const std::string& fault) {
-  impl_->AddBadMessage(topic, fault);
+void LiveNode::AddFault(const std::string& kind, const std::string& detail) {
+  impl_->AddFault(kind, detail);
 }
 void LiveNode::Work(double now_s, std::vector<LiveUpdate>* updates) { impl_->Work(now_s, updates); }
 Status LiveNode::BuildMap(LiveMap* map) { return impl_->BuildMap(map); }

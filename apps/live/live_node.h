@@ -75,8 +75,8 @@ class LiveNode {
   void AddScan(RosScan scan, double now_s);
   void AddOdometry(const RosOdometry& odometry);
   void AddTransforms(const std::vector<RosTransform>& transforms);
-  /// Counts a message that could not be decoded.
-  void AddBadMessage(const std::string& topic, const std::string& fault);
+  /// Counts a fault of what the messages come through; see FaultLog::Add.
+  void AddFault(const std::string& kind, const std::string& detail);
 
   /// Maps the scans that can be mapped now, and appends an update for each, also for those that
   /// were left out since the robot stood still.

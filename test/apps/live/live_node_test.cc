@@ -205,8 +205,8 @@ TEST_F(LiveNodeTest, TellsAndCountsBadMessages) {
   EXPECT_EQ(Count("transforms of no use"), 3u);
   node_->AddOdometry(Robot().Odometry(3));
   EXPECT_EQ(Count("odometry of no use"), 1u);
-  node_->AddBadMessage("/scan", "field 'ranges': too long");
-  EXPECT_EQ(Count("messages on /scan that cannot be decoded"), 1u);
+  node_->AddFault("messages that cannot be decoded", "field 'ranges': too long");
+  EXPECT_EQ(Count("messages that cannot be decoded"), 1u);
   EXPECT_EQ(node_->TakeNews().size(), 3u);
 
   // All readings NaN: a scan that sees nothing.
