@@ -16,6 +16,7 @@
 #include "plumbline/apps/io/field_reader.h"
 #include "plumbline/apps/live/ros_encoder.h"
 #include "plumbline/apps/live/ros_service.h"
+#include "plumbline/apps/live/save_live_map.h"
 #include "plumbline/core/options_check.h"
 
 namespace plumbline {
@@ -293,7 +294,15 @@ class LiveProgram {
 
   Status Execute(const Command& command, std::string* message) {
     const std::string& name = command.service.name;
-    if (name == "clear") {
+    if (name == "save_map") {
+      LogMapping mapping;
+      PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&mapping));
+      const int num_scans = mapping.graph.num_scans();
+      PLUMBLINE_RETURN_IF_ERROR(SaveLiveMap(options_.node.mapper.map, options_.node.resolution_m,
+                                            command.request.text, std::move(mapping)));
+      *message =
+          "saved the map of " + std::to_string(num_scans) + " scans in " + command.request.text;
+    } else if (name == "clear") {
       node_.Clear();
       *message = "the next scan begins a new map";
     } else if (name == "pause") {

@@ -110,6 +110,12 @@ class LiveNode::Impl {
     return drive->builder.Build(drive->mapper, options_.resolution_m, map);
   }
 
+  Status MapNow(LogMapping* mapping) const {
+    const std::shared_ptr<LiveDrive> drive = Drive();
+    if (drive == nullptr) return Status::InvalidArgument("there are no scans yet");
+    return drive->mapper.MapNow(mapping);
+  }
+
   void Clear() {
     const std::lock_guard<std::mutex> one_at_a_time(work_mutex_);
     std::shared_ptr<LiveDrive> old;  // ends without the lock: its background stops first
@@ -342,6 +348,7 @@ void LiveNode::AddFault(const std::string& kind, const std::string& detail) {
 }
 void LiveNode::Work(double now_s, std::vector<LiveUpdate>* updates) { impl_->Work(now_s, updates); }
 Status LiveNode::BuildMap(LiveMap* map) { return impl_->BuildMap(map); }
+Status LiveNode::MapNow(LogMapping* mapping) const { return impl_->MapNow(mapping); }
 void LiveNode::Clear() { impl_->Clear(); }
 void LiveNode::Pause(bool paused) { impl_->Pause(paused); }
 LiveReport LiveNode::Report() const { return impl_->Report(); }

@@ -12,6 +12,7 @@
 #include "plumbline/apps/live/live_map.h"
 #include "plumbline/core/pose2.h"
 #include "plumbline/core/status.h"
+#include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/online_mapper.h"
 
 namespace plumbline {
@@ -85,6 +86,10 @@ class LiveNode {
   /// Builds the map of all scans so far; the drive goes on meanwhile. InvalidArgument without
   /// scans.
   Status BuildMap(LiveMap* map);
+
+  /// Maps all scans so far as plumbline_slam does, in the calling thread; the drive goes on
+  /// meanwhile. Fails like OnlineMapper::MapNow; InvalidArgument without scans.
+  Status MapNow(LogMapping* mapping) const;
 
   /// Forgets the map. The next scan begins a new one.
   void Clear();

@@ -172,9 +172,15 @@ class Peer {
       return NumReaders(scans_) >= 1 && NumReaders(transforms_) >= 2 &&
              NumReaders(static_transforms_) >= 1;
     });
-    // The program may not know yet that its own writers are read here.
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    return found ? "found" : "not found";
+    if (!found) return "not found";
+    // It knows all writers of this robot if it answers to the last one, and all readers if the last
+    // one of them gets a message.
+    Write(static_transforms_, TransformMessage({{0.0, "nothing", "of_use", RosPose()}}));
+    const bool is_known =
+        static_transforms_->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(20, 0)) ==
+            eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK &&
+        WaitUntil(20.0, [this] { return !Locked(diagnostics_).empty(); });
+    return is_known ? "found" : "not found by the program";
   }
 
   void TakeTransforms(const std::string& bytes) {

@@ -13,6 +13,7 @@
 
 #include "plumbline/apps/live/live_node.h"
 #include "plumbline/apps/live/ros_encoder.h"
+#include "plumbline/apps/live/save_live_map.h"
 #include "plumbline/test/apps/live/robot_messages.h"
 #include "plumbline/test/apps/live/simulated_robot.h"
 #include "plumbline/test/apps/program_testing.h"
@@ -120,6 +121,12 @@ class Reference {
     LiveMap map;
     EXPECT_TRUE(node_.BuildMap(&map).ok());
     return MapText(map);
+  }
+  Status Save(const std::string& folder) const {
+    LogMapping mapping;
+    PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&mapping));
+    return SaveLiveMap(LiveOptions().mapper.map, LiveOptions().resolution_m, folder,
+                       std::move(mapping));
   }
   const std::vector<LiveUpdate>& updates() const { return updates_; }
 
@@ -306,6 +313,44 @@ TEST_F(LiveProgramTest, ServesItsOwnClientAndAForeignOne) {
   EXPECT_THAT(peer.Ask("drive 10 20"), StartsWith("10 scans"));
   const std::string expected = "scans received = 20; scans mapped = 10";
   EXPECT_THAT(AskUntil(&peer, "diagnostics", HasSubstr(expected)), HasSubstr(expected));
+}
+
+TEST_F(LiveProgramTest, SavesTheMapOfABatchRun) {
+  const int domain = FreeDomain();
+  const std::string flags = Flags(domain);
+  const auto program = Start(domain);
+  PeerProcess peer(domain);
+  ASSERT_EQ(peer.Ask("find"), "found");
+  ExpectError(Run("live", flags + " --call=save_map=" + folder_ + "out"), "there are no scans yet",
+              kExitCannotWrite);
+  EXPECT_THAT(peer.Ask("drive 0 60"), StartsWith("60 scans"));
+  const Outcome saved = Run("live", flags + " --call=save_map=" + folder_ + "out");
+  ASSERT_EQ(saved.exit_code, 0) << saved.err;
+  EXPECT_THAT(saved.out, HasSubstr("saved the map of 60 scans in "));
+  std::vector<std::string> expected = kResults;
+  expected.push_back("map.g2o");
+  EXPECT_THAT(FilesOf("out"), testing::UnorderedElementsAreArray(expected));
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out.saving"));
+
+  Reference reference;
+  reference.Drive(LiveRobot(), 0, 60);
+  ASSERT_TRUE(reference.Save(folder_ + "here").ok());
+  for (const std::string& name : expected) {
+    if (name == "report.html" || name == "summary.json") continue;  // with times of the run
+    EXPECT_EQ(HashOf(Result("out", name)), HashOf(Result("here", name))) << name;
+  }
+
+  // A later map replaces it at once, but no other files.
+  EXPECT_THAT(peer.Ask("drive 60 70"), StartsWith("10 scans"));
+  const std::string name = folder_ + "out/";
+  EXPECT_EQ(peer.Ask("call save_map diagnostic_msgs::srv::dds_::AddDiagnostics " + name),
+            "success: saved the map of 70 scans in " + name);
+  EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 70u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "out.saving"));
+  WriteFile(folder_ + "out/notes.txt", "mine");
+  EXPECT_THAT(Run("live", flags + " --call=save_map=" + folder_ + "out").err,
+              HasSubstr("holds other files than a map: notes.txt"));
+  EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 70u);
 }
 
 TEST_F(LiveProgramTest, RefusesFlagsThatMakeNoSense) {
