@@ -38,6 +38,8 @@ DEFINE_bool(
     wait_for_background, false,
     "Take the next scan when all loops of the last one are closed: the same recording gives "
     "the same maps");
+DEFINE_string(map, "", "Saved map, map.g2o, that the drive continues; empty: a new map");
+DEFINE_bool(localize, false, "Localise the robot in --map, which stays as it is");
 DEFINE_string(call, "",
               "Call a service of a program that runs, and end: save_map=FOLDER, localize=FILE, "
               "clear, pause, resume");
@@ -52,6 +54,11 @@ int DomainFromFlags() {
   if (FLAGS_domain >= 0) return FLAGS_domain;
   const char* given = std::getenv("ROS_DOMAIN_ID");
   return given == nullptr ? 0 : std::atoi(given);
+}
+
+const std::vector<FileFlag>& FileFlags() {
+  static const std::vector<FileFlag> flags = {{"map", &FLAGS_map, FileUse::kInput}};
+  return flags;
 }
 
 LiveProgramOptions OptionsFromFlags() {
@@ -69,6 +76,8 @@ LiveProgramOptions OptionsFromFlags() {
   options.map_update_interval_s = FLAGS_map_update_interval_s;
   options.transform_tolerance_s = FLAGS_transform_tolerance_s;
   options.use_sim_time = FLAGS_use_sim_time;
+  options.map_file = FLAGS_map;
+  options.localize = FLAGS_localize;
   return options;
 }
 
@@ -77,6 +86,9 @@ Status CheckFlags() {
   if (!OptionsFromFlags().Check(&error)) return Status::InvalidArgument(error);
   if (!(FLAGS_call_timeout_s > 0.0 && FLAGS_call_timeout_s <= 3600.0)) {
     return Status::InvalidArgument("--call_timeout_s must be above 0 and at most 3600");
+  }
+  if (FLAGS_localize && FLAGS_map.empty()) {
+    return Status::InvalidArgument("--localize needs a --map");
   }
   return FLAGS_call.empty() ? Status::Ok() : CheckCall(FLAGS_call);
 }
@@ -108,5 +120,5 @@ int main(int argc, char** argv) {
       "  plumbline_live --call=save_map=maps/monday\n\n"
       "apps/live/README.md lists topics, frames and services.",
       argc, argv);
-  return plumbline::RunProgram({}, plumbline::CheckFlags, plumbline::Run);
+  return plumbline::RunProgram(plumbline::FileFlags(), plumbline::CheckFlags, plumbline::Run);
 }

@@ -57,6 +57,11 @@ class LiveProgram {
   Status Run(const std::function<bool()>& is_stopped) {
     PLUMBLINE_RETURN_IF_ERROR(
         dds_.Join(options_.connection.domain, options_.connection.network_interface));
+    if (!options_.map_file.empty()) {
+      SlamGraph map;
+      PLUMBLINE_RETURN_IF_ERROR(ReadSavedMap(options_.map_file, options_.localize, &map));
+      node_.UseMap(std::move(map));
+    }
     PLUMBLINE_RETURN_IF_ERROR(AdvertiseAll());
     PLUMBLINE_RETURN_IF_ERROR(SubscribeAll());
     std::cout << "Listening for scans on " << Topic(options_.scan_topic) << ", domain "
@@ -295,21 +300,24 @@ class LiveProgram {
   Status Execute(const Command& command, std::string* message) {
     const std::string& name = command.service.name;
     if (name == "save_map") {
-      LogMapping mapping;
-      PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&mapping));
-      const int num_scans = mapping.graph.num_scans();
+      MappedDrive drive;
+      PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&drive));
+      const int num_scans = drive.mapping.graph.num_scans();
       PLUMBLINE_RETURN_IF_ERROR(SaveLiveMap(options_.node.mapper.map, options_.node.resolution_m,
-                                            command.request.text, std::move(mapping)));
+                                            command.request.text, std::move(drive)));
       *message =
           "saved the map of " + std::to_string(num_scans) + " scans in " + command.request.text;
+    } else if (name == "localize") {
+      SlamGraph map;
+      PLUMBLINE_RETURN_IF_ERROR(ReadSavedMap(command.request.text, true, &map));
+      *message = "localising in a map of " + std::to_string(map.num_scans()) + " scans";
+      node_.UseMap(std::move(map));
     } else if (name == "clear") {
       node_.Clear();
       *message = "the next scan begins a new map";
-    } else if (name == "pause") {
+    } else {
       node_.Pause(command.request.flag);
       *message = command.request.flag ? "paused" : "resumed";
-    } else {
-      return Status::Unavailable(name + " is not there yet");
     }
     return Status::Ok();
   }

@@ -27,6 +27,8 @@ struct LiveProgramOptions {
   std::string odom_topic;        ///< of nav_msgs/Odometry; empty: the transforms tell the odometry
   std::string tf_topic = "/tf";  ///< that of static transforms has "_static" behind it
   std::string map_frame = "map";
+  std::string map_file;   ///< a saved map to begin in; empty: a new one
+  bool localize = false;  ///< in map_file, which stays as it is; otherwise the drive continues it
   double map_update_interval_s = 5.0;  ///< from one map to the next [s]
   double transform_tolerance_s = 0.2;  ///< how long a transform stays valid after its scan [s]
   bool use_sim_time = false;           ///< the time is that of /clock
@@ -36,7 +38,7 @@ struct LiveProgramOptions {
 
 /// Maps a live drive until `is_stopped`: reads scans, odometry and transforms from DDS, and writes
 /// the transform from map to odom, the pose, the map, the path and diagnostics. Prints faults when
-/// they first occur on standard error. Unavailable if DDS refuses.
+/// they first occur on standard error. Fails like ReadSavedMap; Unavailable if DDS refuses.
 Status RunLive(const LiveProgramOptions& options, const std::function<bool()>& is_stopped);
 
 /// InvalidArgument if a call, "save_map=FOLDER" or "clear", names no service or lacks its value.

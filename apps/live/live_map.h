@@ -25,11 +25,13 @@ struct LiveMap {
   std::vector<Alarm> alarms;
 };
 
-/// Makes occupancy grids from some scans of a drive: one per 0.1 m or 0.1 rad of motion. Add and
-/// Build may be called from two threads.
+/// Makes occupancy grids from some scans of a drive: one per 0.1 m or 0.1 rad of motion; with the
+/// scans of a saved map that the drive continues, or of this map alone if its poses are fixed. Add
+/// and Build may be called from two threads.
 class LiveMapBuilder {
  public:
-  explicit LiveMapBuilder(const LaserModel& laser);
+  /// saved_map: as SavedMap::graph; null: there is none.
+  LiveMapBuilder(const LaserModel& laser, const SlamGraph* saved_map);
 
   /// Takes a scan into the grids if the robot has moved since the last one that was taken.
   /// index: of the scan in the mapper; stamp_s: for the path.
@@ -49,14 +51,18 @@ class LiveMapBuilder {
 
   // Moves the new scans into the graph.
   Status TakeNewScans();
+  // The grid of all scans of the graph, those of the drive at the path of `map`.
+  Status BuildGrid(const LiveMap& map, double resolution_m, OccupancyGrid* grid);
 
   const LaserModel laser_;
+  bool is_fixed_ = false;
   std::mutex mutex_;          // of the new scans
   std::vector<KeyScan> new_;  // not in the graph yet
   bool has_last_ = false;
-  Pose2 last_;           // of the last scan that was taken
-  std::mutex building_;  // of the graph
-  SlamGraph graph_;
+  Pose2 last_;                    // of the last scan that was taken
+  std::mutex building_;           // of the graph
+  SlamGraph graph_;               // first the saved map
+  OccupancyGrid fixed_grid_;      // of a map with fixed poses, once it is built
   std::vector<int> indices_;      // per scan of the graph
   std::vector<double> stamps_s_;  // per scan of the graph
 };

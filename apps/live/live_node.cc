@@ -21,21 +21,34 @@ constexpr double kRestPeriodS = 1.0;
 
 // A map that grows, and the laser that it is made with.
 struct LiveDrive {
-  LiveDrive(const LaserModel& laser_in, const OnlineMapperOptions& options)
-      : laser(laser_in), mapper({laser_in}, options), builder(laser_in) {}
+  LiveDrive(const LaserModel& laser_in, OnlineMapperOptions options, const SlamGraph* saved_map)
+      : laser(laser_in),
+        has_map(saved_map != nullptr),
+        is_localised(has_map && saved_map->has_named_fixed_poses()),
+        builder(laser_in, saved_map) {
+    options.keeps_scans = !is_localised;
+    if (has_map) {
+      mapper = std::make_unique<OnlineMapper>(std::vector<LaserModel>{laser}, options,
+                                              SavedMap{*saved_map, std::nullopt});
+    } else {
+      mapper = std::make_unique<OnlineMapper>(std::vector<LaserModel>{laser}, options);
+    }
+  }
 
   const LaserModel laser;
-  OnlineMapper mapper;
+  const bool has_map, is_localised;  // in a saved map
+  std::unique_ptr<OnlineMapper> mapper;
   LiveMapBuilder builder;
   std::string laser_frame, robot_frame;
   LaserPlace place;
   bool place_is_known = false;
   bool expects_odometry = false;
+  bool was_in_map = false;  // the place in the saved map has been known
+  std::size_t num_mapped = 0;
   // Of Work alone.
   std::optional<Pose2> last_odometry;  // of the last scan that was mapped
   double last_time_s = 0.0;            // of that scan
   OnlinePose last;
-  std::size_t num_mapped = 0;
 };
 
 // A scan with all that is known of its place.
@@ -107,20 +120,32 @@ class LiveNode::Impl {
   Status BuildMap(LiveMap* map) {
     const std::shared_ptr<LiveDrive> drive = Drive();
     if (drive == nullptr) return Status::InvalidArgument("there are no scans yet");
-    return drive->builder.Build(drive->mapper, options_.resolution_m, map);
+    return drive->builder.Build(*drive->mapper, options_.resolution_m, map);
   }
 
-  Status MapNow(LogMapping* mapping) const {
+  Status MapNow(MappedDrive* mapped) {
     const std::shared_ptr<LiveDrive> drive = Drive();
     if (drive == nullptr) return Status::InvalidArgument("there are no scans yet");
-    return drive->mapper.MapNow(mapping);
+    if (drive->is_localised) {
+      return Status::InvalidArgument("the drive is localised in a saved map, which stays as it is");
+    }
+    MappedDrive result;
+    if (!drive->has_map) {
+      PLUMBLINE_RETURN_IF_ERROR(drive->mapper->MapNow(&result.mapping));
+    } else {
+      PLUMBLINE_RETURN_IF_ERROR(MapWithSavedMap(*drive->mapper, &result));
+    }
+    *mapped = std::move(result);
+    return Status::Ok();
   }
 
-  void Clear() {
+  // map: null for a new one.
+  void BeginAnew(std::shared_ptr<const SlamGraph> map) {
     const std::lock_guard<std::mutex> one_at_a_time(work_mutex_);
     std::shared_ptr<LiveDrive> old;  // ends without the lock: its background stops first
     const std::lock_guard<std::mutex> lock(mutex_);
     old.swap(drive_);
+    saved_map_ = std::move(map);
     inbox_.Drop();
   }
 
@@ -134,7 +159,7 @@ class LiveNode::Impl {
     const std::lock_guard<std::mutex> lock(mutex_);
     LiveReport report;
     report.state = is_paused_           ? "paused"
-                   : drive_ != nullptr  ? "mapping"
+                   : drive_ != nullptr  ? StateOf(*drive_)
                    : num_received_ == 0 ? "waiting for scans"
                                         : "waiting for transforms and odometry";
     report.num_received = num_received_;
@@ -150,9 +175,26 @@ class LiveNode::Impl {
   }
 
  private:
+  static const char* StateOf(const LiveDrive& drive) {
+    if (!drive.was_in_map) return "looking for its place in the saved map";
+    return drive.is_localised ? "localising" : "mapping";
+  }
+
   std::shared_ptr<LiveDrive> Drive() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return drive_;
+  }
+
+  // The map of the drive, which is the last of two sessions.
+  Status MapWithSavedMap(const OnlineMapper& mapper, MappedDrive* result) {
+    SessionsMapping sessions;
+    PLUMBLINE_RETURN_IF_ERROR(mapper.MapNow(&sessions));
+    result->continues_map = sessions.maps.size() == 1;
+    if (!result->continues_map) {
+      AddFault("maps without the saved one", "the drive could not be tied to it");
+    }
+    result->mapping = std::move(sessions.maps.back().mapping);
+    return Status::Ok();
   }
 
   // Takes the oldest waiting scan, if all is known that it waits for.
@@ -218,7 +260,8 @@ class LiveNode::Impl {
                   "from '" + robot_frame + "' to '" + scan.frame +
                       "': the laser is taken to sit at the robot's centre");
     }
-    drive_ = std::make_shared<LiveDrive>(LaserOf(scan, places.place), options_.mapper);
+    drive_ =
+        std::make_shared<LiveDrive>(LaserOf(scan, places.place), options_.mapper, saved_map_.get());
     drive_->laser_frame = scan.frame;
     drive_->robot_frame = robot_frame;
     drive_->place = places.place;
@@ -280,7 +323,7 @@ class LiveNode::Impl {
     }
     drive->builder.Add(drive->last.scan, waiting.scan.stamp_s, scan, drive->last.map_from_robot);
     if (options_.wait_for_background) {
-      const Status status = drive->mapper.Wait();
+      const Status status = drive->mapper->Wait();
       if (!status.ok()) AddFault("failures of the background", status.message());
     }
     Update(ready, drive->last.map_from_robot, updates);
@@ -290,10 +333,10 @@ class LiveNode::Impl {
     LiveDrive* drive = ready.drive.get();
     std::optional<Pose2> odometry = ready.odom_from_robot;
     if (ready.waiting.after_jump) odometry.reset();
-    Status status = drive->mapper.AddScan(scan, odometry, &drive->last);
+    Status status = drive->mapper->AddScan(scan, odometry, &drive->last);
     if (status.code() == StatusCode::kInvalidArgument && odometry) {
       AddFault("scans whose odometry is of no use", status.message());
-      status = drive->mapper.AddScan(scan, std::nullopt, &drive->last);
+      status = drive->mapper->AddScan(scan, std::nullopt, &drive->last);
     }
     if (!status.ok()) {
       AddFault("scans that could not be mapped", status.message());
@@ -301,11 +344,16 @@ class LiveNode::Impl {
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     ++drive->num_mapped;
+    if (drive->was_in_map && !drive->last.is_in_map) {
+      faults_.Add("scans whose place in the saved map is lost", "it is sought anew");
+    }
+    drive->was_in_map = drive->was_in_map || drive->last.is_in_map;
     return true;
   }
 
   void Update(const ReadyScan& ready, const Pose2& map_from_robot,
               std::vector<LiveUpdate>* updates) const {
+    if (!ready.drive->was_in_map) return;
     LiveUpdate update;
     update.stamp_s = ready.waiting.scan.stamp_s;
     update.map_from_base = map_from_robot * ready.robot_from_base;
@@ -332,7 +380,8 @@ class LiveNode::Impl {
   // num_odometry_poses() when a scan waited for odometry in vain: later ones do not wait for more
   // of it until there is some.
   std::size_t num_poses_when_lost_ = static_cast<std::size_t>(-1);
-  std::shared_ptr<LiveDrive> drive_;  // null before the first scan
+  std::shared_ptr<const SlamGraph> saved_map_;  // in which the next drive begins; may be null
+  std::shared_ptr<LiveDrive> drive_;            // null before the first scan
 };
 
 LiveNode::LiveNode(const LiveOptions& options) : impl_(std::make_unique<Impl>(options)) {}
@@ -348,8 +397,11 @@ void LiveNode::AddFault(const std::string& kind, const std::string& detail) {
 }
 void LiveNode::Work(double now_s, std::vector<LiveUpdate>* updates) { impl_->Work(now_s, updates); }
 Status LiveNode::BuildMap(LiveMap* map) { return impl_->BuildMap(map); }
-Status LiveNode::MapNow(LogMapping* mapping) const { return impl_->MapNow(mapping); }
-void LiveNode::Clear() { impl_->Clear(); }
+Status LiveNode::MapNow(MappedDrive* drive) { return impl_->MapNow(drive); }
+void LiveNode::Clear() { impl_->BeginAnew(nullptr); }
+void LiveNode::UseMap(SlamGraph map) {
+  impl_->BeginAnew(std::make_shared<const SlamGraph>(std::move(map)));
+}
 void LiveNode::Pause(bool paused) { impl_->Pause(paused); }
 LiveReport LiveNode::Report() const { return impl_->Report(); }
 std::vector<std::string> LiveNode::TakeNews() { return impl_->TakeNews(); }

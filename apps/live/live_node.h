@@ -11,6 +11,7 @@
 #include "plumbline/apps/io/ros_recording.h"
 #include "plumbline/apps/live/live_map.h"
 #include "plumbline/core/pose2.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 #include "plumbline/solvers/online_mapper.h"
@@ -52,6 +53,12 @@ struct LiveReport {
   std::map<std::string, std::size_t> faults;  ///< by kind
 };
 
+/// The map of a drive as plumbline_slam makes it.
+struct MappedDrive {
+  LogMapping mapping;
+  bool continues_map = false;  ///< the scans of a saved map come first
+};
+
 /// A live drive without any transport: takes the messages of a robot, and gives its poses and map.
 ///
 /// Scans wait for the transforms of the laser (3 s at the start), and for odometry of their time
@@ -88,11 +95,15 @@ class LiveNode {
   Status BuildMap(LiveMap* map);
 
   /// Maps all scans so far as plumbline_slam does, in the calling thread; the drive goes on
-  /// meanwhile. Fails like OnlineMapper::MapNow; InvalidArgument without scans.
-  Status MapNow(LogMapping* mapping) const;
+  /// meanwhile. A drive that continues a saved map is mapped with it, if the two could be tied to
+  /// each other. Fails like OnlineMapper::MapNow; InvalidArgument without scans and in a fixed map.
+  Status MapNow(MappedDrive* drive);
 
   /// Forgets the map. The next scan begins a new one.
   void Clear();
+  /// Forgets the map. The next scan begins a drive in a saved map: it continues it, or is localised
+  /// in it if all of its poses are fixed. Updates begin when the place in the map is known.
+  void UseMap(SlamGraph map);
   /// Leaves all scans out until it is resumed.
   void Pause(bool paused);
 

@@ -13,6 +13,8 @@
 
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/program/output_folder.h"
+#include "plumbline/apps/program/pose_graph_input.h"
+#include "plumbline/apps/program/pose_graph_log.h"
 #include "plumbline/apps/report/run_summary.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/map_run.h"
@@ -60,8 +62,10 @@ Status PutInPlace(const OutputFolder& complete, const std::string& folder) {
   return error ? WriteError("remove", complete.path(), error.value()) : Status::Ok();
 }
 
-// The odometry's map is shown where the scans have some.
-std::optional<Stage> OdometryStage(const LogMapping& mapping, ThreadPool* pool) {
+// The odometry's map is shown if the scans have odometry, and one alone.
+std::optional<Stage> OdometryStage(const MappedDrive& drive, ThreadPool* pool) {
+  if (drive.continues_map) return std::nullopt;
+  const LogMapping& mapping = drive.mapping;
   const OdometryNoiseReport& noise = mapping.report.seeding.odometry_noise;
   if (noise.is_prediction && noise.gross_translation_scale != 0.0 &&
       noise.given_poses.position_m == 0.0) {
@@ -72,7 +76,8 @@ std::optional<Stage> OdometryStage(const LogMapping& mapping, ThreadPool* pool) 
 }
 
 Status WriteFiles(const MapLogOptions& options, double resolution_m, const OutputFolder& output,
-                  LogMapping* mapping) {
+                  MappedDrive* drive) {
+  LogMapping* mapping = &drive->mapping;
   RunOutputOptions outputs;
   outputs.map_resolution_m = resolution_m;
   outputs.save_map = true;
@@ -81,7 +86,7 @@ Status WriteFiles(const MapLogOptions& options, double resolution_m, const Outpu
   summary.num_scans = static_cast<std::size_t>(mapping->graph.num_scans());
   summary.num_returns = mapping->graph.num_returns();
   ThreadPool pool(options.solver.num_threads);
-  const std::optional<Stage> odometry = OdometryStage(*mapping, &pool);
+  const std::optional<Stage> odometry = OdometryStage(*drive, &pool);
   MapRun run(options, outputs, output, nullptr, std::move(summary), &pool, mapping);
   // The start is drawn as the state, as before the estimation.
   MapState start{mapping->start_poses, {}};
@@ -95,20 +100,36 @@ Status WriteFiles(const MapLogOptions& options, double resolution_m, const Outpu
 }  // namespace
 
 Status SaveLiveMap(const MapLogOptions& options, double resolution_m, const std::string& folder,
-                   LogMapping mapping) {
+                   MappedDrive drive) {
   const fs::path given = fs::path(folder).lexically_normal();
   const std::string target = (given.has_filename() ? given : given.parent_path()).string();
   PLUMBLINE_RETURN_IF_ERROR(CheckTarget(target));
   OutputFolder output(target + ".saving");
   PLUMBLINE_RETURN_IF_ERROR(output.Make());
   PLUMBLINE_RETURN_IF_ERROR(output.RemoveOldResults());
-  Status status = WriteFiles(options, resolution_m, output, &mapping);
+  Status status = WriteFiles(options, resolution_m, output, &drive);
   if (status.ok()) status = PutInPlace(output, target);
   if (status.ok()) return status;
   // Nothing is left of what could not be completed.
   std::error_code ignored;
   if (output.RemoveOldResults().ok()) fs::remove(output.path(), ignored);
   return status;
+}
+
+Status ReadSavedMap(const std::string& path, bool is_fixed, SlamGraph* map) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !IsPoseGraph(path)) {
+    return Status::InvalidArgument(path + ": no pose graph with scans; save_map writes map.g2o");
+  }
+  PoseGraphInput input;
+  PLUMBLINE_RETURN_IF_ERROR(ReadPoseGraph(path, 0.0, &input));
+  SlamGraph graph;
+  const Status made = LogOfPoseGraph(input.graph, 0, &graph);
+  if (!made.ok()) return Status::InvalidArgument(path + ": " + made.message());
+  for (int pose = 0; is_fixed && pose < graph.num_poses(); ++pose) graph.FixPose(pose);
+  PLUMBLINE_RETURN_IF_ERROR(graph.status());
+  *map = std::move(graph);
+  return Status::Ok();
 }
 
 }  // namespace plumbline

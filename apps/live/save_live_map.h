@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "plumbline/apps/live/live_node.h"
+#include "plumbline/core/slam_graph.h"
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/map_log.h"
 
@@ -16,7 +18,12 @@ namespace plumbline {
 /// InvalidArgument if the folder holds other files; Unavailable if the system refuses. A killed
 /// program may leave FOLDER.saving.
 Status SaveLiveMap(const MapLogOptions& options, double resolution_m, const std::string& folder,
-                   LogMapping mapping);
+                   MappedDrive drive);
+
+/// Reads the scans of a saved map, map.g2o, for LiveNode::UseMap. is_fixed: its poses are fixed, to
+/// localise in it. InvalidArgument, naming the file, if it is no map with scans; fails like
+/// ReadPoseGraph.
+Status ReadSavedMap(const std::string& path, bool is_fixed, SlamGraph* map);
 
 }  // namespace plumbline
 

@@ -127,6 +127,7 @@ class Peer {
     words >> command >> a >> b >> c;
     if (command == "find") return Answer(FindProgram());
     if (command == "drive") return Answer(Drive(std::atoi(a.c_str()), std::atoi(b.c_str())));
+    if (command == "stream") return Answer(Stream(std::atoi(a.c_str()), std::atoi(b.c_str())));
     if (command == "bag") return Answer(PlayBag(a, b == "without_odometry"));
     if (command == "transforms") return Answer(Transforms());
     if (command == "map") return Answer(MapText(Locked(map_)));
@@ -250,6 +251,18 @@ class Peer {
          << (delays_ms.empty() ? 0.0 : delays_ms[delays_ms.size() / 2]) << " ms, 99 % "
          << (delays_ms.empty() ? 0.0 : delays_ms[delays_ms.size() * 99 / 100]) << " ms";
     return text.str();
+  }
+
+  // Sends scans with the odometry before them, whether or not they are mapped.
+  std::string Stream(int first, int last) {
+    if (!robot_) robot_ = std::make_unique<SimulatedRobot>();
+    Write(static_transforms_, TransformMessage(robot_->StaticTransforms()));
+    for (int i = first; i < std::min(last, robot_->num_scans()); ++i) {
+      Write(transforms_, TransformMessage(robot_->OdometryTransform(i)));
+      Write(scans_, ScanMessage(robot_->Scan(i)));
+      std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    }
+    return "sent";
   }
 
   // At most five scans are under way.

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "plumbline/apps/live/live_scan.h"
+#include "plumbline/apps/live/save_live_map.h"
 #include "plumbline/test/apps/live/simulated_robot.h"
+#include "plumbline/test/core/temp_file.h"
 
 namespace plumbline {
 namespace {
@@ -386,6 +388,99 @@ TEST_F(LiveNodeTest, LeavesOutScansOfATiltedLaser) {
   SendUpTo(5);
   EXPECT_THAT(updates_, IsEmpty());
   EXPECT_THAT(node_->TakeNews(), ElementsAre(HasSubstr("is tilted by")));
+}
+
+// The map of the first scans, saved and read again.
+class SavedLiveMapTest : public LiveNodeTest {
+ protected:
+  static constexpr int kNumSaved = 150;
+
+  void SaveMap() {
+    node_->AddTransforms(Robot().StaticTransforms());
+    SendUpTo(kNumSaved);
+    MappedDrive drive;
+    ASSERT_TRUE(node_->MapNow(&drive).ok());
+    EXPECT_FALSE(drive.continues_map);
+    EXPECT_EQ(drive.mapping.graph.num_scans(), kNumSaved);
+    const Status status = SaveLiveMap(LiveOptions().mapper.map, 0.05, folder_, std::move(drive));
+    ASSERT_TRUE(status.ok()) << status.message();
+  }
+  // A node that begins in the saved map, the next day.
+  void BeginIn(bool is_fixed) {
+    SlamGraph map;
+    const Status status = ReadSavedMap(folder_ + "map.g2o", is_fixed, &map);
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(map.num_scans(), kNumSaved);
+    UseOptions(Repeatable());
+    node_->UseMap(std::move(map));
+    node_->AddTransforms(Robot().StaticTransforms());
+    updates_.clear();
+  }
+
+  const std::string folder_ = TempFolder() + "map/";
+};
+
+TEST_F(SavedLiveMapTest, FindsTheRobotInAFixedMap) {
+  SaveMap();
+  BeginIn(true);
+  Send(20);
+  EXPECT_EQ(node_->Report().state, "looking for its place in the saved map");
+  LiveMap map;
+  ASSERT_TRUE(node_->BuildMap(&map).ok());
+  EXPECT_GT(map.grid.cells.size(), 10000u);
+  EXPECT_THAT(map.path, IsEmpty());
+  int num_sent = 1;
+  while (updates_.empty() && num_sent < 120) Send(20 + num_sent++);
+  ASSERT_FALSE(updates_.empty());
+  // Within a place of overlap.
+  EXPECT_LT((Robot().log().scans[20 + num_sent - 1].world_from_robot.translation() -
+             Robot().log().scans[20].world_from_robot.translation())
+                .norm(),
+            20.0);
+  EXPECT_EQ(node_->Report().state, "localising");
+  EXPECT_LT(ErrorM(20 + num_sent - 1, updates_.back().map_from_base), 0.2);
+  for (int i = num_sent; i < num_sent + 10; ++i) Send(20 + i);
+  EXPECT_LT(ErrorM(20 + num_sent + 9, updates_.back().map_from_base), 0.1);
+  MappedDrive drive;
+  EXPECT_THAT(node_->MapNow(&drive).message(), HasSubstr("which stays as it is"));
+  LiveMap later;
+  ASSERT_TRUE(node_->BuildMap(&later).ok());
+  EXPECT_EQ(later.grid.cells, map.grid.cells);
+  EXPECT_GT(later.path.size(), 5u);
+}
+
+TEST_F(SavedLiveMapTest, ContinuesAMap) {
+  SaveMap();
+  LiveMap first;
+  ASSERT_TRUE(node_->BuildMap(&first).ok());
+  BeginIn(false);
+  for (int i = kNumSaved - 70; i < kNumSaved + 20; ++i) Send(i);
+  ASSERT_FALSE(updates_.empty());
+  EXPECT_EQ(node_->Report().state, "mapping");
+  EXPECT_LT(ErrorM(kNumSaved + 19, updates_.back().map_from_base), 0.2);
+  LiveMap map;
+  ASSERT_TRUE(node_->BuildMap(&map).ok());
+  EXPECT_GT(std::count(map.grid.cells.begin(), map.grid.cells.end(), Occupancy::kFree),
+            std::count(first.grid.cells.begin(), first.grid.cells.end(), Occupancy::kFree));
+  MappedDrive drive;
+  ASSERT_TRUE(node_->MapNow(&drive).ok());
+  EXPECT_TRUE(drive.continues_map);
+  EXPECT_EQ(drive.mapping.graph.num_scans(), kNumSaved + 90);
+  const Status status = SaveLiveMap(LiveOptions().mapper.map, 0.05, folder_, std::move(drive));
+  EXPECT_TRUE(status.ok()) << status.message();
+  node_->Clear();
+  Send(kNumSaved + 20);
+  EXPECT_EQ(updates_.back().map_from_base.x, 0.0);
+}
+
+TEST_F(SavedLiveMapTest, NamesAFileThatIsNoMap) {
+  SlamGraph map;
+  EXPECT_FALSE(ReadSavedMap(folder_ + "map.g2o", true, &map).ok());
+  const std::string path = TempFolder() + "a.txt";
+  WriteFile(path, "nothing");
+  EXPECT_THAT(ReadSavedMap(path, true, &map).message(), HasSubstr("no pose graph with scans"));
+  WriteFile(path, "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n");
+  EXPECT_FALSE(ReadSavedMap(path, true, &map).ok());
 }
 
 TEST(LiveOptionsTest, ChecksItsFields) {

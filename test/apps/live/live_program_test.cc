@@ -122,11 +122,11 @@ class Reference {
     EXPECT_TRUE(node_.BuildMap(&map).ok());
     return MapText(map);
   }
-  Status Save(const std::string& folder) const {
-    LogMapping mapping;
-    PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&mapping));
+  Status Save(const std::string& folder) {
+    MappedDrive drive;
+    PLUMBLINE_RETURN_IF_ERROR(node_.MapNow(&drive));
     return SaveLiveMap(LiveOptions().mapper.map, LiveOptions().resolution_m, folder,
-                       std::move(mapping));
+                       std::move(drive));
   }
   const std::vector<LiveUpdate>& updates() const { return updates_; }
 
@@ -353,9 +353,37 @@ TEST_F(LiveProgramTest, SavesTheMapOfABatchRun) {
   EXPECT_EQ(Lines(Result("out", "trajectory.tum")).size(), 70u);
 }
 
+TEST_F(LiveProgramTest, LocalisesInASavedMap) {
+  Reference reference;
+  reference.Drive(LiveRobot(), 0, 120);
+  ASSERT_TRUE(reference.Save(folder_ + "map").ok());
+  const int domain = FreeDomain();
+  const std::string flags = Flags(domain);
+  const auto program = Start(domain);
+  PeerProcess peer(domain);
+  ASSERT_EQ(peer.Ask("find"), "found");
+  ExpectError(Run("live", flags + " --call=localize=" + folder_ + "map/map.pgm"),
+              "no pose graph with scans", kExitCannotWrite);
+  EXPECT_EQ(Run("live", flags + " --call=localize=" + folder_ + "map/map.g2o").out,
+            "localising in a map of 120 scans\n");
+  EXPECT_EQ(peer.Ask("stream 20 90"), "sent");
+  EXPECT_THAT(AskUntil(&peer, "diagnostics", HasSubstr("scans mapped = 70")),
+              HasSubstr("map: localising"));
+  const auto transforms = ParseTransforms(peer.Ask("transforms"));
+  ASSERT_GT(transforms.size(), 5u);
+  const PrintedTransform& last = transforms.back();
+  EXPECT_EQ(last.child, "odom");
+  const Pose2 odometry = LiveRobot().log().scans[89].odom_from_robot;
+  const Pose2 pose = Pose2(last.x, last.y, 2.0 * std::atan2(last.qz, last.qw)) * odometry;
+  const Pose2 truth = Between(LiveRobot().log().scans[0].world_from_robot,
+                              LiveRobot().log().scans[89].world_from_robot);
+  EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.15);
+}
+
 TEST_F(LiveProgramTest, RefusesFlagsThatMakeNoSense) {
   ExpectUsageError(Run("live", "--domain=300"), "domain = 300");
   ExpectUsageError(Run("live", "--resolution=0"), "resolution_m = 0");
+  ExpectUsageError(Run("live", "--localize"), "--localize needs a --map");
   ExpectError(Run("live", "--network_interface=no_such_one --domain=12"),
               "no_such_one: does not match", kExitCannotWrite);
 }
