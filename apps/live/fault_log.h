@@ -11,8 +11,8 @@ namespace plumbline {
 /// The faults of a live drive, by kind. Each kind is told once and counted. Its memory is bounded.
 class FaultLog {
  public:
-  /// Counts a fault. kind: one of a few texts, as "scans without a frame"; detail: what was wrong
-  /// the first time, for people. Kinds beyond the first 100 are counted as "other faults".
+  /// Counts a fault. kind: one of a few texts, as "scans without a frame"; detail: the first
+  /// fault of its kind, for people. Kinds beyond the first 100 are counted as "other faults".
   void Add(const std::string& kind, const std::string& detail);
 
   /// The kinds that are new since the last call, each with its detail, a line each.

@@ -12,7 +12,8 @@
 namespace plumbline {
 namespace {
 
-// What is kept at most: frames, frames below the odometry's, and per such frame seconds and poses.
+// Limits of memory: frames, frames right below the odometry's, and per such frame seconds and
+// poses.
 constexpr std::size_t kMaxFrames = 1000, kMaxTracks = 16, kMaxPoses = 5000;
 constexpr double kTrackS = 20.0;
 // An odometry message that is older than the last one by more than this begins a new track [s].

@@ -46,7 +46,7 @@ class LiveFrames {
   std::string RobotFrame(const std::string& laser_frame) const;
 
   /// The place of a laser on the robot by the latest transforms: at the robot's centre if
-  /// `is_known` is false. Its faults are those of one time.
+  /// `is_known` is false. Its faults have one entry.
   LaserPlaces PlaceOfLaser(const std::string& robot_frame, const std::string& laser_frame) const;
 
   /// The pose of one frame in another; empty if no transforms join them.

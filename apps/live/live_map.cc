@@ -7,7 +7,7 @@
 namespace plumbline {
 namespace {
 
-// A scan is taken into the grids if the robot has moved by as much as this since the last one.
+// Motion of the robot after which the next scan is taken into the grids.
 constexpr double kKeyMoveM = 0.1, kKeyTurnRad = 0.1;
 
 // Most cells of a grid that goes over a network: 1 km by 400 m of 5 cm.

@@ -51,7 +51,7 @@ class LiveMapBuilder {
 
   // Moves the new scans into the graph.
   Status TakeNewScans();
-  // The grid of all scans of the graph, those of the drive at the path of `map`.
+  // The grid of all scans of the graph; the scans of the drive lie at the path of `map`.
   Status BuildGrid(const LiveMap& map, double resolution_m, OccupancyGrid* grid);
 
   const LaserModel laser_;

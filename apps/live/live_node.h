@@ -83,11 +83,11 @@ class LiveNode {
   void AddScan(RosScan scan, double now_s);
   void AddOdometry(const RosOdometry& odometry);
   void AddTransforms(const std::vector<RosTransform>& transforms);
-  /// Counts a fault of what the messages come through; see FaultLog::Add.
+  /// Counts a fault of the transport; see FaultLog::Add.
   void AddFault(const std::string& kind, const std::string& detail);
 
-  /// Maps the scans that can be mapped now, and appends an update for each, also for those that
-  /// were left out since the robot stood still.
+  /// Maps the scans that can be mapped now, and appends an update for each, also for a scan that
+  /// is left out because the robot stands still.
   void Work(double now_s, std::vector<LiveUpdate>* updates);
 
   /// Builds the map of all scans so far; the drive goes on meanwhile. InvalidArgument without

@@ -110,7 +110,7 @@ Status SaveLiveMap(const MapLogOptions& options, double resolution_m, const std:
   Status status = WriteFiles(options, resolution_m, output, &drive);
   if (status.ok()) status = PutInPlace(output, target);
   if (status.ok()) return status;
-  // Nothing is left of what could not be completed.
+  // Removes the incomplete folder.
   std::error_code ignored;
   if (output.RemoveOldResults().ok()) fs::remove(output.path(), ignored);
   return status;

@@ -17,7 +17,7 @@ struct WaitingScan {
   bool after_jump = false;    ///< the clock has jumped back before it
 };
 
-/// The scans that wait to be mapped, in order of their stamps: those of no use are left out and
+/// The scans that wait to be mapped, in order of their stamps. Scans of no use are left out and
 /// counted. Its memory is bounded.
 class ScanInbox {
  public:

@@ -171,7 +171,7 @@ class Peer {
   }
 
   std::string FindProgram() {
-    // Its own reader is one of those of the transforms.
+    // The robot reads the transforms, too.
     const bool found = WaitUntil(20.0, [this] {
       return NumReaders(scans_) >= 1 && NumReaders(transforms_) >= 2 &&
              NumReaders(static_transforms_) >= 1;
@@ -301,7 +301,7 @@ class Peer {
            " transforms";
   }
 
-  // Those that have come since the last call.
+  // The transforms that have come since the last call.
   std::string Transforms() {
     const std::lock_guard<std::mutex> lock(mutex_);
     std::ostringstream text;
