@@ -2,9 +2,12 @@
 
 #include <gflags/gflags.h>
 
+#include <charconv>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "plumbline/apps/dds/live_program.h"
@@ -49,11 +52,15 @@ DEFINE_double(call_timeout_s, 10.0,
 namespace plumbline {
 namespace {
 
-// gflags keeps the digits of ROS_DOMAIN_ID out of --help.
+// A text that is no number becomes -1, which LiveConnection::Check refuses.
 int DomainFromFlags() {
   if (FLAGS_domain >= 0) return FLAGS_domain;
-  const char* given = std::getenv("ROS_DOMAIN_ID");
-  return given == nullptr ? 0 : std::atoi(given);
+  const char* given = std::getenv("ROS_DOMAIN_ID");  // NOLINT(concurrency-mt-unsafe)
+  if (given == nullptr || *given == '\0') return 0;
+  int domain = -1;
+  const char* end = given + std::strlen(given);
+  const auto parsed = std::from_chars(given, end, domain);
+  return parsed.ec == std::errc() && parsed.ptr == end ? domain : -1;
 }
 
 const std::vector<FileFlag>& FileFlags() {

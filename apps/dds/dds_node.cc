@@ -132,7 +132,7 @@ Status DdsNode::Join(int domain, const std::string& network_interface) {
   dds_set_log_sink([](void*, const dds_log_data_t* entry) { DdsLog::Of().Add(*entry); }, nullptr);
   if (!network_interface.empty()) {
     // Parts of a configuration are separated by commas, the later ones count.
-    const char* given = std::getenv("CYCLONEDDS_URI");
+    const char* given = std::getenv("CYCLONEDDS_URI");  // NOLINT(concurrency-mt-unsafe)
     std::string config = given == nullptr || *given == '\0' ? "" : std::string(given) + ",";
     config += InterfaceConfig(network_interface);
     domain_ = dds_create_domain(static_cast<dds_domainid_t>(domain), config.c_str());

@@ -57,9 +57,10 @@ std::vector<double> RangesFor(const LaserModel& laser, const LaserPlace& place, 
   std::vector<double> ranges(laser.num_beams, kNoReturnM);
   std::vector<double> offsets(laser.num_beams, 0.5 + 1e-6);  // [steps]
   int num_found = 0;
+  const int middle = laser.num_beams / 2;
   for (int i = 0; i < own.num_beams; ++i) {
-    const double turn = NormalizeAngle(own.Bearing(i) - laser.Bearing(laser.num_beams / 2));
-    const double beam = laser.num_beams / 2 + turn / laser.bearing_step_rad;
+    const double turn = NormalizeAngle(own.Bearing(i) - laser.Bearing(middle));
+    const double beam = middle + turn / laser.bearing_step_rad;
     const double nearest = std::round(beam);
     if (nearest < 0.0 || nearest >= laser.num_beams) continue;
     ++num_found;
