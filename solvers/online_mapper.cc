@@ -14,7 +14,7 @@
 #include "plumbline/core/options_check.h"
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
-#include "plumbline/solvers/online/drive_seeding.h"
+#include "plumbline/solvers/drive_seeding.h"
 #include "plumbline/solvers/online/growing_map.h"
 #include "plumbline/solvers/online/kept_scans.h"
 #include "plumbline/solvers/online/live_input.h"

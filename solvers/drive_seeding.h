@@ -1,5 +1,5 @@
-#ifndef PLUMBLINE_SOLVERS_ONLINE_DRIVE_SEEDING_H_
-#define PLUMBLINE_SOLVERS_ONLINE_DRIVE_SEEDING_H_
+#ifndef PLUMBLINE_SOLVERS_DRIVE_SEEDING_H_
+#define PLUMBLINE_SOLVERS_DRIVE_SEEDING_H_
 
 #include <vector>
 
@@ -39,4 +39,4 @@ OdometryFaults FaultsOf(const SeedingReport& report);
 
 }  // namespace plumbline
 
-#endif  // PLUMBLINE_SOLVERS_ONLINE_DRIVE_SEEDING_H_
+#endif  // PLUMBLINE_SOLVERS_DRIVE_SEEDING_H_

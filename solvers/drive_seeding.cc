@@ -1,4 +1,4 @@
-#include "plumbline/solvers/online/drive_seeding.h"
+#include "plumbline/solvers/drive_seeding.h"
 
 #include <algorithm>
 #include <utility>
