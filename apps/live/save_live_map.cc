@@ -13,8 +13,8 @@
 
 #include "plumbline/apps/io/file_status.h"
 #include "plumbline/apps/program/output_folder.h"
-#include "plumbline/apps/program/pose_graph_input.h"
-#include "plumbline/apps/program/pose_graph_log.h"
+#include "plumbline/apps/readers/pose_graph_input.h"
+#include "plumbline/apps/readers/pose_graph_log.h"
 #include "plumbline/apps/report/run_summary.h"
 #include "plumbline/apps/report/stage.h"
 #include "plumbline/apps/run/map_run.h"
