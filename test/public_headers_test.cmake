@@ -47,13 +47,12 @@ list(APPEND all ${PLUMBLINE_IO_HEADERS})
 file(GLOB_RECURSE installed RELATIVE ${PREFIX}/include/plumbline ${PREFIX}/include/plumbline/*)
 expect_same("the installed tree" "${installed}" "${all}")
 
-# The tables of README.md and of the API reference.
+# The table of the API reference.
 function(expect_table page headers)
   file(STRINGS ${ROOT}/${page} rows REGEX "^[|] `?(core|factors|solvers|apps)/[a-z0-9_/]+[.]h`? [|]")
   list(TRANSFORM rows REPLACE "^[|] `?([a-z0-9_/]+[.]h).*" "\\1")
   expect_same(${page} "${rows}" "${headers}")
 endfunction()
-expect_table(README.md "${PLUMBLINE_DOORS};${PLUMBLINE_IO_HEADERS}")
 expect_table(cmake/api_main_page.md "${all}")
 
 # All of them compile from the installed tree.
