@@ -134,6 +134,7 @@ class SlamGraph {
   int num_lasers() const { return static_cast<int>(lasers_.size()); }  ///< of different ones
   /// The model of a laser, as AddLaser took it.
   const LaserModel& laser(int laser_id) const { return lasers_[Index(laser_id)].model; }
+  /// The model of the laser that made a sweep.
   const LaserModel& LaserOfScan(int scan_id) const { return laser(scan(scan_id).laser); }
   /// Where the laser of a sweep stands, by these poses.
   Pose2 WorldFromLaser(int scan_id, const std::vector<double>& poses) const {

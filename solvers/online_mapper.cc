@@ -15,6 +15,7 @@
 #include "plumbline/core/thread_pool.h"
 #include "plumbline/solvers/association/noise_scales.h"
 #include "plumbline/solvers/drive_seeding.h"
+#include "plumbline/solvers/map_sessions.h"
 #include "plumbline/solvers/online/growing_map.h"
 #include "plumbline/solvers/online/kept_scans.h"
 #include "plumbline/solvers/online/live_input.h"

@@ -13,9 +13,10 @@
 #include "plumbline/core/status.h"
 #include "plumbline/solvers/alarm.h"
 #include "plumbline/solvers/map_log.h"
-#include "plumbline/solvers/map_sessions.h"
 
 namespace plumbline {
+
+struct SessionsMapping;
 
 /// How a drive is mapped while it goes on.
 struct OnlineMapperOptions {
@@ -130,7 +131,7 @@ class OnlineMapper {
   /// Maps the measurements so far by MapLog, in the calling thread: what Finish would give now. The
   /// drive goes on meanwhile, and nothing of it changes. Fails like Finish.
   Status MapNow(LogMapping* mapping) const;
-  /// The same with the saved map, by MapSessions.
+  /// The same with the saved map, by MapSessions (map_sessions.h).
   Status MapNow(SessionsMapping* mapping) const;
 
   /// Ends the drive: stops the background and maps all scans but those that min_step_m leaves out

@@ -10,6 +10,7 @@
 #include "plumbline/apps/live/live_scan.h"
 #include "plumbline/apps/live/scan_inbox.h"
 #include "plumbline/core/options_check.h"
+#include "plumbline/solvers/map_sessions.h"
 
 namespace plumbline {
 namespace {

@@ -1,5 +1,6 @@
 // A map that is made while the robot drives.
 
+#include "plumbline/solvers/map_sessions.h"
 #include "plumbline/solvers/online_mapper.h"
 
 #include <optional>

@@ -10,6 +10,7 @@
 #include "plumbline/apps/simulation/building_generator.h"
 #include "plumbline/apps/simulation/log_graph.h"
 #include "plumbline/apps/simulation/simulator.h"
+#include "plumbline/solvers/map_sessions.h"
 #include "plumbline/solvers/online_mapper.h"
 
 namespace plumbline {
