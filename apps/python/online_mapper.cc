@@ -1,6 +1,5 @@
 // A map that is made while the robot drives.
 
-#include "plumbline/solvers/map_sessions.h"
 #include "plumbline/solvers/online_mapper.h"
 
 #include <optional>
@@ -13,6 +12,7 @@
 #include "plumbline/apps/python/fields.h"
 #include "plumbline/apps/python/mapping.h"
 #include "plumbline/apps/python/objects.h"
+#include "plumbline/solvers/map_sessions.h"
 
 namespace plumbline {
 namespace py = pybind11;
