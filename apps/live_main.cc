@@ -27,7 +27,7 @@ DEFINE_string(base_frame, plumbline::LiveOptions().base_frame,
               "Frame of the robot, whose pose is published");
 DEFINE_double(resolution, plumbline::LiveOptions().resolution_m,
               "Side of a cell of the occupancy grid [m]");
-DEFINE_double(map_update_interval_s, plumbline::LiveProgramOptions().map_update_interval_s,
+DEFINE_double(map_update_interval_s, plumbline::LiveSessionOptions().map_update_interval_s,
               "Time from one map to the next [s]");
 DEFINE_double(transform_tolerance_s, plumbline::LiveProgramOptions().transform_tolerance_s,
               "How long the transform from map to odom stays valid after its scan [s]");
@@ -75,16 +75,16 @@ LiveProgramOptions OptionsFromFlags() {
   options.odom_topic = FLAGS_odom_topic;
   options.tf_topic = FLAGS_tf_topic;
   options.map_frame = FLAGS_map_frame;
-  options.node.odom_frame = FLAGS_odom_frame;
-  options.node.base_frame = FLAGS_base_frame;
-  options.node.odometry_by_messages = !FLAGS_odom_topic.empty();
-  options.node.resolution_m = FLAGS_resolution;
-  options.node.wait_for_background = FLAGS_wait_for_background;
-  options.map_update_interval_s = FLAGS_map_update_interval_s;
+  options.session.node.odom_frame = FLAGS_odom_frame;
+  options.session.node.base_frame = FLAGS_base_frame;
+  options.session.node.odometry_by_messages = !FLAGS_odom_topic.empty();
+  options.session.node.resolution_m = FLAGS_resolution;
+  options.session.node.wait_for_background = FLAGS_wait_for_background;
+  options.session.map_update_interval_s = FLAGS_map_update_interval_s;
   options.transform_tolerance_s = FLAGS_transform_tolerance_s;
   options.use_sim_time = FLAGS_use_sim_time;
-  options.map_file = FLAGS_map;
-  options.localize = FLAGS_localize;
+  options.session.map_file = FLAGS_map;
+  options.session.localize = FLAGS_localize;
   return options;
 }
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "plumbline/apps/live/live_node.h"
+#include "plumbline/apps/live/live_session.h"
 #include "plumbline/core/status.h"
 
 namespace plumbline {
@@ -22,14 +22,11 @@ struct LiveConnection {
 
 struct LiveProgramOptions {
   LiveConnection connection;
-  LiveOptions node;
+  LiveSessionOptions session;
   std::string scan_topic = "scan";
   std::string odom_topic;        ///< of nav_msgs/Odometry; empty: the transforms tell the odometry
   std::string tf_topic = "/tf";  ///< that of static transforms has "_static" behind it
   std::string map_frame = "map";
-  std::string map_file;   ///< a saved map to begin in; empty: a new one
-  bool localize = false;  ///< in map_file, which stays as it is; otherwise the drive continues it
-  double map_update_interval_s = 5.0;  ///< from one map to the next [s]
   double transform_tolerance_s = 0.2;  ///< how long a transform stays valid after its scan [s]
   bool use_sim_time = false;           ///< the time is that of /clock
 

@@ -7,24 +7,12 @@
 
 #include "plumbline/apps/io/byte_reader.h"
 #include "plumbline/apps/io/little_endian.h"
+#include "plumbline/apps/live/ros_values.h"
 
 namespace plumbline {
 namespace {
 
 constexpr std::size_t kCdrHeaderBytes = 4;
-constexpr double kNanosecondsPerSecond = 1e9;
-
-int CellValue(Occupancy occupancy) {
-  switch (occupancy) {
-    case Occupancy::kOccupied:
-      return 100;
-    case Occupancy::kFree:
-      return 0;
-    case Occupancy::kUnknown:
-      break;
-  }
-  return -1;
-}
 
 }  // namespace
 
@@ -55,14 +43,9 @@ void CdrWriter::Text(const std::string& text) {
 }
 
 void CdrWriter::Time(double stamp_s) {
-  double seconds = std::floor(stamp_s);
-  double nanoseconds = std::round((stamp_s - seconds) * kNanosecondsPerSecond);
-  if (nanoseconds >= kNanosecondsPerSecond) {
-    seconds += 1.0;
-    nanoseconds = 0.0;
-  }
-  Unsigned(static_cast<std::uint32_t>(static_cast<std::int64_t>(seconds)));
-  Unsigned(static_cast<std::uint32_t>(nanoseconds));
+  const RosTime time = ToRosTime(stamp_s);
+  Unsigned(static_cast<std::uint32_t>(time.sec));
+  Unsigned(time.nanosec);
 }
 
 void CdrWriter::Header(double stamp_s, const std::string& frame) {
@@ -89,7 +72,7 @@ std::string EncodeGrid(const LiveMap& map, const std::string& frame) {
   writer.Unsigned(static_cast<std::uint32_t>(grid.cells.size()));
   std::string* bytes = &writer.bytes();
   bytes->reserve(bytes->size() + grid.cells.size());
-  for (const Occupancy cell : grid.cells) *bytes += static_cast<char>(CellValue(cell));
+  for (const Occupancy cell : grid.cells) *bytes += static_cast<char>(ToRosCell(cell));
   return std::move(*bytes);
 }
 
@@ -114,18 +97,11 @@ std::string EncodeTransform(double stamp_s, const std::string& parent, const std
   return std::move(writer.bytes());
 }
 
-std::string EncodePose(double stamp_s, const std::string& frame, const Pose2& pose, double sigma_m,
-                       double sigma_rad) {
-  constexpr int kSize = 6;  // x, y, z, roll, pitch, yaw
+std::string EncodePose(double stamp_s, const std::string& frame, const Pose2& pose) {
   CdrWriter writer;
   writer.Header(stamp_s, frame);
   writer.Pose(pose);
-  for (int row = 0; row < kSize; ++row) {
-    for (int column = 0; column < kSize; ++column) {
-      const double sigma = row < 2 ? sigma_m : row == kSize - 1 ? sigma_rad : 0.0;
-      writer.Double(row == column ? sigma * sigma : 0.0);
-    }
-  }
+  for (const double value : RosPoseCovariance()) writer.Double(value);
   return std::move(writer.bytes());
 }
 
@@ -152,7 +128,7 @@ bool DecodeClock(const std::string& bytes, double* time_s) {
   const auto seconds = static_cast<std::int32_t>(reader.Number<std::uint32_t>());
   const auto nanoseconds = reader.Number<std::uint32_t>();
   if (!reader.ok() || !is_little_endian) return false;
-  *time_s = seconds + nanoseconds / kNanosecondsPerSecond;
+  *time_s = ToSeconds({seconds, nanoseconds});
   return true;
 }
 

@@ -3,9 +3,8 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
+#include "plumbline/apps/live/diagnostic.h"
 #include "plumbline/apps/live/live_map.h"
 #include "plumbline/core/pose2.h"
 
@@ -44,20 +43,8 @@ std::string EncodePath(const LiveMap& map, const std::string& frame);
 /// A tf2_msgs/TFMessage with one transform.
 std::string EncodeTransform(double stamp_s, const std::string& parent, const std::string& child,
                             const Pose2& parent_from_child);
-/// A geometry_msgs/PoseWithCovarianceStamped. sigma_m, sigma_rad: standard deviations of position
-/// and heading.
-std::string EncodePose(double stamp_s, const std::string& frame, const Pose2& pose, double sigma_m,
-                       double sigma_rad);
-
-/// Levels of a diagnostic_msgs/DiagnosticStatus.
-enum class DiagnosticLevel { kOk = 0, kWarn = 1, kError = 2 };
-
-/// A diagnostic_msgs/DiagnosticStatus.
-struct Diagnostic {
-  DiagnosticLevel level = DiagnosticLevel::kOk;
-  std::string name, message;
-  std::vector<std::pair<std::string, std::string>> values;
-};
+/// A geometry_msgs/PoseWithCovarianceStamped.
+std::string EncodePose(double stamp_s, const std::string& frame, const Pose2& pose);
 
 /// A diagnostic_msgs/DiagnosticArray with one status.
 std::string EncodeDiagnostic(double stamp_s, const Diagnostic& diagnostic);
