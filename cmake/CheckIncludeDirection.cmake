@@ -12,7 +12,7 @@ set(LIBRARY_FOLDERS core factors solvers)
 set(ROOMS_solvers interface pose_graph front_end loop_closure hypotheses seeding sessions online association terms
     landmarks acceptance full reduced incremental mpi .)
 set(ROOMS_apps io bags saved_maps readers simulation program evaluation pictures figures report run
-    convert mpi slam_toolbox live dds benchmark python .)
+    convert mpi slam_toolbox live dds ros2 benchmark python .)
 # A package of its own, which is built against the installed library: its files include each other
 # by their names alone, and of ours what is installed.
 set(PACKAGE apps/slam_toolbox)

@@ -31,7 +31,7 @@ fuzz_s=600
 debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
 # Tests without code of the library, or with a compiler of their own.
 elsewhere='^(un)?install|^(shared_)?consumer_|^(public_headers|readme_code|shared_library|headers)$'
-elsewhere+='|^(api_reference|report_browser|packages|bootstrap|slam_toolbox_package|format|tidy)$'
+elsewhere+='|^(api_reference|report_browser|packages|bootstrap|ros2_package|slam_toolbox_package|format|tidy)$'
 
 # configure FOLDER COMPILER CMAKE_ARGUMENT...
 configure() {
