@@ -1,5 +1,5 @@
 // Stands in for rclcpp_lifecycle: states, publishers that are silent while the node is inactive, and
-// what the node uses of rclcpp::Node.
+// the functions of a node.
 #ifndef PLUMBLINE_TEST_APPS_ROS2_STAND_IN_RCLCPP_LIFECYCLE_LIFECYCLE_NODE_HPP_
 #define PLUMBLINE_TEST_APPS_ROS2_STAND_IN_RCLCPP_LIFECYCLE_LIFECYCLE_NODE_HPP_
 
