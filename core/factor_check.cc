@@ -64,6 +64,7 @@ bool EvaluateSafely(const ceres::CostFunction& cost, double const* const* blocks
 SeenByFactor SeenBy(const SlamGraph& graph, const CustomFactor& factor) {
   SeenByFactor seen;
   for (const int id : factor.poses) seen.poses.push_back(graph.InitialPose(id));
+  seen.points.reserve(factor.points.size());
   for (const std::size_t id : factor.points) {
     const int pose = graph.scan(graph.ScanOfReturn(id)).pose;
     seen.points.push_back(graph.InitialPose(pose) * graph.PointInRobot(id));
@@ -79,6 +80,7 @@ Eigen::MatrixX3d HoldOnWorld(const CustomFactor& factor, const SeenByFactor& see
   std::vector<const double*> values;
   std::vector<RowMajor> jacobians;
   std::vector<double*> derivatives;
+  derivatives.reserve(blocks.size());
   Eigen::VectorXd residuals(NumResiduals(factor));
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     values.push_back(blocks[b].data());

@@ -433,7 +433,7 @@ LogMap MapLog(SlamGraph graph, const MapLogOptions& options, const SeedingProgre
   LogMap map;
   map.status = CatchExceptions([&] {
     LogMapping mapping;
-    const Status status = MapLog(options, std::move(graph), progress, &mapping);
+    Status status = MapLog(options, std::move(graph), progress, &mapping);
     map.graph = std::move(mapping.graph);
     map.poses = PosesOf(mapping.state.poses);
     map.points = std::move(mapping.state.points);

@@ -35,7 +35,7 @@ Log ReadLog(const std::string& path, const ReadOptions& options) {
     of_reader.bag.odom_topic = options.odom_topic;
     of_reader.sweep_time_s = options.sweep_time_s;
     LogNotes notes;
-    const Status status = plumbline::ReadLog(path, of_reader, &notes, &log.graph);
+    Status status = plumbline::ReadLog(path, of_reader, &notes, &log.graph);
     log.warnings = std::move(notes.skipped);
     AddWarnings(notes.warnings, &log.warnings);
     return status;
