@@ -41,7 +41,7 @@ class SlamGraph {
   /// model that LaserModel::Check refuses.
   int AddLaser(const LaserModel& laser);
 
-  /// Makes room for so many returns in all, so that adding them takes no spare memory.
+  /// Reserves memory for this number of returns in all, so that adding them takes no spare memory.
   void ReserveReturns(std::size_t num_returns);
 
   /// Adds a pose with its initial guess, and returns its id. Refuses a pose or time that is not
@@ -91,8 +91,8 @@ class SlamGraph {
 
   /// Makes this graph a part of a larger one: it has all poses and constraints, but the scans of
   /// some poses only; the peers, not null, have the others. rank_of_pose: which peer has the scans
-  /// of each pose; all_scans: the sweeps of the larger graph, those of this part in its own order.
-  /// Scan and return ids, and the points of a state, are those of this part.
+  /// of each pose; all_scans: the sweeps of the larger graph, with the sweeps of this part in its
+  /// own order. Scan ids, return ids and the points of a state count within this part.
   void ShareWith(const Peers* peers, std::vector<int> rank_of_pose,
                  std::vector<ScanEntry> all_scans);
   const Peers* peers() const { return peers_; }  ///< who has the other scans; null: nobody
@@ -199,7 +199,7 @@ class SlamGraph {
     std::size_t first_own_bearing = 0;  // in off_beam_rad_
     std::size_t first_large_beam = 0;   // return id
   };
-  // The sweep of one return of so many is known, to begin a search from.
+  // Returns per entry of scan_of_block_, from which the search for a sweep begins.
   static constexpr std::size_t kReturnsPerBlock = 256;
   static std::size_t Index(int id) { return static_cast<std::size_t>(id); }
   bool HasPose(int id) const { return id >= 0 && id < num_poses(); }

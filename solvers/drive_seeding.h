@@ -24,7 +24,7 @@ struct DriveSeeding {
   SeedingReport report;
   std::vector<Alarm> alarms;
   /// Whether it replaces the map at hand: it has no alarm, or its scans contradict each other no
-  /// more than those of the map at hand.
+  /// more than in the map at hand.
   bool is_better = true;
 };
 

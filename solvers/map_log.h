@@ -99,7 +99,8 @@ Status MapLog(const MapLogOptions& options, SlamGraph graph, const SeedingProgre
 
 /// A log's map, as a value.
 struct LogMap {
-  /// As the other MapLog gives it. If it is not ok, the rest is what was found before.
+  /// As the other MapLog gives it. On failure, the other fields hold the results of the stages
+  /// before.
   Status status;
   SlamGraph graph;             ///< LogMapping::graph
   std::vector<Pose2> poses;    ///< world_from_robot per pose of the graph

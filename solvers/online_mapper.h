@@ -49,7 +49,7 @@ struct SavedMap {
 /// its first scan.
 struct OnlinePose {
   int scan = 0;  ///< index among all scans that were added
-  /// Whether the place in the saved map is known, and the scan matches those before it; true
+  /// Whether the place in the saved map is known, and the scan matches earlier ones; true
   /// without a saved map. If the place is not known yet, the pose is in the frame of the robot at
   /// its first scan. If it is not known any more, the pose follows the last known one.
   bool is_in_map = true;
@@ -67,7 +67,7 @@ struct OnlineMap {
   Pose2 map_from_odometry;              ///< as in OnlinePose, at the newest scan
   int num_closures = 0;                 ///< in force
   int num_remappings = 0;               ///< of the drive so far, in the background
-  /// Of the last one. Scans are indices among those that became poses (min_step_m).
+  /// Of the last one. Scans are counted without those that min_step_m leaves out.
   std::vector<Alarm> alarms;
 };
 
@@ -78,7 +78,7 @@ struct OnlineMap {
 /// doubt (a loop has moved it by more than 0.5 m, a scan matched nothing, or the last such map has
 /// an alarm). That recognises odometry without sign or scale, slips and relocations, and takes
 /// false loops back. Such a map is taken over unless it has an alarm and its scans contradict each
-/// other more than those of the map at hand. Corrections are in the poses from then on. Finish
+/// other more than in the map at hand. Corrections are in the poses from then on. Finish
 /// gives what MapLog gives of the same measurements.
 ///
 /// In a saved map the background seeks the place of the drive, unless it is given, by the search of
@@ -134,7 +134,7 @@ class OnlineMapper {
   /// The same with the saved map, by MapSessions (map_sessions.h).
   Status MapNow(SessionsMapping* mapping) const;
 
-  /// Ends the drive: stops the background and maps all scans but those that min_step_m leaves out
+  /// Ends the drive: stops the background and maps all scans that became poses (min_step_m)
   /// by MapLog, with the same result for the same scans, whatever the background had found. Fails
   /// like MapLog; InvalidArgument without scans, if it was called before, and if scans were not
   /// kept. A saved map has no part in it.

@@ -28,7 +28,7 @@ struct Log {
   /// NotFound, InvalidArgument or DataLoss, naming file, line and field; the graph is empty then.
   Status status;
   SlamGraph graph;                    ///< a pose per scan, placed by odometry or as in the file
-  std::vector<std::string> warnings;  ///< what is doubtful, and records that were skipped
+  std::vector<std::string> warnings;  ///< doubts about the input, and skipped records
 };
 
 /// Reads a log in the format of CARMEN (plain or .gz), or a bag of ROS 1 or ROS 2 (file or folder).
@@ -54,8 +54,8 @@ Status WriteGrid(const std::string& stem, const SlamGraph& graph, const MapState
 Status WritePoseGraph(const std::string& path, const SlamGraph& graph,
                       const std::vector<Pose2>& poses);
 
-// All of them write a file whole or leave what was there: InvalidArgument on poses or points that
-// do not fit the graph, Unavailable if a file cannot be written.
+// All writers write a file whole or leave the old one: InvalidArgument on poses or points that do
+// not fit the graph, Unavailable if a file cannot be written.
 
 }  // namespace plumbline::io
 

@@ -76,7 +76,7 @@ struct KeyframeGraph {
   /// Matches that fall short of a closure, the best first.
   std::vector<RelativePoseConstraint> tentative;
   GivenKeyPoses given;
-  /// The first keyframes, as many as this, are those of a finished map: they stay where they are.
+  /// Number of the first keyframes, which belong to a finished map and stay where they are.
   /// Such a graph has no given poses.
   int num_fixed = 0;
 

@@ -35,9 +35,10 @@ struct InSavedMap {
 /// keyframes, by the loop closure of the seeding, and takes over a seeding of its first poses.
 ///
 /// In a saved map the newest segment of the drive has a pose graph of its own until it is placed in
-/// the map. Its keyframes then follow those of the map, which stay where they are. In a fixed map
-/// the place is lost where a scan matches nothing, or where nothing of the map is recognised over
-/// some path: a new segment begins there. Poses that are no longer estimated are settled.
+/// the map. Its keyframes then follow the keyframes of the map, which stay where they are. In a
+/// fixed map the place is lost where a scan matches nothing, or where nothing of the map is
+/// recognised over some path: a new segment begins there. Poses that are no longer estimated are
+/// settled.
 class GrowingMap {
  public:
   GrowingMap(const std::vector<LaserModel>& lasers, const MotionOptions& motion);

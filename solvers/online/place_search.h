@@ -21,7 +21,7 @@ struct PlaceSearch {
   SeededDrive drive;   ///< of the graph
   int first_pose = 0;  ///< of the drive: the first one of the stretch
   TieOutcome outcome = TieOutcome::kNoMatch;
-  /// If the outcome is kTied: keyframes of the map, then those of the stretch, in the frame of the
+  /// If the outcome is kTied: keyframes of the map and then of the stretch, in the frame of the
   /// map, with closures between them.
   KeyframeGraph keys;
 };

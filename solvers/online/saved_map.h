@@ -15,11 +15,11 @@ namespace plumbline {
 struct SavedSession {
   SlamGraph graph;          ///< poses with their times, and scans; no edges
   MeasuredSurface surface;  ///< of the graph
-  /// Its poses are those of the map. All of its keyframes are fixed (KeyframeGraph::num_fixed).
+  /// It has the poses of the map. All of its keyframes are fixed (KeyframeGraph::num_fixed).
   SeededDrive drive;
 };
 
-/// Makes keyframes of a map, as far apart as those of a drive. map: its poses are the fixed ones,
+/// Makes keyframes of a map, as far apart as in a drive. map: its poses are the fixed ones,
 /// or else the initial guesses. InvalidArgument if some poses are fixed and others are not, or if
 /// no scan shows a surface.
 Status MakeSavedSession(const SlamGraph& map, const SeedingOptions& options,
